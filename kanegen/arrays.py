@@ -1,0 +1,94 @@
+"""Arrays of a system: reading what a user passes, and handing the model out as NumPy arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kanegen import validation
+from kanegen.errors import ModelError
+from kanegen.numbers import numbers
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class SystemArrays:
+    """The numbers of a system of N bodies; row K - 1 belongs to body K. Units as `System.from_arrays`."""
+
+    connection: NDArray[np.int64]  # (N,)
+    mass: Floats  # (N,)
+    inertia: Floats  # (N, 3, 3)
+    mass_center: Floats  # (N, 3)
+    joint_position: Floats  # (N, 3)
+    joint_orientation: Floats  # (N, 3, 3)
+    free: Flags  # (N, 6)
+    locked: Floats  # (N, 6)
+    gravity: Floats  # (3,)
+    loads: Flags  # (N,)
+
+
+def system_arrays(
+    *, connection: Sequence[int], joint_orientation: Sequence[Any], free: Any, loads: Any, **floats: Any
+) -> SystemArrays:
+    """`SystemArrays` from nested tuples; orientations given as 1-2-3 angles become matrices."""
+    return SystemArrays(
+        connection=np.array(connection, dtype=np.int64),
+        joint_orientation=np.array([_matrix(value) for value in joint_orientation]),
+        free=np.array(free, dtype=np.bool_),
+        loads=np.array(loads, dtype=np.bool_),
+        **{name: np.array(value, dtype=np.float64) for name, value in floats.items()},
+    )
+
+
+def _matrix(orientation: Any) -> Floats:
+    value = np.array(orientation, dtype=np.float64)
+    return value if value.shape == (3, 3) else rotation_123(value)
+
+
+def rotation_123(angles: Floats) -> Floats:
+    """[R_123] of Eq. (4) for three angles (rad): components before to components after the turns."""
+    (s1, s2, s3), (c1, c2, c3) = np.sin(angles), np.cos(angles)
+    return np.array(
+        [
+            [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
+            [-c2 * s3, c1 * c3 - s1 * s2 * s3, s1 * c3 + c1 * s2 * s3],
+            [s2, -s1 * c2, c1 * c2],
+        ]
+    )
+
+
+def integers(value: Any, what: str) -> tuple[int, ...]:
+    """`value` as a tuple of ints."""
+    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
+        raise ModelError(f"{what}: expected a sequence of integers, got {value!r}.")
+    return tuple(validation.integer(item, f"{what}[{i}]") for i, item in enumerate(value))
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Reads optional arrays with one row a body."""
+
+    count: int
+
+    def numbers(self, value: Any, shape: tuple[int, ...], default: Any, what: str) -> Any:
+        """(count, *shape) numbers, or `default` in every row where `value` is None."""
+        return (default,) * self.count if value is None else numbers(value, (self.count, *shape), what)
+
+    def flags(self, value: Any, length: int, default: bool, what: str) -> tuple[tuple[bool, ...], ...]:
+        """(count, length) bools, or `default` everywhere where `value` is None."""
+        if value is None:
+            return ((default,) * length,) * self.count
+        rows = validation.sequence(value, self.count, what)
+        return tuple(validation.flags(row, length, f"{what}[{k}]") for k, row in enumerate(rows))
+
+    def loads(self, value: Any) -> tuple[bool, ...]:
+        """(count,) bools from None, one bool or one a body."""
+        if value is None or isinstance(value, bool | np.bool_):
+            return (bool(value),) * self.count
+        return validation.flags(value, self.count, "loads")

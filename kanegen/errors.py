@@ -1,0 +1,41 @@
+"""What a user can get wrong, one class a kind.
+
+Every class is a `KanegenError`, which is a `ValueError`, so one `except` catches them all. Messages say
+what is wrong, where, and how to mend it.
+"""
+
+
+class KanegenError(ValueError):
+    """Root of everything that kanegen raises on purpose."""
+
+
+class ModelError(KanegenError):
+    """A system that cannot exist: a bad connection array, a negative mass, a hostile name."""
+
+
+class ReadError(ModelError):
+    """A model file that cannot be read; the message begins with the file and, where known, the line."""
+
+
+class SingularError(ModelError):
+    """A system whose [A] is singular in every state; names the body and the freedom."""
+
+
+class OptionError(KanegenError):
+    """An option that does not exist or does not fit, such as an unknown output."""
+
+
+class ArrayError(KanegenError):
+    """A state or load array of the wrong shape or type."""
+
+
+class WriteError(KanegenError):
+    """A folder that cannot take the generated files."""
+
+
+class BuildError(KanegenError):
+    """No C compiler, or one that failed; the message holds its command and its output."""
+
+
+class KanegenWarning(UserWarning):
+    """Something unusual that kanegen accepts, such as a violated triangle inequality."""

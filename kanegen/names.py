@@ -1,0 +1,66 @@
+"""Which names a model may use.
+
+System and parameter names become C identifiers. Body and joint names stay in comments, messages and
+`freedom_names`, and may also hold dots, hyphens and colons, as robot files do. Nothing else passes: no
+name from a file reaches C, a path or a shell unchecked.
+"""
+
+from __future__ import annotations
+
+import re
+
+from kanegen.errors import ModelError
+
+MAX_LENGTH = 63
+"""Significant characters of an internal identifier in C99, section 5.2.4.1."""
+
+_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_LABEL = re.compile(r"[A-Za-z0-9_](?:[A-Za-z0-9_:-]|\.(?!\.))*")
+
+# Keywords of C99, C11, C23 and C++20, and the names that the generated header takes for itself.
+KEYWORDS = frozenset(
+    """
+    alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break
+    case catch char char8_t char16_t char32_t class compl concept const consteval constexpr constinit
+    const_cast continue co_await co_return co_yield decltype default delete do double dynamic_cast else enum
+    explicit export extern false float for friend goto if inline int long mutable namespace new noexcept not
+    not_eq nullptr operator or or_eq private protected public reflexpr register reinterpret_cast requires
+    restrict return short signed sizeof static static_assert static_cast struct switch synchronized template
+    this thread_local throw true try typedef typeid typename typeof typeof_unqual union unsigned using
+    virtual void volatile wchar_t while xor xor_eq main
+    """.split()
+)
+
+
+def check_identifier(name: object, what: str) -> str:
+    """`name` if it can be a C identifier.
+
+    Raises:
+        ModelError: If it is not an ASCII identifier, is a keyword of C or C++, or is too long.
+    """
+    rule = "Use letters, digits and underscores, beginning with a letter."
+    return _check(name, what, _IDENTIFIER, rule)
+
+
+def check_label(name: object, what: str) -> str:
+    """`name` if it can label a body or a joint.
+
+    Raises:
+        ModelError: If it holds anything but ASCII letters, digits and `_ . - :`, or is a keyword.
+    """
+    rule = "Use letters, digits, '_', '-', ':' and single dots, beginning with a letter or digit."
+    return _check(name, what, _LABEL, rule)
+
+
+def _check(name: object, what: str, pattern: re.Pattern[str], rule: str) -> str:
+    if not isinstance(name, str):
+        raise ModelError(f"{what}: {name!r} is not a string.")
+    if not name:
+        raise ModelError(f"{what} is empty. {rule}")
+    if not pattern.fullmatch(name):
+        raise ModelError(f"{what}: {name!r} cannot be used. {rule}")
+    if name in KEYWORDS:
+        raise ModelError(f"{what}: {name!r} is a keyword of C or C++. Choose another name.")
+    if len(name) > MAX_LENGTH:
+        raise ModelError(f"{what}: {name!r} is longer than {MAX_LENGTH} characters.")
+    return name

@@ -1,0 +1,50 @@
+"""The invariants of a program; every pass keeps them."""
+
+from __future__ import annotations
+
+import math
+
+from kanegen.program.ir import ARITY, Op, Program
+
+
+class InvariantError(AssertionError):
+    """A program that breaks an invariant: a defect of kanegen, never of a model."""
+
+
+def check(program: Program) -> Program:
+    """`program` itself, if it is well formed.
+
+    Invariants: operands are defined before use and as many as the operation takes; constants are finite;
+    inputs read an element of a declared array; names and array names are unique; every output element is a
+    defined value.
+
+    Raises:
+        InvariantError: If one of them does not hold.
+    """
+    sizes = {array.name: array.size for array in program.inputs}
+    arrays = [array.name for array in program.inputs] + [output.array.name for output in program.outputs]
+    _require(len(arrays) == len(set(arrays)), f"array names are not unique: {arrays}")
+    names: set[str] = set()
+    for i, instruction in enumerate(program.instructions):
+        where = f"instruction {i} ({instruction.op})"
+        _require(len(instruction.operands) == ARITY[instruction.op], f"{where}: wrong number of operands")
+        _require(all(0 <= j < i for j in instruction.operands), f"{where}: operand not defined before use")
+        if instruction.op is Op.CONSTANT:
+            _require(math.isfinite(instruction.number), f"{where}: {instruction.number} is not finite")
+        if instruction.op is Op.INPUT:
+            size = sizes.get(instruction.array, 0)
+            _require(0 <= instruction.index < size, f"{where}: no element {instruction.index} of "
+                     f"{instruction.array!r}")
+        if instruction.name:
+            _require(instruction.name not in names, f"{where}: name {instruction.name!r} assigned twice")
+            names.add(instruction.name)
+    for output in program.outputs:
+        _require(len(output.values) == output.array.size, f"output {output.array.name!r}: wrong size")
+        defined = all(0 <= value < len(program.instructions) for value in output.values)
+        _require(defined, f"output {output.array.name!r}: undefined value")
+    return program
+
+
+def _require(condition: bool, message: str) -> None:
+    if not condition:
+        raise InvariantError(message)

@@ -1,0 +1,130 @@
+"""Straight-line code: a single-assignment list of scalar instructions.
+
+Instruction number i defines value i; operands are numbers of earlier values, so the list is its own
+topological order. Names and notes come from the derivation and go into the C; they carry no meaning here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Op(StrEnum):
+    """What an instruction computes from its operands."""
+
+    INPUT = "input"  # element `index` of the array `array`
+    CONSTANT = "constant"  # `number`
+    ADD = "add"
+    SUBTRACT = "subtract"
+    MULTIPLY = "multiply"
+    DIVIDE = "divide"
+    NEGATE = "negate"
+    SQRT = "sqrt"
+    SIN = "sin"
+    COS = "cos"
+
+
+ARITY = {
+    Op.INPUT: 0,
+    Op.CONSTANT: 0,
+    Op.ADD: 2,
+    Op.SUBTRACT: 2,
+    Op.MULTIPLY: 2,
+    Op.DIVIDE: 2,
+    Op.NEGATE: 1,
+    Op.SQRT: 1,
+    Op.SIN: 1,
+    Op.COS: 1,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Instruction:
+    """One assignment.
+
+    Attributes:
+        op: The operation.
+        operands: Numbers of earlier values, as many as `ARITY` says.
+        number: The value of a `CONSTANT`.
+        array: Which input array an `INPUT` reads.
+        index: Which element of it, row-major.
+        name: Name of the quantity, such as `omega_7_x`; empty for a mere part of an expression.
+        note: What a reader should know where this instruction begins a group.
+    """
+
+    op: Op
+    operands: tuple[int, ...] = ()
+    number: float = 0.0
+    array: str = ""
+    index: int = 0
+    name: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Array:
+    """An input or output array of a program.
+
+    Attributes:
+        name: Name in C, such as `x`.
+        shape: Lengths, row-major.
+        unit: SI unit or units.
+        doc: One line: what it holds, with its equation.
+    """
+
+    name: str
+    shape: tuple[int, ...]
+    unit: str
+    doc: str
+
+    @property
+    def size(self) -> int:
+        """Number of elements."""
+        size = 1
+        for length in self.shape:
+            size *= length
+        return size
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """An output array and the values that fill it, row-major."""
+
+    array: Array
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """Inputs, instructions, outputs; `check` says what must hold.
+
+    Attributes:
+        inputs: Arrays that instructions may read.
+        instructions: In order of evaluation.
+        outputs: What is computed, in the order of the C arguments.
+    """
+
+    inputs: tuple[Array, ...]
+    instructions: tuple[Instruction, ...]
+    outputs: tuple[Output, ...]
+
+    def results(self) -> Iterator[int]:
+        """Every value that an output holds."""
+        for output in self.outputs:
+            yield from output.values
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """Programs that become one C file.
+
+    Attributes:
+        prepare: From the parameters to the prepared constants, the one output; None without parameters.
+        functions: By function name: one program for every requested output, and `evaluate`, which
+            computes all of them and shares every intermediate, where there are several.
+    """
+
+    prepare: Program | None
+    functions: dict[str, Program]
