@@ -1,0 +1,43 @@
+"""Take common factors out of sums: a b + a c becomes a (b + c), one multiplication less."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from kanegen.program.builder import Builder
+from kanegen.program.ir import Instruction, Op, Output, Program
+
+
+def factor(program: Program) -> Program:
+    """Factor every sum of two products that share a factor and are used nowhere else."""
+    uses = Counter(operand for i in program.instructions for operand in i.operands)
+    uses.update(program.results())
+    builder = Builder(program.inputs)
+    moved: list[int] = []
+    for instruction in program.instructions:
+        shared = _shared_factor(program, instruction, uses)
+        if shared is None:
+            moved.append(builder.copy(instruction, [moved[j] for j in instruction.operands]))
+            continue
+        common, left, right = (moved[j] for j in shared)
+        combine = builder.add if instruction.op is Op.ADD else builder.subtract
+        value = builder.multiply(common, combine(left, right))
+        moved.append(builder.name(value, instruction.name, instruction.note))
+    outputs = [Output(o.array, tuple(moved[value] for value in o.values)) for o in program.outputs]
+    return builder.program(outputs)
+
+
+def _shared_factor(
+    program: Program, instruction: Instruction, uses: Counter[int]
+) -> tuple[int, int, int] | None:
+    """(a, b, c) where the instruction is a b +- a c and nothing else needs the products."""
+    if instruction.op not in (Op.ADD, Op.SUBTRACT):
+        return None
+    products = [program.instructions[j] for j in instruction.operands]
+    if any(p.op is not Op.MULTIPLY for p in products) or any(uses[j] != 1 for j in instruction.operands):
+        return None
+    (a, b), (c, d) = (p.operands for p in products)
+    for common, left, other, right in ((a, b, c, d), (a, b, d, c), (b, a, c, d), (b, a, d, c)):
+        if common == other:
+            return common, left, right
+    return None

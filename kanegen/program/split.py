@@ -1,0 +1,82 @@
+"""Cut one program for all outputs into the functions of a C file.
+
+What depends on parameters alone goes into `prepare`, which runs once; the functions read its results.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from kanegen.program.builder import Builder
+from kanegen.program.ir import Array, Instruction, Module, Op, Output, Program
+from kanegen.program.passes.prune import prune
+
+PREPARED = "prepared"
+
+
+def split(program: Program, functions: Mapping[str, Sequence[str]], parameters: str) -> Module:
+    """One program for every function, and `prepare` where the program reads parameters.
+
+    Args:
+        program: All outputs together.
+        functions: The outputs of every function.
+        parameters: Name of the input array that holds run-time parameters.
+    """
+    prepare = None
+    if any(array.name == parameters for array in program.inputs):
+        prepare, program = _hoist(program, parameters)
+    return Module(prepare, {name: _restrict(program, outputs) for name, outputs in functions.items()})
+
+
+def _restrict(program: Program, outputs: Sequence[str]) -> Program:
+    chosen = tuple(output for output in program.outputs if output.array.name in outputs)
+    return prune(replace(program, outputs=chosen))
+
+
+def _hoist(program: Program, parameters: str) -> tuple[Program, Program]:
+    """The parameter-only part and the rest, which reads its results as the array `prepared`."""
+    early = _parameter_only(program, parameters)
+    needed = _frontier(program, early)
+    array = Array(PREPARED, (max(1, len(needed)),), "SI", "constants that depend on parameters alone")
+    source = tuple(a for a in program.inputs if a.name == parameters)
+    first = Builder(source)
+    moved: dict[int, int] = {}
+    for i, instruction in enumerate(program.instructions):
+        if early[i]:
+            moved[i] = first.copy(instruction, [moved[j] for j in instruction.operands])
+    results = tuple(moved[i] for i in needed) or (first.constant(0.0),)
+    prepare = prune(first.program([Output(array, results)]))
+
+    rest = Builder((array, *(a for a in program.inputs if a.name != parameters)))
+    place = {value: index for index, value in enumerate(needed)}
+    moved = {}
+    for i, instruction in enumerate(program.instructions):
+        if i in place:
+            moved[i] = rest.input(PREPARED, place[i], _prepared_name(instruction))
+        elif not early[i] or instruction.op is Op.CONSTANT:
+            moved[i] = rest.copy(instruction, [moved[j] for j in instruction.operands])
+    outputs = [Output(o.array, tuple(moved[value] for value in o.values)) for o in program.outputs]
+    return prepare, rest.program(outputs)
+
+
+def _prepared_name(instruction: Instruction) -> str:
+    """Names pass on, so that the C of every function speaks of the same quantities."""
+    return instruction.name
+
+
+def _parameter_only(program: Program, parameters: str) -> list[bool]:
+    early: list[bool] = []
+    for instruction in program.instructions:
+        if instruction.op is Op.INPUT:
+            early.append(instruction.array == parameters)
+        else:
+            early.append(all(early[j] for j in instruction.operands))
+    return early
+
+
+def _frontier(program: Program, early: Sequence[bool]) -> list[int]:
+    """Parameter-only values that the rest or an output reads; numbers stay where they are."""
+    read = {j for i, x in enumerate(program.instructions) if not early[i] for j in x.operands}
+    read.update(program.results())
+    return sorted(j for j in read if early[j] and program.instructions[j].op is not Op.CONSTANT)

@@ -1,0 +1,138 @@
+"""A joint as the recursions see it: a shift of origin, then turns from the lower body's frame to the body's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, S
+
+from kanegen.angles import sine_cosine
+from kanegen.numbers import Number, Parameter
+from kanegen.symbolic.definitions import Definitions, Vector
+from kanegen.symbolic.symbols import coordinate, speed
+from kanegen.symbolic.turns import Turn, constant_turns, planar
+from kanegen.symbolic.vectors import add, unit
+from kanegen.system import Body, Freedom, System
+
+NO_FREEDOM = -1
+
+
+@dataclass(frozen=True)
+class Step:
+    """One turn of a joint.
+
+    Attributes:
+        turn: From the lower to the upper frame.
+        freedom: Number in {x} of the angle that turns it, or `NO_FREEDOM`.
+        axis: Basis vector about which that angle turns.
+        rate: The angle's rate.
+        frame: Suffix for the names of quantities seen below this turn.
+    """
+
+    turn: Turn
+    frame: str
+    freedom: int = NO_FREEDOM
+    axis: int = 0
+    rate: Expr = S.Zero
+
+
+@dataclass(frozen=True)
+class Slide:
+    """One free translation: its number in {x}, its direction in the lower body's frame, its rate."""
+
+    freedom: int
+    direction: Vector
+    rate: Expr
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """How body K moves on its lower body J.
+
+    Attributes:
+        body: K.
+        lower: J, 0 for the ground.
+        offset: {q'_K} + [C_K]^T {s'_K}, from O_J to O_K in J (m).
+        slides: The free translations.
+        steps: The turns, from J outward.
+    """
+
+    body: int
+    lower: int
+    offset: Vector
+    slides: tuple[Slide, ...]
+    steps: tuple[Step, ...]
+
+    def inward(self) -> Iterator[tuple[Step, str]]:
+        """The turns from the body inward, each with the label of the frame below it."""
+        for step in reversed(self.steps):
+            yield step, step.frame
+
+
+def exact(value: Number) -> Expr:
+    """A parameter's symbol, or the rational number that a float is, so that folding rounds only once."""
+    return sympy.Symbol(value.name, real=True) if isinstance(value, Parameter) else sympy.Rational(value)
+
+
+def joint_motion(system: System, k: int, definitions: Definitions) -> JointMotion:
+    """The motion of body `k` on its lower body, sines and cosines defined."""
+    body = system.bodies[k - 1]
+    number = {freedom: i for i, freedom in enumerate(system.freedoms)}
+    definitions.about(f"Body {k} ({body.name}): the joint, Eqs. (4), (22)")
+    constant = _orientation(body, k, definitions)
+    directions = [definitions.vector(f"u_{k}_{i + 1}", _down(constant, unit(i))) for i in range(3)]
+    offset = Vector(*(exact(value) for value in body.joint.position))
+    slides = []
+    for axis in range(3):
+        free = body.joint.free[3 + axis]
+        s = coordinate(k, 3 + axis) if free else exact(body.joint.locked[3 + axis])
+        offset = add(offset, Vector(*(s * component for component in directions[axis])))
+        if free:
+            slides.append(Slide(number[Freedom(k, 3 + axis)], directions[axis], speed(k, 3 + axis)))
+    steps = [Step(turn, f"{k}c{i}") for i, turn in enumerate(constant)]
+    steps += [_angle_step(body, k, axis, number, definitions) for axis in range(3)]
+    moving = tuple(step for step in steps if step.freedom != NO_FREEDOM or not _is_identity(step.turn))
+    named = definitions.vector(f"d_{k}", offset)
+    return JointMotion(k, body.lower, named, tuple(slides), moving)
+
+
+def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ...]:
+    orientation = body.joint.orientation
+    if not isinstance(orientation[0], tuple):
+        return tuple(_locked_turn(f"{k}_c{i + 1}", i, angle, definitions) for i, angle in enumerate(orientation))
+    return constant_turns([[exact(entry) for entry in row] for row in orientation])
+
+
+def _angle_step(
+    body: Body, k: int, axis: int, number: dict[Freedom, int], definitions: Definitions
+) -> Step:
+    frame = f"{k}a{axis}"
+    if not body.joint.free[axis]:
+        locked = body.joint.locked[axis]
+        return Step(_locked_turn(f"{k}_{axis + 1}", axis, locked, definitions), frame)
+    angle = coordinate(k, axis)
+    sine = definitions.define(f"S_{k}_{axis + 1}", sympy.sin(angle))
+    cosine = definitions.define(f"C_{k}_{axis + 1}", sympy.cos(angle))
+    turn = planar(axis, sine, cosine)
+    return Step(turn, frame, number[Freedom(k, axis)], axis, speed(k, axis))
+
+
+def _locked_turn(name: str, axis: int, angle: Number, definitions: Definitions) -> Turn:
+    if isinstance(angle, Parameter):
+        symbol = exact(angle)
+        sine = definitions.define(f"S_{name}", sympy.sin(symbol))
+        return planar(axis, sine, definitions.define(f"C_{name}", sympy.cos(symbol)))
+    sine, cosine = (sympy.Rational(value) for value in sine_cosine(angle))
+    return planar(axis, sine, cosine)
+
+
+def _is_identity(turn: Turn) -> bool:
+    return all(turn.up(unit(axis)) == unit(axis) for axis in range(3))
+
+
+def _down(turns: tuple[Turn, ...], v: Vector) -> Vector:
+    for turn in reversed(turns):
+        v = turn.down(v)
+    return v

@@ -1,0 +1,80 @@
+"""The one place that makes SymPy symbols, so that one name always means one symbol.
+
+`theta_K_i`, `s_K_i` are coordinates, `thetadot_K_i`, `sdot_K_i` speeds, `thetaddot_K_i`, `sddot_K_i`
+accelerations, `F_K_i`, `M_K_i` loads; bodies K and components i count from 1. A parameter is the symbol of
+its own name. Every symbol is real.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy
+from sympy import Expr, Float, Integer, Symbol
+
+from kanegen.numbers import Number, Parameter
+
+WHOLE = 2**31
+"""Whole numbers below this size become exact integers; larger ones stay binary floating point."""
+
+
+def coordinate(body: int, index: int) -> Symbol:
+    """Coordinate of `body` (from 1); `index` 0 to 5 counts `system.FREEDOMS` (rad, m)."""
+    return _freedom("theta", "s", body, index)
+
+
+def speed(body: int, index: int) -> Symbol:
+    """Generalized speed, the time derivative of `coordinate(body, index)` (rad/s, m/s)."""
+    return _freedom("thetadot", "sdot", body, index)
+
+
+def acceleration(body: int, index: int) -> Symbol:
+    """Time derivative of `speed(body, index)` (rad/s^2, m/s^2)."""
+    return _freedom("thetaddot", "sddot", body, index)
+
+
+def force(body: int, axis: int) -> Symbol:
+    """Component `axis` (0 to 2) of {F'_K}, the force at G_K in body components (N)."""
+    return real(f"F_{body}_{axis + 1}")
+
+
+def torque(body: int, axis: int) -> Symbol:
+    """Component `axis` (0 to 2) of {M'_K}, the torque on body K in body components (N m)."""
+    return real(f"M_{body}_{axis + 1}")
+
+
+def parameter(value: Parameter) -> Symbol:
+    """The symbol that stands for a run-time parameter."""
+    return real(value.name)
+
+
+def expression(value: Number) -> Expr:
+    """A number of a model in SymPy, with nothing rounded.
+
+    A parameter is its symbol. A whole number below `WHOLE` is an `Integer`, so that zeros and ones vanish
+    from products; every other float is a `Float` of the same 53 bits.
+    """
+    if isinstance(value, Parameter):
+        return parameter(value)
+    if value.is_integer() and abs(value) < WHOLE:
+        return Integer(int(value))
+    return Float(value, precision=53)
+
+
+def column(values: Sequence[Number]) -> sympy.ImmutableMatrix:
+    """A column of numbers of a model."""
+    return sympy.ImmutableMatrix([expression(value) for value in values])
+
+
+def matrix(values: Sequence[Sequence[Number]]) -> sympy.ImmutableMatrix:
+    """A matrix of numbers of a model, row by row."""
+    return sympy.ImmutableMatrix([[expression(value) for value in row] for row in values])
+
+
+def real(name: str) -> Symbol:
+    """A real symbol."""
+    return Symbol(name, real=True)
+
+
+def _freedom(angle: str, translation: str, body: int, index: int) -> Symbol:
+    return real(f"{angle if index < 3 else translation}_{body}_{index % 3 + 1}")
