@@ -3,8 +3,8 @@
     TOML / URDF / arrays
         |  readers      text -> System
     System
-        |  symbolic     Eqs. (2)-(45) of the notes: the literal form to read, the recursive form for code
-    Equations, RecursiveForm
+        |  symbolic     Eqs. (2)-(45) of the notes in SymPy, literally -> Equations, to read
+        |  recursion    the same values by recursion, every intermediate named -> RecursiveForm
         |  lowering     every definition becomes a few instructions
     Program
         |  passes       Program -> Program, counted
@@ -17,3 +17,145 @@
         |  check        against an independent NumPy reference
     Report
 """
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from kanegen import library as libraries
+from kanegen import symbolic
+from kanegen.c import ModelFacts, Source, render
+from kanegen.check import regularity
+from kanegen.check.compare import Report
+from kanegen.check.compare import compare as compare_with_reference
+from kanegen.lowering import lower
+from kanegen.program import passes
+from kanegen.program.count import operations
+from kanegen.program.ir import Module
+from kanegen.program.split import split
+from kanegen.signature import OUTPUTS, PARAMETERS, chosen, functions, input_arrays
+from kanegen.recursion import recursive_form
+from kanegen.system import System
+
+Progress = Callable[[str], None]
+"""Told the name of each stage as it begins."""
+
+
+def quiet(stage: str) -> None:
+    """Progress that nobody watches."""
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """The functions of a system, ready to be written as C, and how they came to cost what they cost."""
+
+    module: Module
+    stages: tuple[passes.Stage, ...]
+
+    @property
+    def operations(self) -> dict[str, int]:
+        """Operations of one evaluation of all outputs together."""
+        return operations(self.module)
+
+
+def derive(system: System, progress: Progress = quiet) -> symbolic.Equations:
+    """The equations of motion in SymPy, literally as the notes derive them.
+
+    Raises:
+        SingularError: If [A] is singular in every state.
+    """
+    progress("deriving")
+    regularity.require_regular(system)
+    return symbolic.derive(system)
+
+
+def compile_module(
+    system: System, outputs: Iterable[str] = tuple(OUTPUTS), progress: Progress = quiet
+) -> Compiled:
+    """Straight-line programs for `outputs`, every intermediate shared.
+
+    Raises:
+        OptionError: If an output is unknown.
+        SingularError: If [A] is singular in every state.
+    """
+    names = chosen(outputs)
+    regularity.require_regular(system)
+    progress("deriving")
+    form = recursive_form(system, names)
+    progress("lowering")
+    arrays = {OUTPUTS[name].array(system): form.outputs[name] for name in names}
+    program = lower(input_arrays(system), form.definitions, arrays)
+    progress("optimising")
+    program, stages = passes.run(program)
+    return Compiled(split(program, functions(system, names), PARAMETERS), stages)
+
+
+def generate(
+    system: System, outputs: Iterable[str] = tuple(OUTPUTS), progress: Progress = quiet
+) -> Source:
+    """C for `outputs`, specialised to `system`.
+
+    Args:
+        system: The tree.
+        outputs: Names among `OUTPUTS`; the code for several shares its intermediates.
+        progress: Told the name of each stage.
+
+    Raises:
+        OptionError: If an output is unknown.
+        SingularError: If [A] is singular in every state; names the body and the freedom.
+    """
+    compiled = compile_module(system, outputs, progress)
+    progress("printing")
+    return render(facts(system), compiled.module, compiled.operations)
+
+
+def build(
+    system: System,
+    outputs: Iterable[str] = tuple(OUTPUTS),
+    compiler: str | None = None,
+    flags: Sequence[str] | None = None,
+    progress: Progress = quiet,
+) -> libraries.Library:
+    """Generate, compile and load.
+
+    Args:
+        system: The tree.
+        outputs: Names among `OUTPUTS`.
+        compiler: Command of a C compiler; by default the first that is found.
+        flags: Its flags; by default optimised with IEEE semantics kept.
+        progress: Told the name of each stage.
+
+    Raises:
+        OptionError, SingularError: As `generate`.
+        BuildError: If there is no compiler, or it fails.
+    """
+    source = generate(system, outputs, progress)
+    progress("compiling")
+    return libraries.load(source, compiler, flags)
+
+
+def compare(system: System, states: int = 1000, seed: int = 0, progress: Progress = quiet) -> Report:
+    """The compiled C of `system` against the NumPy reference over random states.
+
+    Args:
+        system: The tree.
+        states: How many.
+        seed: Of the random states.
+        progress: Told the name of each stage.
+    """
+    built = build(system, progress=progress)
+    progress("comparing")
+    return compare_with_reference(system, built, states=states, seed=seed)
+
+
+def facts(system: System) -> ModelFacts:
+    """What the C says about the model beside its programs."""
+    return ModelFacts(
+        name=system.name,
+        freedom_names=system.freedom_names,
+        freedom_units=tuple(freedom.unit for freedom in system.freedoms),
+        body_names=tuple(body.name for body in system.bodies),
+        loaded=tuple(body.loads for body in system.bodies),
+        parameters=tuple((parameter.name, parameter.value) for parameter in system.parameters),
+    )

@@ -36,7 +36,8 @@ class Joint:
     Attributes:
         position: `q'_K`, from O_J to Q_K, in J (m).
         orientation: `[C_K]`, from J components to joint-frame components: a (3, 3) rotation, or three
-            constant 1-2-3 angles (rad) where an angle is to stay a parameter.
+            constant 1-2-3 angles (rad) where an angle is to stay a parameter. Angles that are all plain
+            numbers become the matrix, with exact zeros and ones at right angles.
         free: Which of `FREEDOMS` are free.
         locked: Values of those that are not (rad, m); 0 at the free ones.
         name: Name of the joint in a robot file; names the freedom where there is only one.
@@ -57,6 +58,23 @@ class Joint:
         orientation = validation.orientation(self.orientation)
         locked = tuple(0.0 if is_free else value for is_free, value in zip(free, locked, strict=True))
         _set(self, position=position, orientation=orientation, free=free, locked=locked)
+
+    def as_table(self) -> dict[str, Any]:
+        """The joint in the words of a model file, defaults left out."""
+        is_matrix = isinstance(self.orientation[0], tuple)
+        names = tuple(name for name, is_free in zip(FREEDOMS, self.free, strict=True) if is_free)
+        entries = {
+            "name": self.name,
+            "position": _file_value(self.position) if any(self.position) else "",
+            "orientation" if is_matrix else "orientation_angles": (
+                "" if self.orientation == IDENTITY else _file_value(self.orientation)
+            ),
+            "free": names or "none",
+            "locked": {
+                name: _file_value(value) for name, value in zip(FREEDOMS, self.locked, strict=True) if value
+            },
+        }
+        return {key: value for key, value in entries.items() if value}
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 
 from kanegen.errors import KanegenWarning, ModelError
 from kanegen.numbers import Matrix, Number, Parameter, Vector, map_numbers, numbers, value_of
+from kanegen.rotations import rotation_123
 
 ORTHOGONALITY = 1e-12
 """How far [C][C]^T may be from the identity: the rounding of a product of many rotations, not of a
@@ -114,11 +115,14 @@ def _symmetric(value: Matrix) -> Matrix:
 
 
 def orientation(value: Any) -> Matrix | Vector:
-    """A rotation matrix, or three constant angles."""
+    """A rotation matrix, or three constant angles where one of them is a parameter."""
     items = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else []
     if len(items) == 3 and all(isinstance(item, Parameter) or np.ndim(item) == 0 for item in items):
         angles: Vector = numbers(items, (3,), "joint orientation")
-        return angles
+        a, b, c = angles
+        if isinstance(a, Parameter) or isinstance(b, Parameter) or isinstance(c, Parameter):
+            return angles
+        return numbers(rotation_123((a, b, c)), (3, 3), "joint orientation")
     matrix: Matrix = numbers(value, (3, 3), "joint orientation")
     c = np.array(map_numbers(matrix, value_of))
     with np.errstate(over="ignore", invalid="ignore"):

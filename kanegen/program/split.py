@@ -7,31 +7,42 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from kanegen.program.builder import Builder
+from kanegen.program.check import check
 from kanegen.program.ir import Array, Instruction, Module, Op, Output, Program
 from kanegen.program.passes.prune import prune
 
 PREPARED = "prepared"
 
 
-def split(program: Program, functions: Mapping[str, Sequence[str]], parameters: str) -> Module:
+class Signature(NamedTuple):
+    """Names of the arrays that a function reads and fills."""
+
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+def split(program: Program, functions: Mapping[str, Signature], parameters: str) -> Module:
     """One program for every function, and `prepare` where the program reads parameters.
 
     Args:
         program: All outputs together.
-        functions: The outputs of every function.
+        functions: What every function reads and fills; `prepared` goes first where there is one.
         parameters: Name of the input array that holds run-time parameters.
     """
     prepare = None
     if any(array.name == parameters for array in program.inputs):
         prepare, program = _hoist(program, parameters)
-    return Module(prepare, {name: _restrict(program, outputs) for name, outputs in functions.items()})
+    restricted = {name: _restrict(program, signature) for name, signature in functions.items()}
+    return Module(prepare, restricted)
 
 
-def _restrict(program: Program, outputs: Sequence[str]) -> Program:
-    chosen = tuple(output for output in program.outputs if output.array.name in outputs)
-    return prune(replace(program, outputs=chosen))
+def _restrict(program: Program, signature: Signature) -> Program:
+    inputs = tuple(array for array in program.inputs if array.name in (PREPARED, *signature.inputs))
+    outputs = tuple(output for output in program.outputs if output.array.name in signature.outputs)
+    return check(prune(replace(program, inputs=inputs, outputs=outputs)))
 
 
 def _hoist(program: Program, parameters: str) -> tuple[Program, Program]:
@@ -53,25 +64,21 @@ def _hoist(program: Program, parameters: str) -> tuple[Program, Program]:
     moved = {}
     for i, instruction in enumerate(program.instructions):
         if i in place:
-            moved[i] = rest.input(PREPARED, place[i], _prepared_name(instruction))
+            moved[i] = rest.input(PREPARED, place[i], instruction.name or f"c_{place[i] + 1}")
         elif not early[i] or instruction.op is Op.CONSTANT:
             moved[i] = rest.copy(instruction, [moved[j] for j in instruction.operands])
     outputs = [Output(o.array, tuple(moved[value] for value in o.values)) for o in program.outputs]
     return prepare, rest.program(outputs)
 
 
-def _prepared_name(instruction: Instruction) -> str:
-    """Names pass on, so that the C of every function speaks of the same quantities."""
-    return instruction.name
-
-
 def _parameter_only(program: Program, parameters: str) -> list[bool]:
+    """Which instructions need nothing else; a sign change stays with its user, where it is free."""
     early: list[bool] = []
     for instruction in program.instructions:
         if instruction.op is Op.INPUT:
             early.append(instruction.array == parameters)
         else:
-            early.append(all(early[j] for j in instruction.operands))
+            early.append(instruction.op is not Op.NEGATE and all(early[j] for j in instruction.operands))
     return early
 
 

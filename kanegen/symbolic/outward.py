@@ -16,7 +16,7 @@ class Linked(Protocol):
         """The next one towards the ground."""
 
 
-class outward(cached_property[T]):  # noqa: N801 - used as a decorator, like the class it extends
+class outward(cached_property[T]):
     """A cached property of a body that may read the same property of its lower body.
 
     The lower bodies' values are computed first, ground outwards, so that a recursive definition such as

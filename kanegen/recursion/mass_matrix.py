@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 from sympy import Expr, S
 
-from kanegen.symbolic.bodies import Inertia, body_inertia
+from kanegen.recursion.bodies import Inertia, body_inertia
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
-from kanegen.symbolic.joints import NO_FREEDOM, JointMotion, Step
-from kanegen.symbolic.vectors import add, column, cross, dot, scale, unit
+from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Step
+from kanegen.recursion.vectors import add, column, cross, dot, scale, unit
 from kanegen.system import System
 
 

@@ -1,4 +1,4 @@
-"""The recursive form of the equations: identical values, far fewer operations than the literal one."""
+"""Derives the outputs that are asked for, one recursion each, on shared definitions."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from sympy import Expr
 
 from kanegen.symbolic.definitions import Definition, Definitions
-from kanegen.symbolic.forcing import forcing
-from kanegen.symbolic.joints import JointMotion, joint_motion
-from kanegen.symbolic.mass_matrix import mass_matrix
+from kanegen.recursion.forcing import forcing
+from kanegen.recursion.joints import JointMotion, joint_motion
+from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.system import System
 
 Recursion = Callable[[System, tuple[JointMotion, ...], Definitions], list[Expr]]

@@ -14,7 +14,7 @@ from typing import Protocol
 from sympy import Expr, S
 
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
-from kanegen.symbolic.vectors import column, dot, multiply, unit
+from kanegen.recursion.vectors import column, dot, multiply, unit
 
 INDEX = {(0, 0): "xx", (1, 1): "yy", (2, 2): "zz", (0, 1): "xy", (0, 2): "xz", (1, 2): "yz"}
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 from sympy import Expr
 
-from kanegen.symbolic.bodies import Inertia, body_inertia
+from kanegen.recursion.bodies import Inertia, body_inertia
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.joints import NO_FREEDOM, JointMotion, exact
+from kanegen.recursion.joints import NO_FREEDOM, JointMotion, exact
 from kanegen.symbolic.symbols import force as force_symbol
 from kanegen.symbolic.symbols import torque as torque_symbol
-from kanegen.symbolic.vectors import ZERO, add, cross, dot, multiply, negate, scale, subtract, unit
+from kanegen.recursion.vectors import ZERO, add, cross, dot, multiply, negate, scale, subtract, unit
 from kanegen.system import System
 
 Rows = tuple[Vector, Vector, Vector]

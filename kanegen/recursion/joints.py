@@ -12,8 +12,8 @@ from kanegen.angles import sine_cosine
 from kanegen.numbers import Number, Parameter
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import coordinate, speed
-from kanegen.symbolic.turns import Turn, constant_turns, planar
-from kanegen.symbolic.vectors import add, unit
+from kanegen.recursion.turns import Turn, constant_turns, planar
+from kanegen.recursion.vectors import add, unit
 from kanegen.system import Body, Freedom, System
 
 NO_FREEDOM = -1

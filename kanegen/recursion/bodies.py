@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from sympy import Expr, S
 
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
-from kanegen.symbolic.joints import exact
-from kanegen.symbolic.vectors import ZERO, add, add_symmetric, scale
+from kanegen.recursion.joints import exact
+from kanegen.recursion.vectors import ZERO, add, add_symmetric, scale
 from kanegen.system import System
 
 NOTHING = Symmetric(*(S.Zero,) * 6)

@@ -1,0 +1,39 @@
+# Two commands set everything up by themselves: `make demo` and `make test`.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+MODEL := models/eight_body.toml
+
+.PHONY: demo test lint generated clean
+
+demo: $(VENV)/.kanegen
+	$(BIN)/kanegen info $(MODEL)
+	$(BIN)/kanegen generate $(MODEL) --output-dir build/eight_body --force
+	$(BIN)/kanegen check $(MODEL)
+
+test: lint
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.tests
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+# Rewrite generated/ from models/ after a change that is meant to alter the C.
+generated: $(VENV)/.tests
+	$(BIN)/python -m pytest tests/test_generated.py --update-generated
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+
+$(VENV)/bin/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.kanegen: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable .
+	touch $@
+
+$(VENV)/.tests: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable ".[test]"
+	touch $@ $(VENV)/.kanegen

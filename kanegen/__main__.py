@@ -1,0 +1,5 @@
+"""`python -m kanegen` is the command line."""
+
+from kanegen.cli import main
+
+main()

@@ -1,0 +1,94 @@
+"""What a C file offers, as plain data: the facts of a model and the signatures of its functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kanegen.program.ir import Array, Module, Program
+
+EVALUATE = "evaluate"
+"""The function that fills every requested output, where there are several."""
+
+PREPARE = "prepare"
+"""The function that turns parameters into prepared constants."""
+
+
+@dataclass(frozen=True)
+class ModelFacts:
+    """What the code says about a model beside its programs.
+
+    Attributes:
+        name: A C identifier; the prefix of everything.
+        freedom_names: n names in the order of {x}.
+        freedom_units: Unit of each coordinate, "rad" or "m".
+        body_names: N names.
+        loaded: For each body whether it takes a force and a torque.
+        parameters: Name and default of each run-time parameter, in the order of the C array.
+    """
+
+    name: str
+    freedom_names: tuple[str, ...]
+    freedom_units: tuple[str, ...]
+    body_names: tuple[str, ...]
+    loaded: tuple[bool, ...]
+    parameters: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def takes_loads(self) -> bool:
+        """Whether any body takes a force and a torque."""
+        return any(self.loaded)
+
+
+@dataclass(frozen=True)
+class Function:
+    """A C function, `<model>_<name>`, and its batch form.
+
+    Attributes:
+        name: Without the prefix.
+        doc: One sentence.
+        inputs: Arrays that it reads, in the order of the arguments.
+        outputs: Arrays that it fills, which follow.
+        shared: Names of inputs that all states of a batch have in common.
+    """
+
+    name: str
+    doc: str
+    inputs: tuple[Array, ...]
+    outputs: tuple[Array, ...]
+    shared: tuple[str, ...] = ()
+
+    @property
+    def has_batch(self) -> bool:
+        """Whether it depends on a state, so that many states make sense."""
+        return self.name != PREPARE
+
+
+def signatures(module: Module) -> dict[Function, Program]:
+    """Every function of a module with its program: `prepare` first, then the others in their order."""
+    found: dict[Function, Program] = {}
+    shared: tuple[str, ...] = ()
+    if module.prepare is not None:
+        arrays = _outputs(module.prepare)
+        shared = tuple(array.name for array in arrays)
+        doc = "Everything that depends on parameters alone. Call it again whenever a parameter changes."
+        found[Function(PREPARE, doc, module.prepare.inputs, arrays)] = module.prepare
+    for name, program in module.functions.items():
+        arrays = _outputs(program)
+        doc = f"{arrays[0].doc}."
+        if len(arrays) > 1:
+            doc = f"{_listed([array.name for array in arrays])} together, every intermediate shared."
+        found[Function(name, doc, program.inputs, arrays, shared)] = program
+    return found
+
+
+def requested(module: Module) -> tuple[str, ...]:
+    """The outputs that were asked for, each a function of its own."""
+    return tuple(name for name in module.functions if name != EVALUATE)
+
+
+def _outputs(program: Program) -> tuple[Array, ...]:
+    return tuple(output.array for output in program.outputs)
+
+
+def _listed(names: list[str]) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}"

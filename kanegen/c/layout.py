@@ -1,0 +1,64 @@
+"""Line breaks of the generated C."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+
+WIDTH = 110
+"""Columns of a generated line."""
+
+BREAK = "\t"
+"""In a text for `wrap`: a space, or the end of a line."""
+
+HINGE = "\v"
+"""In a text for `wrap`: nothing, or the end of a line where no `BREAK` helps."""
+
+
+def wrap(text: str, indent: str = "    ", hanging: str = "        ") -> list[str]:
+    """Lines of at most `WIDTH` columns where `text` has enough places to break it.
+
+    Args:
+        text: With `BREAK` and `HINGE` where it may be broken.
+        indent: What the first line begins with.
+        hanging: What the other lines begin with.
+    """
+    lines: list[str] = []
+    line, separator = indent, ""
+    for space, piece in _pieces(text, WIDTH - len(hanging)):
+        glue = separator and space
+        if separator and len(line) + len(glue) + len(piece) > WIDTH:
+            lines.append(line)
+            line, glue = hanging, ""
+        line += glue + piece
+        separator = " "
+    return [*lines, line]
+
+
+def _pieces(text: str, room: int) -> Iterator[tuple[str, str]]:
+    """What must stay together, each with what stands before it on the same line."""
+    for chunk in text.split(BREAK):
+        parts = chunk.split(HINGE)
+        if len(chunk) - len(parts) + 1 <= room:
+            parts = ["".join(parts)]
+        yield " ", parts[0]
+        for part in parts[1:]:
+            yield "", part
+
+
+def comment(text: str, indent: str = "    ") -> list[str]:
+    """`text` as a comment of C; whatever it says, it cannot end the comment."""
+    inner = text.replace("*/", "* /")
+    lines = textwrap.wrap(inner, WIDTH - len(indent) - len("/*  */"), break_long_words=False) or [""]
+    lines[1:] = [f"{indent}   {line}" for line in lines[1:]]
+    lines[0] = f"{indent}/* {lines[0]}"
+    lines[-1] += " */"
+    return lines
+
+
+def columns(rows: Sequence[Sequence[str]], gap: str = "  ") -> list[str]:
+    """`rows` as lines whose columns are aligned; an empty table has no line."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        gap.join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]

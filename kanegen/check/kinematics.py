@@ -1,0 +1,255 @@
+"""Equations (1)-(35) of the notes, written down in NumPy as they stand there.
+
+Every body has its partial velocity matrices of size (3, 6N) and their time derivatives, built outward from
+those of its lower body. Columns of locked freedoms are present too; the reader drops them last. Nothing
+here shares code with the derivation that becomes C.
+
+The arithmetic is that of the state: float64, longdouble, complex (for complex-step derivatives), and object
+arrays of high-precision numbers that know `sin` and `cos`. In shapes, `...` is the batch: nothing, or (B,).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kanegen.arrays import SystemArrays
+
+Numbers = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class BodyKinematics:
+    """What the notes define for one body K with lower body J, in SI units.
+
+    The last axis of a name that ends in `_y` or `_y_dot` runs over all 6N speeds in the order of Eq. (1):
+    angle rates of all bodies, then translation rates of all bodies.
+
+    Attributes:
+        relative_rotation: (..., 3, 3) `[^J R_K]`: Eq. (4) times the constant `[C_K]`.
+        rotation: (..., 3, 3) `[R_K]`, Eq. (3).
+        rate_matrix: (..., 3, 3) `[P_K^AV]`, Eq. (17).
+        rate_matrix_dot: (..., 3, 3) its time derivative, below Eq. (20).
+        relative_omega: (..., 3) angular velocity relative to J, Eq. (8), in K.
+        offset: (..., 3) `q'_K + s'_K`, from O_J to O_K, in J.
+        offset_dot: (..., 3) time derivative of `s'_K`, in J.
+        position: (..., 3) `p'_{O_K}`, Eq. (22), in K.
+        center_position: (..., 3) `p'_{G_K}`, Eq. (23), in K.
+        omega_y: (..., 3, 6N) `[omega'_{K,y}]`, Eq. (15), in K.
+        omega_y_dot: (..., 3, 6N) Eq. (20), in K.
+        omega: (..., 3) Eq. (18), in K.
+        origin_y: (..., 3, 6N) `[v'_{O_K,y}]`, Eq. (28), in J.
+        origin_y_dot: (..., 3, 6N) Eq. (35), in J.
+        center_y: (..., 3, 6N) `[v'_{G_K,y}]`, Eq. (32), in K.
+        center_y_dot: (..., 3, 6N) Eq. (34), in K.
+        center_velocity: (..., 3) `{v'_{G_K}}`, Eq. (31), in K.
+    """
+
+    relative_rotation: Numbers
+    rotation: Numbers
+    rate_matrix: Numbers
+    rate_matrix_dot: Numbers
+    relative_omega: Numbers
+    offset: Numbers
+    offset_dot: Numbers
+    position: Numbers
+    center_position: Numbers
+    omega_y: Numbers
+    omega_y_dot: Numbers
+    omega: Numbers
+    origin_y: Numbers
+    origin_y_dot: Numbers
+    center_y: Numbers
+    center_y_dot: Numbers
+    center_velocity: Numbers
+
+
+def kinematics(system: SystemArrays, x: Numbers, y: Numbers) -> tuple[BodyKinematics, ...]:
+    """The matrices of bodies 1 to N.
+
+    Args:
+        system: The numbers of the tree.
+        x: (..., n) coordinates (rad, m).
+        y: (..., n) generalized speeds (rad/s, m/s).
+    """
+    count = len(system.mass)
+    speeds = full_order(system, y, np.zeros((count, 6)))
+    angles, translations = _by_body(full_order(system, x, system.locked))
+    rates, translation_rates = _by_body(speeds)
+    bodies = [_ground(count, speeds.dtype)]
+    for k in range(count):
+        state = (angles[..., k, :], rates[..., k, :], translations[..., k, :], translation_rates[..., k, :])
+        bodies.append(_body(system, k, bodies[system.connection[k]], state, speeds))
+    return tuple(bodies[1:])
+
+
+def free_columns(system: SystemArrays) -> NDArray[np.bool_]:
+    """(6N,) which speeds of Eq. (1) are free."""
+    return np.concatenate([system.free[:, :3].ravel(), system.free[:, 3:].ravel()])
+
+
+def full_order(system: SystemArrays, values: Numbers, locked: Numbers) -> Numbers:
+    """(..., 6N) in the order of Eq. (1): `values` (..., n) at the free freedoms, `locked` (N, 6) elsewhere."""
+    every = np.concatenate([locked[:, :3].ravel(), locked[:, 3:].ravel()])
+    dtype = np.result_type(values.dtype, every.dtype)
+    full = np.empty((*values.shape[:-1], every.size), dtype)
+    full[...] = every
+    full[..., free_columns(system)] = values
+    return full
+
+
+def skew(v: Numbers) -> Numbers:
+    """(..., 3, 3) skew matrix of (..., 3): `skew(a) @ b` is the cross product of a and b."""
+    zero = np.zeros_like(v[..., 0])
+    return _matrix(
+        [zero, -v[..., 2], v[..., 1]],
+        [v[..., 2], zero, -v[..., 0]],
+        [-v[..., 1], v[..., 0], zero],
+    )
+
+
+def apply(matrix: Numbers, vector: Numbers) -> Numbers:
+    """(..., m) product of (..., m, n) and (..., n)."""
+    product: Numbers = (matrix @ vector[..., None])[..., 0]
+    return product
+
+
+def transposed(matrix: Numbers) -> Numbers:
+    """(..., n, m) from (..., m, n)."""
+    return np.swapaxes(matrix, -1, -2)
+
+
+def _body(
+    system: SystemArrays,
+    k: int,
+    lower: BodyKinematics,
+    state: tuple[Numbers, Numbers, Numbers, Numbers],
+    speeds: Numbers,
+) -> BodyKinematics:
+    angles, rates, translation, translation_rates = state
+    joint_to_lower = system.joint_orientation[k].T
+    r_tilde = skew(system.mass_center[k])
+
+    rate_matrix = _rate_matrix(angles)
+    rate_matrix_dot = _rate_matrix_dot(angles, rates)
+    relative_omega = apply(rate_matrix, rates)  # (8)
+    rotate = _rotation_123(angles) @ system.joint_orientation[k]  # (4)
+    rotate_dot = transposed(skew(relative_omega)) @ rotate  # (7)
+
+    omega_y = rotate @ lower.omega_y + _block(rate_matrix, k, speeds)  # (15), (16)
+    omega_y_dot = (  # (20)
+        rotate @ lower.omega_y_dot + rotate_dot @ lower.omega_y + _block(rate_matrix_dot, k, speeds)
+    )
+
+    offset = system.joint_position[k] + apply(joint_to_lower, translation)
+    offset_dot = apply(joint_to_lower, translation_rates)
+    lower_rotate_dot = transposed(skew(lower.relative_omega)) @ lower.relative_rotation
+    translations = len(system.mass)
+    origin_y = (  # (28)-(30)
+        lower.relative_rotation @ lower.origin_y
+        - skew(offset) @ lower.omega_y
+        + _block(joint_to_lower, translations + k, speeds)
+    )
+    origin_y_dot = (  # (35)
+        lower.relative_rotation @ lower.origin_y_dot
+        + lower_rotate_dot @ lower.origin_y
+        - skew(offset_dot) @ lower.omega_y
+        - skew(offset) @ lower.omega_y_dot
+    )
+    center_y = rotate @ origin_y - r_tilde @ omega_y  # (32)
+    center_y_dot = rotate @ origin_y_dot + rotate_dot @ origin_y - r_tilde @ omega_y_dot  # (34)
+    position = apply(rotate, lower.position + offset)  # (22)
+    return BodyKinematics(
+        relative_rotation=rotate,
+        rotation=rotate @ lower.rotation,  # (3)
+        rate_matrix=rate_matrix,
+        rate_matrix_dot=rate_matrix_dot,
+        relative_omega=relative_omega,
+        offset=offset,
+        offset_dot=offset_dot,
+        position=position,
+        center_position=position + system.mass_center[k],  # (23)
+        omega_y=omega_y,
+        omega_y_dot=omega_y_dot,
+        omega=apply(omega_y, speeds),  # (18)
+        origin_y=origin_y,
+        origin_y_dot=origin_y_dot,
+        center_y=center_y,
+        center_y_dot=center_y_dot,
+        center_velocity=apply(center_y, speeds),  # (31)
+    )
+
+
+def _ground(bodies: int, dtype: np.dtype[Any]) -> BodyKinematics:
+    """Body 0 at rest, so that factors of the lower body drop out where the notes leave them out."""
+    identity, square = np.eye(3, dtype=dtype), np.zeros((3, 3), dtype)
+    vector, columns = np.zeros(3, dtype), np.zeros((3, 6 * bodies), dtype)
+    return BodyKinematics(
+        relative_rotation=identity,
+        rotation=identity,
+        rate_matrix=square,
+        rate_matrix_dot=square,
+        relative_omega=vector,
+        offset=vector,
+        offset_dot=vector,
+        position=vector,
+        center_position=vector,
+        omega_y=columns,
+        omega_y_dot=columns,
+        omega=vector,
+        origin_y=columns,
+        origin_y_dot=columns,
+        center_y=columns,
+        center_y_dot=columns,
+        center_velocity=vector,
+    )
+
+
+def _rotation_123(angles: Numbers) -> Numbers:
+    """Eq. (4)."""
+    (s1, s2, s3), (c1, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+    return _matrix(
+        [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
+        [-c2 * s3, c1 * c3 - s1 * s2 * s3, s1 * c3 + c1 * s2 * s3],
+        [s2, -s1 * c2, c1 * c2],
+    )
+
+
+def _rate_matrix(angles: Numbers) -> Numbers:
+    """Eq. (17)."""
+    (_, s2, s3), (_, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+    zero = np.zeros_like(s2)
+    return _matrix([c2 * c3, s3, zero], [-c2 * s3, c3, zero], [s2, zero, zero + 1])
+
+
+def _rate_matrix_dot(angles: Numbers, rates: Numbers) -> Numbers:
+    """Below Eq. (20)."""
+    (_, s2, s3), (_, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+    _, d2, d3 = np.moveaxis(rates, -1, 0)
+    zero = np.zeros_like(s2)
+    return _matrix(
+        [-(s2 * c3 * d2 + c2 * s3 * d3), c3 * d3, zero],
+        [s2 * s3 * d2 - c2 * c3 * d3, -s3 * d3, zero],
+        [c2 * d2, zero, zero],
+    )
+
+
+def _block(square: Numbers, number: int, speeds: Numbers) -> Numbers:
+    """(..., 3, 6N) zeros with `square` (..., 3, 3) as 3 x 3 partition `number`, counted from 0."""
+    columns = np.zeros((*square.shape[:-2], 3, speeds.shape[-1]), np.result_type(square, speeds))
+    columns[..., 3 * number : 3 * number + 3] = square
+    return columns
+
+
+def _by_body(full: Numbers) -> tuple[Numbers, Numbers]:
+    """(..., N, 3) angles and (..., N, 3) translations from (..., 6N)."""
+    angles, translations = np.split(full, 2, axis=-1)
+    shape = (*full.shape[:-1], -1, 3)
+    return angles.reshape(shape), translations.reshape(shape)
+
+
+def _matrix(*rows: list[Numbers]) -> Numbers:
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

@@ -1,0 +1,188 @@
+"""Equations (36)-(44) of the notes in NumPy: [A] and {f}, against which generated code is checked.
+
+They are sums over the bodies of products of the matrices in `kinematics`, written as in the notes; the
+columns of locked freedoms are dropped before the sums. Nothing is done for speed but the batch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kanegen.arrays import SystemArrays
+from kanegen.check.kinematics import (
+    BodyKinematics,
+    Numbers,
+    apply,
+    free_columns,
+    full_order,
+    kinematics,
+    transposed,
+)
+from kanegen.errors import ArrayError
+from kanegen.system import System
+
+
+@dataclass(frozen=True)
+class ForcingTerms:
+    """The separate sums of Eq. (44), each (..., n), signed as they enter {f}.
+
+    Attributes:
+        loads: Applied forces and torques.
+        gravity: A force `m_K g` at every mass centre.
+        acceleration: `- m [v_G,y]^T [dv_G,y/dt] {y}`.
+        transport: `- m [v_G,y]^T (omega x v_G)`.
+        angular: `- [omega_y]^T [I] [domega_y/dt] {y}`.
+        gyroscopic: `- [omega_y]^T (omega x [I] omega)`.
+    """
+
+    loads: Numbers
+    gravity: Numbers
+    acceleration: Numbers
+    transport: Numbers
+    angular: Numbers
+    gyroscopic: Numbers
+
+    @property
+    def total(self) -> Numbers:
+        """(..., n) {f}."""
+        return sum((getattr(self, field.name) for field in fields(self)), start=np.zeros_like(self.loads))
+
+
+def mass_matrix(system: System | SystemArrays, x: ArrayLike) -> Numbers:
+    """[A] of Eq. (43).
+
+    Args:
+        system: The tree; parameters stand at their defaults.
+        x: (n,) or (B, n) coordinates (rad, m).
+
+    Returns:
+        (n, n) or (B, n, n).
+
+    Raises:
+        ArrayError: If `x` has another shape.
+    """
+    system = arrays_of(system)
+    x = state(system, x, "x")
+    free = free_columns(system)
+    bodies = kinematics(system, x, np.zeros_like(x))
+    center_y = [body.center_y[..., free] for body in bodies]
+    omega_y = [body.omega_y[..., free] for body in bodies]
+    momentum_y = [m * v for m, v in zip(system.mass, center_y, strict=True)]
+    spin_y = [inertia @ w for inertia, w in zip(system.inertia, omega_y, strict=True)]
+    # One product of the bodies' matrices on top of each other is their sum over K, and much faster.
+    linear: Numbers = transposed(_stacked(center_y)) @ _stacked(momentum_y)
+    angular: Numbers = transposed(_stacked(omega_y)) @ _stacked(spin_y)
+    return linear + angular
+
+
+def forcing(
+    system: System | SystemArrays,
+    x: ArrayLike,
+    y: ArrayLike,
+    force: ArrayLike | None = None,
+    torque: ArrayLike | None = None,
+) -> Numbers:
+    """{f} of Eq. (44).
+
+    Args:
+        system: The tree; parameters stand at their defaults.
+        x: (n,) or (B, n) coordinates (rad, m).
+        y: Like `x`: generalized speeds, its time derivatives.
+        force: (N, 3) or (B, N, 3) forces F'_K at G_K, in K (N); default none. Every row counts, also of
+            bodies for which generated code takes no loads.
+        torque: Like `force`: torques M'_K, in K (N m).
+
+    Returns:
+        (n,) or (B, n).
+
+    Raises:
+        ArrayError: If an array has another shape.
+    """
+    return forcing_terms(system, x, y, force, torque).total
+
+
+def forcing_terms(
+    system: System | SystemArrays,
+    x: ArrayLike,
+    y: ArrayLike,
+    force: ArrayLike | None = None,
+    torque: ArrayLike | None = None,
+) -> ForcingTerms:
+    """The separate sums of Eq. (44); arguments as `forcing`."""
+    system = arrays_of(system)
+    x, y = state(system, x, "x"), state(system, y, "y")
+    if x.shape != y.shape:
+        raise ArrayError(f"x has shape {x.shape} and y {y.shape}; they must have the same.")
+    forces, torques = load(system, force, x, "force"), load(system, torque, x, "torque")
+    speeds = full_order(system, y, np.zeros((len(system.mass), 6)))
+    free = free_columns(system)
+    bodies = [
+        _body_terms(system, k, body, speeds, forces[..., k, :], torques[..., k, :])
+        for k, body in enumerate(kinematics(system, x, y))
+    ]
+    zero = np.zeros_like(speeds[..., free])
+    return ForcingTerms(
+        **{
+            field.name: sum((getattr(terms, field.name)[..., free] for terms in bodies), start=zero)
+            for field in fields(ForcingTerms)
+        }
+    )
+
+
+def _body_terms(
+    system: SystemArrays, k: int, body: BodyKinematics, speeds: Numbers, force: Numbers, torque: Numbers
+) -> ForcingTerms:
+    """Body K's part of Eq. (44), each (..., 6N)."""
+    mass, inertia = system.mass[k], system.inertia[k]
+    center, spin = transposed(body.center_y), transposed(body.omega_y)
+    return ForcingTerms(
+        loads=apply(center, force) + apply(spin, torque),  # (37)
+        gravity=apply(center, mass * apply(body.rotation, system.gravity)),
+        acceleration=-apply(center, mass * apply(body.center_y_dot, speeds)),  # (39)
+        transport=-apply(center, mass * np.cross(body.omega, body.center_velocity)),
+        angular=-apply(spin, apply(inertia, apply(body.omega_y_dot, speeds))),  # (40)
+        gyroscopic=-apply(spin, np.cross(body.omega, apply(inertia, body.omega))),  # (41)
+    )
+
+
+def arrays_of(system: System | SystemArrays) -> SystemArrays:
+    """The numbers of a system, parameters at their defaults."""
+    return system.values() if isinstance(system, System) else system
+
+
+def state(system: SystemArrays, value: ArrayLike, what: str) -> Numbers:
+    """`value` as a (n,) or (B, n) array.
+
+    Raises:
+        ArrayError: If it has another shape.
+    """
+    array = np.asarray(value)
+    count = int(free_columns(system).sum())
+    if array.ndim not in (1, 2) or array.shape[-1] != count:
+        raise ArrayError(f"{what} has shape {array.shape}; expected ({count},) or (B, {count}).")
+    return array
+
+
+def load(system: SystemArrays, value: ArrayLike | None, x: Numbers, what: str) -> Numbers:
+    """`value` as a (N, 3) or (B, N, 3) array that fits `x`; zeros for None.
+
+    Raises:
+        ArrayError: If it has another shape.
+    """
+    count = len(system.mass)
+    if value is None:
+        return np.zeros((count, 3))
+    array = np.asarray(value)
+    allowed = {(count, 3), (*x.shape[:-1], count, 3)}
+    if array.shape not in allowed:
+        shapes = " or ".join(str(shape) for shape in sorted(allowed, key=len))
+        raise ArrayError(f"{what} has shape {array.shape}; expected {shapes}.")
+    return array
+
+
+def _stacked(matrices: list[Numbers]) -> Numbers:
+    """(..., 3N, n) from N times (..., 3, n)."""
+    return np.concatenate(matrices, axis=-2)

@@ -1,0 +1,126 @@
+"""`kanegen info`: the tree drawn, its freedoms and parameters, and what its equations cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+from rich.tree import Tree
+
+from kanegen import compiler
+from kanegen.numbers import Number, Parameter, map_numbers, value_of
+from kanegen.program.passes import Stage
+from kanegen.signature import OUTPUTS
+from kanegen.system import FREEDOMS, Body, System
+
+
+@dataclass(frozen=True)
+class Facts:
+    """A system and its operation counts.
+
+    Attributes:
+        system: The tree.
+        operations: By output, and "all" for all of them together.
+        stages: What all outputs together cost after lowering and after every pass.
+    """
+
+    system: System
+    operations: dict[str, dict[str, int]]
+    stages: tuple[Stage, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as plain data."""
+        system = self.system
+        return {
+            "name": system.name,
+            "gravity": map_numbers(system.gravity, value_of),
+            "bodies": [
+                {
+                    "number": k,
+                    "name": body.name,
+                    "connection": body.lower,
+                    "mass": value_of(body.mass),
+                    "free": _free(body),
+                    "loads": body.loads,
+                }
+                for k, body in enumerate(system.bodies, start=1)
+            ],
+            "freedoms": [
+                {"name": name, "body": freedom.body, "freedom": FREEDOMS[freedom.index], "unit": freedom.unit}
+                for name, freedom in zip(system.freedom_names, system.freedoms, strict=True)
+            ],
+            "parameters": {parameter.name: parameter.value for parameter in system.parameters},
+            "operations": self.operations,
+            "passes": [{"name": stage.name, "operations": stage.operations} for stage in self.stages],
+        }
+
+
+def gather(system: System, progress: Callable[[str], None]) -> Facts:
+    """Count what every output costs alone and all together."""
+    operations = {}
+    for name in OUTPUTS:
+        operations[name] = compiler.compile_module(system, (name,), progress).operations
+    together = compiler.compile_module(system, tuple(OUTPUTS), progress)
+    operations["all"] = together.operations
+    return Facts(system, operations, together.stages)
+
+
+def show(facts: Facts, console: Console) -> None:
+    """Print the facts for people."""
+    system = facts.system
+    n, bodies = len(system.freedoms), system.number_of_bodies
+    gravity = ", ".join(_text(value) for value in system.gravity)
+    console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s²\n")
+    console.print(_tree(system))
+    console.print()
+    console.print(_freedoms(system))
+    if system.parameters:
+        console.print(_parameters(system))
+    console.print(_costs(facts))
+
+
+def _tree(system: System) -> Tree:
+    tree = Tree("ground")
+    branches = [tree]
+    for k, body in enumerate(system.bodies, start=1):
+        free = escape(" ".join(_free(body)) or "welded")
+        loads = ", takes loads" if body.loads else ""
+        label = f"{k} [bold]{escape(body.name)}[/]  {free}  [dim]{_text(body.mass)} kg{loads}[/]"
+        branches.append(branches[body.lower].add(label))
+    return tree
+
+
+def _freedoms(system: System) -> Table:
+    table = Table("x", "name", "unit", title="freedoms, in the order of {x} and {y}", title_justify="left")
+    for i, (name, freedom) in enumerate(zip(system.freedom_names, system.freedoms, strict=True)):
+        table.add_row(str(i), escape(name), freedom.unit)
+    return table
+
+
+def _parameters(system: System) -> Table:
+    table = Table("parameter", "default", title="run-time parameters", title_justify="left")
+    for parameter in system.parameters:
+        table.add_row(parameter.name, repr(parameter.value))
+    return table
+
+
+def _costs(facts: Facts) -> Table:
+    kinds = list(facts.operations["all"])
+    table = Table("operations", *kinds, title="one evaluation", title_justify="left")
+    for name, counts in facts.operations.items():
+        table.add_row(name, *(str(counts[kind]) for kind in kinds))
+    for stage in facts.stages:
+        table.add_row(f"  all, after {stage.name}", *(str(stage.operations.get(kind, "")) for kind in kinds))
+    return table
+
+
+def _free(body: Body) -> list[str]:
+    return [name for name, is_free in zip(FREEDOMS, body.joint.free, strict=True) if is_free]
+
+
+def _text(value: Number) -> str:
+    return f"{value.name} = {value.value:g}" if isinstance(value, Parameter) else f"{value:g}"

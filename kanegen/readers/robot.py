@@ -1,0 +1,156 @@
+"""A URDF robot: links and joints as the file has them, each with its line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from kanegen.errors import ReadError
+from kanegen.readers.rigid import Frame, Rigid
+from kanegen.readers.suggest import did_you_mean
+from kanegen.readers.xml import Element
+from kanegen.rotations import ZERO, Triple, normalized, rotation_quaternion, rotation_rpy
+
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
+DEFAULT_AXIS: Triple = (1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link: its name, its mass in its own frame, and where the file has it."""
+
+    name: str
+    rigid: Rigid
+    where: str
+
+
+@dataclass(frozen=True)
+class RobotJoint:
+    """A joint.
+
+    Attributes:
+        name: Name in the file.
+        kind: One of `JOINT_TYPES`.
+        parent: Name of the lower link.
+        child: Name of the upper link.
+        origin: Where the child stands in the parent at joint position zero.
+        axis: Unit vector, in child components.
+        mimic: Whether the file ties its position to another joint's.
+        where: File and line.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: Frame
+    axis: Triple
+    mimic: bool
+    where: str
+
+
+@dataclass(frozen=True)
+class Robot:
+    """Everything that the equations of motion take from a file, in the file's order."""
+
+    name: str
+    links: dict[str, Link]
+    joints: dict[str, RobotJoint]
+    where: str
+
+
+def read_robot(top: Element) -> Robot:
+    """The robot below the top element of a document.
+
+    Raises:
+        ReadError: If the document is no URDF, or an element is incomplete or has a bad number.
+    """
+    if top.tag != "robot":
+        raise top.error(f"the top element is <{top.tag}>, but a URDF file has <robot>.")
+    for child in top.children:
+        if child.tag.startswith("xacro:"):
+            raise child.error(f"<{child.tag}> is a xacro instruction. Run xacro on the file first.")
+    links = _unique([_link(element) for element in top.all("link")], "link")
+    if not links:
+        raise top.error("the robot has no <link>.")
+    joints = _unique([_joint(element) for element in top.all("joint")], "joint")
+    for joint in joints.values():
+        for role, name in (("parent", joint.parent), ("child", joint.child)):
+            if name not in links:
+                hint = did_you_mean(name, links)
+                message = f"{role} link {name!r} of joint {joint.name!r} does not exist. {hint}"
+                raise ReadError(f"{joint.where}: {message}")
+    return Robot(top.attributes.get("name", ""), links, joints, top.where)
+
+
+_Item = TypeVar("_Item", Link, RobotJoint)
+
+
+def _unique(items: Sequence[_Item], kind: str) -> dict[str, _Item]:
+    found: dict[str, _Item] = {}
+    for item in items:
+        if item.name in found:
+            first = found[item.name].where
+            raise ReadError(f"{item.where}: {kind} {item.name!r} exists already, at {first}. Rename one.")
+        found[item.name] = item
+    return found
+
+
+def _link(element: Element) -> Link:
+    name = element.text("name")
+    inertial = element.optional("inertial")
+    return Link(name, _rigid(inertial) if inertial else Rigid(), element.where)
+
+
+def _rigid(inertial: Element) -> Rigid:
+    mass = inertial.child("mass")
+    kilograms = mass.number("value")
+    if kilograms < 0:
+        raise mass.error(f"mass {kilograms!r} kg is negative.")
+    entries = inertial.child("inertia")
+    xx, yy, zz, xy, xz, yz = (entries.number(f"i{name}") for name in ("xx", "yy", "zz", "xy", "xz", "yz"))
+    own = Rigid(kilograms, ZERO, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+    return own.seen_from(_origin(inertial))
+
+
+def _joint(element: Element) -> RobotJoint:
+    name, kind = element.text("name"), element.text("type")
+    if kind not in JOINT_TYPES:
+        hint = did_you_mean(kind, JOINT_TYPES)
+        raise element.error(f"joint {name!r} has the unknown type {kind!r}. {hint}")
+    return RobotJoint(
+        name=name,
+        kind=kind,
+        parent=element.child("parent").text("link"),
+        child=element.child("child").text("link"),
+        origin=_origin(element),
+        axis=_axis(element) if kind in WITH_AXIS else DEFAULT_AXIS,
+        mimic=element.optional("mimic") is not None,
+        where=element.where,
+    )
+
+
+def _origin(element: Element) -> Frame:
+    origin = element.optional("origin")
+    if origin is None:
+        return Frame()
+    if "quat_xyzw" not in origin.attributes:
+        return Frame(origin.vector("xyz"), rotation_rpy(origin.vector("rpy")))
+    if "rpy" in origin.attributes:
+        raise origin.error("<origin> has both rpy and quat_xyzw. Keep one.")
+    x, y, z, w = origin.numbers("quat_xyzw", 4)
+    if not any((x, y, z, w)):
+        raise origin.error("<origin quat_xyzw>: a quaternion of zeros is no rotation.")
+    return Frame(origin.vector("xyz"), rotation_quaternion(x, y, z, w))
+
+
+def _axis(element: Element) -> Triple:
+    axis = element.optional("axis")
+    if axis is None:
+        return DEFAULT_AXIS
+    x, y, z = axis.numbers("xyz", 3)
+    if not any((x, y, z)):
+        raise axis.error("the axis is zero: it has no direction.")
+    return normalized((x, y, z))

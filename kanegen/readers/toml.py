@@ -1,0 +1,171 @@
+"""kanegen's own model files; docs/model-files.md describes the format."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from kanegen import validation
+from kanegen.errors import KanegenWarning, ModelError, ReadError
+from kanegen.numbers import numbers
+from kanegen.readers.parameters import Parameters
+from kanegen.readers.suggest import did_you_mean
+from kanegen.readers.text import read_text
+from kanegen.system import FREEDOMS, GRAVITY, IDENTITY, Body, Joint, System
+
+MODEL_KEYS = ("name", "gravity", "parameters", "body")
+BODY_KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "joint")
+JOINT_KEYS = ("name", "position", "orientation", "orientation_angles", "free", "locked")
+INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
+
+GROUND = "ground"
+ORIGIN = (0, 0, 0)
+
+Table = Mapping[str, Any]
+
+
+def read_toml(path: Path) -> System:
+    """The system that a TOML file describes.
+
+    Raises:
+        ReadError: If the file is not TOML, or does not describe a usable system.
+
+    Warns:
+        KanegenWarning: Of parameters that stand nowhere.
+    """
+    table = _parse(read_text(path), path)
+    try:
+        return _system(table, path)
+    except ModelError as error:
+        raise ReadError(f"{path}: {error}") from None
+
+
+def _parse(text: str, path: Path) -> Table:
+    try:
+        return tomllib.loads(text)
+    except ValueError as error:  # TOMLDecodeError, and the plain one of an integer with too many digits
+        message = str(error)
+        place = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", message)
+        line = f":{place[1] or text.count(chr(10)) + 1}" if place else ""
+        raise ReadError(f"{path}{line}: not valid TOML: {message[: place.start()] if place else message}.") from None
+    except RecursionError:
+        raise ReadError(f"{path}: not a model: its arrays are nested too deeply.") from None
+
+
+def _system(table: Table, path: Path) -> System:
+    _check_keys(table, MODEL_KEYS)
+    parameters = Parameters.read(table.get("parameters", {}))
+    tables = table.get("body", [])
+    if not isinstance(tables, list) or not tables or not all(isinstance(entry, Mapping) for entry in tables):
+        raise ModelError("a model needs bodies: begin each with a line [[body]], in double brackets.")
+    numbers_of: dict[str, int] = {}
+    bodies = []
+    for k, entry in enumerate(tables, start=1):
+        body = _body(entry, k, numbers_of, parameters)
+        numbers_of.setdefault(body.name, k)
+        bodies.append(body)
+    gravity = parameters.resolve(table.get("gravity", GRAVITY), "gravity")
+    system = System(table.get("name", path.stem), tuple(bodies), gravity)
+    if unused := parameters.unused():
+        warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
+    return system
+
+
+def _body(table: Table, k: int, numbers_of: Mapping[str, int], parameters: Parameters) -> Body:
+    name = table.get("name", f"body{k}")
+    try:
+        _check_keys(table, BODY_KEYS, required=("connection", "mass"))
+        lower = _lower(table["connection"], numbers_of)
+        mass = parameters.resolve(table["mass"], "mass")
+        inertia = _inertia(table.get("inertia", [0, 0, 0]), parameters)
+        mass_center = parameters.resolve(table.get("mass_center", ORIGIN), "mass_center")
+        joint = _joint(table.get("joint", {}), parameters)
+    except ModelError as error:
+        raise ModelError(f"body {name!r}: {error}") from None
+    return Body(name, lower, mass, inertia, mass_center, joint, table.get("loads", False))
+
+
+def _lower(connection: Any, numbers_of: Mapping[str, int]) -> Any:
+    if not isinstance(connection, str):
+        return connection
+    if connection == GROUND:
+        return 0
+    if connection not in numbers_of:
+        hint = did_you_mean(connection, (GROUND, *numbers_of))
+        raise ModelError(f"connection: {connection!r} is no earlier body. {hint}")
+    return numbers_of[connection]
+
+
+def _inertia(value: Any, parameters: Parameters) -> Any:
+    if isinstance(value, Mapping):
+        _check_keys(value, INERTIA_KEYS, required=INERTIA_KEYS[:3])
+        entries = [value.get(key, 0) for key in INERTIA_KEYS]
+        xx, yy, zz, xy, xz, yz = parameters.resolve(entries, "inertia")
+        return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    value = parameters.resolve(value, "inertia")
+    if isinstance(value, list) and not any(isinstance(row, list) for row in value):
+        xx, yy, zz = numbers(value, (3,), "inertia")
+        return [[xx, 0, 0], [0, yy, 0], [0, 0, zz]]
+    return value
+
+
+def _joint(table: Any, parameters: Parameters) -> Joint:
+    if not isinstance(table, Mapping):
+        raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
+    try:
+        _check_keys(table, JOINT_KEYS)
+        free = _free(table.get("free", "all"))
+        return Joint(
+            position=parameters.resolve(table.get("position", ORIGIN), "position"),
+            orientation=_orientation(table, parameters),
+            free=free,
+            locked=_locked(table.get("locked", {}), free, parameters),
+            name=table.get("name", ""),
+        )
+    except ModelError as error:
+        raise ModelError(f"joint: {error}") from None
+
+
+def _orientation(table: Table, parameters: Parameters) -> Any:
+    if "orientation_angles" in table:
+        if "orientation" in table:
+            raise ModelError("both orientation and orientation_angles are given. Keep one.")
+        angles = parameters.resolve(table["orientation_angles"], "orientation_angles")
+        return numbers(angles, (3,), "orientation_angles")
+    matrix = parameters.resolve(table.get("orientation", IDENTITY), "orientation")
+    return numbers(matrix, (3, 3), "orientation")
+
+
+def _free(value: Any) -> tuple[bool, ...]:
+    if value in ("all", "none"):
+        return (value == "all",) * len(FREEDOMS)
+    if not isinstance(value, list):
+        raise ModelError(f'free: {value!r} is neither "all" nor "none" nor a list such as ["theta3", "s1"].')
+    for name in value:
+        if name not in FREEDOMS:
+            raise ModelError(f"free: {name!r} is no freedom. {did_you_mean(str(name), FREEDOMS)}")
+    validation.unique("free: freedom", value)
+    return tuple(name in value for name in FREEDOMS)
+
+
+def _locked(table: Any, free: tuple[bool, ...], parameters: Parameters) -> list[Any]:
+    if not isinstance(table, Mapping):
+        raise ModelError("locked: write a table such as {theta1 = 0.5}.")
+    _check_keys(table, FREEDOMS, what="locked: ")
+    for name, is_free in zip(FREEDOMS, free, strict=True):
+        if is_free and name in table:
+            raise ModelError(f"locked: {name!r} is free. Delete it here, or leave it out of free.")
+    return [parameters.resolve(table.get(name, 0), f"locked {name}") for name in FREEDOMS]
+
+
+def _check_keys(table: Table, known: tuple[str, ...], required: tuple[str, ...] = (), what: str = "") -> None:
+    for key in table:
+        if key not in known:
+            raise ModelError(f"{what}unknown key {key!r}. {did_you_mean(key, known)}")
+    for key in required:
+        if key not in table:
+            raise ModelError(f"{what}{key} is missing.")

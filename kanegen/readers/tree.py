@@ -1,0 +1,99 @@
+"""From a robot's links and joints to its moving bodies: the tree checked, fixed joints welded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from kanegen.errors import ReadError
+from kanegen.readers.rigid import Frame
+from kanegen.readers.robot import Link, Robot, RobotJoint
+
+GROUND = 0
+
+
+@dataclass(frozen=True)
+class MovingLink:
+    """A link that moves on the one below it, with all that is welded to it.
+
+    Attributes:
+        joint: The joint below it; its child is this link.
+        lower: Number of the moving link below, counted from 1; `GROUND` for none.
+        origin: Where it stands at joint position zero, in the frame of the moving link below.
+        parts: It and the links welded to it, each with its place in this link's frame.
+    """
+
+    joint: RobotJoint
+    lower: int
+    origin: Frame
+    parts: list[tuple[Link, Frame]] = field(default_factory=list)
+
+
+def moving_links(robot: Robot, floating_base: bool) -> list[MovingLink]:
+    """The moving links, depth first, in the order in which the file has the joints.
+
+    What is welded to the ground is left out. With `floating_base` the root link moves too, and is the first.
+
+    Raises:
+        ReadError: If the links and joints are not one tree.
+    """
+    root = _root(robot)
+    joints_on = _joints_by_parent(robot)
+    moving: list[MovingLink] = []
+    base = _base_joint(robot.links[root], "floating" if floating_base else "fixed")
+    waiting = [(base, GROUND, Frame())]
+    while waiting:
+        joint, number, place = waiting.pop()
+        if joint.kind != "fixed":
+            moving.append(MovingLink(joint, number, place))
+            number, place = len(moving), Frame()
+        if number != GROUND:
+            moving[number - 1].parts.append((robot.links[joint.child], place))
+        for above in reversed(joints_on[joint.child]):
+            waiting.append((above, number, place.then(above.origin)))
+    return moving
+
+
+def _base_joint(root: Link, kind: str) -> RobotJoint:
+    return RobotJoint("", kind, "", root.name, Frame(), (1.0, 0.0, 0.0), False, root.where)
+
+
+def _joints_by_parent(robot: Robot) -> dict[str, list[RobotJoint]]:
+    joints_on: dict[str, list[RobotJoint]] = {name: [] for name in robot.links}
+    for joint in robot.joints.values():
+        joints_on[joint.parent].append(joint)
+    return joints_on
+
+
+def _root(robot: Robot) -> str:
+    """The one link without a parent, from which all others hang."""
+    below: dict[str, RobotJoint] = {}
+    for joint in robot.joints.values():
+        first = below.setdefault(joint.child, joint)
+        if first is not joint:
+            raise ReadError(
+                f"{joint.where}: link {joint.child!r} has two parents, by the joints {first.name!r} and "
+                f"{joint.name!r}. kanegen takes trees only: cut the loop."
+            )
+    _refuse_loops(robot, below)
+    roots = [name for name in robot.links if name not in below]
+    if len(roots) > 1:
+        raise ReadError(
+            f"{robot.where}: several links have no parent: {', '.join(map(repr, roots))}. Join them to one root."
+        )
+    return roots[0]
+
+
+def _refuse_loops(robot: Robot, below: dict[str, RobotJoint]) -> None:
+    """Walk down from every link; meeting a link of the same walk again is a loop."""
+    grounded: set[str] = set()
+    for link in robot.links:
+        trail: dict[str, RobotJoint] = {}
+        name = link
+        while name in below and name not in grounded:
+            if name in trail:
+                names = list(trail)
+                loop = " on ".join(map(repr, [*names[names.index(name) :], name]))
+                raise ReadError(f"{below[name].where}: the joints form a loop: {loop}. kanegen takes trees only.")
+            trail[name] = below[name]
+            name = below[name].parent
+        grounded.update(trail)

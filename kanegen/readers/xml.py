@@ -1,0 +1,128 @@
+"""XML as elements that know their line.
+
+Namespaces are not resolved, so that a prefix may stay unbound, as in real robot files. A document type
+declaration is refused, and with it every entity beyond XML's own five and every reference to another file.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from kanegen.errors import ReadError
+from kanegen.rotations import Triple
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+
+@dataclass(frozen=True)
+class Element:
+    """One element.
+
+    Attributes:
+        tag: Its name, with its prefix.
+        attributes: As written.
+        where: File and line, for messages.
+        children: The elements directly inside.
+    """
+
+    tag: str
+    attributes: dict[str, str]
+    where: str
+    children: list[Element] = field(default_factory=list)
+
+    def error(self, message: str) -> ReadError:
+        """An error at this element."""
+        return ReadError(f"{self.where}: {message}")
+
+    def all(self, tag: str) -> list[Element]:
+        """The children with this tag."""
+        return [child for child in self.children if child.tag == tag]
+
+    def optional(self, tag: str) -> Element | None:
+        """The only child with this tag, or None."""
+        found = self.all(tag)
+        if len(found) > 1:
+            raise found[1].error(f"<{self.tag}> holds a second <{tag}>. Keep one.")
+        return found[0] if found else None
+
+    def child(self, tag: str) -> Element:
+        """The only child with this tag."""
+        found = self.optional(tag)
+        if found is None:
+            raise self.error(f"<{self.tag}> lacks <{tag}>.")
+        return found
+
+    def text(self, name: str) -> str:
+        """An attribute that must be there and not be empty."""
+        value = self.attributes.get(name, "").strip()
+        if not value:
+            raise self.error(f'<{self.tag}> lacks the attribute {name}="...".')
+        return value
+
+    def number(self, name: str) -> float:
+        """An attribute that holds one finite number."""
+        return self._number(self.text(name), name)
+
+    def numbers(self, name: str, count: int) -> list[float]:
+        """An attribute that holds `count` finite numbers."""
+        words = self.text(name).split()
+        if len(words) != count:
+            raise self.error(f'<{self.tag} {name}="{self.text(name)}">: expected {count} numbers.')
+        return [self._number(word, name) for word in words]
+
+    def vector(self, name: str) -> Triple:
+        """An attribute that holds three finite numbers; zeros where it is absent."""
+        if name not in self.attributes:
+            return 0.0, 0.0, 0.0
+        x, y, z = self.numbers(name, 3)
+        return x, y, z
+
+    def _number(self, word: str, name: str) -> float:
+        if "${" in word:
+            raise self.error(f"<{self.tag} {name}>: {word!r} is a xacro expression. Run xacro on the file first.")
+        value = float(word) if _NUMBER.fullmatch(word) else math.nan
+        if not math.isfinite(value):
+            raise self.error(f"<{self.tag} {name}>: {word!r} is not a finite number.")
+        return value
+
+
+def parse(text: str, file: str) -> Element:
+    """The top element of an XML document.
+
+    Args:
+        text: The document; its own encoding declaration is not heeded.
+        file: Name of the file, for messages.
+
+    Raises:
+        ReadError: If the text is not well formed, or declares a document type.
+    """
+    parser = expat.ParserCreate()
+    top = Element("", {}, file)
+    open_elements = [top]
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, attributes, f"{file}:{parser.CurrentLineNumber}")
+        open_elements[-1].children.append(element)
+        open_elements.append(element)
+
+    def end(_: str) -> None:
+        open_elements.pop()
+
+    def refuse(*_: object) -> None:
+        raise ReadError(
+            f"{file}:{parser.CurrentLineNumber}: a document type declaration (<!DOCTYPE ...>) is not accepted, "
+            "because it can define entities and refer to other files. Delete it."
+        )
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        message = expat.ErrorString(error.code)
+        raise ReadError(f"{file}:{error.lineno}: not well-formed XML: {message}.") from None
+    return top.children[0]

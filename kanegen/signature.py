@@ -1,0 +1,108 @@
+"""The arrays of the generated functions: what can be asked for, and what each output reads."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from sympy import Symbol
+
+from kanegen.errors import OptionError
+from kanegen.program.ir import Array
+from kanegen.program.split import Signature
+from kanegen.symbolic import symbols
+from kanegen.system import System
+
+PARAMETERS = "parameters"
+EVALUATE = "evaluate"
+"""The function that computes every requested output at once."""
+
+Elements = tuple[tuple[Symbol, str], ...]
+
+
+@dataclass(frozen=True)
+class OutputKind:
+    """An output that can be asked for.
+
+    Attributes:
+        array: The array that it fills.
+        inputs: Names of the arrays that it may read.
+    """
+
+    array: Callable[[System], Array]
+    inputs: tuple[str, ...]
+
+
+def _mass_matrix(system: System) -> Array:
+    n = len(system.freedoms)
+    return Array("A", (n, n), "kg m^2, kg m, kg", "[A], the generalized mass matrix, Eq. (43)")
+
+
+def _forcing(system: System) -> Array:
+    return Array("f", (len(system.freedoms),), "N m, N", "{f}, the right side of [A]{ydot} = {f}, Eq. (44)")
+
+
+OUTPUTS: dict[str, OutputKind] = {
+    "mass_matrix": OutputKind(_mass_matrix, ("x",)),
+    "forcing": OutputKind(_forcing, ("x", "y", "force", "torque")),
+}
+
+
+def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
+    """`outputs` checked, in the order of `OUTPUTS`, each once.
+
+    Raises:
+        OptionError: If there is none, or one is unknown.
+    """
+    asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    for name in asked:
+        if name not in OUTPUTS:
+            near = difflib.get_close_matches(str(name), OUTPUTS, n=1)
+            hint = f" Did you mean {near[0]!r}?" if near else ""
+            raise OptionError(f"unknown output {name!r}. There are {', '.join(OUTPUTS)}.{hint}")
+    if not asked:
+        raise OptionError(f"no output is asked for. There are {', '.join(OUTPUTS)}.")
+    return tuple(name for name in OUTPUTS if name in asked)
+
+
+def input_arrays(system: System) -> dict[Array, Elements]:
+    """Every input array of a system and the symbols of its elements, in the order of the C arguments."""
+    n, bodies = len(system.freedoms), system.number_of_bodies
+    x = [symbols.coordinate(freedom.body, freedom.index) for freedom in system.freedoms]
+    y = [symbols.speed(freedom.body, freedom.index) for freedom in system.freedoms]
+    arrays = {
+        Array("x", (n,), "rad, m", "{x}, the coordinates: angles, then translations, Eq. (1)"): _named(x),
+        Array("y", (n,), "rad/s, m/s", "{y}, the generalized speeds in the same order, Eq. (1)"): _named(y),
+    }
+    if system.parameters:
+        array = Array(PARAMETERS, (len(system.parameters),), "SI", "the run-time parameters")
+        elements = tuple((symbols.parameter(p), f"p_{p.name}") for p in system.parameters)
+        arrays = {array: elements, **arrays}
+    if any(body.loads for body in system.bodies):
+        every = [(k, axis) for k in range(1, bodies + 1) for axis in range(3)]
+        doc = "acting on each body {}, body components, Eq. (37)"
+        force = Array("force", (bodies, 3), "N", "{F'_K}, the force " + doc.format("at its mass centre"))
+        torque = Array("torque", (bodies, 3), "N m", "{M'_K}, the torque " + doc.format("as a couple"))
+        arrays[force] = _named([symbols.force(k, axis) for k, axis in every])
+        arrays[torque] = _named([symbols.torque(k, axis) for k, axis in every])
+    return arrays
+
+
+def _named(elements: Sequence[Symbol]) -> Elements:
+    return tuple((symbol, symbol.name) for symbol in elements)
+
+
+def functions(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
+    """One function for every output, and `EVALUATE` for all of them where there are several."""
+    available = [array.name for array in input_arrays(system)]
+    groups = {name: (name,) for name in outputs}
+    if len(outputs) > 1:
+        groups[EVALUATE] = tuple(outputs)
+    return {
+        function: Signature(
+            inputs=tuple(a for a in available if any(a in OUTPUTS[name].inputs for name in group)),
+            outputs=tuple(OUTPUTS[name].array(system).name for name in group),
+        )
+        for function, group in groups.items()
+    }

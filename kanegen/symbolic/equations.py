@@ -1,0 +1,105 @@
+"""Kane's equations of a tree, derived literally as the notes write them: the form to read.
+
+    equations = derive(system)
+    equations.A, equations.f              # Eqs. (43), (44): [A]{ydot} = {f}
+    equations.bodies[2].rotation          # [R_3]: bodies[k] is body k + 1
+    equations.closed_form()               # the same, simplified, for small trees
+
+Matrices are computed on first use. Where a tree has many freedoms, intermediate quantities are named by
+symbols, so that nothing grows; `equations.definitions` says what each stands for. C comes from the
+recursive form instead; both have equal values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from sympy import ImmutableMatrix
+
+from kanegen.symbolic.definitions import Definition
+from kanegen.symbolic.dynamics import BodyEquations
+from kanegen.symbolic.naming import Names
+from kanegen.symbolic.symbols import acceleration, coordinate, speed
+from kanegen.system import System
+
+MOST_FREEDOMS_WITHOUT_NAMES = 6
+"""Up to this many freedoms `derive` writes everything out; beyond, it names intermediates."""
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """[A]{ydot} = {f} and everything that leads to it.
+
+    Attributes:
+        system: What was derived.
+        intermediates: Whether intermediate quantities are named by symbols.
+        bodies: The equations of each body; `bodies[k]` is body k + 1.
+    """
+
+    system: System
+    intermediates: bool
+    bodies: tuple[BodyEquations, ...]
+
+    def __repr__(self) -> str:
+        """The system and its size."""
+        return f"<Equations of {self.system.name}: {len(self.bodies)} bodies, {len(self.x)} freedoms>"
+
+    @cached_property
+    def x(self) -> ImmutableMatrix:
+        """{x}, (n, 1): free angles (rad), then free translations (m), Eq. (1)."""
+        return ImmutableMatrix([coordinate(f.body, f.index) for f in self.system.freedoms])
+
+    @cached_property
+    def y(self) -> ImmutableMatrix:
+        """{y} = {xdot}, (n, 1): generalized speeds (rad/s, m/s), Eqs. (1), (45)."""
+        return ImmutableMatrix([speed(f.body, f.index) for f in self.system.freedoms])
+
+    @cached_property
+    def ydot(self) -> ImmutableMatrix:
+        """{ydot}, (n, 1): the unknowns of Eq. (42) (rad/s^2, m/s^2)."""
+        return ImmutableMatrix([acceleration(f.body, f.index) for f in self.system.freedoms])
+
+    @cached_property
+    def A(self) -> ImmutableMatrix:  # noqa: N802
+        """[A], (n, n): the generalized mass matrix, Eq. (43)."""
+        n = len(self.x)
+        return sum((body.mass_matrix for body in self.bodies), ImmutableMatrix.zeros(n, n))
+
+    @cached_property
+    def f(self) -> ImmutableMatrix:
+        """{f}, (n, 1): the right side, Eq. (44); weight and load symbols are its forces and torques."""
+        return sum((body.forcing for body in self.bodies), ImmutableMatrix.zeros(len(self.x), 1))
+
+    @cached_property
+    def generalized_forces(self) -> ImmutableMatrix:
+        """{F_y}, (n, 1): the part of {f} that weight and loads make, Eq. (37)."""
+        return sum((body.generalized_forces for body in self.bodies), ImmutableMatrix.zeros(len(self.x), 1))
+
+    @cached_property
+    def definitions(self) -> tuple[Definition, ...]:
+        """What every symbol of an intermediate stands for, in order of evaluation; empty without them."""
+        if not self.intermediates:
+            return ()
+        return tuple(definition for body in self.bodies for definition in body.definitions)
+
+
+def derive(system: System, intermediates: bool | None = None) -> Equations:
+    """Kane's equations of `system`.
+
+    Args:
+        system: A tree of bodies.
+        intermediates: Whether to name intermediate quantities by symbols; by default, only where there are
+            more than `MOST_FREEDOMS_WITHOUT_NAMES` freedoms.
+
+    Returns:
+        The equations; their matrices are derived when they are first read.
+    """
+    if intermediates is None:
+        intermediates = len(system.freedoms) > MOST_FREEDOMS_WITHOUT_NAMES
+    taken = frozenset(parameter.name for parameter in system.parameters)
+    bodies: list[BodyEquations] = []
+    for number, body in enumerate(system.bodies, start=1):
+        lower = bodies[body.lower - 1] if body.lower else None
+        bodies.append(BodyEquations(number, system, lower, Names(number, body.lower, intermediates, taken)))
+    return Equations(system, intermediates, tuple(bodies))

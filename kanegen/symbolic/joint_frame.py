@@ -1,0 +1,119 @@
+"""The joint below a body: its six freedoms, its constants, Eqs. (1), (4) and (22).
+
+A body's equations come in four layers, each a class that extends the one before: the joint (here), then
+`angular`, `linear` and `dynamics`. Everything is computed on first use and kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import sympy
+from sympy import Expr, ImmutableMatrix, S
+
+from kanegen.symbolic import rotations
+from kanegen.symbolic.naming import Names
+from kanegen.symbolic.symbols import acceleration, column, coordinate, expression, matrix, speed
+from kanegen.system import Body, Freedom, System
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointEquations:
+    """How body K can move on its lower body J.
+
+    Attributes:
+        number: K.
+        system: The tree that it belongs to.
+        lower: The same of body J; None where J is the ground.
+        names: Names of intermediates.
+    """
+
+    number: int
+    system: System
+    lower: Self | None
+    names: Names
+
+    @property
+    def body(self) -> Body:
+        """The body as the model describes it."""
+        return self.system.bodies[self.number - 1]
+
+    @cached_property
+    def sines(self) -> ImmutableMatrix:
+        """Sines of the three angles, (3, 1); numbers where an angle is locked."""
+        return self._named("sines", ImmutableMatrix([self._sine_cosine(axis)[0] for axis in range(3)]))
+
+    @cached_property
+    def cosines(self) -> ImmutableMatrix:
+        """Cosines of the three angles, (3, 1)."""
+        return self._named("cosines", ImmutableMatrix([self._sine_cosine(axis)[1] for axis in range(3)]))
+
+    @cached_property
+    def joint_orientation(self) -> ImmutableMatrix:
+        """[C_K], from J components to joint-frame components."""
+        given = self.body.joint.orientation
+        if isinstance(given[0], tuple):
+            return matrix(given)
+        pairs = [rotations.constant_sine_cosine(angle) for angle in given]
+        turned = rotations.rotation_123([s for s, _ in pairs], [c for _, c in pairs])
+        return self._named("joint_orientation", turned)
+
+    @cached_property
+    def offset(self) -> ImmutableMatrix:
+        """{q'_K} + [C_K]^T {s'_K}, from O_J to O_K in J components (m), as in Eq. (22)."""
+        position = column(self.body.joint.position)
+        return self._named("offset", position + self.joint_orientation.T * self._translation)
+
+    @cached_property
+    def offset_rate(self) -> ImmutableMatrix:
+        """[C_K]^T {sdot'_K}, as seen from and resolved in J (m/s), as in Eq. (24)."""
+        return self._named("offset_rate", self.joint_orientation.T * self._translation_rate)
+
+    @property
+    def _angle_rates(self) -> ImmutableMatrix:
+        return ImmutableMatrix([self._rate(index) for index in range(3)])
+
+    @property
+    def _translation(self) -> ImmutableMatrix:
+        return ImmutableMatrix([self._value(index) for index in range(3, 6)])
+
+    @property
+    def _translation_rate(self) -> ImmutableMatrix:
+        return ImmutableMatrix([self._rate(index) for index in range(3, 6)])
+
+    def _value(self, index: int) -> Expr:
+        joint = self.body.joint
+        return coordinate(self.number, index) if joint.free[index] else expression(joint.locked[index])
+
+    def _rate(self, index: int) -> Expr:
+        return speed(self.number, index) if self.body.joint.free[index] else S.Zero
+
+    def _sine_cosine(self, axis: int) -> tuple[Expr, Expr]:
+        joint = self.body.joint
+        if not joint.free[axis]:
+            return rotations.constant_sine_cosine(joint.locked[axis])
+        angle = coordinate(self.number, axis)
+        return sympy.sin(angle), sympy.cos(angle)
+
+    @property
+    def _y(self) -> ImmutableMatrix:
+        return ImmutableMatrix([speed(f.body, f.index) for f in self.system.freedoms])
+
+    @property
+    def _ydot(self) -> ImmutableMatrix:
+        return ImmutableMatrix([acceleration(f.body, f.index) for f in self.system.freedoms])
+
+    def _columns(self, block: ImmutableMatrix, first: int) -> ImmutableMatrix:
+        """(3, n): the columns of a 3 x 3 `block` where freedoms `first` to `first` + 2 of this body stand."""
+        number = {freedom: i for i, freedom in enumerate(self.system.freedoms)}
+        columns = [sympy.zeros(3, 1)] * len(number)
+        for axis in range(3):
+            freedom = Freedom(self.number, first + axis)
+            if freedom in number:
+                columns[number[freedom]] = block[:, axis]
+        return ImmutableMatrix.hstack(*columns)
+
+    def _named(self, name: str, value: ImmutableMatrix) -> ImmutableMatrix:
+        return self.names.apply(name, ImmutableMatrix(value))
