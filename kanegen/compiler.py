@@ -1,21 +1,21 @@
 """The pipeline.
 
-    TOML / URDF / arrays
-        |  readers      text -> System
-    System
-        |  symbolic     Eqs. (2)-(45) of the notes in SymPy, literally -> Equations, to read
-        |  recursion    the same values by recursion, every intermediate named -> RecursiveForm
-        |  lowering     every definition becomes a few instructions
-    Program
-        |  passes       Program -> Program, counted
-        |  split        the parameter-only part goes into `prepare`
-    Module
-        |  c            Jinja templates write header, source and what goes with them
-    Source
-        |  build        a C compiler, behind a cache
-    Library             NumPy in, NumPy out
-        |  check        against an independent NumPy reference
-    Report
+TOML / URDF / arrays
+    |  readers      text -> System
+System
+    |  symbolic     Eqs. (2)-(45) of the notes in SymPy, literally -> Equations, to read
+    |  recursion    the same values by recursion, every intermediate named -> RecursiveForm
+    |  lowering     every definition becomes a few instructions
+Program
+    |  passes       Program -> Program, counted
+    |  split        the parameter-only part goes into `prepare`
+Module
+    |  c            Jinja templates write header, source and what goes with them
+Source
+    |  build        a C compiler, behind a cache
+Library             NumPy in, NumPy out
+    |  check        against an independent NumPy reference
+Report
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from kanegen.program import passes
 from kanegen.program.count import operations
 from kanegen.program.ir import Module
 from kanegen.program.split import split
-from kanegen.signature import OUTPUTS, PARAMETERS, chosen, functions, input_arrays
 from kanegen.recursion import recursive_form
+from kanegen.signature import OUTPUTS, PARAMETERS, chosen, functions, input_arrays
 from kanegen.system import System
 
 Progress = Callable[[str], None]
@@ -91,9 +91,7 @@ def compile_module(
     return Compiled(split(program, functions(system, names), PARAMETERS), stages)
 
 
-def generate(
-    system: System, outputs: Iterable[str] = tuple(OUTPUTS), progress: Progress = quiet
-) -> Source:
+def generate(system: System, outputs: Iterable[str] = tuple(OUTPUTS), progress: Progress = quiet) -> Source:
     """C for `outputs`, specialised to `system`.
 
     Args:

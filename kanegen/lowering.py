@@ -16,6 +16,9 @@ from kanegen.symbolic.definitions import Definition
 
 FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
 
+POWERS = (2, -1)
+"""Squares and reciprocals are all that a recursion makes of powers."""
+
 
 def lower(
     inputs: Mapping[Array, Sequence[tuple[Symbol, str]]],
@@ -63,8 +66,10 @@ class _Lowering:
             return self._sum(arguments)
         if expression.is_Mul:
             return reduce(self.builder.multiply, (self.value(factor) for factor in arguments))
-        if expression.is_Pow and arguments[1] == 2:
+        if expression.is_Pow and arguments[1] in POWERS:
             base = self.value(arguments[0])
+            if arguments[1] == -1:
+                return self.builder.divide(self.builder.constant(1.0), base)
             return self.builder.multiply(base, base)
         function = FUNCTIONS.get(type(expression))
         if function is not None:

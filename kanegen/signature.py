@@ -96,7 +96,7 @@ def _named(elements: Sequence[Symbol]) -> Elements:
 def functions(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
     """One function for every output, and `EVALUATE` for all of them where there are several."""
     available = [array.name for array in input_arrays(system)]
-    groups = {name: (name,) for name in outputs}
+    groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}
     if len(outputs) > 1:
         groups[EVALUATE] = tuple(outputs)
     return {

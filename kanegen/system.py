@@ -8,15 +8,19 @@ Any of the six freedoms can be locked at a value; it then leaves {x}, {y}, [A] a
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from kanegen import arrays, validation
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, WriteError
+from kanegen.files import write_whole
 from kanegen.names import check_identifier, check_label
 from kanegen.numbers import Matrix, Number, Parameter, Vector, map_numbers, number, numbers, value_of
+from kanegen.toml_text import toml_text
 
 FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
 """The six relative freedoms of a body, in the order of `Joint.free`: angles in rad, translations in m."""
@@ -61,20 +65,17 @@ class Joint:
 
     def as_table(self) -> dict[str, Any]:
         """The joint in the words of a model file, defaults left out."""
-        is_matrix = isinstance(self.orientation[0], tuple)
-        names = tuple(name for name, is_free in zip(FREEDOMS, self.free, strict=True) if is_free)
-        entries = {
-            "name": self.name,
-            "position": _file_value(self.position) if any(self.position) else "",
-            "orientation" if is_matrix else "orientation_angles": (
-                "" if self.orientation == IDENTITY else _file_value(self.orientation)
-            ),
-            "free": names or "none",
-            "locked": {
-                name: _file_value(value) for name, value in zip(FREEDOMS, self.locked, strict=True) if value
-            },
-        }
-        return {key: value for key, value in entries.items() if value}
+        table: dict[str, Any] = {"name": self.name} if self.name else {}
+        if any(self.position):
+            table["position"] = map_numbers(self.position, _word)
+        if self.orientation != IDENTITY:
+            key = "orientation" if isinstance(self.orientation[0], tuple) else "orientation_angles"
+            table[key] = map_numbers(self.orientation, _word)
+        free = tuple(name for name, is_free in zip(FREEDOMS, self.free, strict=True) if is_free)
+        table["free"] = "all" if all(self.free) else free or "none"
+        locked = zip(FREEDOMS, self.locked, strict=True)
+        table["locked"] = {name: _word(value) for name, value in locked if value}
+        return table
 
 
 @dataclass(frozen=True)
@@ -112,6 +113,17 @@ class Body:
             )
         except ModelError as error:
             raise ModelError(f"body {self.name!r}: {error}") from None
+
+    def as_table(self, lower: int | str) -> dict[str, Any]:
+        """The body in the words of a model file, `lower` being its connection there; defaults left out."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia
+        table: dict[str, Any] = {"name": self.name, "connection": lower, "mass": _word(self.mass)}
+        if any(self.mass_center):
+            table["mass_center"] = map_numbers(self.mass_center, _word)
+        table["inertia"] = map_numbers(self.inertia if xy or xz or yz else (xx, yy, zz), _word)
+        if self.loads:
+            table["loads"] = True
+        return {**table, "joint": self.joint.as_table()}
 
 
 @dataclass(frozen=True)
@@ -319,6 +331,32 @@ class System:
             gravity=map_numbers(self.gravity, value_of),
             loads=tuple(body.loads for body in self.bodies),
         )
+
+    def as_table(self) -> dict[str, Any]:
+        """The model in the words of a model file: what `save` writes."""
+        table: dict[str, Any] = {"name": self.name, "gravity": map_numbers(self.gravity, _word)}
+        if self.parameters:
+            table["parameters"] = {parameter.name: parameter.value for parameter in self.parameters}
+        # In a file, "ground" always means the ground; a body of this name is called by its number.
+        names = ["ground", *(body.name for body in self.bodies)]
+        words = [k if k > 0 and name == "ground" else name for k, name in enumerate(names)]
+        return {**table, "body": [body.as_table(words[body.lower]) for body in self.bodies]}
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a TOML model file; loading it gives an equal system.
+
+        Raises:
+            WriteError: If `path` does not end in .toml or cannot be written.
+        """
+        file = Path(path)
+        if file.suffix.lower() != ".toml":
+            raise WriteError(f"{file}: a model file ends in .toml.")
+        write_whole(file, toml_text(self.as_table()))
+
+
+def _word(value: Number) -> float | str:
+    """A number in a model file: itself, or its parameter's name."""
+    return value.name if isinstance(value, Parameter) else value
 
 
 def _set(instance: object, **values: Any) -> None:

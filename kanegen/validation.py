@@ -117,12 +117,12 @@ def _symmetric(value: Matrix) -> Matrix:
 def orientation(value: Any) -> Matrix | Vector:
     """A rotation matrix, or three constant angles where one of them is a parameter."""
     items = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else []
-    if len(items) == 3 and all(isinstance(item, Parameter) or np.ndim(item) == 0 for item in items):
+    if items and all(isinstance(item, Parameter) or np.ndim(item) == 0 for item in items):
         angles: Vector = numbers(items, (3,), "joint orientation")
-        a, b, c = angles
-        if isinstance(a, Parameter) or isinstance(b, Parameter) or isinstance(c, Parameter):
+        one, two, three = angles
+        if isinstance(one, Parameter) or isinstance(two, Parameter) or isinstance(three, Parameter):
             return angles
-        return numbers(rotation_123((a, b, c)), (3, 3), "joint orientation")
+        value = rotation_123((one, two, three))
     matrix: Matrix = numbers(value, (3, 3), "joint orientation")
     c = np.array(map_numbers(matrix, value_of))
     with np.errstate(over="ignore", invalid="ignore"):

@@ -139,9 +139,9 @@ def test_factor_leaves_products_that_others_use(builder: Builder) -> None:
 
 def test_parameter_only_work_moves_to_prepare() -> None:
     builder = Builder((P, X))
-    m, l, g = (builder.input("parameters", i, f"p_{i}") for i in range(3))
+    m, length, g = (builder.input("parameters", i, f"p_{i}") for i in range(3))
     x = builder.input("x", 0, "x_0")
-    inertia = builder.name(builder.multiply(m, builder.multiply(l, l)), "I_1")
+    inertia = builder.name(builder.multiply(m, builder.multiply(length, length)), "I_1")
     weight = builder.negate(builder.multiply(m, g))
     first = builder.multiply(inertia, builder.function(Op.COS, x))
     second = builder.add(builder.multiply(weight, x), builder.constant(2.0))
@@ -149,7 +149,11 @@ def test_parameter_only_work_moves_to_prepare() -> None:
     program = builder.program(arrays)
     module = split(
         program,
-        {"a": Signature(("x",), ("A",)), "f": Signature(("x",), ("f",)), "evaluate": Signature(("x",), ("A", "f"))},
+        {
+            "a": Signature(("x",), ("A",)),
+            "f": Signature(("x",), ("f",)),
+            "evaluate": Signature(("x",), ("A", "f")),
+        },
         "parameters",
     )
     assert module.prepare is not None
@@ -173,7 +177,9 @@ def test_without_parameters_there_is_no_prepare(builder: Builder) -> None:
 
 BROKEN = {
     "operand not defined": lambda p: replace(p, instructions=(Instruction(Op.NEGATE, (1,)), *p.instructions)),
-    "wrong number of operands": lambda p: replace(p, instructions=(*p.instructions, Instruction(Op.ADD, (0,)))),
+    "wrong number of operands": lambda p: replace(
+        p, instructions=(*p.instructions, Instruction(Op.ADD, (0,)))
+    ),
     "is not finite": lambda p: replace(
         p, instructions=(*p.instructions, Instruction(Op.CONSTANT, number=math.nan))
     ),

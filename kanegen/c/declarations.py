@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from kanegen.c.interface import Function
-from kanegen.c.layout import BREAK, columns, wrap
+from kanegen.c.layout import BREAK, WIDTH, columns, wrap
 from kanegen.program.ir import Array
 
 
 def prototype(model: str, function: Function) -> list[str]:
     """`void model_forcing(const double x[2], ..., double f[2])`, without a semicolon."""
-    arguments = [f"const double {_declarator(array)}" for array in function.inputs]
-    arguments += [f"double {_declarator(array)}" for array in function.outputs]
+    arguments = [f"const double {declarator(array)}" for array in function.inputs]
+    arguments += [f"double {declarator(array)}" for array in function.outputs]
     return _prototype(f"{model}_{function.name}", arguments)
 
 
@@ -36,19 +36,20 @@ def argument_list(function: Function) -> list[str]:
     """Doxygen lines for the arguments: direction, name, lengths, meaning and unit."""
     rows = [_argument("[in]", array) for array in function.inputs]
     rows += [_argument("[out]", array) for array in function.outputs]
-    return columns(rows)
+    return columns(rows, width=WIDTH - len(" * "))
 
 
-def _argument(direction: str, array: Array) -> tuple[str, str, str, str]:
-    return f"@param{direction}", array.name, _lengths(array), f"{array.doc} ({array.unit})"
+def declarator(array: Array) -> str:
+    """An array as C declares it, `A[2 * 2]`."""
+    return f"{array.name}{_lengths(array)}"
 
 
 def _lengths(array: Array) -> str:
     return f"[{' * '.join(map(str, array.shape))}]"
 
 
-def _declarator(array: Array) -> str:
-    return f"{array.name}{_lengths(array)}"
+def _argument(direction: str, array: Array) -> tuple[str, str, str, str]:
+    return f"@param{direction}", array.name, _lengths(array), f"{array.doc} ({array.unit})"
 
 
 def _prototype(name: str, arguments: list[str]) -> list[str]:

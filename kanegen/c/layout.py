@@ -56,9 +56,20 @@ def comment(text: str, indent: str = "    ") -> list[str]:
     return lines
 
 
-def columns(rows: Sequence[Sequence[str]], gap: str = "  ") -> list[str]:
-    """`rows` as lines whose columns are aligned; an empty table has no line."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        gap.join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]
+def columns(rows: Sequence[Sequence[str]], width: int = WIDTH, gap: str = "  ") -> list[str]:
+    """`rows` as lines whose columns are aligned, the last one wrapped; an empty table has no line."""
+    if not rows:
+        return []
+    widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:-1]]
+    lines = []
+    for *cells, last in rows:
+        start = "".join(cell.ljust(length) + gap for cell, length in zip(cells, widths, strict=True))
+        lines += textwrap.wrap(
+            last or " ",
+            width,
+            initial_indent=start,
+            subsequent_indent=" " * len(start),
+            break_long_words=False,
+            drop_whitespace=True,
+        ) or [start.rstrip()]
+    return lines

@@ -76,10 +76,12 @@ class Builder:
 
     def add(self, a: int, b: int) -> int:
         """a + b."""
-        if self._negated(b) is not None:
-            return self.subtract(a, self._negated(b) or 0)
-        if self._negated(a) is not None:
-            return self.subtract(b, self._negated(a) or 0)
+        inner = self._negated(b)
+        if inner is not None:
+            return self.subtract(a, inner)
+        inner = self._negated(a)
+        if inner is not None:
+            return self.subtract(b, inner)
         x, y = self._number(a), self._number(b)
         if x is not None and y is not None:
             return self.constant(x + y)
@@ -140,10 +142,12 @@ class Builder:
             return self.constant(x / y)
         if y == 1.0 or x == 0.0:
             return a
-        for operand, quotient in ((a, lambda v: self.divide(v, b)), (b, lambda v: self.divide(a, v))):
-            inner = self._negated(operand)
-            if inner is not None:
-                return self.negate(quotient(inner))
+        inner = self._negated(a)
+        if inner is not None:
+            return self.negate(self.divide(inner, b))
+        inner = self._negated(b)
+        if inner is not None:
+            return self.negate(self.divide(a, inner))
         return self._value(Instruction(Op.DIVIDE, (a, b)))
 
     def negate(self, a: int) -> int:

@@ -33,8 +33,10 @@ def check(program: Program) -> Program:
             _require(math.isfinite(instruction.number), f"{where}: {instruction.number} is not finite")
         if instruction.op is Op.INPUT:
             size = sizes.get(instruction.array, 0)
-            _require(0 <= instruction.index < size, f"{where}: no element {instruction.index} of "
-                     f"{instruction.array!r}")
+            _require(
+                0 <= instruction.index < size,
+                f"{where}: no element {instruction.index} of {instruction.array!r}",
+            )
         if instruction.name:
             _require(instruction.name not in names, f"{where}: name {instruction.name!r} assigned twice")
             names.add(instruction.name)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
-from kanegen.program.ir import Array, Instruction, Module, Op, Output, Program
+from kanegen.program.ir import Array, Module, Op, Output, Program
 from kanegen.program.passes.prune import prune
 
 PREPARED = "prepared"

@@ -61,7 +61,7 @@ def lump(parts: Sequence[Rigid]) -> Rigid:
 
 
 def _parallel_axis(mass: float, d: Triple) -> Square:
-    """m (d.d [1] - {d} {d}^T): the inertia of a point mass displaced by d."""
+    """Return m (d.d [1] - {d} {d}^T): the inertia of a point mass displaced by d."""
 
     def row(i: int) -> Triple:
         return (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -10,11 +11,16 @@ from kanegen.errors import ReadError
 from kanegen.readers.rigid import Frame, Rigid
 from kanegen.readers.suggest import did_you_mean
 from kanegen.readers.xml import Element
-from kanegen.rotations import ZERO, Triple, normalized, rotation_quaternion, rotation_rpy
+from kanegen.rotations import ZERO, Triple, dot, normalized, rotation_quaternion, rotation_rpy
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
 DEFAULT_AXIS: Triple = (1.0, 0.0, 0.0)
+
+CANCELLED = 4 * sys.float_info.epsilon
+"""An inertia no larger than this many times m r^2, r being the mass centre's distance from the link's origin,
+is what rounding leaves of a point mass when a program moves its inertia to the centre; often it is not even
+positive. It means zero."""
 
 
 @dataclass(frozen=True)
@@ -111,8 +117,11 @@ def _rigid(inertial: Element) -> Rigid:
         raise mass.error(f"mass {kilograms!r} kg is negative.")
     entries = inertial.child("inertia")
     xx, yy, zz, xy, xz, yz = (entries.number(f"i{name}") for name in ("xx", "yy", "zz", "xy", "xz", "yz"))
-    own = Rigid(kilograms, ZERO, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-    return own.seen_from(_origin(inertial))
+    place = _origin(inertial)
+    offset = kilograms * dot(place.position, place.position)
+    if max(map(abs, (xx, yy, zz, xy, xz, yz))) <= CANCELLED * offset:
+        return Rigid(kilograms, place.position)
+    return Rigid(kilograms, ZERO, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))).seen_from(place)
 
 
 def _joint(element: Element) -> RobotJoint:

@@ -51,7 +51,9 @@ def _parse(text: str, path: Path) -> Table:
         message = str(error)
         place = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", message)
         line = f":{place[1] or text.count(chr(10)) + 1}" if place else ""
-        raise ReadError(f"{path}{line}: not valid TOML: {message[: place.start()] if place else message}.") from None
+        raise ReadError(
+            f"{path}{line}: not valid TOML: {message[: place.start()] if place else message}."
+        ) from None
     except RecursionError:
         raise ReadError(f"{path}: not a model: its arrays are nested too deeply.") from None
 
@@ -116,18 +118,15 @@ def _inertia(value: Any, parameters: Parameters) -> Any:
 def _joint(table: Any, parameters: Parameters) -> Joint:
     if not isinstance(table, Mapping):
         raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
-    try:
-        _check_keys(table, JOINT_KEYS)
-        free = _free(table.get("free", "all"))
-        return Joint(
-            position=parameters.resolve(table.get("position", ORIGIN), "position"),
-            orientation=_orientation(table, parameters),
-            free=free,
-            locked=_locked(table.get("locked", {}), free, parameters),
-            name=table.get("name", ""),
-        )
-    except ModelError as error:
-        raise ModelError(f"joint: {error}") from None
+    _check_keys(table, JOINT_KEYS, what="joint: ")
+    free = _free(table.get("free", "all"))
+    return Joint(
+        position=parameters.resolve(table.get("position", ORIGIN), "joint position"),
+        orientation=_orientation(table, parameters),
+        free=free,
+        locked=_locked(table.get("locked", {}), free, parameters),
+        name=table.get("name", ""),
+    )
 
 
 def _orientation(table: Table, parameters: Parameters) -> Any:
@@ -152,14 +151,14 @@ def _free(value: Any) -> tuple[bool, ...]:
     return tuple(name in value for name in FREEDOMS)
 
 
-def _locked(table: Any, free: tuple[bool, ...], parameters: Parameters) -> list[Any]:
+def _locked(table: Any, free: tuple[bool, ...], parameters: Parameters) -> Any:
     if not isinstance(table, Mapping):
         raise ModelError("locked: write a table such as {theta1 = 0.5}.")
     _check_keys(table, FREEDOMS, what="locked: ")
     for name, is_free in zip(FREEDOMS, free, strict=True):
         if is_free and name in table:
             raise ModelError(f"locked: {name!r} is free. Delete it here, or leave it out of free.")
-    return [parameters.resolve(table.get(name, 0), f"locked {name}") for name in FREEDOMS]
+    return tuple(parameters.resolve(table.get(name, 0), f"locked {name}") for name in FREEDOMS)
 
 
 def _check_keys(table: Table, known: tuple[str, ...], required: tuple[str, ...] = (), what: str = "") -> None:

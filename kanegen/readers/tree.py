@@ -78,7 +78,8 @@ def _root(robot: Robot) -> str:
     roots = [name for name in robot.links if name not in below]
     if len(roots) > 1:
         raise ReadError(
-            f"{robot.where}: several links have no parent: {', '.join(map(repr, roots))}. Join them to one root."
+            f"{robot.where}: several links have no parent: {', '.join(map(repr, roots))}. "
+            "Join them to one root."
         )
     return roots[0]
 
@@ -93,7 +94,9 @@ def _refuse_loops(robot: Robot, below: dict[str, RobotJoint]) -> None:
             if name in trail:
                 names = list(trail)
                 loop = " on ".join(map(repr, [*names[names.index(name) :], name]))
-                raise ReadError(f"{below[name].where}: the joints form a loop: {loop}. kanegen takes trees only.")
+                raise ReadError(
+                    f"{below[name].where}: the joints form a loop: {loop}. kanegen takes trees only."
+                )
             trail[name] = below[name]
             name = below[name].parent
         grounded.update(trail)

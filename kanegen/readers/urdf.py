@@ -12,16 +12,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kanegen import validation
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.readers.labels import identifier, label
-from kanegen.numbers import numbers
-from kanegen.readers.rigid import Frame, Rigid, lump
-from kanegen.readers.robot import Link, Robot, RobotJoint, read_robot
+from kanegen.readers.rigid import Frame, lump
+from kanegen.readers.robot import Robot, RobotJoint, read_robot
 from kanegen.readers.text import read_text
 from kanegen.readers.tree import GROUND, MovingLink, moving_links
 from kanegen.readers.xml import parse
-from kanegen.rotations import UNIT, Square, apply, product, rotation_to_axis, similar, transpose
+from kanegen.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
 from kanegen.system import Body, Joint, System
 
 
@@ -42,14 +40,15 @@ def read_urdf(path: Path, floating_base: bool = False) -> System:
     robot = read_robot(parse(read_text(path), str(path)))
     moving = moving_links(robot, floating_base)
     if not moving:
-        raise ReadError(f"{robot.where}: no joint of this robot moves. floating_base=True frees its root link.")
+        raise ReadError(
+            f"{robot.where}: no joint of this robot moves. floating_base=True frees its root link."
+        )
     _warn_of_mimic(robot, path)
     _warn_of_names(moving, path)
     turns = [_turn(link.joint) for link in moving]
+    bodies = tuple(_bodies(moving, turns))
     try:
-        return System(identifier(robot.name), tuple(_bodies(moving, turns)))
-    except ReadError:
-        raise
+        return System(identifier(robot.name), bodies)
     except ModelError as error:
         raise ReadError(f"{path}: {error}") from None
 
@@ -85,15 +84,14 @@ def _bodies(moving: Sequence[MovingLink], turns: Sequence[_Turn]) -> Iterator[Bo
         where = link.parts[0][0].where
         try:
             yield _body(link, below, turn)
-        except ReadError:
-            raise
         except ModelError as error:
             raise ReadError(f"{where}: {error}") from None
 
 
 def _body(link: MovingLink, below: Square, turn: _Turn) -> Body:
     """The body, seen in its turned frame, on a lower body whose frame is turned by `below`."""
-    rigid = _lumped(link).seen_from(Frame(rotation=turn.matrix))
+    rigid = lump([part.rigid.seen_from(place) for part, place in link.parts])
+    rigid = rigid.seen_from(Frame(rotation=turn.matrix))
     to_joint_frame = product(turn.matrix, transpose(link.origin.rotation))
     joint = Joint(
         position=apply(below, link.origin.position),
@@ -102,21 +100,6 @@ def _body(link: MovingLink, below: Square, turn: _Turn) -> Body:
         name=label(link.joint.name) if link.joint.name else "",
     )
     return Body(label(link.joint.child), link.lower, rigid.mass, rigid.inertia, rigid.center, joint)
-
-
-def _lumped(link: MovingLink) -> Rigid:
-    if len(link.parts) > 1:
-        for part, _ in link.parts:
-            _check_inertia(part)
-    return lump([part.rigid.seen_from(place) for part, place in link.parts])
-
-
-def _check_inertia(link: Link) -> None:
-    """What a sum would hide: a link whose own inertia no body can have."""
-    try:
-        validation.inertia(numbers(link.rigid.inertia, (3, 3), "inertia"), link.name)
-    except ModelError as error:
-        raise ReadError(f"{link.where}: link {link.name!r}: {error}") from None
 
 
 def _warn_of_mimic(robot: Robot, path: Path) -> None:
@@ -133,4 +116,4 @@ def _warn_of_names(moving: Sequence[MovingLink], path: Path) -> None:
 
 
 def _warn(message: str) -> None:
-    warnings.warn(message, KanegenWarning, stacklevel=4)
+    warnings.warn(message, KanegenWarning, stacklevel=5)

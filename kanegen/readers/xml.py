@@ -82,7 +82,9 @@ class Element:
 
     def _number(self, word: str, name: str) -> float:
         if "${" in word:
-            raise self.error(f"<{self.tag} {name}>: {word!r} is a xacro expression. Run xacro on the file first.")
+            raise self.error(
+                f"<{self.tag} {name}>: {word!r} is a xacro expression. Run xacro on the file first."
+            )
         value = float(word) if _NUMBER.fullmatch(word) else math.nan
         if not math.isfinite(value):
             raise self.error(f"<{self.tag} {name}>: {word!r} is not a finite number.")
@@ -113,8 +115,8 @@ def parse(text: str, file: str) -> Element:
 
     def refuse(*_: object) -> None:
         raise ReadError(
-            f"{file}:{parser.CurrentLineNumber}: a document type declaration (<!DOCTYPE ...>) is not accepted, "
-            "because it can define entities and refer to other files. Delete it."
+            f"{file}:{parser.CurrentLineNumber}: document type declaration (<!DOCTYPE ...>) is not accepted: "
+            "it can define entities and refer to other files. Delete it."
         )
 
     parser.StartElementHandler = start

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from sympy import Expr, S
 
-from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 from kanegen.recursion.joints import exact
 from kanegen.recursion.vectors import ZERO, add, add_symmetric, scale
+from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 from kanegen.system import System
 
 NOTHING = Symmetric(*(S.Zero,) * 6)
@@ -45,7 +45,9 @@ def body_inertia(system: System, k: int, definitions: Definitions) -> Inertia:
     r = Vector(*(exact(value) for value in body.mass_center))
     moment = definitions.vector(f"h_{k}", scale(mass, r))
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = [[exact(value) for value in row] for row in body.inertia]
-    squares = [definitions.define(f"hr_{k}_{axis}", h * c) for axis, h, c in zip("xyz", moment, r, strict=True)]
+    squares = [
+        definitions.define(f"hr_{k}_{axis}", h * c) for axis, h, c in zip("xyz", moment, r, strict=True)
+    ]
     about_origin = Symmetric(
         xx=xx + squares[1] + squares[2],
         yy=yy + squares[2] + squares[0],

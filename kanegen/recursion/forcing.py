@@ -1,9 +1,9 @@
 """{f} by an outward recursion of motions and an inward recursion of forces: Eq. (44) regrouped.
 
-Outward: the angular velocity, and the accelerations that remain where {ydot} = 0, gravity counted as an upward
-acceleration of the ground. Inward: the force and moment about each origin that these motions need, less the
-loads; what they do on a freedom is minus its entry of {f} (Luh, Walker and Paul 1980; Featherstone 2008,
-section 5.3).
+Outward: the angular velocity, and the accelerations that remain where {ydot} = 0, gravity counted as an
+upward acceleration of the ground. Inward: the force and moment about each origin that these motions need,
+less the loads; what they do on a freedom is minus its entry of {f} (Luh, Walker and Paul 1980; Featherstone
+2008, section 5.3).
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from sympy import Expr
 
 from kanegen.recursion.bodies import Inertia, body_inertia
-from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.recursion.joints import NO_FREEDOM, JointMotion, exact
+from kanegen.recursion.vectors import ZERO, add, cross, dot, multiply, negate, scale, subtract, unit
+from kanegen.symbolic.definitions import AXES, Definitions, Vector
 from kanegen.symbolic.symbols import force as force_symbol
 from kanegen.symbolic.symbols import torque as torque_symbol
-from kanegen.recursion.vectors import ZERO, add, cross, dot, multiply, negate, scale, subtract, unit
 from kanegen.system import System
 
 Rows = tuple[Vector, Vector, Vector]
@@ -56,11 +56,11 @@ def forcing(system: System, motions: tuple[JointMotion, ...], definitions: Defin
         own_force, own_moment = _required(system, inertia, moved[k], k, definitions)
         force = definitions.vector(f"F_{k}", add(own_force, forces[k - 1]))
         moment = definitions.vector(f"M_{k}", add(own_moment, moments[k - 1]))
-        for step, frame in motion.inward():
+        for step in reversed(motion.steps):
             if step.freedom != NO_FREEDOM:
                 result[step.freedom] = -moment[step.axis]
-            force = definitions.vector(f"F_{frame}", step.turn.down(force))
-            moment = definitions.vector(f"M_{frame}", step.turn.down(moment))
+            force = definitions.vector(f"F_{step.frame}", step.turn.down(force))
+            moment = definitions.vector(f"M_{step.frame}", step.turn.down(moment))
         for slide in motion.slides:
             result[slide.freedom] = -definitions.define(f"f_{slide.freedom}", dot(slide.direction, force))
         if j:
@@ -70,14 +70,14 @@ def forcing(system: System, motions: tuple[JointMotion, ...], definitions: Defin
     return [result[i] for i in range(len(system.freedoms))]
 
 
-def _outward(
-    system: System, motions: tuple[JointMotion, ...], definitions: Definitions
-) -> dict[int, Motion]:
+def _outward(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> dict[int, Motion]:
     gravity = Vector(*(exact(value) for value in system.gravity))
     still = {(i, j): exact(0.0) for i in range(3) for j in range(3)}
     moved = {0: Motion(ZERO, ZERO, negate(gravity), still, (ZERO, ZERO, ZERO))}
     for motion in motions:
-        moved[motion.body] = _move(moved[motion.lower], motion, system.bodies[motion.body - 1].name, definitions)
+        moved[motion.body] = _move(
+            moved[motion.lower], motion, system.bodies[motion.body - 1].name, definitions
+        )
     return moved
 
 
@@ -110,7 +110,7 @@ def _with_field(
     squares: dict[tuple[int, int], Expr] = {}
     for i in range(3):
         for j in range(i, 3):
-            name = f"ww_{k}_{'xyz'[i]}{'xyz'[j]}"
+            name = f"ww_{k}_{AXES[i]}{AXES[j]}"
             squares[i, j] = squares[j, i] = definitions.define(name, omega[i] * omega[j])
     w = squares
     field = (
@@ -118,7 +118,7 @@ def _with_field(
         Vector(w[0, 1] + alpha.z, -(w[0, 0] + w[2, 2]), w[1, 2] - alpha.x),
         Vector(w[0, 2] - alpha.y, w[1, 2] + alpha.x, -(w[0, 0] + w[1, 1])),
     )
-    named = tuple(definitions.vector(f"W_{k}_{axis}", row) for axis, row in zip("xyz", field, strict=True))
+    named = tuple(definitions.vector(f"W_{k}_{axis}", row) for axis, row in zip(AXES, field, strict=True))
     return Motion(omega, alpha, acceleration, squares, (named[0], named[1], named[2]))
 
 

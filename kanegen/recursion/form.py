@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from sympy import Expr
 
-from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.recursion.forcing import forcing
 from kanegen.recursion.joints import JointMotion, joint_motion
 from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.system import System
 
 Recursion = Callable[[System, tuple[JointMotion, ...], Definitions], list[Expr]]

@@ -1,8 +1,7 @@
-"""A joint as the recursions see it: a shift of origin, then turns from the lower body's frame to the body's."""
+"""A joint as the recursions see it: a shift of origin, then turns from the lower frame to the body's."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import sympy
@@ -10,10 +9,10 @@ from sympy import Expr, S
 
 from kanegen.angles import sine_cosine
 from kanegen.numbers import Number, Parameter
-from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import coordinate, speed
 from kanegen.recursion.turns import Turn, constant_turns, planar
 from kanegen.recursion.vectors import add, unit
+from kanegen.symbolic.definitions import Definitions, Vector
+from kanegen.symbolic.symbols import coordinate, speed
 from kanegen.system import Body, Freedom, System
 
 NO_FREEDOM = -1
@@ -65,11 +64,6 @@ class JointMotion:
     slides: tuple[Slide, ...]
     steps: tuple[Step, ...]
 
-    def inward(self) -> Iterator[tuple[Step, str]]:
-        """The turns from the body inward, each with the label of the frame below it."""
-        for step in reversed(self.steps):
-            yield step, step.frame
-
 
 def exact(value: Number) -> Expr:
     """A parameter's symbol, or the rational number that a float is, so that folding rounds only once."""
@@ -101,13 +95,13 @@ def joint_motion(system: System, k: int, definitions: Definitions) -> JointMotio
 def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ...]:
     orientation = body.joint.orientation
     if not isinstance(orientation[0], tuple):
-        return tuple(_locked_turn(f"{k}_c{i + 1}", i, angle, definitions) for i, angle in enumerate(orientation))
+        return tuple(
+            _locked_turn(f"{k}_c{i + 1}", i, angle, definitions) for i, angle in enumerate(orientation)
+        )
     return constant_turns([[exact(entry) for entry in row] for row in orientation])
 
 
-def _angle_step(
-    body: Body, k: int, axis: int, number: dict[Freedom, int], definitions: Definitions
-) -> Step:
+def _angle_step(body: Body, k: int, axis: int, number: dict[Freedom, int], definitions: Definitions) -> Step:
     frame = f"{k}a{axis}"
     if not body.joint.free[axis]:
         locked = body.joint.locked[axis]

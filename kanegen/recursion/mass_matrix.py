@@ -2,131 +2,117 @@
 
 Hold every joint outward of a freedom still: all bodies that the freedom carries move as one composite body.
 Its unit speed then needs a force {F} and a moment {M} about the origin, and the work of that pair on every
-freedom further inward is an entry of [A] (Featherstone 2008, section 6.2). The joint's turns are passed one at
-a time, so that an angle's entry is simply a component of {M}, a translation's a component of {F}.
+freedom further inward is an entry of [A] (Featherstone 2008, section 6.2). The joint's turns are passed one
+at a time, so that an angle's entry is simply a component of {M}, a translation's a component of {F}.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sympy import Expr, S
 
 from kanegen.recursion.bodies import Inertia, body_inertia
-from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
+from kanegen.recursion.columns import Column, Push, Wrench
 from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Step
 from kanegen.recursion.vectors import add, column, cross, dot, scale, unit
+from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
 from kanegen.system import System
 
 
 @dataclass(frozen=True)
-class Column:
-    """Force and moment that unit speed of `freedom` needs, about the current origin, in its frame."""
+class _Assembly:
+    """[A] in the making: entries by pair of freedoms, the larger first, and the definitions behind them."""
 
-    freedom: int
-    label: str
-    force: Vector
-    moment: Vector
+    definitions: Definitions
+    entries: dict[tuple[int, int], Expr]
 
+    def record(self, a: int, b: int, value: Expr) -> None:
+        """Store an entry; its mirror image is the same."""
+        self.entries[max(a, b), min(a, b)] = value
 
-Entries = dict[tuple[int, int], Expr]
+    def turn(self, composite: Inertia, step: Step) -> Inertia:
+        """The composite body seen from below a turn."""
+        return Inertia(
+            composite.mass,
+            self.definitions.vector(f"hc_{step.frame}", step.turn.down(composite.moment)),
+            step.turn.down_symmetric(self.definitions, f"Ic_{step.frame}", composite.inertia),
+        )
+
+    def turn_columns(self, carried: list[Column], composite: Inertia, step: Step) -> list[Column]:
+        """Columns seen from below a turn, whose angle takes their entries and adds its own column."""
+        turned: list[Column] = []
+        for col in carried:
+            if step.freedom != NO_FREEDOM:
+                self.record(col.freedom, step.freedom, col.moment_about(step.axis, self.definitions))
+            turned.append(col.down(step.turn, step.frame, self.definitions))
+        if step.freedom != NO_FREEDOM:
+            moment = column(composite.inertia, step.axis)
+            self.record(step.freedom, step.freedom, moment[step.axis])
+            force = cross(unit(step.axis), composite.moment)
+            turned.append(Wrench(step.freedom, step.frame, force, moment))
+        return turned
+
+    def slide(self, carried: list[Column], composite: Inertia, motion: JointMotion) -> None:
+        """The entries of the joint's translations."""
+        for slide in motion.slides:
+            for col in carried:
+                name = f"A_{col.freedom}_{slide.freedom}"
+                value = self.definitions.define(name, dot(slide.direction, col.force))
+                self.record(col.freedom, slide.freedom, value)
+            self.record(slide.freedom, slide.freedom, composite.mass)
+
+    def shift(self, composite: Inertia, motion: JointMotion) -> Inertia:
+        """The composite body about O_J: with {H} = {h} + m {d}, [I] - [d~][H~] - [h~][d~]."""
+        d, h, name = motion.offset, composite.moment, f"{motion.body}j"
+        shifted = self.definitions.vector(f"hc_{name}", add(h, scale(composite.mass, d)))
+        sums = add(h, shifted)
+        t = [self.definitions.define(f"dh_{name}_{AXES[i]}", d[i] * sums[i]) for i in range(3)]
+        old = composite.inertia
+        new = Symmetric(
+            xx=old.xx + (t[1] + t[2]),
+            yy=old.yy + (t[2] + t[0]),
+            zz=old.zz + (t[0] + t[1]),
+            xy=old.xy - (d.x * shifted.y + h.x * d.y),
+            xz=old.xz - (d.x * shifted.z + h.x * d.z),
+            yz=old.yz - (d.y * shifted.z + h.y * d.z),
+        )
+        return Inertia(composite.mass, shifted, self.definitions.symmetric(f"Ic_{name}", new))
+
+    def shift_columns(self, carried: list[Column], composite: Inertia, motion: JointMotion) -> list[Column]:
+        """Columns about O_J, and those of the joint's translations.
+
+        A translation moves the whole composite body along a direction fixed in J, so its column begins there.
+        """
+        shifted = [col.shifted(motion.offset, str(motion.lower), self.definitions) for col in carried]
+        if not motion.slides or composite.mass == 0:
+            return shifted
+        center = scale(1 / composite.mass, composite.moment)
+        center = self.definitions.vector(f"c_{motion.body}", center)
+        for slide in motion.slides:
+            label = f"{motion.body}s{slide.freedom}"
+            force = self.definitions.vector(f"F_{label}", scale(composite.mass, slide.direction))
+            shifted.append(Push(slide.freedom, label, motion.body, force, center))
+        return shifted
 
 
 def mass_matrix(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> list[Expr]:
     """The entries of [A], row-major; both halves hold the same symbols."""
-    own = [body_inertia(system, k, definitions) for k in range(1, system.number_of_bodies + 1)]
-    columns: list[list[Column]] = [[] for _ in own]
-    entries: Entries = {}
+    bodies = [body_inertia(system, k, definitions) for k in range(1, system.number_of_bodies + 1)]
+    columns: list[list[Column]] = [[] for _ in bodies]
+    assembly = _Assembly(definitions, {})
     for motion in reversed(motions):
         k, j = motion.body, motion.lower
-        definitions.about(f"Body {k} ({system.bodies[k - 1].name}): composite body and columns of [A], Eq. (43)")
-        composite, carried = own[k - 1], columns[k - 1]
-        for step, frame in motion.inward():
-            composite = _turn_composite(composite, step, frame, definitions)
-            carried = _turn_columns(carried, composite, step, frame, entries, definitions)
-        composite, carried = _slide(composite, carried, motion, entries, definitions)
+        name = system.bodies[k - 1].name
+        definitions.about(f"Body {k} ({name}): composite body and its columns of [A], Eq. (43)")
+        composite, carried = bodies[k - 1], columns[k - 1]
+        for step in reversed(motion.steps):
+            composite = assembly.turn(composite, step)
+            carried = assembly.turn_columns(carried, composite, step)
+        assembly.slide(carried, composite, motion)
         if j:
-            own[j - 1] = own[j - 1].plus(composite, str(j), definitions)
-            columns[j - 1] = columns[j - 1] + carried
+            composite = assembly.shift(composite, motion)
+            columns[j - 1] += assembly.shift_columns(carried, composite, motion)
+            bodies[j - 1] = bodies[j - 1].plus(composite, str(j), definitions)
     n = len(system.freedoms)
-    return [entries.get((max(r, c), min(r, c)), S.Zero) for r in range(n) for c in range(n)]
-
-
-def _record(entries: Entries, a: int, b: int, value: Expr) -> None:
-    entries[max(a, b), min(a, b)] = value
-
-
-def _turn_composite(composite: Inertia, step: Step, frame: str, definitions: Definitions) -> Inertia:
-    return Inertia(
-        composite.mass,
-        definitions.vector(f"hc_{frame}", step.turn.down(composite.moment)),
-        step.turn.down_symmetric(definitions, f"Ic_{frame}", composite.inertia),
-    )
-
-
-def _turn_columns(
-    carried: list[Column],
-    composite: Inertia,
-    step: Step,
-    frame: str,
-    entries: Entries,
-    definitions: Definitions,
-) -> list[Column]:
-    """Pass columns inward through a turn; its angle takes their entries and adds its own column."""
-    turned = []
-    for col in carried:
-        if step.freedom != NO_FREEDOM:
-            _record(entries, col.freedom, step.freedom, col.moment[step.axis])
-        name = f"{col.label}_{frame}"
-        force = definitions.vector(f"F_{name}", step.turn.down(col.force))
-        turned.append(replace(col, force=force, moment=definitions.vector(f"M_{name}", step.turn.down(col.moment))))
-    if step.freedom != NO_FREEDOM:
-        axis = unit(step.axis)
-        moment = column(composite.inertia, step.axis)
-        _record(entries, step.freedom, step.freedom, moment[step.axis])
-        turned.append(Column(step.freedom, f"{frame}", cross(axis, composite.moment), moment))
-    return turned
-
-
-def _slide(
-    composite: Inertia, carried: list[Column], motion: JointMotion, entries: Entries, definitions: Definitions
-) -> tuple[Inertia, list[Column]]:
-    """Shift composite and columns from O_K to O_J; translations take their entries and add theirs."""
-    for slide in motion.slides:
-        for col in carried:
-            value = definitions.define(f"A_{col.freedom}_{slide.freedom}", dot(slide.direction, col.force))
-            _record(entries, col.freedom, slide.freedom, value)
-        _record(entries, slide.freedom, slide.freedom, composite.mass)
-    if not motion.lower:
-        return composite, []
-    shifted = [_shift_column(col, motion, definitions) for col in carried]
-    moved = _shift_composite(composite, motion, definitions)
-    for slide in motion.slides:
-        label = f"{motion.body}s{slide.freedom}"
-        force = definitions.vector(f"F_{label}", scale(composite.mass, slide.direction))
-        moment = definitions.vector(f"M_{label}", cross(moved.moment, slide.direction))
-        shifted.append(Column(slide.freedom, label, force, moment))
-    return moved, shifted
-
-
-def _shift_column(col: Column, motion: JointMotion, definitions: Definitions) -> Column:
-    moment = add(col.moment, cross(motion.offset, col.force))
-    return replace(col, moment=definitions.vector(f"M_{col.label}_{motion.lower}", moment))
-
-
-def _shift_composite(composite: Inertia, motion: JointMotion, definitions: Definitions) -> Inertia:
-    """About O_J: with {H} = {h} + m {d}, [I] - [d~][H~] - [h~][d~]."""
-    d, h, name = motion.offset, composite.moment, f"{motion.body}j"
-    shifted = definitions.vector(f"hc_{name}", add(h, scale(composite.mass, d)))
-    sums = add(h, shifted)
-    t = [definitions.define(f"dh_{name}_{'xyz'[i]}", d[i] * sums[i]) for i in range(3)]
-    old = composite.inertia
-    new = Symmetric(
-        xx=old.xx + (t[1] + t[2]),
-        yy=old.yy + (t[2] + t[0]),
-        zz=old.zz + (t[0] + t[1]),
-        xy=old.xy - (d.x * shifted.y + h.x * d.y),
-        xz=old.xz - (d.x * shifted.z + h.x * d.z),
-        yz=old.yz - (d.y * shifted.z + h.y * d.z),
-    )
-    return Inertia(composite.mass, shifted, definitions.symmetric(f"Ic_{name}", new))
+    return [assembly.entries.get((max(r, c), min(r, c)), S.Zero) for r in range(n) for c in range(n)]

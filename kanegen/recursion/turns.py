@@ -13,8 +13,8 @@ from typing import Protocol
 
 from sympy import Expr, S
 
-from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 from kanegen.recursion.vectors import column, dot, multiply, unit
+from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 
 INDEX = {(0, 0): "xx", (1, 1): "yy", (2, 2): "zz", (0, 1): "xy", (0, 2): "xz", (1, 2): "yz"}
 
@@ -57,7 +57,7 @@ class PlanarTurn:
         return self._turn(v, -self.sine)
 
     def _turn(self, v: Vector, s: Expr) -> Vector:
-        i, j, k = self._axes
+        _, j, k = self._axes
         c = self.cosine
         result = list(v)
         result[j] = c * v[j] + s * v[k]

@@ -1,1 +1,5 @@
-""""""
+"""The literal derivation in SymPy: Eqs. (2)-(45) of the notes, to read and to simplify."""
+
+from kanegen.symbolic.equations import Equations, derive
+
+__all__ = ["Equations", "derive"]

@@ -7,10 +7,10 @@ from functools import cached_property
 
 from sympy import ImmutableMatrix
 
-from kanegen.symbolic import rotations
+from kanegen.symbolic import orientation
 from kanegen.symbolic.joint_frame import JointEquations
 from kanegen.symbolic.outward import outward
-from kanegen.symbolic.rotations import skew
+from kanegen.symbolic.orientation import skew
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -20,7 +20,7 @@ class AngularEquations(JointEquations):
     @cached_property
     def relative_rotation(self) -> ImmutableMatrix:
         """[^J R_K] = [R_123] [C_K], from J to K components, Eqs. (2), (4)."""
-        turned = rotations.rotation_123(self.sines, self.cosines)
+        turned = orientation.rotation_123(self.sines, self.cosines)
         return self._named("relative_rotation", turned * self.joint_orientation)
 
     @cached_property
@@ -43,18 +43,18 @@ class AngularEquations(JointEquations):
     @cached_property
     def angle_rate_matrix(self) -> ImmutableMatrix:
         """[P^AV_K], angle rates to relative angular velocity, Eq. (17); all three columns."""
-        return self._named("angle_rate_matrix", rotations.angle_rate_matrix(self.sines, self.cosines))
+        return self._named("angle_rate_matrix", orientation.angle_rate_matrix(self.sines, self.cosines))
 
     @cached_property
     def angle_rate_matrix_rate(self) -> ImmutableMatrix:
         """Time derivative of [P^AV_K], below Eq. (20)."""
-        rate = rotations.angle_rate_matrix_rate(self.sines, self.cosines, self._angle_rates)
+        rate = orientation.angle_rate_matrix_rate(self.sines, self.cosines, self._angle_rates)
         return self._named("angle_rate_matrix_rate", rate)
 
     @cached_property
     def angle_rate_inverse(self) -> ImmutableMatrix:
         """Inverse of [P^AV_K], Eq. (9): relative angular velocity to angle rates."""
-        return rotations.angle_rate_inverse(self.sines, self.cosines)
+        return orientation.angle_rate_inverse(self.sines, self.cosines)
 
     @cached_property
     def relative_angular_velocity(self) -> ImmutableMatrix:

@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import Add, Expr, ImmutableMatrix
+from sympy import Add, Expr, ImmutableMatrix, S
 
 from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.linear import LinearEquations
 from kanegen.symbolic.naming import QUANTITIES
-from kanegen.symbolic.rotations import skew
+from kanegen.symbolic.orientation import skew
 from kanegen.symbolic.symbols import column, expression, force, matrix, torque
 
 
@@ -76,8 +76,8 @@ class BodyEquations(LinearEquations):
     def mass_matrix(self) -> ImmutableMatrix:
         """(n, n) what this body adds to [A], Eq. (43)."""
         velocity = self.partial_velocity_of_center
-        by_mass = self.mass * (velocity.T * velocity)
-        return by_mass + self.partial_angular_velocity.T * self.partial_angular_momentum
+        by_mass = _symmetric_product(velocity, self.mass * velocity)
+        return by_mass + _symmetric_product(self.partial_angular_velocity, self.partial_angular_momentum)
 
     @cached_property
     def net_force(self) -> ImmutableMatrix:
@@ -98,7 +98,21 @@ class BodyEquations(LinearEquations):
         return by_force + self.partial_angular_velocity.T * self.net_torque
 
 
-def total(matrices: Iterable[ImmutableMatrix]) -> ImmutableMatrix:
+def total(parts: Iterable[ImmutableMatrix]) -> ImmutableMatrix:
     """The sum of matrices of one shape, each entry added up at once: adding in turn is quadratic."""
-    rows = [list(matrix) for matrix in matrices]
-    return [Add(*entries) for entries in zip(*rows, strict=True)]
+    matrices = list(parts)
+    rows, columns = matrices[0].shape
+    entries = zip(*(matrix.flat() for matrix in matrices), strict=True)
+    return ImmutableMatrix(rows, columns, [Add(*terms) for terms in entries])
+
+
+def _symmetric_product(a: ImmutableMatrix, b: ImmutableMatrix) -> ImmutableMatrix:
+    """[a]^T [b] where it is known to be symmetric: only one half is worked out."""
+    columns_a, columns_b = a.T.tolist(), b.T.tolist()
+    n = len(columns_a)
+    result = [[S.Zero] * n for _ in range(n)]
+    for i in range(n):
+        for j in range(i, n):
+            products = [u * v for u, v in zip(columns_a[i], columns_b[j], strict=True) if u and v]
+            result[i][j] = result[j][i] = Add(*products)
+    return ImmutableMatrix(result)

@@ -18,7 +18,7 @@ from functools import cached_property
 from sympy import ImmutableMatrix
 
 from kanegen.symbolic.definitions import Definition
-from kanegen.symbolic.dynamics import BodyEquations
+from kanegen.symbolic.dynamics import BodyEquations, total
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.symbols import acceleration, coordinate, speed
 from kanegen.system import System
@@ -63,18 +63,17 @@ class Equations:
     @cached_property
     def A(self) -> ImmutableMatrix:  # noqa: N802
         """[A], (n, n): the generalized mass matrix, Eq. (43)."""
-        n = len(self.x)
-        return sum((body.mass_matrix for body in self.bodies), ImmutableMatrix.zeros(n, n))
+        return total(body.mass_matrix for body in self.bodies)
 
     @cached_property
     def f(self) -> ImmutableMatrix:
         """{f}, (n, 1): the right side, Eq. (44); weight and load symbols are its forces and torques."""
-        return sum((body.forcing for body in self.bodies), ImmutableMatrix.zeros(len(self.x), 1))
+        return total(body.forcing for body in self.bodies)
 
     @cached_property
     def generalized_forces(self) -> ImmutableMatrix:
         """{F_y}, (n, 1): the part of {f} that weight and loads make, Eq. (37)."""
-        return sum((body.generalized_forces for body in self.bodies), ImmutableMatrix.zeros(len(self.x), 1))
+        return total(body.generalized_forces for body in self.bodies)
 
     @cached_property
     def definitions(self) -> tuple[Definition, ...]:

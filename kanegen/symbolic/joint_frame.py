@@ -13,7 +13,7 @@ from typing import Self
 import sympy
 from sympy import Expr, ImmutableMatrix, S
 
-from kanegen.symbolic import rotations
+from kanegen.symbolic import orientation
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.symbols import acceleration, column, coordinate, expression, matrix, speed
 from kanegen.system import Body, Freedom, System
@@ -56,8 +56,8 @@ class JointEquations:
         given = self.body.joint.orientation
         if isinstance(given[0], tuple):
             return matrix(given)
-        pairs = [rotations.constant_sine_cosine(angle) for angle in given]
-        turned = rotations.rotation_123([s for s, _ in pairs], [c for _, c in pairs])
+        pairs = [orientation.constant_sine_cosine(angle) for angle in given]
+        turned = orientation.rotation_123([s for s, _ in pairs], [c for _, c in pairs])
         return self._named("joint_orientation", turned)
 
     @cached_property
@@ -93,7 +93,7 @@ class JointEquations:
     def _sine_cosine(self, axis: int) -> tuple[Expr, Expr]:
         joint = self.body.joint
         if not joint.free[axis]:
-            return rotations.constant_sine_cosine(joint.locked[axis])
+            return orientation.constant_sine_cosine(joint.locked[axis])
         angle = coordinate(self.number, axis)
         return sympy.sin(angle), sympy.cos(angle)
 

@@ -12,7 +12,7 @@ from sympy import ImmutableMatrix
 
 from kanegen.symbolic.angular import AngularEquations
 from kanegen.symbolic.outward import outward
-from kanegen.symbolic.rotations import skew
+from kanegen.symbolic.orientation import skew
 from kanegen.symbolic.symbols import column
 
 

@@ -33,7 +33,8 @@ class outward(cached_property[T]):
             return self
         for body in _from_ground(instance.lower, self.func.__name__):
             super().__get__(body, owner)
-        return super().__get__(instance, owner)
+        value: T = super().__get__(instance, owner)
+        return value
 
 
 def _from_ground(body: Linked | None, name: str) -> list[Linked]:

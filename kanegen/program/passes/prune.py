@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from kanegen.program.ir import Output, Program
+from kanegen.program.ir import Instruction, Output, Program
 
 
 def prune(program: Program) -> Program:
@@ -17,7 +17,7 @@ def prune(program: Program) -> Program:
             for operand in program.instructions[i].operands:
                 needed[operand] = True
     moved: dict[int, int] = {}
-    kept = []
+    kept: list[Instruction] = []
     for i, instruction in enumerate(program.instructions):
         if needed[i]:
             moved[i] = len(kept)

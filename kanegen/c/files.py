@@ -1,0 +1,99 @@
+"""From the programs of a module to the text of every generated file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from kanegen.c import describe
+from kanegen.c.body import statements
+from kanegen.c.declarations import argument_list, batch_prototype, prototype, row_call
+from kanegen.c.interface import Function, ModelFacts, requested, signatures
+from kanegen.c.source import Source
+from kanegen.c.stamp import stamped
+from kanegen.c.templates import fill
+from kanegen.errors import ModelError
+from kanegen.program.ir import Module, Program
+from kanegen.version import __version__
+
+FILES = {
+    "{name}.h": "model.h",
+    "{name}.c": "model.c",
+    "main.c": "main.c",
+    "CMakeLists.txt": "CMakeLists.txt",
+    "{name}.pc.in": "model.pc.in",
+    "README.md": "README.md",
+}
+"""Every generated file and its template."""
+
+TAKEN_HEADERS = frozenset(
+    """
+    assert complex ctype errno fenv features float inttypes iso646 limits locale main malloc math memory
+    pthread sched setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib
+    stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
+    """.split()
+)
+"""Model names whose header would hide one of the C library, or whose source the example."""
+
+
+def render(model: ModelFacts, module: Module, operations: Mapping[str, int]) -> Source:
+    """C code for the programs of `module`.
+
+    Args:
+        model: Names and sizes that the code and its documentation mention.
+        module: What to compute.
+        operations: Operation counts, for the documentation and `Source.operations`.
+
+    Raises:
+        ModelError: If the model has the name of a header of the C library.
+    """
+    if model.name.lower() in TAKEN_HEADERS:
+        raise ModelError(
+            f"system name {model.name!r}: the file {model.name}.h or {model.name}.c would hide another. "
+            "Choose another name."
+        )
+    programs = signatures(module)
+    functions = tuple(programs)
+    outputs = requested(module)
+    context = {
+        "version": __version__,
+        "model": model,
+        "prefix": model.name.upper(),
+        "outputs": outputs,
+        "functions": [_text(model.name, *item) for item in programs.items()],
+        "sizes": describe.enumeration(describe.sizes(model, functions)),
+        "parameter_indices": describe.enumeration(describe.parameter_indices(model)),
+        "freedoms": describe.freedoms(model),
+        "loads": describe.loads(model),
+        "operations": describe.operations(operations),
+        "inputs": describe.example_inputs(model, functions),
+        "results": describe.example_results(functions),
+    }
+    context["declarations"] = cdef = fill("declarations.h", **context)
+    named = {pattern.format(name=model.name): template for pattern, template in FILES.items()}
+    files = {name: stamped(name, fill(template, **context)) for name, template in named.items()}
+    return Source(model, outputs, functions, dict(operations), files, cdef)
+
+
+@dataclass(frozen=True)
+class FunctionText:
+    """One C function as lines for the templates."""
+
+    name: str
+    signature: Function
+    arguments: list[str]
+    prototype: list[str]
+    body: list[str]
+    batch_prototype: list[str]
+    row_call: list[str]
+
+
+def _text(model: str, function: Function, program: Program) -> FunctionText:
+    return FunctionText(
+        name=f"{model}_{function.name}",
+        signature=function,
+        arguments=argument_list(function),
+        prototype=prototype(model, function),
+        body=statements(program),
+        batch_prototype=batch_prototype(model, function),
+        row_call=row_call(model, function),
+    )

@@ -1,0 +1,32 @@
+"""Where the Jinja templates are, and how they are filled."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+_CHECKOUT = Path(__file__).parents[2] / "templates"
+"""The folder of templates in a checkout; an installation has them as the package `kanegen.templates`."""
+
+
+def _loader() -> jinja2.BaseLoader:
+    if (_CHECKOUT / "declarations.h.jinja").is_file():
+        return jinja2.FileSystemLoader(_CHECKOUT)
+    return jinja2.PackageLoader("kanegen.templates", "")
+
+
+_ENVIRONMENT = jinja2.Environment(
+    loader=_loader(),
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+    autoescape=False,
+)
+
+
+def fill(template: str, **context: Any) -> str:
+    """The text of `template`, a file name without `.jinja`; every variable it uses must be given."""
+    return _ENVIRONMENT.get_template(f"{template}.jinja").render(**context)

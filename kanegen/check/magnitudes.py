@@ -1,0 +1,117 @@
+"""How large the numbers are that [A] and {f} are summed from: the yardstick for rounding errors.
+
+An entry of [A] or {f} is a sum over the bodies of products of vectors, and each vector is itself built along
+the path from the ground to its body. Rounding errors scale with what is added on the way, not with what is
+left at the end. So this module takes the sums (43) and (44) with every vector replaced by the largest length
+that it or its parts take anywhere on the path, and with plus signs only. Whatever way a program goes along
+the tree, its partial sums stay below a small multiple of these.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kanegen.arrays import Floats, SystemArrays
+from kanegen.check.kinematics import BodyKinematics, Numbers, apply, free_columns, full_order
+
+
+@dataclass(frozen=True)
+class Reach:
+    """The largest lengths on the path from the ground to one body; units as the vector's.
+
+    Attributes:
+        omega_y: (..., 6N) columns of the partial angular velocities.
+        origin_y: (..., 6N) columns of the partial velocities of the origins.
+        center_y: (..., 6N) columns of those of this body's mass centre, and of everything before it.
+        rate: (...) angular velocities, absolute and relative.
+        velocity: (...) velocities of the origins.
+        rate_dot: (...) angular accelerations at constant speeds.
+        velocity_dot: (...) accelerations of the origins at constant speeds.
+        center_acceleration: (...) acceleration of this body's mass centre, and of everything before it.
+    """
+
+    omega_y: Floats
+    origin_y: Floats
+    center_y: Floats
+    rate: Floats
+    velocity: Floats
+    rate_dot: Floats
+    velocity_dot: Floats
+    center_acceleration: Floats
+
+
+def reaches(system: SystemArrays, bodies: tuple[BodyKinematics, ...], y: Numbers) -> tuple[Reach, ...]:
+    """The reach of bodies 1 to N, from their kinematics and the speeds `y` (..., n)."""
+    count = len(bodies)
+    speeds = full_order(system, y, np.zeros((count, 6)))
+    zero, columns = np.zeros(y.shape[:-1]), np.zeros((*y.shape[:-1], 6 * count))
+    found = [Reach(columns, columns, columns, zero, zero, zero, zero, zero)]
+    for k, body in enumerate(bodies):
+        found.append(_reach(system, k, body, found[system.connection[k]], speeds))
+    return tuple(found[1:])
+
+
+def _reach(system: SystemArrays, k: int, body: BodyKinematics, lower: Reach, speeds: Numbers) -> Reach:
+    arm = np.maximum(_length(body.offset), _length(system.joint_position[k]))
+    lever = _length(system.mass_center[k])
+    omega_y = _length(body.omega_y, axis=-2)
+    origin_y = _largest(lower.origin_y, _length(body.origin_y, axis=-2), arm[..., None] * lower.omega_y)
+    center_y = _largest(origin_y, _length(body.center_y, axis=-2), lever * omega_y)
+
+    rate = _largest(lower.rate, _length(body.omega), _length(speeds[..., 3 * k : 3 * k + 3]))
+    velocity = _largest(
+        lower.velocity, _length(apply(body.origin_y, speeds)), _length(body.offset_dot), lower.rate * arm
+    )
+    rate_dot = _largest(lower.rate_dot, _length(apply(body.omega_y_dot, speeds)), rate * rate)
+    velocity_dot = _largest(
+        lower.velocity_dot,
+        _length(apply(body.origin_y_dot, speeds)),
+        lower.rate_dot * arm,
+        rate * velocity,
+    )
+    center_acceleration = _largest(
+        velocity_dot,
+        _length(apply(body.center_y_dot, speeds)),
+        rate_dot * lever,
+        rate * _length(body.center_velocity),
+        rate * rate * lever
+    )
+    return Reach(omega_y, origin_y, center_y, rate, velocity, rate_dot, velocity_dot, center_acceleration)
+
+
+def mass_matrix_magnitude(system: SystemArrays, reach: tuple[Reach, ...]) -> Floats:
+    """(..., n, n) Eq. (43) in magnitudes."""
+    free = free_columns(system)
+    total = 0
+    for k, body in enumerate(reach):
+        v, w = body.center_y[..., free], body.omega_y[..., free]
+        total = total + system.mass[k] * v[..., :, None] * v[..., None, :]
+        total = total + np.linalg.norm(system.inertia[k]) * w[..., :, None] * w[..., None, :]
+    return total
+
+
+def forcing_magnitude(
+    system: SystemArrays, reach: tuple[Reach, ...], force: Floats, torque: Floats
+) -> Floats:
+    """(..., n) Eq. (44) in magnitudes; `force` and `torque` are (..., N, 3)."""
+    free = free_columns(system)
+    total = 0
+    for k, body in enumerate(reach):
+        linear = _length(force[..., k, :]) + system.mass[k] * (_length(system.gravity) + body.center_acceleration)
+        angular = _length(torque[..., k, :]) + np.linalg.norm(system.inertia[k]) * body.rate_dot
+        total = total + body.center_y[..., free] * linear[..., None] + body.omega_y[..., free] * angular[..., None]
+    return total
+
+
+def _length(vectors: Numbers, axis: int = -1) -> Floats:
+    length: Floats = np.linalg.norm(vectors.astype(np.float64), axis=axis)
+    return length
+
+
+def _largest(*values: Floats) -> Floats:
+    result = values[0]
+    for value in values[1:]:
+        result = np.maximum(result, value)
+    return result

@@ -1,0 +1,106 @@
+"""Random states in which every part of [A] and {f} counts.
+
+A wrong term is seen only where it is not drowned by the others. So translations, speeds and loads follow the
+model: each body has a length, and gravity turns it into a time and a force. The same seed gives the same
+states, whatever else is computed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kanegen.arrays import Floats, SystemArrays
+from kanegen.check.kinematics import free_columns
+from kanegen.system import GRAVITY, System
+
+
+@dataclass(frozen=True)
+class States:
+    """B states of a system.
+
+    Attributes:
+        x: (B, n) coordinates (rad, m).
+        y: (B, n) generalized speeds (rad/s, m/s).
+        force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if none does.
+        torque: (B, N, 3) torques (N m), likewise.
+    """
+
+    x: Floats
+    y: Floats
+    force: Floats | None
+    torque: Floats | None
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def part(self, start: int, stop: int) -> States:
+        """States number `start` to `stop` - 1."""
+        rows = slice(start, stop)
+        force = None if self.force is None else self.force[rows]
+        torque = None if self.torque is None else self.torque[rows]
+        return States(self.x[rows], self.y[rows], force, torque)
+
+
+def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:
+    """`count` random states.
+
+    Angles are uniform over (-pi, pi), everything else uniform over (-1, 1) times the scale of its body. [A]
+    is singular where a `cos(theta2)` is zero and all three angles of that body are free; [A] and {f} are
+    smooth there, so those states are not avoided, but who solves with [A] must keep away.
+
+    Args:
+        system: The tree; parameters stand at their defaults.
+        count: B.
+        seed: Of the generator.
+    """
+    arrays = system.values() if isinstance(system, System) else system
+    bodies = len(arrays.mass)
+    rng = np.random.default_rng(seed)
+    length, acceleration, mass = _lengths(arrays), _acceleration(arrays), _masses(arrays)
+    rate = np.sqrt(acceleration / length)
+    free = free_columns(arrays)
+    half_turn = np.full(3 * bodies, np.pi)
+    x = _uniform(rng, count, np.concatenate([half_turn, np.repeat(length, 3)])[free])
+    y = _uniform(rng, count, np.repeat(np.concatenate([rate, rate * length]), 3)[free])
+    if not arrays.loads.any():
+        return States(x, y, None, None)
+    weight = np.where(arrays.loads, mass * acceleration, 0.0)
+    force = _uniform(rng, count, np.repeat(weight, 3)).reshape(count, bodies, 3)
+    torque = _uniform(rng, count, np.repeat(weight * length, 3)).reshape(count, bodies, 3)
+    return States(x, y, force, torque)
+
+
+def _uniform(rng: np.random.Generator, count: int, scale: Floats) -> Floats:
+    values: Floats = rng.uniform(-1.0, 1.0, (count, scale.size)) * scale
+    return values
+
+
+def _lengths(arrays: SystemArrays) -> Floats:
+    """(N,) the longest of the arms and the radius of gyration of every body, or else the others' mean, or 1 m.
+
+    Where the ground holds a body does not matter to the motion, so it does not count.
+    """
+    on_a_body = arrays.connection[:, None] > 0
+    arms = [arrays.mass_center, on_a_body * arrays.joint_position, on_a_body * arrays.locked[:, 3:]]
+    spin = np.trace(arrays.inertia, axis1=1, axis2=2)
+    gyration = np.sqrt(spin / np.where(arrays.mass > 0, arrays.mass, np.inf))
+    return _filled(np.max([gyration, *(np.linalg.norm(arm, axis=1) for arm in arms)], axis=0))
+
+
+def _masses(arrays: SystemArrays) -> Floats:
+    """(N,) masses, with the mean where a body has none, or else 1 kg."""
+    return _filled(arrays.mass)
+
+
+def _filled(values: Floats) -> Floats:
+    """`values` with zeros replaced by the mean of the others, or by 1 where there are no others."""
+    positive = values[values > 0]
+    filled: Floats = np.where(values > 0, values, positive.mean() if positive.size else 1.0)
+    return filled
+
+
+def _acceleration(arrays: SystemArrays) -> float:
+    """Gravity, or where there is none that of the Earth (m/s^2)."""
+    return float(np.linalg.norm(arrays.gravity) or np.linalg.norm(GRAVITY))

@@ -1,0 +1,206 @@
+"""A compiled model: NumPy in, NumPy out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from kanegen.c import Source
+from kanegen.c.interface import EVALUATE
+from kanegen.errors import ArrayError, ModelError, OptionError
+from kanegen.native.arguments import Floats
+from kanegen.native.build import build
+from kanegen.native.calls import Call, Native
+from kanegen.numbers import finite
+
+
+def load(source: Source, compiler: str | None = None, flags: Sequence[str] | None = None) -> Library:
+    """Compile `source`, or find it in the cache, and load it.
+
+    Args:
+        source: From `kanegen.generate`.
+        compiler: Command of a C compiler; by default the first that is found.
+        flags: Its flags; by default optimised with IEEE semantics kept.
+
+    Raises:
+        BuildError: If there is no compiler, it fails, or what it makes cannot be loaded.
+    """
+    return Library(Native(source, build(source, compiler, flags)), dict(source.model.parameters))
+
+
+class Library:
+    """The functions of a model, with values of its parameters.
+
+    A state is an array of shape (n,); many at once are (B, n), and every result then has B rows, also where B
+    is 0. Arrays of contiguous doubles are passed to C as they are; lists, integers, other floats and other
+    orders of memory are converted first. NaN and infinity pass through. Objects are immutable and may be
+    shared by threads; C runs without the interpreter's lock. They can be pickled: another process of the
+    machine loads the same compiled file.
+    """
+
+    def __init__(self, native: Native, parameters: Mapping[str, float]) -> None:
+        self._native = native
+        self._parameters = dict(parameters)
+        self._constants = native.constants(self._parameters)
+        model = native.source.model
+        self._takes_loads = model.takes_loads
+        self._together = native.calls.get(EVALUATE) or native.calls[self.outputs[0]]
+
+    def __repr__(self) -> str:
+        return f"<Library {self.name}: {self.n} freedoms, {', '.join(self.outputs)}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _reopen, (self.source, self._native.path, self._parameters)
+
+    @property
+    def source(self) -> Source:
+        """What was compiled."""
+        return self._native.source
+
+    @property
+    def name(self) -> str:
+        """Name of the system."""
+        return self.source.model.name
+
+    @property
+    def n(self) -> int:
+        """Number of freedoms."""
+        return len(self.freedom_names)
+
+    @property
+    def freedom_names(self) -> tuple[str, ...]:
+        """n names in the order of {x}."""
+        return self.source.model.freedom_names
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """What it can compute."""
+        return self.source.outputs
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values of the run-time parameters; a copy."""
+        return dict(self._parameters)
+
+    def with_parameters(self, values: Mapping[str, float]) -> Library:
+        """The same library with other values of some parameters; the others stay as they are.
+
+        Args:
+            values: By name of the parameter, in the unit of the place where it stands. Only the names and
+                that they are finite is checked; `System.with_parameters` also checks what they mean.
+
+        Raises:
+            ModelError: If a name is unknown or a value is not a finite number.
+        """
+        for name in values:
+            if name not in self._parameters:
+                known = ", ".join(self._parameters) or "no parameters"
+                raise ModelError(f"unknown parameter {name!r}. System {self.name!r} has {known}.")
+        checked = {name: finite(value, f"parameter {name!r}") for name, value in values.items()}
+        return Library(self._native, {**self._parameters, **checked})
+
+    def mass_matrix(self, x: ArrayLike) -> Floats:
+        """[A] of Eq. (43).
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+
+        Returns:
+            (n, n) or (B, n, n), in kg m^2, kg m and kg.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If this output was not generated.
+        """
+        return self._call("mass_matrix")(self._constants, {"x": x})[0]
+
+    def forcing(
+        self, x: ArrayLike, y: ArrayLike, force: ArrayLike | None = None, torque: ArrayLike | None = None
+    ) -> Floats:
+        """{f} of Eq. (44).
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+            y: Generalized speeds, of the same shape, rad/s and m/s.
+            force: (N, 3) or (B, N, 3) force on each body at its mass centre, in body components, N; one
+                (N, 3) acts in every state of a batch, None is zero.
+            torque: The same for the torque on each body, N m.
+
+        Returns:
+            (n,) or (B, n), in N m and N.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If this output was not generated.
+        """
+        self._check_loads(force, torque)
+        values = {"x": x, "y": y, "force": force, "torque": torque}
+        return self._call("forcing")(self._constants, values)[0]
+
+    def evaluate(
+        self, x: ArrayLike, y: ArrayLike, force: ArrayLike | None = None, torque: ArrayLike | None = None
+    ) -> Evaluation:
+        """Every output at once, which costs less than one after the other.
+
+        Args:
+            x: As in `forcing`.
+            y: As in `forcing`.
+            force: As in `forcing`.
+            torque: As in `forcing`.
+
+        Returns:
+            The outputs in order, each also an attribute of its name.
+
+        Raises:
+            ArrayError: As in `forcing`.
+        """
+        self._check_loads(force, torque)
+        values = {"x": x, "y": y, "force": force, "torque": torque}
+        return Evaluation(self.outputs, self._together(self._constants, values))
+
+    def _call(self, name: str) -> Call:
+        call = self._native.calls.get(name)
+        if call is None:
+            raise OptionError(
+                f"system {self.name!r} was built without the output {name!r}. It has "
+                f"{', '.join(self.outputs)}; ask for more with outputs=(...)."
+            )
+        return call
+
+    def _check_loads(self, force: object, torque: object) -> None:
+        if not self._takes_loads and (force is not None or torque is not None):
+            name = "torque" if force is None else "force"
+            raise ArrayError(
+                f"{name}: no body of system {self.name!r} takes loads. Say which do in the model's loads."
+            )
+
+
+class Evaluation(tuple[Floats, ...]):
+    """Several outputs of one call, in order; each is also an attribute of its name."""
+
+    _names: tuple[str, ...]
+
+    def __new__(cls, names: tuple[str, ...], values: Sequence[Floats]) -> Evaluation:
+        """`values` with their names."""
+        self = super().__new__(cls, values)
+        self._names = names
+        return self
+
+    def __getattr__(self, name: str) -> Floats:
+        if name in self._names:
+            return self[self._names.index(name)]
+        raise AttributeError(f"there is no output {name!r} here, only {', '.join(self._names)}")
+
+    def __getnewargs__(self) -> tuple[tuple[str, ...], tuple[Floats, ...]]:
+        return self._names, tuple(self)
+
+    def __repr__(self) -> str:
+        fields = ", ".join(f"{name}={value!r}" for name, value in zip(self._names, self, strict=True))
+        return f"Evaluation({fields})"
+
+
+def _reopen(source: Source, path: Path, parameters: Mapping[str, float]) -> Library:
+    return Library(Native(source, path), parameters)

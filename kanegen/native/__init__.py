@@ -1,0 +1,1 @@
+"""Native code: find a C compiler, compile once, load, call with NumPy arrays."""

@@ -1,0 +1,92 @@
+"""What a user passes, as arrays that C can read: contiguous doubles of exactly the right shape."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kanegen.errors import ArrayError
+
+Floats = NDArray[np.float64]
+Shape = tuple[int, ...]
+
+
+def doubles(name: str, value: object) -> Floats:
+    """`value` as a contiguous array of doubles, itself if it is one.
+
+    Integers and other floats are converted, and so are lists and arrays in any order of memory; NaN and
+    infinity pass.
+
+    Raises:
+        ArrayError: If it is ragged, masked, or holds anything but real numbers.
+    """
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise ArrayError(f"{name}: the rows have different lengths.") from None
+    if isinstance(value, np.ma.MaskedArray):
+        raise ArrayError(f"{name}: masked arrays have no meaning here; fill it first.")
+    if array.dtype.kind not in "iuf":
+        raise ArrayError(f"{name}: expected real numbers, got {_kind(value, array)}.")
+    return np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
+
+
+def state(name: str, value: object, shape: Shape) -> Floats:
+    """One state, `shape`, or a batch of them, `(B, *shape)`.
+
+    Raises:
+        ArrayError: If it is neither.
+    """
+    array = doubles(name, value)
+    if array.shape != shape and array.shape[1:] != shape:
+        batch = f"({', '.join(['B', *map(str, shape)])})"
+        raise ArrayError(f"{name}: expected shape {shape} or {batch}, got {array.shape}.")
+    return array
+
+
+def companion(name: str, value: object, shape: Shape, batch: Shape, first: str) -> Floats:
+    """What goes with the states of the argument `first`, which is a batch of shape `batch`.
+
+    Raises:
+        ArrayError: If the shape is not `(*batch, *shape)`.
+    """
+    array = doubles(name, value)
+    if array.shape != (*batch, *shape):
+        raise ArrayError(
+            f"{name}: expected shape {(*batch, *shape)} to go with {first}, got {array.shape}."
+        )
+    return array
+
+
+def load(name: str, value: object, shape: Shape, batch: Shape, bodies: Sequence[str]) -> Floats:
+    """Loads on all bodies: None for none, `shape` for the same in every state, or `(*batch, *shape)`.
+
+    Args:
+        name: Of the argument.
+        value: What was passed.
+        shape: (N, 3).
+        batch: `()` or `(B,)`.
+        bodies: For every row the name of a body that takes no loads, or "".
+
+    Raises:
+        ArrayError: If the shape is another, or a body that takes no loads would get one.
+    """
+    full = (*batch, *shape)
+    if value is None:
+        return np.zeros(full)
+    array = doubles(name, value)
+    if array.shape not in (shape, full):
+        either = f"{shape} or {full}" if batch else f"{shape}"
+        raise ArrayError(f"{name}: expected shape {either}, got {array.shape}.")
+    for row, body in enumerate(bodies):
+        if body and array[..., row, :].any():
+            raise ArrayError(
+                f"{name}: row {row} is not zero, but body {body!r} takes no loads. Say so in the model's loads."
+            )
+    return np.ascontiguousarray(np.broadcast_to(array, full))
+
+
+def _kind(value: object, array: NDArray[np.generic]) -> str:
+    return "None" if value is None else f"an array of {array.dtype}"

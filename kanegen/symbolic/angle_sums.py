@@ -1,0 +1,124 @@
+"""Shorter forms of trigonometric polynomials: sums and differences of angles, the better square to keep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import combinations, permutations, product
+
+from sympy import Expr, cos, sin
+
+from kanegen.symbolic.polynomials import Monomial, Polynomial, add, eliminate, factor_key, monomial, substitute
+
+MOST_CHOICES = 4
+"""Angles with squares for which both forms are tried; 2 to this power combinations."""
+
+
+def shortest(polynomial: Polynomial) -> Polynomial:
+    """An equal polynomial in sines and cosines of sums of angles, with as few terms as found.
+
+    Args:
+        polynomial: In sines and cosines only, without squares of sines.
+    """
+    starts = (polynomial, _merged(polynomial))
+    candidates = [contract(form) for start in starts for form in _forms(start)]
+    return min(candidates, key=_size)  # the first of the shortest: the order of trial decides
+
+
+def _merged(polynomial: Polynomial) -> Polynomial:
+    """Written in sums and differences of angles, as long as that leaves fewer terms."""
+    angles = sorted({f.args[0] for term in polynomial for f, _ in term}, key=str)
+    trials = [_replaced(polynomial, a, b, sign) for a, b in permutations(angles, 2) for sign in (1, -1)]
+    best = min(trials, key=len, default=polynomial)
+    return _merged(best) if len(best) < len(polynomial) else polynomial
+
+
+def _replaced(polynomial: Polynomial, a: Expr, b: Expr, sign: int) -> Polynomial:
+    """Angle b = sign (c - a), with c = a + sign b as the new angle."""
+    c = a + sign * b
+    sine = add([_times(sin(c), ((cos(a), 1),), Fraction(sign)), _times(cos(c), ((sin(a), 1),), Fraction(-sign))])
+    cosine = add([_times(cos(c), ((cos(a), 1),), Fraction(1)), _times(sin(c), ((sin(a), 1),), Fraction(1))])
+    return substitute(polynomial, {sin(b): sine, cos(b): cosine})
+
+
+def _size(polynomial: Polynomial) -> tuple[int, int]:
+    return len(polynomial), sum(power for term in polynomial for _, power in term)
+
+
+def _forms(polynomial: Polynomial) -> Iterator[Polynomial]:
+    """The polynomial with sines or cosines squared, for each angle that has squares."""
+    squared = {f.args[0] for term in polynomial for f, power in term if power > 1}
+    angles = sorted(squared, key=str)[:MOST_CHOICES]
+    for choice in product((False, True), repeat=len(angles)):
+        form = polynomial
+        for angle, use_sine in zip(angles, choice, strict=True):
+            if use_sine:
+                form = eliminate(form, cos, sin, angle)
+        yield form
+
+
+def contract(polynomial: Polynomial) -> Polynomial:
+    """Pairs of terms joined by the addition theorems, until there are none."""
+    current = polynomial
+    while True:
+        shorter = _contract_once(current)
+        if shorter is None:
+            return current
+        current = shorter
+
+
+def _contract_once(polynomial: Polynomial) -> Polynomial | None:
+    angles = sorted({f.args[0] for term in polynomial for f, _ in term}, key=str)
+    terms = sorted(polynomial, key=_term_key)
+    for term in terms:
+        for angle in angles:
+            shorter = _double_angle(polynomial, term, angle)
+            if shorter is not None:
+                return shorter
+        for a, b in combinations(angles, 2):
+            shorter = _addition(polynomial, term, a, b)
+            if shorter is not None:
+                return shorter
+    return None
+
+
+def _addition(polynomial: Polynomial, term: Monomial, a: Expr, b: Expr) -> Polynomial | None:
+    """cos a cos b +- sin a sin b = cos(a -+ b); sin a cos b +- cos a sin b = sin(a +- b)."""
+    for function, other in ((cos, sin), (sin, cos)):
+        rest = _without(term, (function(a), 1), (cos(b), 1))
+        if rest is None:
+            continue
+        partner = monomial([*rest, (other(a), 1), (sin(b), 1)])
+        value, second = polynomial[term], polynomial.get(partner, Fraction(0))
+        if abs(second) == abs(value):
+            is_sum = (second == value) == (function is sin)
+            joined = _times(function(a + b if is_sum else a - b), rest, value)
+            return add([polynomial, {term: -value, partner: -second}, joined])
+    return None
+
+
+def _double_angle(polynomial: Polynomial, term: Monomial, a: Expr) -> Polynomial | None:
+    """2 cos^2 a - 1 = cos 2a."""
+    rest = _without(term, (cos(a), 2))
+    if rest is None or polynomial.get(rest) != -polynomial[term] / 2:
+        return None
+    half = polynomial[term] / 2
+    return add([polynomial, {term: -2 * half, rest: half}, {monomial([*rest, (cos(2 * a), 1)]): half}])
+
+
+def _times(factor: Expr, rest: Monomial, coefficient: Fraction) -> Polynomial:
+    if factor.is_Mul:  # SymPy writes sin(a - b) as -sin(b - a) where it likes that better
+        return {monomial([*rest, (-factor, 1)]): -coefficient}
+    return {monomial([*rest, (factor, 1)]): coefficient}
+
+
+def _without(term: Monomial, *factors: tuple[Expr, int]) -> Monomial | None:
+    """`term` divided by factors with their powers; None if it lacks one."""
+    powers = dict(term)
+    if any(powers.get(factor, 0) < power for factor, power in factors):
+        return None
+    return monomial([*term, *((factor, -power) for factor, power in factors)])
+
+
+def _term_key(term: Monomial) -> list[tuple[tuple[int, str], int]]:
+    return [(factor_key(factor), power) for factor, power in term]

@@ -1,0 +1,77 @@
+"""Closed forms: [A] and {f} of a small tree without intermediates, simplified to be read.
+
+Every entry becomes a polynomial in which equal parts are identical. Its terms are grouped by their
+parameters, speeds and loads; the trigonometric polynomial that multiplies each group is brought into its
+shortest form; then common factors are collected.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from sympy import Expr, ImmutableMatrix
+
+from kanegen.symbolic.angle_sums import shortest
+from kanegen.symbolic.collecting import collected
+from kanegen.symbolic.polynomials import Expander, Monomial, Polynomial, add, monomial
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """[A]{ydot} = {f} in coordinates, speeds, loads and parameters alone.
+
+    Attributes:
+        A: (n, n) generalized mass matrix, Eq. (43).
+        f: (n, 1) right side, Eq. (44).
+    """
+
+    A: ImmutableMatrix
+    f: ImmutableMatrix
+
+
+def close(A: ImmutableMatrix, f: ImmutableMatrix) -> ClosedForm:
+    """The closed form of matrices that hold no intermediates.
+
+    Raises:
+        OptionError: If an entry grows too long to be read.
+    """
+    simplifier = Simplifier()
+    n = A.shape[0]
+    upper = {(i, j): simplifier.simplify(A[i, j]) for i in range(n) for j in range(i, n)}
+    entries = [upper[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
+    return ClosedForm(
+        ImmutableMatrix(n, n, entries), ImmutableMatrix([simplifier.simplify(entry) for entry in f])
+    )
+
+
+class Simplifier:
+    """Simplifies expressions that have much in common."""
+
+    def __init__(self) -> None:
+        self._expander = Expander()
+        self._shortest: dict[tuple[tuple[Monomial, Fraction], ...], Polynomial] = {}
+
+    def simplify(self, expr: Expr) -> Expr:
+        """An equal expression, short enough to read.
+
+        Raises:
+            OptionError: If it grows too long.
+        """
+        groups: dict[Monomial, dict[Monomial, Fraction]] = {}
+        for term, coefficient in self._expander.polynomial(expr).items():
+            part = tuple((factor, power) for factor, power in term if not factor.is_Symbol)
+            symbols = tuple((factor, power) for factor, power in term if factor.is_Symbol)
+            groups.setdefault(symbols, {})[part] = coefficient
+        return collected(add(self._times(symbols, group) for symbols, group in groups.items()))
+
+    def _times(self, symbols: Monomial, group: Polynomial) -> Polynomial:
+        short = self._shortest_of(group)
+        return {monomial([*symbols, *term]): coefficient for term, coefficient in short.items()}
+
+    def _shortest_of(self, polynomial: Polynomial) -> Polynomial:
+        scale = next(iter(polynomial.values()))
+        key = tuple((term, coefficient / scale) for term, coefficient in polynomial.items())
+        if key not in self._shortest:
+            self._shortest[key] = shortest(dict(key))
+        return {term: coefficient * scale for term, coefficient in self._shortest[key].items()}

@@ -1,0 +1,148 @@
+"""Polynomials in sines, cosines, coordinates, speeds, loads and parameters, with exact coefficients.
+
+Every entry of [A] and {f} is one. Reducing with sin^2 = 1 - cos^2 makes equal entries identical, which is
+what simplification stands on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cache, reduce
+
+import sympy
+from sympy import Expr, Float, Rational
+
+from kanegen.errors import OptionError
+
+Monomial = tuple[tuple[Expr, int], ...]
+"""Factors with their powers, in the order of `factor_key`; empty for a constant."""
+
+Polynomial = Mapping[Monomial, Fraction]
+"""Coefficients; no zeros."""
+
+MOST_TERMS = 3000
+"""A polynomial with more terms is not worth writing out."""
+
+LARGEST_DENOMINATOR = 4
+"""Up to this denominator a number is a fraction to read, beyond a decimal number."""
+
+
+def monomial(factors: Iterable[tuple[Expr, int]]) -> Monomial:
+    """Factors in their order, equal ones joined, powers of zero dropped."""
+    powers: dict[Expr, int] = {}
+    for factor, power in factors:
+        powers[factor] = powers.get(factor, 0) + power
+    return tuple(sorted(((f, p) for f, p in powers.items() if p), key=lambda item: factor_key(item[0])))
+
+
+@cache
+def factor_key(factor: Expr) -> tuple[int, str]:
+    """Symbols first, by name, then cosines and sines."""
+    return (int(not factor.is_Symbol), str(factor))
+
+
+def add(polynomials: Iterable[Polynomial]) -> Polynomial:
+    """Their sum."""
+    result: dict[Monomial, Fraction] = {}
+    for polynomial in polynomials:
+        for term, coefficient in polynomial.items():
+            result[term] = result.get(term, Fraction(0)) + coefficient
+    return {term: coefficient for term, coefficient in result.items() if coefficient}
+
+
+def multiply(a: Polynomial, b: Polynomial) -> Polynomial:
+    """Their product, not reduced.
+
+    Raises:
+        OptionError: If it has more than `MOST_TERMS` terms.
+    """
+    result: dict[Monomial, Fraction] = {}
+    for term_a, u in a.items():
+        for term_b, v in b.items():
+            term = monomial(term_a + term_b) if term_a and term_b else term_a or term_b
+            result[term] = result.get(term, Fraction(0)) + u * v
+        if len(result) > MOST_TERMS:
+            raise OptionError(
+                f"the closed form has more than {MOST_TERMS} terms in one entry. Print the equations with "
+                "intermediates instead (closed=False), or read equations.A and equations.f."
+            )
+    return {term: coefficient for term, coefficient in result.items() if coefficient}
+
+
+def eliminate(polynomial: Polynomial, function: type[Expr], other: type[Expr], angle: Expr) -> Polynomial:
+    """Even powers of function(angle) written with function^2 = 1 - other^2."""
+    factor, square = function(angle), ((other(angle), 2),)
+    parts: list[Polynomial] = []
+    for term, coefficient in polynomial.items():
+        power = dict(term).get(factor, 0)
+        if power < 2:
+            parts.append({term: coefficient})
+            continue
+        rest = monomial([*((f, p) for f, p in term if f != factor), (factor, power % 2)])
+        complement: Polynomial = {(): Fraction(1), square: Fraction(-1)}
+        parts.append(reduce(multiply, [complement] * (power // 2), {rest: coefficient}))
+    return add(parts)
+
+
+def reduced_product(a: Polynomial, b: Polynomial) -> Polynomial:
+    """Their product without squares of sines."""
+    result = multiply(a, b)
+    angles = {f.args[0] for term in result for f, power in term if power > 1 and f.func is sympy.sin}
+    for angle in sorted(angles, key=str):
+        result = eliminate(result, sympy.sin, sympy.cos, angle)
+    return result
+
+
+def substitute(polynomial: Polynomial, values: Mapping[Expr, Polynomial]) -> Polynomial:
+    """Polynomials in place of factors, without squares of sines."""
+    parts: list[Polynomial] = []
+    for term, coefficient in polynomial.items():
+        kept = tuple((factor, power) for factor, power in term if factor not in values)
+        replaced = [values[factor] for factor, power in term if factor in values for _ in range(power)]
+        parts.append(reduce(reduced_product, replaced, {kept: coefficient}))
+    return add(parts)
+
+
+@dataclass
+class Expander:
+    """Expands expressions of the derivation, each shared part once."""
+
+    _known: dict[Expr, Polynomial] = field(default_factory=dict)
+
+    def polynomial(self, expr: Expr) -> Polynomial:
+        """`expr` as a polynomial without squares of sines.
+
+        Raises:
+            OptionError: If it has more than `MOST_TERMS` terms.
+        """
+        found = self._known.get(expr)
+        if found is None:
+            found = self._known[expr] = self._expand(expr)
+        return found
+
+    def _expand(self, expr: Expr) -> Polynomial:
+        if expr.is_Number:
+            return {(): fraction(expr)} if expr else {}
+        if expr.is_Add:
+            return add(self.polynomial(argument) for argument in expr.args)
+        if expr.is_Mul:
+            return reduce(reduced_product, (self.polynomial(argument) for argument in expr.args))
+        if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
+            return reduce(reduced_product, [self.polynomial(expr.base)] * int(expr.exp))
+        return {((expr, 1),): Fraction(1)}
+
+
+def fraction(number: Expr) -> Fraction:
+    """The decimal number that a model's author wrote, exactly."""
+    if isinstance(number, Float):
+        return Fraction(repr(float(number)))
+    return Fraction(int(number.p), int(number.q))
+
+
+def expression(value: Fraction) -> Expr:
+    """A coefficient to read: a short fraction, or the nearest binary floating-point number."""
+    if value.denominator <= LARGEST_DENOMINATOR:
+        return Rational(value.numerator, value.denominator)
+    return Float(float(value), precision=53)
