@@ -1,6 +1,57 @@
-"""kanegen: Kane's equations of motion for a tree of rigid bodies, as C specialised to that tree."""
+"""kanegen: Kane's equations of motion for a tree of rigid bodies, as C specialised to that tree.
 
+    import kanegen as kg
+
+    system = kg.load("models/eight_body.toml")
+    equations = kg.derive(system)      # SymPy
+    source = kg.generate(system)       # C
+    library = kg.build(system)         # compiled; NumPy in, NumPy out
+    report = kg.compare(system)        # against an independent reference
+"""
+
+from kanegen.c import Source
+from kanegen.check.report import Report
+from kanegen.compiler import build, compare, derive, generate
+from kanegen.errors import (
+    ArrayError,
+    BuildError,
+    KanegenError,
+    KanegenWarning,
+    ModelError,
+    OptionError,
+    ReadError,
+    SingularError,
+    WriteError,
+)
+from kanegen.library import Library
 from kanegen.numbers import Parameter
+from kanegen.readers import load
+from kanegen.symbolic import Equations
 from kanegen.system import Body, Joint, System
+from kanegen.version import __version__
 
-__all__ = ["Body", "Joint", "Parameter", "System"]
+__all__ = [
+    "ArrayError",
+    "Body",
+    "BuildError",
+    "Equations",
+    "Joint",
+    "KanegenError",
+    "KanegenWarning",
+    "Library",
+    "ModelError",
+    "OptionError",
+    "Parameter",
+    "ReadError",
+    "Report",
+    "SingularError",
+    "Source",
+    "System",
+    "WriteError",
+    "__version__",
+    "build",
+    "compare",
+    "derive",
+    "generate",
+    "load",
+]

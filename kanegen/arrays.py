@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from kanegen import validation
 from kanegen.errors import ModelError
 from kanegen.numbers import numbers
+from kanegen.rotations import rotation_123
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -48,19 +49,7 @@ def system_arrays(
 
 def _matrix(orientation: Any) -> Floats:
     value = np.array(orientation, dtype=np.float64)
-    return value if value.shape == (3, 3) else rotation_123(value)
-
-
-def rotation_123(angles: Floats) -> Floats:
-    """[R_123] of Eq. (4) for three angles (rad): components before to components after the turns."""
-    (s1, s2, s3), (c1, c2, c3) = np.sin(angles), np.cos(angles)
-    return np.array(
-        [
-            [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
-            [-c2 * s3, c1 * c3 - s1 * s2 * s3, s1 * c3 + c1 * s2 * s3],
-            [s2, -s1 * c2, c1 * c2],
-        ]
-    )
+    return value if value.shape == (3, 3) else np.array(rotation_123(orientation))
 
 
 def integers(value: Any, what: str) -> tuple[int, ...]:

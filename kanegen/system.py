@@ -54,7 +54,7 @@ class Joint:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if self.name:
+        if self.name != "":
             check_label(self.name, "joint name")
         position = numbers(self.position, (3,), "joint position")
         free = validation.flags(self.free, 6, "free")

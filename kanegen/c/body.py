@@ -38,7 +38,7 @@ class _Body:
     """The statements so far, and for every value how later ones refer to it."""
 
     def __init__(self, program: Program) -> None:
-        self._program = program
+        self._instructions = program.instructions
         self._live = _live(program)
         self._uses = Counter(j for i in self._live for j in program.instructions[i].operands)
         self._places = _places(program)
@@ -51,34 +51,30 @@ class _Body:
         self._last_note = ""
 
     def lines(self) -> list[str]:
-        self._unused_inputs()
-        loads = [i for i in self._live if self._is_load(i)]
-        for i in loads:
-            self._value(i)
+        loads = {i for i in self._live if i in self._names and self._instructions[i].op is Op.INPUT}
+        self._mark_unused_inputs()
+        for i in sorted(loads):
+            self._define(i)
         for i in self._live:
-            if i not in self._expressions:
-                self._value(i)
+            if i not in loads:
+                self._define(i)
+            self._store(i)
         return self._lines
 
-    def _unused_inputs(self) -> None:
-        read = {self._program.instructions[i].array for i in self._live}
-        self._lines.extend(f"    (void){name};" for name in self._arrays if name not in read)
+    def _mark_unused_inputs(self) -> None:
+        read = {self._instructions[i].array for i in self._live}
+        self._lines += [f"    (void){name};" for name in self._arrays if name not in read]
 
-    def _is_load(self, i: int) -> bool:
-        return self._program.instructions[i].op is Op.INPUT and i in self._names
-
-    def _value(self, i: int) -> None:
-        """Compute value i, or keep its expression for the only one that needs it, and store it."""
-        instruction = self._program.instructions[i]
-        self._note(instruction.note)
-        expression = self._expression(instruction)
-        places = self._places.get(i, [])
+    def _define(self, i: int) -> None:
+        """Compute value i into a local, or keep its expression for the only place that needs it."""
+        self._note(self._instructions[i].note)
+        expression = self._expression(self._instructions[i])
+        needed_again = self._uses[i] > 1 or (self._uses[i] == 1 and i in self._places)
         if i in self._names:
             expression = self._local(self._names[i], expression)
-        elif expression.operations and (self._uses[i] > 1 or (self._uses[i] and places)):
+        elif needed_again and expression.operations:
             expression = self._local(self._next_name(), expression)
         self._expressions[i] = expression
-        self._store(places, expression)
 
     def _expression(self, instruction: Instruction) -> Expression:
         if instruction.op is Op.CONSTANT:
@@ -110,11 +106,12 @@ class _Body:
             self._lines += ["", *comment(note)] if self._lines else comment(note)
             self._last_note = note
 
-    def _store(self, places: Sequence[str], expression: Expression) -> None:
-        """As many equal elements on a line as fit: `A[1] = A[3] = value;`."""
+    def _store(self, i: int) -> None:
+        """Fill the outputs that hold value i, several on a line: `A[1] = A[3] = value;`."""
+        expression = self._expressions[i]
         chain: list[str] = []
-        for place in places:
-            width = sum(len(target) + len(" = ") for target in (*chain, place)) + len(f"    {expression};")
+        for place in self._places.get(i, []):
+            width = len(f"    {' = '.join([*chain, place])} = {expression};")
             if chain and width > WIDTH and expression.level is Level.ATOM:
                 self._lines += wrap(_assignment(chain, expression))
                 chain = []

@@ -64,7 +64,7 @@ def apply(op: Op, operands: tuple[Expression, ...]) -> Expression:
             return _product(a, "*", b)
         case Op.DIVIDE, (a, b):
             return _product(a, "/", b)
-        case (Op.SQRT | Op.SIN | Op.COS), (a,):
+        case ((Op.SQRT | Op.SIN | Op.COS), (a,)):
             return Expression(f"{op.value}({a})", operations=a.operations + 1)
     raise ValueError(f"{op} is no operation on {len(operands)} operands")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+
 from kanegen.c import describe
 from kanegen.c.body import statements
 from kanegen.c.declarations import argument_list, batch_prototype, prototype, row_call

@@ -42,7 +42,7 @@ def _refuse_foreign(folder: Path, files: Mapping[str, str], force: bool) -> None
     foreign = sorted(path.name for path in folder.iterdir() if not _is_replaceable(path, files))
     if foreign and not force:
         raise WriteError(
-            f"{folder}: holds {', '.join(foreign)}, which kanegen did not write there or which changed since. "
+            f"{folder}: holds {', '.join(foreign)}, which kanegen did not write or which changed since. "
             "Choose another folder, or force it."
         )
 

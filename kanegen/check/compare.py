@@ -1,19 +1,18 @@
 """A compiled library against the reference, over random states, with a bound that has a reason.
 
 With E the difference of an output from the reference, S the sum of the magnitudes of the terms that make up
-the reference (`magnitudes`), and D = diag(S_A)^(1/2), with which rows and columns lose their units:
+the reference (`magnitudes`), and D = diag(S_A)^(1/2), which takes the units from rows and columns:
 
 - normwise error: ||D^-1 E D^-1|| / ||D^-1 A D^-1|| (Frobenius) for [A], ||D^-1 E|| / ||D^-1 f|| for {f}.
-  Where the sum is zero within the bound on its rounding, the norm of S takes the place of its norm.
+  Where the output is zero but for rounding, the norm of S takes the place of its own.
 - componentwise error: the largest |E_i| / S_i. An entry never exceeds its S_i, and one that has become small
-  by cancellation has no digits of its own, so the terms are the yardstick that no program can beat.
-- bound on the componentwise error: 4 (N + 8) u, u = 2^-53. See `BOUND_REASON` and docs/accuracy.md.
+  by cancellation has no digits of its own, so its terms are the yardstick that no program can beat.
+- bound on the componentwise error: see `magnitudes.rounding_bound`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -22,23 +21,25 @@ from numpy.typing import NDArray
 from kanegen.arrays import Floats, SystemArrays
 from kanegen.check import reference
 from kanegen.check.kinematics import kinematics
-from kanegen.check.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches
+from kanegen.check.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches, rounding_bound
+from kanegen.check.measure import StateErrors, joined, state_errors
 from kanegen.check.report import Accuracy, Evaluation, Report
 from kanegen.check.states import States, random_states
 from kanegen.errors import OptionError
 from kanegen.system import System
 
-__all__ = ["Accuracy", "ComparedLibrary", "Evaluation", "Report", "bound", "compare"]
-
-UNIT_ROUNDOFF = 2.0**-53
+__all__ = ["Accuracy", "ComparedLibrary", "Evaluation", "Report", "compare"]
 
 BOUND_REASON = (
-    "Bound: |E| <= 4 (N + 8) u S for every entry, u = 2^-53, S the sum of the magnitudes of the entry's terms. "
-    "Rounding grows at most linearly with the N bodies along the tree; 8 stands for what happens in every body."
+    "The bound is 4 (N + 8) 2^-53 for N bodies, relative to the magnitudes of an entry's terms: rounding "
+    "grows at most linearly along the tree, and the constants are calibrated."
 )
 
-BATCH_BYTES = 2**25
-"""Memory for one of the arrays of a batch; keeps 64 bodies with 384 freedoms comfortable."""
+OUTPUTS = ("mass_matrix", "forcing")
+"""What there is a reference for."""
+
+BATCH_NUMBERS = 2**24
+"""How many numbers a batch of states may hold at once."""
 
 
 class ComparedLibrary(Protocol):
@@ -55,3 +56,89 @@ class ComparedLibrary(Protocol):
         self, x: Floats, y: Floats, force: Floats | None = None, torque: Floats | None = None
     ) -> NDArray[Any]:
         """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3)."""
+
+
+def compare(system: System, library: ComparedLibrary, states: int = 1000, seed: int = 0) -> Report:
+    """The outputs of `library` against the reference; parameters stand at their defaults.
+
+    Args:
+        system: What the library was generated from.
+        library: It.
+        states: How many random states.
+        seed: Of the random states.
+
+    Raises:
+        OptionError: If there is no state, or no output with a reference.
+        ArrayError: If an output has the wrong shape.
+    """
+    if states < 1:
+        raise OptionError(f"states is {states}; compare at least one.")
+    outputs = [name for name in OUTPUTS if name in library.outputs]
+    if not outputs:
+        raise OptionError(f"the library has none of the outputs {', '.join(OUTPUTS)}: nothing to compare.")
+    arrays = system.values()
+    sample = random_states(arrays, states, seed)
+    batches = [_batch_errors(arrays, library, outputs, part) for part in _batches(sample, len(arrays.mass))]
+    accuracies = (
+        _accuracy(system, sample, name, joined([batch[name] for batch in batches])) for name in outputs
+    )
+    return Report(system.name, states, seed, tuple(accuracies), BOUND_REASON)
+
+
+def _batches(sample: States, bodies: int) -> Iterator[States]:
+    size = max(1, BATCH_NUMBERS // (3 * (6 * bodies) ** 2))  # [A], its magnitude, and the bodies' matrices
+    for start in range(0, len(sample), size):
+        yield sample.part(start, start + size)
+
+
+def _batch_errors(
+    arrays: SystemArrays, library: ComparedLibrary, outputs: list[str], states: States
+) -> dict[str, StateErrors]:
+    x, y, force, torque = states.x, states.y, states.force, states.torque
+    limit = rounding_bound(len(arrays.mass))
+    reach = reaches(arrays, kinematics(arrays, x, y), y)
+    matrix_size = mass_matrix_magnitude(arrays, reach)
+    diagonal = np.einsum("bii->bi", matrix_size)
+    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    errors = {}
+    if "mass_matrix" in outputs:
+        truth = reference.mass_matrix(arrays, x)
+        scales = scale[:, :, None] * scale[:, None, :]
+        errors["mass_matrix"] = state_errors(library.mass_matrix(x), truth, matrix_size, scales, limit)
+    if "forcing" in outputs:
+        truth = reference.forcing(arrays, x, y, force, torque)
+        size = forcing_magnitude(arrays, reach, force, torque)
+        value = library.forcing(x, y, force=force, torque=torque)
+        errors["forcing"] = state_errors(value, truth, size, scale, limit)
+    return errors
+
+
+def _accuracy(system: System, sample: States, output: str, errors: StateErrors) -> Accuracy:
+    worst = int(errors.componentwise.argmax())
+    names = system.freedom_names
+    shape = (len(names),) * (2 if output == "mass_matrix" else 1)
+    entry = [names[i] for i in np.unravel_index(int(errors.entry[worst]), shape)]
+    return Accuracy(
+        output=output,
+        normwise=float(errors.normwise.max()),
+        normwise_median=float(np.median(errors.normwise)),
+        componentwise=float(errors.componentwise.max()),
+        componentwise_median=float(np.median(errors.componentwise)),
+        cancellation=float(errors.cancellation.max()),
+        bound=rounding_bound(system.number_of_bodies),
+        not_finite=int(np.count_nonzero(~errors.finite)),
+        worst=Evaluation(
+            state=worst,
+            entry=f"[{', '.join(entry)}]",
+            value=float(errors.value[worst]),
+            reference=float(errors.reference[worst]),
+            x=_row(sample.x[worst]),
+            y=_row(sample.y[worst]),
+            force=None if sample.force is None else tuple(_row(row) for row in sample.force[worst]),
+            torque=None if sample.torque is None else tuple(_row(row) for row in sample.torque[worst]),
+        ),
+    )
+
+
+def _row(values: Floats) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)

@@ -10,15 +10,22 @@ arrays of high-precision numbers that know `sin` and `cos`. In shapes, `...` is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kanegen.arrays import SystemArrays
-
-Numbers = NDArray[Any]
+from kanegen.check.matrices import (
+    Numbers,
+    angle_rate_matrix,
+    angle_rate_matrix_dot,
+    apply,
+    rotation_123,
+    skew,
+    transposed,
+)
 
 
 @dataclass(frozen=True)
@@ -92,34 +99,13 @@ def free_columns(system: SystemArrays) -> NDArray[np.bool_]:
 
 
 def full_order(system: SystemArrays, values: Numbers, locked: Numbers) -> Numbers:
-    """(..., 6N) in the order of Eq. (1): `values` (..., n) at the free freedoms, `locked` (N, 6) elsewhere."""
+    """(..., 6N) in the order of Eq. (1): `values` (..., n) where free, `locked` (N, 6) elsewhere."""
     every = np.concatenate([locked[:, :3].ravel(), locked[:, 3:].ravel()])
     dtype = np.result_type(values.dtype, every.dtype)
     full = np.empty((*values.shape[:-1], every.size), dtype)
     full[...] = every
     full[..., free_columns(system)] = values
     return full
-
-
-def skew(v: Numbers) -> Numbers:
-    """(..., 3, 3) skew matrix of (..., 3): `skew(a) @ b` is the cross product of a and b."""
-    zero = np.zeros_like(v[..., 0])
-    return _matrix(
-        [zero, -v[..., 2], v[..., 1]],
-        [v[..., 2], zero, -v[..., 0]],
-        [-v[..., 1], v[..., 0], zero],
-    )
-
-
-def apply(matrix: Numbers, vector: Numbers) -> Numbers:
-    """(..., m) product of (..., m, n) and (..., n)."""
-    product: Numbers = (matrix @ vector[..., None])[..., 0]
-    return product
-
-
-def transposed(matrix: Numbers) -> Numbers:
-    """(..., n, m) from (..., m, n)."""
-    return np.swapaxes(matrix, -1, -2)
 
 
 def _body(
@@ -133,10 +119,10 @@ def _body(
     joint_to_lower = system.joint_orientation[k].T
     r_tilde = skew(system.mass_center[k])
 
-    rate_matrix = _rate_matrix(angles)
-    rate_matrix_dot = _rate_matrix_dot(angles, rates)
+    rate_matrix = angle_rate_matrix(angles)
+    rate_matrix_dot = angle_rate_matrix_dot(angles, rates)
     relative_omega = apply(rate_matrix, rates)  # (8)
-    rotate = _rotation_123(angles) @ system.joint_orientation[k]  # (4)
+    rotate = rotation_123(angles) @ system.joint_orientation[k]  # (4)
     rotate_dot = transposed(skew(relative_omega)) @ rotate  # (7)
 
     omega_y = rotate @ lower.omega_y + _block(rate_matrix, k, speeds)  # (15), (16)
@@ -185,56 +171,11 @@ def _body(
 
 def _ground(bodies: int, dtype: np.dtype[Any]) -> BodyKinematics:
     """Body 0 at rest, so that factors of the lower body drop out where the notes leave them out."""
-    identity, square = np.eye(3, dtype=dtype), np.zeros((3, 3), dtype)
-    vector, columns = np.zeros(3, dtype), np.zeros((3, 6 * bodies), dtype)
-    return BodyKinematics(
-        relative_rotation=identity,
-        rotation=identity,
-        rate_matrix=square,
-        rate_matrix_dot=square,
-        relative_omega=vector,
-        offset=vector,
-        offset_dot=vector,
-        position=vector,
-        center_position=vector,
-        omega_y=columns,
-        omega_y_dot=columns,
-        omega=vector,
-        origin_y=columns,
-        origin_y_dot=columns,
-        center_y=columns,
-        center_y_dot=columns,
-        center_velocity=vector,
-    )
-
-
-def _rotation_123(angles: Numbers) -> Numbers:
-    """Eq. (4)."""
-    (s1, s2, s3), (c1, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
-    return _matrix(
-        [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
-        [-c2 * s3, c1 * c3 - s1 * s2 * s3, s1 * c3 + c1 * s2 * s3],
-        [s2, -s1 * c2, c1 * c2],
-    )
-
-
-def _rate_matrix(angles: Numbers) -> Numbers:
-    """Eq. (17)."""
-    (_, s2, s3), (_, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
-    zero = np.zeros_like(s2)
-    return _matrix([c2 * c3, s3, zero], [-c2 * s3, c3, zero], [s2, zero, zero + 1])
-
-
-def _rate_matrix_dot(angles: Numbers, rates: Numbers) -> Numbers:
-    """Below Eq. (20)."""
-    (_, s2, s3), (_, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
-    _, d2, d3 = np.moveaxis(rates, -1, 0)
-    zero = np.zeros_like(s2)
-    return _matrix(
-        [-(s2 * c3 * d2 + c2 * s3 * d3), c3 * d3, zero],
-        [s2 * s3 * d2 - c2 * c3 * d3, -s3 * d3, zero],
-        [c2 * d2, zero, zero],
-    )
+    zeros = {field.name: np.zeros(3, dtype) for field in fields(BodyKinematics)}
+    columns = {name: np.zeros((3, 6 * bodies), dtype) for name in zeros if name.endswith(("_y", "_y_dot"))}
+    identities = {name: np.eye(3, dtype=dtype) for name in ("relative_rotation", "rotation")}
+    squares = {name: np.zeros((3, 3), dtype) for name in ("rate_matrix", "rate_matrix_dot")}
+    return BodyKinematics(**{**zeros, **columns, **identities, **squares})
 
 
 def _block(square: Numbers, number: int, speeds: Numbers) -> Numbers:
@@ -249,7 +190,3 @@ def _by_body(full: Numbers) -> tuple[Numbers, Numbers]:
     angles, translations = np.split(full, 2, axis=-1)
     shape = (*full.shape[:-1], -1, 3)
     return angles.reshape(shape), translations.reshape(shape)
-
-
-def _matrix(*rows: list[Numbers]) -> Numbers:
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

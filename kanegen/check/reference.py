@@ -12,15 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.arrays import SystemArrays
-from kanegen.check.kinematics import (
-    BodyKinematics,
-    Numbers,
-    apply,
-    free_columns,
-    full_order,
-    kinematics,
-    transposed,
-)
+from kanegen.check.kinematics import BodyKinematics, free_columns, full_order, kinematics
+from kanegen.check.matrices import Numbers, apply, transposed
 from kanegen.errors import ArrayError
 from kanegen.system import System
 

@@ -113,8 +113,12 @@ class Report:
         return plain
 
     def __str__(self) -> str:
+        """Verdict, table, the worst entry of what failed, and the reason of the bound."""
         verdict = "passed" if self.passed else "FAILED"
-        lines = [f"{self.system}: {verdict} over {self.states} random states (seed {self.seed})", self.table()]
+        lines = [
+            f"{self.system}: {verdict} over {self.states} random states (seed {self.seed})",
+            self.table(),
+        ]
         lines += [_failure(accuracy) for accuracy in self.accuracies if not accuracy.passed]
         return "\n".join([*lines, self.reason])
 

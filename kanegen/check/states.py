@@ -13,7 +13,10 @@ import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
 from kanegen.check.kinematics import free_columns
-from kanegen.system import GRAVITY, System
+from kanegen.system import System
+
+STANDARD_GRAVITY = 9.80665
+"""m/s^2."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,7 @@ class States:
     torque: Floats | None
 
     def __len__(self) -> int:
+        """B."""
         return len(self.x)
 
     def part(self, start: int, stop: int) -> States:
@@ -78,7 +82,7 @@ def _uniform(rng: np.random.Generator, count: int, scale: Floats) -> Floats:
 
 
 def _lengths(arrays: SystemArrays) -> Floats:
-    """(N,) the longest of the arms and the radius of gyration of every body, or else the others' mean, or 1 m.
+    """(N,) the largest of the arms and the radius of gyration; where it is 0, the mean of the others, or 1 m.
 
     Where the ground holds a body does not matter to the motion, so it does not count.
     """
@@ -103,4 +107,4 @@ def _filled(values: Floats) -> Floats:
 
 def _acceleration(arrays: SystemArrays) -> float:
     """Gravity, or where there is none that of the Earth (m/s^2)."""
-    return float(np.linalg.norm(arrays.gravity) or np.linalg.norm(GRAVITY))
+    return float(np.linalg.norm(arrays.gravity) or STANDARD_GRAVITY)

@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
-from kanegen import __version__, compiler
+from kanegen import compiler
 from kanegen.cli import info as information
 from kanegen.cli.terminal import FAILED, fail, progress, screen, show_warnings
 from kanegen.errors import KanegenError
 from kanegen.readers import load
 from kanegen.signature import OUTPUTS
 from kanegen.symbolic.formats import FORMATS, render
+from kanegen.version import __version__
 
 app = typer.Typer(
     name="kanegen",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,14 @@ def doubles(name: str, value: object) -> Floats:
     Raises:
         ArrayError: If it is ragged, masked, or holds anything but real numbers.
     """
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.carray:
+        return value
+    if isinstance(value, np.ma.MaskedArray):
+        raise ArrayError(f"{name}: masked arrays have no meaning here; fill it first.")
     try:
         array = np.asarray(value)
     except ValueError:
         raise ArrayError(f"{name}: the rows have different lengths.") from None
-    if isinstance(value, np.ma.MaskedArray):
-        raise ArrayError(f"{name}: masked arrays have no meaning here; fill it first.")
     if array.dtype.kind not in "iuf":
         raise ArrayError(f"{name}: expected real numbers, got {_kind(value, array)}.")
     return np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
@@ -54,13 +56,11 @@ def companion(name: str, value: object, shape: Shape, batch: Shape, first: str) 
     """
     array = doubles(name, value)
     if array.shape != (*batch, *shape):
-        raise ArrayError(
-            f"{name}: expected shape {(*batch, *shape)} to go with {first}, got {array.shape}."
-        )
+        raise ArrayError(f"{name}: expected shape {(*batch, *shape)} to go with {first}, got {array.shape}.")
     return array
 
 
-def load(name: str, value: object, shape: Shape, batch: Shape, bodies: Sequence[str]) -> Floats:
+def load(name: str, value: object, shape: Shape, batch: Shape, unloaded: Mapping[int, str]) -> Floats:
     """Loads on all bodies: None for none, `shape` for the same in every state, or `(*batch, *shape)`.
 
     Args:
@@ -68,7 +68,7 @@ def load(name: str, value: object, shape: Shape, batch: Shape, bodies: Sequence[
         value: What was passed.
         shape: (N, 3).
         batch: `()` or `(B,)`.
-        bodies: For every row the name of a body that takes no loads, or "".
+        unloaded: Rows of bodies that take no loads, with their names.
 
     Raises:
         ArrayError: If the shape is another, or a body that takes no loads would get one.
@@ -80,12 +80,13 @@ def load(name: str, value: object, shape: Shape, batch: Shape, bodies: Sequence[
     if array.shape not in (shape, full):
         either = f"{shape} or {full}" if batch else f"{shape}"
         raise ArrayError(f"{name}: expected shape {either}, got {array.shape}.")
-    for row, body in enumerate(bodies):
-        if body and array[..., row, :].any():
-            raise ArrayError(
-                f"{name}: row {row} is not zero, but body {body!r} takes no loads. Say so in the model's loads."
-            )
-    return np.ascontiguousarray(np.broadcast_to(array, full))
+    if unloaded and array[..., list(unloaded), :].any():
+        row = next(row for row in unloaded if array[..., row, :].any())
+        raise ArrayError(
+            f"{name}: row {row} is not zero, but body {unloaded[row]!r} takes no loads. Say that it does in "
+            "the model's loads."
+        )
+    return array if array.shape == full else np.ascontiguousarray(np.broadcast_to(array, full))
 
 
 def _kind(value: object, array: NDArray[np.generic]) -> str:

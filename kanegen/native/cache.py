@@ -93,8 +93,8 @@ def _seal(content: Path) -> None:
 def _is_whole(complete: Path) -> bool:
     """Whether every file is there as it was written."""
     try:
-        lines = (complete / _MANIFEST).read_text().splitlines()
-        return all(_digest(complete / name) == digest for digest, name in (line.split("  ") for line in lines))
+        rows = [line.split("  ") for line in (complete / _MANIFEST).read_text().splitlines()]
+        return bool(rows) and all(_digest(complete / name) == digest for digest, name in rows)
     except (OSError, ValueError):
         return False
 

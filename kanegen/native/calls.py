@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,9 @@ from kanegen.native.arguments import Floats, companion, load, state
 
 LOADS = frozenset({"force", "torque"})
 """Arguments that may be left out, which is zero, and that one batch may share."""
+
+Pointers = tuple[Any, ...]
+"""C pointers; each keeps its array alive."""
 
 _DOUBLE = np.dtype(np.float64)
 
@@ -34,49 +38,50 @@ class Native:
         self.path = path
         ffi = cffi.FFI()
         ffi.cdef(source.cdef)
+        self._pointer = partial(ffi.from_buffer, ffi.typeof("double[]"))
         try:
             library = ffi.dlopen(str(path))
-            self.calls = {f.name: Call(ffi, library, source.model, f) for f in source.functions}
+            self.calls = {f.name: Call(library, self._pointer, source.model, f) for f in source.functions}
         except (OSError, AttributeError) as error:
             raise BuildError(
-                f"{path}: the compiled library cannot be loaded: {error}. Does the compiler make code for this "
-                "machine?"
+                f"{path}: the compiled library cannot be loaded: {error}. Does the compiler make code for "
+                "this machine?"
             ) from error
 
-    def constants(self, parameters: Mapping[str, float]) -> tuple[Floats, ...]:
-        """What `prepare` makes of the parameters; nothing where there are none."""
+    def constants(self, parameters: Mapping[str, float]) -> Pointers:
+        """What `prepare` makes of the parameters, for `Call`; nothing where there are none."""
         prepare = self.calls.get(PREPARE)
         if prepare is None:
             return ()
-        return prepare((), {"parameters": np.array(list(parameters.values()))})
+        prepared = prepare((), {"parameters": np.array(list(parameters.values()))})
+        return tuple(map(self._pointer, prepared))
 
 
 class Call:
     """One C function and its batch form.
 
-    Neither keeps anything of a call, and C runs without the interpreter's lock, so threads may share a `Call`.
+    Nothing of a call is kept, and C runs without the interpreter's lock, so threads may share a `Call`.
     """
 
-    def __init__(self, ffi: Any, library: Any, model: ModelFacts, function: Function) -> None:
-        name = f"{model.name}_{function.name}"
+    def __init__(
+        self, library: Any, pointer: Callable[[Floats], Any], model: ModelFacts, f: Function
+    ) -> None:
+        name = f"{model.name}_{f.name}"
         self._single = getattr(library, name)
-        self._batch = getattr(library, f"{name}_batch") if function.has_batch else None
-        self._pointer = ffi.from_buffer
-        self._doubles = ffi.typeof("double[]")
-        self._inputs = [(a.name, a.shape) for a in function.inputs if a.name not in function.shared]
-        self._outputs = [array.shape for array in function.outputs]
-        self._unloaded = [
-            "" if is_loaded else body for body, is_loaded in zip(model.body_names, model.loaded, strict=True)
-        ]
-        zeros = {n: np.zeros(shape) for n, shape in self._inputs if n in LOADS}
-        self._zeros = {n: self._pointer(self._doubles, array) for n, array in zeros.items()}
-        self._checked = LOADS if any(self._unloaded) else frozenset()
+        self._batch = getattr(library, f"{name}_batch") if f.has_batch else None
+        self._pointer = pointer
+        self._inputs = [(array.name, array.shape) for array in f.inputs if array.name not in f.shared]
+        self._outputs = [array.shape for array in f.outputs]
+        self._zeros = {n: pointer(np.zeros(shape)) for n, shape in self._inputs if n in LOADS}
+        bodies = enumerate(zip(model.body_names, model.loaded, strict=True))
+        self._unloaded = {row: name for row, (name, is_loaded) in bodies if not is_loaded}
+        self._checked = LOADS if self._unloaded else frozenset()
 
-    def __call__(self, constants: tuple[Floats, ...], values: Mapping[str, object]) -> tuple[Floats, ...]:
+    def __call__(self, constants: Pointers, values: Mapping[str, object]) -> list[Floats]:
         """Call C for one state or many.
 
         Args:
-            constants: Values of the inputs that all states share.
+            constants: From `Native.constants`.
             values: By argument name what the user passed; more names than needed do no harm.
 
         Returns:
@@ -85,40 +90,42 @@ class Call:
         Raises:
             ArrayError: If a value has the wrong type or shape.
         """
-        pointers = [self._pointer(self._doubles, array) for array in constants]
+        pointers = [*constants]
         for name, shape in self._inputs:
             value = values[name]
-            if (
-                isinstance(value, np.ndarray)
+            if value is None and name in self._zeros:
+                pointers.append(self._zeros[name])
+            elif (
+                type(value) is np.ndarray
                 and value.shape == shape
                 and value.dtype is _DOUBLE
                 and value.flags.carray
                 and name not in self._checked
             ):
-                pointers.append(self._pointer(self._doubles, value))
-            elif value is None and name in self._zeros:
-                pointers.append(self._zeros[name])
+                pointers.append(self._pointer(value))
             else:
                 return self._general(constants, values)
-        results = tuple(np.empty(shape) for shape in self._outputs)
-        for array in results:
-            pointers.append(self._pointer(self._doubles, array))
+        results = []
+        for shape in self._outputs:
+            array = np.empty(shape)
+            results.append(array)
+            pointers.append(self._pointer(array))
         self._single(*pointers)
         return results
 
-    def _general(self, constants: tuple[Floats, ...], values: Mapping[str, object]) -> tuple[Floats, ...]:
+    def _general(self, constants: Pointers, values: Mapping[str, object]) -> list[Floats]:
         """The same after conversion and with every check."""
-        arrays = self._converted(values)
-        batch = arrays[0].shape[: arrays[0].ndim - len(self._inputs[0][1])]
-        results = tuple(np.empty((*batch, *shape)) for shape in self._outputs)
-        pointers = [self._pointer(self._doubles, array) for array in (*constants, *arrays, *results)]
-        if not batch:
+        arrays, batch = self._converted(values)
+        results = [np.empty((*batch, *shape)) for shape in self._outputs]
+        pointers = [*constants, *map(self._pointer, [*arrays, *results])]
+        if batch and self._batch is not None:
+            self._batch(*batch, *pointers)
+        else:
             self._single(*pointers)
-        elif self._batch is not None:
-            self._batch(batch[0], *pointers)
         return results
 
-    def _converted(self, values: Mapping[str, object]) -> list[Floats]:
+    def _converted(self, values: Mapping[str, object]) -> tuple[list[Floats], tuple[int, ...]]:
+        """The inputs as C takes them, and `()` for one state or `(B,)` for a batch."""
         (first, shape), *others = self._inputs
         arrays = [state(first, values[first], shape)]
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
@@ -127,4 +134,4 @@ class Call:
                 arrays.append(load(name, values[name], shape, batch, self._unloaded))
             else:
                 arrays.append(companion(name, values[name], shape, batch, first))
-        return arrays
+        return arrays, batch

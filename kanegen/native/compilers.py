@@ -51,8 +51,8 @@ def find(command: str | None = None) -> Compiler:
     if importlib.util.find_spec("ziglang") is not None:
         return _identified((sys.executable, "-m", "ziglang", "cc"))
     raise BuildError(
-        f"no C compiler: none of {', '.join(COMMANDS)} is on the path. Install gcc or clang with the system's "
-        "package manager, or `pip install ziglang`, or name a compiler in $KANEGEN_CC."
+        f"no C compiler: none of {', '.join(COMMANDS)} is on the path. Install gcc or clang with the "
+        "system's package manager, or `pip install ziglang`, or name a compiler in $KANEGEN_CC."
     )
 
 

@@ -50,10 +50,11 @@ def _parse(text: str, path: Path) -> Table:
     except ValueError as error:  # TOMLDecodeError, and the plain one of an integer with too many digits
         message = str(error)
         place = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", message)
-        line = f":{place[1] or text.count(chr(10)) + 1}" if place else ""
-        raise ReadError(
-            f"{path}{line}: not valid TOML: {message[: place.start()] if place else message}."
-        ) from None
+        where = str(path)
+        if place:
+            where = f"{path}:{place[1] or len(text.splitlines())}"
+            message = message[: place.start()]
+        raise ReadError(f"{where}: not valid TOML: {message}.") from None
     except RecursionError:
         raise ReadError(f"{path}: not a model: its arrays are nested too deeply.") from None
 

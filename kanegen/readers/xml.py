@@ -115,8 +115,8 @@ def parse(text: str, file: str) -> Element:
 
     def refuse(*_: object) -> None:
         raise ReadError(
-            f"{file}:{parser.CurrentLineNumber}: document type declaration (<!DOCTYPE ...>) is not accepted: "
-            "it can define entities and refer to other files. Delete it."
+            f"{file}:{parser.CurrentLineNumber}: a document type declaration (<!DOCTYPE ...>) can define "
+            "entities and refer to other files, so it is not accepted. Delete it."
         )
 
     parser.StartElementHandler = start

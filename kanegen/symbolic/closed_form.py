@@ -7,6 +7,7 @@ shortest form; then common factors are collected.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -14,7 +15,8 @@ from sympy import Expr, ImmutableMatrix
 
 from kanegen.symbolic.angle_sums import shortest
 from kanegen.symbolic.collecting import collected
-from kanegen.symbolic.polynomials import Expander, Monomial, Polynomial, add, monomial
+from kanegen.symbolic.expanding import Expander
+from kanegen.symbolic.polynomials import Monomial, Polynomial, add, monomial, readable
 
 
 @dataclass(frozen=True)
@@ -30,13 +32,21 @@ class ClosedForm:
     f: ImmutableMatrix
 
 
-def close(A: ImmutableMatrix, f: ImmutableMatrix) -> ClosedForm:
+def close(
+    A: ImmutableMatrix, f: ImmutableMatrix, sums: Mapping[Expr, Expr], motion: Collection[Expr]
+) -> ClosedForm:
     """The closed form of matrices that hold no intermediates.
+
+    Args:
+        A: (n, n), symmetric.
+        f: (n, 1).
+        sums: As `Expander.sums`.
+        motion: Speeds and loads; their products may gather the rest of an entry in their coefficients.
 
     Raises:
         OptionError: If an entry grows too long to be read.
     """
-    simplifier = Simplifier()
+    simplifier = Simplifier(sums, motion)
     n = A.shape[0]
     upper = {(i, j): simplifier.simplify(A[i, j]) for i in range(n) for j in range(i, n)}
     entries = [upper[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
@@ -48,8 +58,9 @@ def close(A: ImmutableMatrix, f: ImmutableMatrix) -> ClosedForm:
 class Simplifier:
     """Simplifies expressions that have much in common."""
 
-    def __init__(self) -> None:
-        self._expander = Expander()
+    def __init__(self, sums: Mapping[Expr, Expr], motion: Collection[Expr]) -> None:
+        self._expander = Expander(sums)
+        self._motion = frozenset(motion)
         self._shortest: dict[tuple[tuple[Monomial, Fraction], ...], Polynomial] = {}
 
     def simplify(self, expr: Expr) -> Expr:
@@ -62,8 +73,8 @@ class Simplifier:
         for term, coefficient in self._expander.polynomial(expr).items():
             part = tuple((factor, power) for factor, power in term if not factor.is_Symbol)
             symbols = tuple((factor, power) for factor, power in term if factor.is_Symbol)
-            groups.setdefault(symbols, {})[part] = coefficient
-        return collected(add(self._times(symbols, group) for symbols, group in groups.items()))
+            groups.setdefault(symbols, {})[part] = readable(coefficient)
+        return collected(add(self._times(symbols, group) for symbols, group in groups.items()), self._motion)
 
     def _times(self, symbols: Monomial, group: Polynomial) -> Polynomial:
         short = self._shortest_of(group)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable
 from fractions import Fraction
 from math import gcd, lcm
 
+import sympy
 from sympy import Add, Expr, Mul, Pow, S
 
 from kanegen.symbolic.polynomials import (
@@ -19,22 +20,68 @@ from kanegen.symbolic.polynomials import (
 )
 
 
-def collected(polynomial: Polynomial) -> Expr:
-    """The shorter of two ways to collect: by products of sines and cosines, or by the commonest factors."""
+FEWEST_TERMS_OF_A_PRODUCT = 4
+"""A product of two sums has at least four terms."""
+
+MOST_TERMS_TO_FACTOR = 16
+"""Longer polynomials are not tried: factoring is slow, and seldom succeeds."""
+
+
+WORTH_NESTING = 0.6
+"""A nested form is harder to read; it must be shorter by more than this."""
+
+
+def collected(polynomial: Polynomial, motion: Collection[Expr] = ()) -> Expr:
+    """The shortest of three ways to collect.
+
+    Args:
+        polynomial: Any.
+        motion: Speeds and loads, whose products may gather the rest in their coefficients.
+    """
     if not polynomial:
         return S.Zero
     content, common, rest = _without_common(polynomial)
-    forms = (_by_trigonometric_part(rest), _by_commonest_factor(rest))
-    return _product(content, common, min(forms, key=lambda form: int(form.count_ops())))
+    by_angle = _by_angle(rest)
+    by_motion = _grouped(rest, lambda factor: factor in motion, _coefficient)
+    by_factor = _by_commonest_factor(rest)
+    best = min((by_angle, by_motion), key=_operations)
+    nested_is_worth_it = _operations(by_factor) < WORTH_NESTING * _operations(best)
+    return _product(content, common, by_factor if nested_is_worth_it else best)
 
 
-def _by_trigonometric_part(polynomial: Polynomial) -> Expr:
+def _operations(expr: Expr) -> int:
+    return int(expr.count_ops())
+
+
+def _by_angle(polynomial: Polynomial) -> Expr:
+    return _grouped(polynomial, lambda factor: not factor.is_Symbol, _factored)
+
+
+def _coefficient(polynomial: Polynomial) -> Expr:
+    content, common, rest = _without_common(polynomial)
+    return _product(content, common, _by_angle(rest))
+
+
+def _grouped(
+    polynomial: Polynomial, leads: Callable[[Expr], bool], inner: Callable[[Polynomial], Expr]
+) -> Expr:
+    """Terms with the same product of leading factors together, the rest written by `inner`."""
     groups: dict[Monomial, dict[Monomial, Fraction]] = {}
     for term, coefficient in polynomial.items():
-        part = tuple((factor, power) for factor, power in term if not factor.is_Symbol)
-        symbols = tuple((factor, power) for factor, power in term if factor.is_Symbol)
-        groups.setdefault(part, {})[symbols] = coefficient
-    return Add(*(Mul(_powers(part), _collect(group)) for part, group in groups.items()))
+        part = tuple((factor, power) for factor, power in term if leads(factor))
+        other = tuple((factor, power) for factor, power in term if not leads(factor))
+        groups.setdefault(part, {})[other] = coefficient
+    return Add(*(Mul(_powers(part), inner(group)) for part, group in groups.items()))
+
+
+def _factored(polynomial: Polynomial) -> Expr:
+    """`_collect`, or a product of sums where that is shorter."""
+    plain = _collect(polynomial)
+    short = all(value.denominator <= LARGEST_DENOMINATOR for value in polynomial.values())
+    if not short or not FEWEST_TERMS_OF_A_PRODUCT <= len(polynomial) <= MOST_TERMS_TO_FACTOR:
+        return plain
+    product = sympy.factor(plain)
+    return min(plain, product, key=_operations)
 
 
 def _collect(polynomial: Polynomial) -> Expr:

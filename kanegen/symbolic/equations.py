@@ -15,13 +15,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import ImmutableMatrix
+from sympy import ImmutableMatrix, Symbol
 
+from kanegen.errors import OptionError
+from kanegen.symbolic.closed_form import ClosedForm, close
 from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.dynamics import BodyEquations, total
+from kanegen.symbolic.expanding import parallel_sums
 from kanegen.symbolic.naming import Names
-from kanegen.symbolic.symbols import acceleration, coordinate, speed
+from kanegen.symbolic.numeric import NumericEquations, numeric
+from kanegen.symbolic.symbols import acceleration, coordinate, force, speed, torque
 from kanegen.system import System
+
+MOST_FREEDOMS = 8
+"""Closed forms are not tried beyond this many freedoms."""
 
 MOST_FREEDOMS_WITHOUT_NAMES = 6
 """Up to this many freedoms `derive` writes everything out; beyond, it names intermediates."""
@@ -61,6 +68,12 @@ class Equations:
         return ImmutableMatrix([acceleration(f.body, f.index) for f in self.system.freedoms])
 
     @cached_property
+    def loads(self) -> tuple[Symbol, ...]:
+        """The load symbols `F_K_i` and `M_K_i` (N, N m) of the bodies that take loads."""
+        loaded = [body.number for body in self.bodies if body.body.loads]
+        return tuple(load(k, axis) for k in loaded for load in (force, torque) for axis in range(3))
+
+    @cached_property
     def A(self) -> ImmutableMatrix:  # noqa: N802
         """[A], (n, n): the generalized mass matrix, Eq. (43)."""
         return total(body.mass_matrix for body in self.bodies)
@@ -81,6 +94,24 @@ class Equations:
         if not self.intermediates:
             return ()
         return tuple(definition for body in self.bodies for definition in body.definitions)
+
+    def closed_form(self) -> ClosedForm:
+        """[A] and {f} without intermediates, simplified.
+
+        Raises:
+            OptionError: If there are more than `MOST_FREEDOMS` freedoms, or an entry grows too long to read.
+        """
+        if len(self.x) > MOST_FREEDOMS:
+            raise OptionError(
+                f"system {self.system.name!r} has {len(self.x)} freedoms; closed forms are written for at most "
+                f"{MOST_FREEDOMS}. Read equations.A, equations.f and equations.definitions instead."
+            )
+        literal = derive(self.system, intermediates=False)
+        return close(literal.A, literal.f, parallel_sums(literal.bodies), [*literal.y, *self.loads])
+
+    def lambdify(self) -> NumericEquations:
+        """NumPy functions of [A] and {f}, for looking into small things; `kg.build` is faster by far."""
+        return numeric(self.system, self.A, self.f, self.definitions)
 
 
 def derive(system: System, intermediates: bool | None = None) -> Equations:

@@ -77,13 +77,14 @@ class JointEquations:
 
     @property
     def _translation(self) -> ImmutableMatrix:
-        return ImmutableMatrix([self._value(index) for index in range(3, 6)])
+        return ImmutableMatrix([self.coordinate(index) for index in range(3, 6)])
 
     @property
     def _translation_rate(self) -> ImmutableMatrix:
         return ImmutableMatrix([self._rate(index) for index in range(3, 6)])
 
-    def _value(self, index: int) -> Expr:
+    def coordinate(self, index: int) -> Expr:
+        """Freedom `index` of `system.FREEDOMS`: its symbol, or the value at which it is locked."""
         joint = self.body.joint
         return coordinate(self.number, index) if joint.free[index] else expression(joint.locked[index])
 

@@ -6,8 +6,8 @@ what simplification stands on.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, reduce
 
@@ -22,8 +22,15 @@ Monomial = tuple[tuple[Expr, int], ...]
 Polynomial = Mapping[Monomial, Fraction]
 """Coefficients; no zeros."""
 
-MOST_TERMS = 3000
+MOST_TERMS = 1000
 """A polynomial with more terms is not worth writing out."""
+
+CANCELLED = Fraction(1, 10**14)
+"""A sum that is smaller than this part of its last term is zero: the rest of rotations like 0.7071..., whose
+squares do not add up to one exactly."""
+
+READABLE_DIGITS = 12
+"""A coefficient within rounding of a decimal number with so few digits is that number."""
 
 LARGEST_DENOMINATOR = 4
 """Up to this denominator a number is a fraction to read, beyond a decimal number."""
@@ -48,8 +55,8 @@ def add(polynomials: Iterable[Polynomial]) -> Polynomial:
     result: dict[Monomial, Fraction] = {}
     for polynomial in polynomials:
         for term, coefficient in polynomial.items():
-            result[term] = result.get(term, Fraction(0)) + coefficient
-    return {term: coefficient for term, coefficient in result.items() if coefficient}
+            _add_term(result, term, coefficient)
+    return result
 
 
 def multiply(a: Polynomial, b: Polynomial) -> Polynomial:
@@ -61,14 +68,21 @@ def multiply(a: Polynomial, b: Polynomial) -> Polynomial:
     result: dict[Monomial, Fraction] = {}
     for term_a, u in a.items():
         for term_b, v in b.items():
-            term = monomial(term_a + term_b) if term_a and term_b else term_a or term_b
-            result[term] = result.get(term, Fraction(0)) + u * v
+            _add_term(result, monomial(term_a + term_b) if term_a and term_b else term_a or term_b, u * v)
         if len(result) > MOST_TERMS:
             raise OptionError(
                 f"the closed form has more than {MOST_TERMS} terms in one entry. Print the equations with "
                 "intermediates instead (closed=False), or read equations.A and equations.f."
             )
-    return {term: coefficient for term, coefficient in result.items() if coefficient}
+    return result
+
+
+def _add_term(result: dict[Monomial, Fraction], term: Monomial, value: Fraction) -> None:
+    total = result.get(term, 0) + value
+    if abs(total) > CANCELLED * abs(value):
+        result[term] = total
+    else:
+        result.pop(term, None)
 
 
 def eliminate(polynomial: Polynomial, function: type[Expr], other: type[Expr], angle: Expr) -> Polynomial:
@@ -105,40 +119,17 @@ def substitute(polynomial: Polynomial, values: Mapping[Expr, Polynomial]) -> Pol
     return add(parts)
 
 
-@dataclass
-class Expander:
-    """Expands expressions of the derivation, each shared part once."""
-
-    _known: dict[Expr, Polynomial] = field(default_factory=dict)
-
-    def polynomial(self, expr: Expr) -> Polynomial:
-        """`expr` as a polynomial without squares of sines.
-
-        Raises:
-            OptionError: If it has more than `MOST_TERMS` terms.
-        """
-        found = self._known.get(expr)
-        if found is None:
-            found = self._known[expr] = self._expand(expr)
-        return found
-
-    def _expand(self, expr: Expr) -> Polynomial:
-        if expr.is_Number:
-            return {(): fraction(expr)} if expr else {}
-        if expr.is_Add:
-            return add(self.polynomial(argument) for argument in expr.args)
-        if expr.is_Mul:
-            return reduce(reduced_product, (self.polynomial(argument) for argument in expr.args))
-        if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
-            return reduce(reduced_product, [self.polynomial(expr.base)] * int(expr.exp))
-        return {((expr, 1),): Fraction(1)}
-
-
 def fraction(number: Expr) -> Fraction:
     """The decimal number that a model's author wrote, exactly."""
     if isinstance(number, Float):
         return Fraction(repr(float(number)))
     return Fraction(int(number.p), int(number.q))
+
+
+def readable(value: Fraction) -> Fraction:
+    """0.5 for 0.5000000000000001; the value itself where no short decimal number is within rounding."""
+    short = Fraction(f"{float(value):.{READABLE_DIGITS}g}")
+    return short if abs(short - value) <= 4 * Fraction(math.ulp(float(value))) else value
 
 
 def expression(value: Fraction) -> Expr:

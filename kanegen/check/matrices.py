@@ -1,0 +1,65 @@
+"""Small matrices of the notes, for any batch of states and any type of number."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = NDArray[Any]
+"""Real or complex numbers of any type; in shapes, `...` is the batch: nothing, or (B,)."""
+
+
+def skew(v: Numbers) -> Numbers:
+    """(..., 3, 3) skew matrix of (..., 3): `skew(a) @ b` is the cross product of a and b."""
+    zero = np.zeros_like(v[..., 0])
+    return _matrix(
+        [zero, -v[..., 2], v[..., 1]],
+        [v[..., 2], zero, -v[..., 0]],
+        [-v[..., 1], v[..., 0], zero],
+    )
+
+
+def apply(matrix: Numbers, vector: Numbers) -> Numbers:
+    """(..., m) product of (..., m, n) and (..., n)."""
+    product: Numbers = (matrix @ vector[..., None])[..., 0]
+    return product
+
+
+def transposed(matrix: Numbers) -> Numbers:
+    """(..., n, m) from (..., m, n)."""
+    return np.swapaxes(matrix, -1, -2)
+
+
+def rotation_123(angles: Numbers) -> Numbers:
+    """(..., 3, 3) Eq. (4), from (..., 3) angles."""
+    (s1, s2, s3), (c1, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+    return _matrix(
+        [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
+        [-c2 * s3, c1 * c3 - s1 * s2 * s3, s1 * c3 + c1 * s2 * s3],
+        [s2, -s1 * c2, c1 * c2],
+    )
+
+
+def angle_rate_matrix(angles: Numbers) -> Numbers:
+    """(..., 3, 3) Eq. (17), from (..., 3) angles."""
+    (_, s2, s3), (_, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+    zero = np.zeros_like(s2)
+    return _matrix([c2 * c3, s3, zero], [-c2 * s3, c3, zero], [s2, zero, zero + 1])
+
+
+def angle_rate_matrix_dot(angles: Numbers, rates: Numbers) -> Numbers:
+    """(..., 3, 3) below Eq. (20), from (..., 3) angles and their rates."""
+    (_, s2, s3), (_, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+    _, d2, d3 = np.moveaxis(rates, -1, 0)
+    zero = np.zeros_like(s2)
+    return _matrix(
+        [-(s2 * c3 * d2 + c2 * s3 * d3), c3 * d3, zero],
+        [s2 * s3 * d2 - c2 * c3 * d3, -s3 * d3, zero],
+        [c2 * d2, zero, zero],
+    )
+
+
+def _matrix(*rows: list[Numbers]) -> Numbers:
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

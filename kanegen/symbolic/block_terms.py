@@ -1,0 +1,148 @@
+"""Products and sums of the notes' 3 x 3 blocks, as they are printed: not commutative, never multiplied out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Kind(Enum):
+    """What a factor is: its text and its LaTeX, with {K} for the body and {J} for its lower body."""
+
+    ROTATION = "[^{J}R_{K}]", r"[{{}}^{{{J}}}R_{{{K}}}]"
+    FIRST_ROTATION = "[R_{K}]", r"[R_{{{K}}}]"
+    RATE = "[P̂_{K}]", r"[\hat{{P}}_{{{K}}}]"
+    RATE_DOT = "[Ṗ̂_{K}]", r"[\dot{{\hat{{P}}}}_{{{K}}}]"
+    RELATIVE_SPIN = "[^{J}ω̃'_{K}]^T", r"[{{}}^{{{J}}}\tilde{{\omega}}'_{{{K}}}]^T"
+    FIRST_SPIN = "[ω̃'_{K}]^T", r"[\tilde{{\omega}}'_{{{K}}}]^T"
+    SPIN = "[ω̃'_{K}]", r"[\tilde{{\omega}}'_{{{K}}}]"
+    OFFSET_TILDE = "([q̃'_{K}]+[s̃'_{K}])", r"([\tilde{{q}}'_{{{K}}}]+[\tilde{{s}}'_{{{K}}}])"
+    OFFSET_DOT_TILDE = "[ṡ̃'_{K}]", r"[\dot{{\tilde{{s}}}}'_{{{K}}}]"
+    CENTER_TILDE = "[r̃'_{K}]", r"[\tilde{{r}}'_{{{K}}}]"
+    IDENTITY = "[I]", "[I]"
+    TURNED_BACK = "[C_{K}]^T", r"[C_{{{K}}}]^T"
+    POSITION = "{{q'_{K}}}", r"\{{q'_{{{K}}}\}}"
+    TRANSLATION = "{{s'_{K}}}", r"\{{s'_{{{K}}}\}}"
+    TRANSLATION_DOT = "{{ṡ'_{K}}}", r"\{{\dot{{s}}'_{{{K}}}\}}"
+    CENTER = "{{r'_{K}}}", r"\{{r'_{{{K}}}\}}"
+
+    @property
+    def text(self) -> str:
+        """Template of the plain form."""
+        return str(self.value[0])
+
+    @property
+    def latex(self) -> str:
+        """Template of the LaTeX form."""
+        return str(self.value[1])
+
+
+@dataclass(frozen=True)
+class Factor:
+    """One matrix or column of body K on its lower body J."""
+
+    kind: Kind
+    body: int
+    lower: int
+
+    def text(self) -> str:
+        """As in `[^1R_2]`."""
+        return self.kind.text.format(K=self.body, J=self.lower)
+
+    def latex(self) -> str:
+        """As in `[{}^{1}R_{2}]`."""
+        return self.kind.latex.format(K=self.body, J=self.lower)
+
+
+@dataclass(frozen=True)
+class Product:
+    """Factors from left to right; the last may be a sum or a row."""
+
+    factors: tuple[Term, ...]
+
+    def text(self) -> str:
+        """The factors side by side, a sum in parentheses."""
+        return "".join(f"({f.text()})" if isinstance(f, Sum) else f.text() for f in self.factors)
+
+    def latex(self) -> str:
+        """The factors side by side, a sum in parentheses."""
+        return "".join(rf"\left({f.latex()}\right)" if isinstance(f, Sum) else f.latex() for f in self.factors)
+
+
+@dataclass(frozen=True)
+class Row:
+    """3 x 3 blocks side by side, None for a zero: N of them for {y_1}, or 2N for {y}."""
+
+    blocks: tuple[Term | None, ...]
+    bodies: int
+
+    def text(self) -> str:
+        """The blocks in brackets; a half of zeros is one block."""
+        return f"[{', '.join(self._parts('text'))}]"
+
+    def latex(self) -> str:
+        """The blocks in brackets; a half of zeros is one block."""
+        return rf"\left[{', '.join(self._parts('latex'))}\right]"
+
+    def _parts(self, form: str) -> list[str]:
+        halves = (self.blocks[: self.bodies], self.blocks[self.bodies :])
+        parts: list[str] = []
+        for half in halves:
+            if half and not any(half):
+                width = 3 * self.bodies
+                parts.append(f"[0]_{{3×{width}}}" if form == "text" else rf"[0]_{{3\times {width}}}")
+            else:
+                parts += ["[0]" if block is None else getattr(block, form)() for block in half]
+        return parts
+
+
+@dataclass(frozen=True)
+class Sum:
+    """Terms with their signs, +1 or -1."""
+
+    terms: tuple[tuple[int, Term], ...]
+
+    def text(self) -> str:
+        """The terms in one line."""
+        return self._joined([term.text() for _, term in self.terms])
+
+    def latex(self) -> str:
+        """The terms in one line."""
+        return self._joined([term.latex() for _, term in self.terms])
+
+    def lines(self, form: str = "text") -> list[str]:
+        """The terms with their signs, one a line; `form` is "text" or "latex"."""
+        return [f"{'+' if sign > 0 else '-'} {getattr(term, form)()}" for sign, term in self.terms] or ["0"]
+
+    def _joined(self, terms: list[str]) -> str:
+        if not terms:
+            return "0"
+        signs = ["" if sign > 0 else "-" for sign, _ in self.terms[:1]]
+        signs += [" + " if sign > 0 else " - " for sign, _ in self.terms[1:]]
+        return "".join(sign + term for sign, term in zip(signs, terms, strict=True))
+
+
+Term = Factor | Product | Row | Sum
+
+
+def product(*factors: Term) -> Term:
+    """Factors side by side; products and sums of one term among them are opened."""
+    flat: list[Term] = []
+    for factor in factors:
+        single = factor.terms[0] if isinstance(factor, Sum) and len(factor.terms) == 1 else None
+        opened = single[1] if single is not None and single[0] > 0 else factor
+        flat += opened.factors if isinstance(opened, Product) else (opened,)
+    return flat[0] if len(flat) == 1 else Product(tuple(flat))
+
+
+def total(*terms: Term) -> Sum:
+    """Terms in order; sums among them are opened."""
+    flat: list[tuple[int, Term]] = []
+    for term in terms:
+        flat += term.terms if isinstance(term, Sum) else [(1, term)]
+    return Sum(tuple(flat))
+
+
+def times(factors: tuple[Factor, ...], terms: Sum, sign: int = 1) -> Sum:
+    """`factors` in front of every term."""
+    return Sum(tuple((sign * s, product(*factors, term)) for s, term in terms.terms))

@@ -1,0 +1,90 @@
+"""Expressions of the derivation as polynomials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import reduce
+
+from sympy import Expr, S, cos, sin
+
+from kanegen.symbolic.dynamics import BodyEquations
+from kanegen.symbolic.polynomials import Polynomial, add, fraction, monomial, reduced_product
+
+ANGLES = 3
+
+
+@dataclass
+class Expander:
+    """Expands expressions that have much in common, each shared part once.
+
+    Attributes:
+        sums: For an angle whose axis is that of the hinges below it, the sum of their angles. Sines and
+            cosines of such angles are expanded in those of sums, in which parallel hinges stay short.
+    """
+
+    sums: Mapping[Expr, Expr]
+    _known: dict[Expr, Polynomial] = field(default_factory=dict)
+
+    def polynomial(self, expr: Expr) -> Polynomial:
+        """`expr` as a polynomial without squares of sines.
+
+        Raises:
+            OptionError: If it has more than `polynomials.MOST_TERMS` terms.
+        """
+        found = self._known.get(expr)
+        if found is None:
+            found = self._known[expr] = self._expand(expr)
+        return found
+
+    def _expand(self, expr: Expr) -> Polynomial:
+        if expr.is_Number:
+            return {(): fraction(expr)} if expr else {}
+        if expr.is_Add:
+            return add(self.polynomial(argument) for argument in expr.args)
+        if expr.is_Mul:
+            return reduce(reduced_product, (self.polynomial(argument) for argument in expr.args))
+        if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
+            return reduce(reduced_product, [self.polynomial(expr.base)] * int(expr.exp))
+        if expr.func in (sin, cos) and expr.args[0] in self.sums:
+            return _of_difference(expr.func, self.sums[expr.args[0]] + expr.args[0], self.sums[expr.args[0]])
+        return {((expr, 1),): Fraction(1)}
+
+
+def _of_difference(function: type[Expr], a: Expr, b: Expr) -> Polynomial:
+    """sin(a - b) or cos(a - b) by the addition theorems."""
+    other, sign = (cos, -1) if function is sin else (sin, 1)
+    return {
+        monomial([(function(a), 1), (cos(b), 1)]): Fraction(1),
+        monomial([(other(a), 1), (sin(b), 1)]): Fraction(sign),
+    }
+
+
+def parallel_sums(bodies: tuple[BodyEquations, ...]) -> dict[Expr, Expr]:
+    """`Expander.sums` of a tree."""
+    hinges = [_hinge(body) for body in bodies]
+    totals: list[Expr] = []
+    sums: dict[Expr, Expr] = {}
+    for body, hinge in zip(bodies, hinges, strict=True):
+        total = S.Zero
+        if hinge is not None:
+            axis, angle = hinge
+            below = None if body.lower is None else hinges[body.lower.number - 1]
+            if body.lower is not None and below is not None and below[0] == axis:
+                sums[angle] = totals[body.lower.number - 1]
+                total = sums[angle]
+            total += angle
+        totals.append(total)
+    return sums
+
+
+def _hinge(body: BodyEquations) -> tuple[int, Expr] | None:
+    """Axis and angle of a body that turns about one basis vector which it shares with its lower body."""
+    free = [axis for axis in range(ANGLES) if body.body.joint.free[axis]]
+    if len(free) != 1:
+        return None
+    rotation, axis = body.relative_rotation, free[0]
+    unit = [int(i == axis) for i in range(ANGLES)]
+    shared = list(rotation[axis, :]) == unit and list(rotation[:, axis]) == unit
+    return (axis, body.coordinate(axis)) if shared else None

@@ -1,0 +1,133 @@
+"""The literal equations as NumPy functions: slow, but made of nothing except SymPy's own printing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike, NDArray
+from sympy import Expr, ImmutableMatrix, Symbol
+
+from kanegen.errors import ArrayError
+from kanegen.symbolic.definitions import Definition
+from kanegen.symbolic.symbols import coordinate, force, parameter, speed, torque
+from kanegen.system import System
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NumericEquations:
+    """[A] and {f} as functions of NumPy arrays.
+
+    Attributes:
+        system: What was derived.
+    """
+
+    system: System
+    _mass_matrix: Callable[..., Any]
+    _forcing: Callable[..., Any]
+
+    def mass_matrix(self, x: ArrayLike, parameters: Mapping[str, float] | None = None) -> Floats:
+        """[A], (n, n).
+
+        Args:
+            x: (n,) coordinates (rad, m).
+            parameters: Values of parameters that differ from their defaults, by name.
+
+        Raises:
+            ArrayError: If `x` has another shape.
+            ModelError: If a parameter is unknown or its value makes the model unusable.
+        """
+        n = len(self.system.freedoms)
+        return np.array(self._mass_matrix(_array(x, (n,), "x"), self._values(parameters)), dtype=float)
+
+    def forcing(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        parameters: Mapping[str, float] | None = None,
+    ) -> Floats:
+        """{f}, (n,).
+
+        Args:
+            x: (n,) coordinates (rad, m).
+            y: (n,) generalized speeds (rad/s, m/s).
+            force: (N, 3) loads {F'_K} (N); rows of bodies that take no loads are not read.
+            torque: (N, 3) loads {M'_K} (N m), likewise.
+            parameters: Values of parameters that differ from their defaults, by name.
+
+        Raises:
+            ArrayError: If an array has another shape.
+            ModelError: If a parameter is unknown or its value makes the model unusable.
+        """
+        n, bodies = len(self.system.freedoms), self.system.number_of_bodies
+        loads = [
+            np.zeros(3 * bodies) if load is None else _array(load, (bodies, 3), what).ravel()
+            for load, what in ((force, "force"), (torque, "torque"))
+        ]
+        arguments = (_array(x, (n,), "x"), _array(y, (n,), "y"), *loads, self._values(parameters))
+        return np.array(self._forcing(*arguments), dtype=float).ravel()
+
+    def _values(self, changed: Mapping[str, float] | None) -> list[float]:
+        system = self.system.with_parameters(changed or {})
+        return [given.value for given in system.parameters]
+
+
+def numeric(
+    system: System, A: ImmutableMatrix, f: ImmutableMatrix, definitions: Sequence[Definition]
+) -> NumericEquations:
+    """Functions that evaluate [A] and {f}, which may hold the symbols of `definitions`."""
+    every = [(k, axis) for k in range(1, system.number_of_bodies + 1) for axis in range(3)]
+    x = [coordinate(freedom.body, freedom.index) for freedom in system.freedoms]
+    y = [speed(freedom.body, freedom.index) for freedom in system.freedoms]
+    forces, torques = [force(k, i) for k, i in every], [torque(k, i) for k, i in every]
+    parameters = [parameter(given) for given in system.parameters]
+    return NumericEquations(
+        system,
+        _function([x, parameters], A, definitions),
+        _function([x, y, forces, torques, parameters], f, definitions),
+    )
+
+
+def _function(
+    arguments: list[list[Symbol]], matrix: ImmutableMatrix, definitions: Sequence[Definition]
+) -> Callable[..., Any]:
+    needed = needed_definitions(definitions, matrix)
+
+    def common(expressions: Any) -> tuple[list[tuple[Symbol, Expr]], Any]:
+        """Definitions first, where there are any; else what SymPy finds in common."""
+        if needed:
+            return [(definition.symbol, definition.value) for definition in needed], expressions
+        replacements, reduced = sympy.cse(expressions, list=False)
+        return replacements, reduced
+
+    function: Callable[..., Any] = sympy.lambdify(arguments, matrix, modules="numpy", cse=common)
+    return function
+
+
+def needed_definitions(
+    definitions: Sequence[Definition], expressions: Iterable[Expr]
+) -> tuple[Definition, ...]:
+    """Those of `definitions` that `expressions` need, directly or through others, in their order."""
+    wanted: set[Symbol] = set()
+    for expression in expressions:
+        wanted |= expression.free_symbols
+    needed: list[Definition] = []
+    for definition in reversed(definitions):
+        if definition.symbol in wanted:
+            needed.append(definition)
+            wanted |= definition.value.free_symbols
+    return tuple(reversed(needed))
+
+
+def _array(value: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
+    array = np.asarray(value, dtype=float)
+    if array.shape != shape:
+        raise ArrayError(f"{what} has shape {array.shape}; expected {shape}.")
+    return array

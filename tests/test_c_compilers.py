@@ -1,0 +1,147 @@
+"""What C and C++ compilers, sanitizers, CMake and pkg-config say about the generated files."""
+
+import os
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from handmade import bits, evaluate, module, source
+
+WARNINGS = """-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Wmissing-prototypes
+-Wstrict-prototypes -Werror""".split()
+C = [command for command in ("gcc", "clang") if shutil.which(command)]
+CPP = [command for command in ("g++", "clang++") if shutil.which(command)]
+VARIANTS = {
+    "all": {},
+    "plain": {"parameters": False, "loads": False},
+    "mass_matrix": {"outputs": ("mass_matrix",), "loads": False},
+    "forcing": {"outputs": ("forcing",), "parameters": False},
+}
+
+
+def run(*command, folder, **environment):
+    result = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, env={**os.environ, **environment}, check=False
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout
+
+
+@pytest.fixture(params=VARIANTS)
+def variant(request):
+    return VARIANTS[request.param]
+
+
+def test_there_are_compilers():
+    assert C
+    assert CPP
+
+
+@pytest.mark.parametrize("compiler", C)
+def test_c_is_clean_and_needs_only_libm(compiler, variant, tmp_path):
+    folder = source(**variant).write(tmp_path / "out")
+    for file in ("handmade.c", "main.c"):
+        run(compiler, "-std=c99", "-O2", *WARNINGS, "-c", file, folder=folder)
+    undefined = {line.split()[-1] for line in run("nm", "-u", "handmade.o", folder=folder).splitlines()}
+    assert undefined <= {"sin", "cos", "sincos", "sqrt"}
+    symbols = run("nm", "--defined-only", "handmade.o", folder=folder).splitlines()
+    assert {line.split()[1] for line in symbols} <= {"T", "r"}  # code and constants, no data
+    assert all(line.split()[2].startswith("handmade_") for line in symbols if " T " in line)
+
+
+@pytest.mark.parametrize("compiler", CPP)
+@pytest.mark.parametrize("standard", ["c++98", "c++17"])
+def test_the_header_is_cpp(compiler, standard, variant, tmp_path):
+    folder = source(**variant).write(tmp_path / "out")
+    (tmp_path / "user.cpp").write_text(
+        '#include "out/handmade.h"\nint main() { return HANDMADE_BODIES - 3; }\n'
+    )
+    flags = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    run(compiler, f"-std={standard}", *flags, "user.cpp", "-o", "user", folder=folder.parent)
+    run("./user", folder=folder.parent)
+
+
+def printed(text):
+    """The numbers that the example prints, by function and array."""
+    found = {}
+    for line in text.splitlines():
+        if "=" not in line:
+            function = line
+            continue
+        target, value = line.split(" = ")
+        found.setdefault((function, target.split("[")[0]), []).append(float(value))
+    return found
+
+
+@pytest.mark.parametrize("compiler", C)
+def test_the_example_runs_under_sanitizers_and_prints_the_right_numbers(compiler, variant, tmp_path):
+    folder = source(**variant).write(tmp_path / "out")
+    flags = ["-O1", "-g", "-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    run(compiler, "-std=c99", *flags, "main.c", "handmade.c", "-lm", "-o", "example", folder=folder)
+    results = printed(run("./example", folder=folder, ASAN_OPTIONS="detect_leaks=0"))
+
+    made = module(**variant)
+    inputs = {"x": [0.1, 0.2], "y": [0.1, 0.2], "parameters": [2.0, 0.75]}
+    inputs["force"] = inputs["torque"] = [(1 + i % 7) / 10 for i in range(9)]
+    expected = {}
+    if made.prepare:
+        inputs |= evaluate(made.prepare, **inputs)
+        expected["prepare", "prepared"] = inputs["prepared"]
+    for name, program in made.functions.items():
+        expected |= {(name, array): values for array, values in evaluate(program, **inputs).items()}
+    assert results.keys() == expected.keys()
+    for key, values in expected.items():
+        assert bits(results[key]) == bits(values), key
+
+
+def test_batches_under_sanitizers(tmp_path):
+    folder = source(parameters=False).write(tmp_path / "out")
+    x = np.linspace(-1, 1, 10)
+    numbers = ", ".join(map(repr, x.tolist()))
+    (folder / "many.c").write_text(
+        '#include <stdio.h>\n#include <stdlib.h>\n#include "handmade.h"\n'
+        "int main(void) {\n"
+        f"    const double x[10] = {{{numbers}}};\n"
+        "    double *A = malloc(5 * 4 * sizeof *A);\n"
+        "    handmade_mass_matrix_batch(0, NULL, NULL);\n"
+        "    handmade_mass_matrix_batch(5, x, A);\n"
+        '    for (int i = 0; i < 20; ++i) printf("%.17g\\n", A[i]);\n'
+        "    free(A);\n    return 0;\n}\n"
+    )
+    flags = ["-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    run(C[0], "-std=c99", *flags, "many.c", "handmade.c", "-lm", "-o", "many", folder=folder)
+    result = [float(line) for line in run("./many", folder=folder).split()]
+    program = module(parameters=False).functions["mass_matrix"]
+    assert bits(result) == bits([evaluate(program, x=row)["A"] for row in x.reshape(5, 2)])
+
+
+def test_cmake_and_pkg_config_find_the_installed_library(tmp_path):
+    folder = source().write(tmp_path / "out")
+    installed = tmp_path / "installed"
+    run("cmake", "-S", ".", "-B", "../build", f"-DCMAKE_INSTALL_PREFIX={installed}", folder=folder)
+    run("cmake", "--build", "../build", folder=folder)
+    run("cmake", "--build", "../build", "--target", "kanegen_handmade_example", folder=folder)
+    run("cmake", "--install", "../build", folder=folder)
+
+    user = tmp_path / "user"
+    user.mkdir()
+    shutil.copy(folder / "main.c", user)
+    (user / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.14)\nproject(user C)\nfind_package(handmade 0.1 REQUIRED)\n"
+        "add_executable(user main.c)\ntarget_link_libraries(user handmade::handmade)\n"
+    )
+    run("cmake", "-S", ".", "-B", "build", f"-DCMAKE_PREFIX_PATH={installed}", folder=user)
+    run("cmake", "--build", "build", folder=user)
+    by_cmake = run("build/user", folder=user)
+
+    (metadata,) = installed.rglob("handmade.pc")
+    path = str(metadata.parent)
+    flags = run("pkg-config", "--cflags", "--libs", "handmade", folder=user, PKG_CONFIG_PATH=path).split()
+    run(C[0], "main.c", *flags, "-o", "by_pkg_config", folder=user)
+    assert (
+        run("./by_pkg_config", folder=user)
+        == by_cmake
+        == run("../build/kanegen_handmade_example", folder=folder)
+    )
+    assert by_cmake.count(" = ") == 2 + 4 + 2 + 6
