@@ -1,8 +1,13 @@
-"""Options and fixtures of the whole suite."""
+"""Options of the whole suite, and a cache of compiled libraries of its own."""
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import pytest
+
+os.environ["KANEGEN_CACHE"] = str(Path(__file__).parent.parent / ".pytest_cache" / "kanegen")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -14,11 +14,19 @@ from kanegen.c.body import LONGEST, statements
 from kanegen.c.expression import literal
 from kanegen.c.layout import WIDTH, comment, wrap
 from kanegen.errors import ModelError
+from kanegen.native import cache
 from kanegen.native.build import build
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 
 IN, OUT = array("x", 3), array("f", 1)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def folder(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(cache.VARIABLE, str(tmp_path_factory.mktemp("cache")))
+        yield
 
 
 def body(make, inputs=(IN,), out=OUT):

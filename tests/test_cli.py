@@ -47,7 +47,9 @@ def test_generate_writes_and_says_what(tmp_path: Path) -> None:
     text = kanegen("generate", PENDULUM, "-o", str(folder)).stdout
     assert "double_pendulum: 2 freedoms, mass_matrix and forcing" in text
     assert "operations: add" in text
-    assert {"double_pendulum.h", "double_pendulum.c", "main.c", "README.md"} <= {p.name for p in folder.iterdir()}
+    assert {"double_pendulum.h", "double_pendulum.c", "main.c", "README.md"} <= {
+        p.name for p in folder.iterdir()
+    }
     kanegen("generate", PENDULUM, "-o", str(folder))  # its own files may be renewed
 
 
@@ -137,8 +139,7 @@ def test_missing_compiler() -> None:
 def test_warnings_are_one_line(tmp_path: Path) -> None:
     model = tmp_path / "rod.toml"
     model.write_text(
-        'name = "rod"\n[[body]]\nname = "rod"\nconnection = 0\nmass = 1.0\n'
-        "inertia = [1.0, 1.0, 3.0]\n"
+        'name = "rod"\n[[body]]\nname = "rod"\nconnection = 0\nmass = 1.0\ninertia = [1.0, 1.0, 3.0]\n'
     )
     done = kanegen("info", str(model))
     assert "warning: body 'rod'" in done.stderr

@@ -199,7 +199,8 @@ def test_states_that_do_not_fit(library, x, message):
         ),
         (
             {"torque": [[0, 0, 0], [1, 2, 3], [0, 0, np.nan]]},
-            "torque: row 2 is not zero, but body 'hand' takes no loads. Say that it does in the model's loads.",
+            "torque: row 2 is not zero, but body 'hand' takes no loads. Say that it does in the "
+            "model's loads.",
         ),
     ],
 )
@@ -237,9 +238,9 @@ def test_parameters_make_another_library(library):
 
 
 def test_parameters_that_do_not_fit(library, plain):
-    with pytest.raises(ModelError, match="unknown parameter 'm2'. System 'handmade' has m1, sin"):
+    with pytest.raises(ModelError, match=r"unknown parameter 'm2'. System 'handmade' has m1, sin"):
         library.with_parameters({"m2": 1.0})
-    with pytest.raises(ModelError, match="unknown parameter 'm1'. System 'plain' has no parameters"):
+    with pytest.raises(ModelError, match=r"unknown parameter 'm1'. System 'plain' has no parameters"):
         plain.with_parameters({"m1": 1.0})
     with pytest.raises(ModelError, match="parameter 'm1': nan is not finite"):
         library.with_parameters({"m1": float("nan")})
@@ -290,5 +291,5 @@ def test_compiled_code_that_cannot_be_loaded(tmp_path):
 
 
 def test_compiled_code_of_something_else(library, plain):
-    with pytest.raises(BuildError, match="cannot be loaded: .*handmade_prepare"):
+    with pytest.raises(BuildError, match=r"cannot be loaded: .*handmade_prepare"):
         Library(Native(library.source, Path(plain._native.path)), library.parameters)

@@ -94,12 +94,16 @@ def mass_matrix_magnitude(system: SystemArrays, reach: tuple[Reach, ...]) -> Flo
 def forcing_magnitude(
     system: SystemArrays, reach: tuple[Reach, ...], force: Floats | None, torque: Floats | None
 ) -> Floats:
-    """(..., n) Eq. (44) in magnitudes; `force` and `torque` are (..., N, 3)."""
+    """(..., n) Eq. (44) in magnitudes; `force` and `torque` are (..., N, 3).
+
+    Programs that take moments of momentum about moving origins also add and cancel `v_O x m v_O`.
+    """
     center_y, omega_y = _columns(system, reach)
     acceleration = np.stack([body.center_acceleration for body in reach], axis=-1)
     rate_dot = np.stack([body.rate_dot for body in reach], axis=-1)
+    velocity = np.stack([body.velocity for body in reach], axis=-1)
     linear = system.mass * (acceleration + np.linalg.norm(system.gravity))
-    angular = _inertia_size(system) * rate_dot
+    angular = _inertia_size(system) * rate_dot + system.mass * velocity**2
     if force is not None:
         linear = linear + _length(force)
     if torque is not None:
@@ -108,13 +112,13 @@ def forcing_magnitude(
 
 
 def rounding_bound(bodies: int) -> float:
-    """How far two programs may differ in a tree of N bodies, relative to the magnitudes: 4 (N + 8) 2^-53.
+    """How far two programs may differ in a tree of N bodies, relative to the magnitudes: 8 (N + 8) 2^-53.
 
     Every rotation, cross product and sum on the way along the tree adds a few roundings of numbers no larger
     than the magnitudes, so the error grows at most linearly with N; 8 stands for the sines, products and
     inertias within a body. The factor 4 is measured, not derived: docs/accuracy.md says how.
     """
-    return 4 * (bodies + 8) * 2.0**-53
+    return 8 * (bodies + 8) * 2.0**-53
 
 
 def _columns(system: SystemArrays, reach: tuple[Reach, ...]) -> tuple[Floats, Floats]:

@@ -8,7 +8,15 @@ from itertools import combinations, permutations, product
 
 from sympy import Expr, cos, sin
 
-from kanegen.symbolic.polynomials import Monomial, Polynomial, add, eliminate, factor_key, monomial, substitute
+from kanegen.symbolic.polynomials import (
+    Monomial,
+    Polynomial,
+    add,
+    eliminate,
+    factor_key,
+    monomial,
+    substitute,
+)
 
 MOST_CHOICES = 4
 """Angles with squares for which both forms are tried; 2 to this power combinations."""
@@ -36,8 +44,10 @@ def _merged(polynomial: Polynomial) -> Polynomial:
 def _replaced(polynomial: Polynomial, a: Expr, b: Expr, sign: int) -> Polynomial:
     """Angle b = sign (c - a), with c = a + sign b as the new angle."""
     c = a + sign * b
-    sine = add([_times(sin(c), ((cos(a), 1),), Fraction(sign)), _times(cos(c), ((sin(a), 1),), Fraction(-sign))])
-    cosine = add([_times(cos(c), ((cos(a), 1),), Fraction(1)), _times(sin(c), ((sin(a), 1),), Fraction(1))])
+    with_sine, with_cosine = ((sin(a), 1),), ((cos(a), 1),)
+    plus, minus = Fraction(sign), Fraction(-sign)
+    sine = add([_times(sin(c), with_cosine, plus), _times(cos(c), with_sine, minus)])
+    cosine = add([_times(cos(c), with_cosine, Fraction(1)), _times(sin(c), with_sine, Fraction(1))])
     return substitute(polynomial, {sin(b): sine, cos(b): cosine})
 
 

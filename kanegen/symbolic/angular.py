@@ -9,8 +9,8 @@ from sympy import ImmutableMatrix
 
 from kanegen.symbolic import orientation
 from kanegen.symbolic.joint_frame import JointEquations
-from kanegen.symbolic.outward import outward
 from kanegen.symbolic.orientation import skew
+from kanegen.symbolic.outward import outward
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,4 +1,4 @@
-"""Products and sums of the notes' 3 x 3 blocks, as they are printed: not commutative, never multiplied out."""
+"""Products and sums of the notes' 3 x 3 blocks as they are printed: never multiplied out."""
 
 from __future__ import annotations
 
@@ -66,7 +66,9 @@ class Product:
 
     def latex(self) -> str:
         """The factors side by side, a sum in parentheses."""
-        return "".join(rf"\left({f.latex()}\right)" if isinstance(f, Sum) else f.latex() for f in self.factors)
+        return "".join(
+            rf"\left({f.latex()}\right)" if isinstance(f, Sum) else f.latex() for f in self.factors
+        )
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,7 @@ class Row:
         for half in halves:
             if half and not any(half):
                 width = 3 * self.bodies
-                parts.append(f"[0]_{{3×{width}}}" if form == "text" else rf"[0]_{{3\times {width}}}")
+                parts.append(f"[0]_{{3x{width}}}" if form == "text" else rf"[0]_{{3\times {width}}}")
             else:
                 parts += ["[0]" if block is None else getattr(block, form)() for block in half]
         return parts
@@ -111,8 +113,9 @@ class Sum:
         return self._joined([term.latex() for _, term in self.terms])
 
     def lines(self, form: str = "text") -> list[str]:
-        """The terms with their signs, one a line; `form` is "text" or "latex"."""
-        return [f"{'+' if sign > 0 else '-'} {getattr(term, form)()}" for sign, term in self.terms] or ["0"]
+        """The terms, one a line, each but a positive first with its sign; `form` is "text" or "latex"."""
+        printed = [f"{'+' if sign > 0 else '-'} {getattr(term, form)()}" for sign, term in self.terms]
+        return [printed[0].removeprefix("+ "), *printed[1:]] if printed else ["0"]
 
     def _joined(self, terms: list[str]) -> str:
         if not terms:

@@ -19,7 +19,6 @@ from kanegen.symbolic.polynomials import (
     monomial,
 )
 
-
 FEWEST_TERMS_OF_A_PRODUCT = 4
 """A product of two sums has at least four terms."""
 

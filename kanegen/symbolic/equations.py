@@ -74,7 +74,7 @@ class Equations:
         return tuple(load(k, axis) for k in loaded for load in (force, torque) for axis in range(3))
 
     @cached_property
-    def A(self) -> ImmutableMatrix:  # noqa: N802
+    def A(self) -> ImmutableMatrix:
         """[A], (n, n): the generalized mass matrix, Eq. (43)."""
         return total(body.mass_matrix for body in self.bodies)
 
@@ -95,6 +95,24 @@ class Equations:
             return ()
         return tuple(definition for body in self.bodies for definition in body.definitions)
 
+    @property
+    def latex_names(self) -> dict[Symbol, str]:
+        """LaTeX of coordinates, speeds, accelerations, loads and of the intermediates derived so far."""
+        names: dict[Symbol, str] = {}
+        for freedom in self.system.freedoms:
+            k, index = freedom.body, freedom.index
+            letter, place = r"\theta" if freedom.is_angle else "s", f"_{{{k},{freedom.axis + 1}}}"
+            names[coordinate(k, index)] = letter + place
+            names[speed(k, index)] = rf"\dot{{{letter}}}" + place
+            names[acceleration(k, index)] = rf"\ddot{{{letter}}}" + place
+        for k in range(1, len(self.bodies) + 1):
+            for axis in range(3):
+                names[force(k, axis)] = f"{{F'}}_{{{k},{axis + 1}}}"
+                names[torque(k, axis)] = f"{{M'}}_{{{k},{axis + 1}}}"
+        for body in self.bodies:
+            names |= body.names.latex
+        return names
+
     def closed_form(self) -> ClosedForm:
         """[A] and {f} without intermediates, simplified.
 
@@ -103,8 +121,8 @@ class Equations:
         """
         if len(self.x) > MOST_FREEDOMS:
             raise OptionError(
-                f"system {self.system.name!r} has {len(self.x)} freedoms; closed forms are written for at most "
-                f"{MOST_FREEDOMS}. Read equations.A, equations.f and equations.definitions instead."
+                f"system {self.system.name!r} has {len(self.x)} freedoms; closed forms are written for at "
+                f"most {MOST_FREEDOMS}. Read equations.A, equations.f and equations.definitions instead."
             )
         literal = derive(self.system, intermediates=False)
         return close(literal.A, literal.f, parallel_sums(literal.bodies), [*literal.y, *self.loads])

@@ -11,8 +11,8 @@ from functools import cached_property
 from sympy import ImmutableMatrix
 
 from kanegen.symbolic.angular import AngularEquations
-from kanegen.symbolic.outward import outward
 from kanegen.symbolic.orientation import skew
+from kanegen.symbolic.outward import outward
 from kanegen.symbolic.symbols import column
 
 
@@ -24,7 +24,7 @@ class LinearEquations(AngularEquations):
     def position_of_origin(self) -> ImmutableMatrix:
         """O_K from the inertial origin (m), Eq. (22)."""
         lower = ImmutableMatrix.zeros(3, 1) if self.lower is None else self.lower.position_of_origin
-        return self._named("position_of_origin", self.relative_rotation * (lower + self.offset))
+        return ImmutableMatrix(self.relative_rotation * (lower + self.offset))
 
     @cached_property
     def position_of_center(self) -> ImmutableMatrix:

@@ -6,13 +6,29 @@ or a symbol is replaced by a symbol of its own; the replaced expression becomes 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
+from enum import Enum
 
-from sympy import Expr, ImmutableMatrix
+from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.symbolic.definitions import Definition, is_atom
 from kanegen.symbolic.symbols import real
+
+
+class Index(Enum):
+    """How an entry is told from others of its matrix, in a name and in LaTeX."""
+
+    COMPONENT = "{row}", "{row}"
+    ENTRY = "{row}{column}", "{row}{column}"
+    PARTIAL = "{row}_y{column}", "{row},y_{{{column}}}"
+
+    def ending(self, row: int, column: int) -> str:
+        """End of a name; rows and columns count from 1."""
+        return str(self.value[0]).format(row=row, column=column)
+
+    def latex(self, row: int, column: int) -> str:
+        """Index in LaTeX; rows and columns count from 1."""
+        return str(self.value[1]).format(row=row, column=column)
 
 
 @dataclass(frozen=True)
@@ -21,51 +37,85 @@ class Quantity:
 
     Attributes:
         stem: Start of the name; `{K}` and `{J}` stand for the body and its lower body.
+        latex: The same for LaTeX, with `{I}` for the entry.
         note: What it is, with its equation.
         index: How an entry's row and column, from 1, end the name.
     """
 
     stem: str
+    latex: str
     note: str
-    index: Callable[[int, int], str]
-
-
-def _component(row: int, column: int) -> str:
-    return f"{row}"
-
-
-def _entry(row: int, column: int) -> str:
-    return f"{row}{column}"
-
-
-def _partial(row: int, column: int) -> str:
-    return f"{row}_y{column}"
+    index: Index
 
 
 QUANTITIES = {
-    "sines": Quantity("S_{K}", "sines of the angles", _component),
-    "cosines": Quantity("C_{K}", "cosines of the angles", _component),
-    "joint_orientation": Quantity("joint_{K}", "constant orientation of the joint frame", _entry),
-    "relative_rotation": Quantity("R_{J}_{K}", "rotation from the lower body, Eq. (4)", _entry),
-    "rotation": Quantity("R_{K}", "rotation from the inertial frame, Eq. (5)", _entry),
-    "angle_rate_matrix": Quantity("P_{K}", "angle-rate matrix, Eq. (17)", _entry),
-    "angle_rate_matrix_rate": Quantity("Pdot_{K}", "its time derivative, Eq. (20)", _entry),
-    "offset": Quantity("d_{K}", "from O_J to O_K in J, Eq. (22)", _component),
-    "offset_rate": Quantity("ddot_{K}", "its time derivative in J, Eq. (24)", _component),
-    "position_of_origin": Quantity("pO_{K}", "position of O_K, Eq. (22)", _component),
-    "relative_angular_velocity": Quantity("omegahat_{K}", "relative angular velocity, Eq. (8)", _component),
-    "angular_velocity": Quantity("omega_{K}", "angular velocity, Eq. (11)", _component),
-    "partial_angular_velocity": Quantity("omega_{K}", "partial angular velocity, Eq. (15)", _partial),
-    "partial_angular_velocity_rate": Quantity("omegadot_{K}", "its time derivative, Eq. (20)", _partial),
-    "velocity_of_origin": Quantity("vO_{K}", "velocity of O_K in J, Eq. (25)", _component),
-    "velocity_of_center": Quantity("vG_{K}", "velocity of G_K, Eq. (27)", _component),
-    "partial_velocity_of_origin": Quantity("vO_{K}", "partial velocity of O_K, Eq. (28)", _partial),
-    "partial_velocity_of_center": Quantity("vG_{K}", "partial velocity of G_K, Eq. (32)", _partial),
-    "partial_velocity_of_origin_rate": Quantity("vOdot_{K}", "its time derivative, Eq. (35)", _partial),
-    "partial_velocity_of_center_rate": Quantity("vGdot_{K}", "its time derivative, Eq. (34)", _partial),
-    "partial_angular_momentum": Quantity("H_{K}", "partial angular momentum, Eq. (40)", _partial),
-    "net_force": Quantity("Fnet_{K}", "force less mass times acceleration without {ydot}", _component),
-    "net_torque": Quantity("Mnet_{K}", "torque less inertia torque without {ydot}", _component),
+    "sines": Quantity("S_{K}", r"S_{{{K},{I}}}", "sines of the angles", Index.COMPONENT),
+    "cosines": Quantity("C_{K}", r"C_{{{K},{I}}}", "cosines of the angles", Index.COMPONENT),
+    "joint_orientation": Quantity(
+        "joint_{K}", r"[C_{{{K}}}]_{{{I}}}", "constant orientation of the joint frame", Index.ENTRY
+    ),
+    "relative_rotation": Quantity(
+        "R_{J}_{K}", r"{{}}^{{{J}}}R_{{{K},{I}}}", "rotation from the lower body, Eq. (4)", Index.ENTRY
+    ),
+    "rotation": Quantity("R_{K}", r"R_{{{K},{I}}}", "rotation from the inertial frame, Eq. (5)", Index.ENTRY),
+    "angle_rate_matrix": Quantity(
+        "P_{K}", r"\hat{{P}}_{{{K},{I}}}", "angle-rate matrix, Eq. (17)", Index.ENTRY
+    ),
+    "angle_rate_matrix_rate": Quantity(
+        "Pdot_{K}", r"\dot{{\hat{{P}}}}_{{{K},{I}}}", "its time derivative, Eq. (20)", Index.ENTRY
+    ),
+    "offset": Quantity("d_{K}", r"d_{{{K},{I}}}", "from O_J to O_K in J, Eq. (22)", Index.COMPONENT),
+    "offset_rate": Quantity(
+        "ddot_{K}", r"\dot{{d}}_{{{K},{I}}}", "its time derivative in J, Eq. (24)", Index.COMPONENT
+    ),
+    "relative_angular_velocity": Quantity(
+        "omegahat_{K}",
+        r"{{\hat{{\omega}}'}}_{{{K},{I}}}",
+        "relative angular velocity, Eq. (8)",
+        Index.COMPONENT,
+    ),
+    "angular_velocity": Quantity(
+        "omega_{K}", r"{{\omega'}}_{{{K},{I}}}", "angular velocity, Eq. (11)", Index.COMPONENT
+    ),
+    "partial_angular_velocity": Quantity(
+        "omega_{K}", r"{{\omega'}}_{{{K},{I}}}", "partial angular velocity, Eq. (15)", Index.PARTIAL
+    ),
+    "partial_angular_velocity_rate": Quantity(
+        "omegadot_{K}", r"{{\dot{{\omega}}'}}_{{{K},{I}}}", "its time derivative, Eq. (20)", Index.PARTIAL
+    ),
+    "velocity_of_origin": Quantity(
+        "vO_{K}", r"{{v'}}_{{O_{{{K}}},{I}}}", "velocity of O_K in J, Eq. (25)", Index.COMPONENT
+    ),
+    "velocity_of_center": Quantity(
+        "vG_{K}", r"{{v'}}_{{G_{{{K}}},{I}}}", "velocity of G_K, Eq. (27)", Index.COMPONENT
+    ),
+    "partial_velocity_of_origin": Quantity(
+        "vO_{K}", r"{{v'}}_{{O_{{{K}}},{I}}}", "partial velocity of O_K in J, Eq. (28)", Index.PARTIAL
+    ),
+    "partial_velocity_of_center": Quantity(
+        "vG_{K}", r"{{v'}}_{{G_{{{K}}},{I}}}", "partial velocity of G_K, Eq. (32)", Index.PARTIAL
+    ),
+    "partial_velocity_of_origin_rate": Quantity(
+        "vOdot_{K}", r"{{\dot{{v}}'}}_{{O_{{{K}}},{I}}}", "its time derivative, Eq. (35)", Index.PARTIAL
+    ),
+    "partial_velocity_of_center_rate": Quantity(
+        "vGdot_{K}", r"{{\dot{{v}}'}}_{{G_{{{K}}},{I}}}", "its time derivative, Eq. (34)", Index.PARTIAL
+    ),
+    "partial_angular_momentum": Quantity(
+        "H_{K}", r"{{H'}}_{{{K},{I}}}", "inertia times partial angular velocity, Eq. (40)", Index.PARTIAL
+    ),
+    "net_force": Quantity(
+        "Fnet_{K}",
+        r"F^{{*}}_{{{K},{I}}}",
+        "force less mass times the acceleration without {ydot}, Eq. (39)",
+        Index.COMPONENT,
+    ),
+    "net_torque": Quantity(
+        "Mnet_{K}",
+        r"M^{{*}}_{{{K},{I}}}",
+        "torque less the inertia torque without {ydot}, Eqs. (40), (41)",
+        Index.COMPONENT,
+    ),
 }
 """Every named quantity of a body, in an order in which each needs only earlier ones."""
 
@@ -79,12 +129,14 @@ class Names:
         lower: J.
         wanted: Whether to name anything.
         taken: Names that must not be used, those of parameters.
+        latex: LaTeX of the symbols made so far.
     """
 
     body: int
     lower: int
     wanted: bool
     taken: frozenset[str]
+    latex: dict[Symbol, str] = field(default_factory=dict, init=False, repr=False)
     _definitions: dict[str, tuple[Definition, ...]] = field(default_factory=dict, init=False, repr=False)
 
     def apply(self, name: str, matrix: ImmutableMatrix) -> ImmutableMatrix:
@@ -97,12 +149,12 @@ class Names:
         def entry(value: Expr, row: int, column: int) -> Expr:
             if is_atom(value):
                 return value
-            symbol = self._symbol(f"{quantity.stem}_{quantity.index(row + 1, column + 1)}")
+            symbol = self._symbol(quantity, row, column)
             made.append(Definition(symbol, value, f"Body {self.body}: {quantity.note}"))
             return symbol
 
         rows, columns = matrix.shape
-        entries = [[entry(matrix[i, j], i, j) for j in range(columns)] for i in range(rows)]
+        entries = [[entry(matrix[i, j], i + 1, j + 1) for j in range(columns)] for i in range(rows)]
         self._definitions[name] = tuple(made)
         return ImmutableMatrix(entries)
 
@@ -110,8 +162,12 @@ class Names:
         """The definitions that `apply` made for the quantity `name`."""
         return self._definitions.get(name, ())
 
-    def _symbol(self, template: str) -> Expr:
-        name = template.format(K=self.body, J=self.lower)
+    def _symbol(self, quantity: Quantity, row: int, column: int) -> Symbol:
+        stem = quantity.stem.format(K=self.body, J=self.lower)
+        name = f"{stem}_{quantity.index.ending(row, column)}"
         while name in self.taken:
             name += "_"
-        return real(name)
+        symbol = real(name)
+        index = quantity.index.latex(row, column)
+        self.latex[symbol] = quantity.latex.format(K=self.body, J=self.lower, I=index)
+        return symbol

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import sympy
 from numpy.typing import ArrayLike, NDArray
-from sympy import Expr, ImmutableMatrix, Symbol
+from sympy import Dummy, Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import ArrayError
 from kanegen.symbolic.definitions import Definition
@@ -87,7 +87,12 @@ def numeric(
     x = [coordinate(freedom.body, freedom.index) for freedom in system.freedoms]
     y = [speed(freedom.body, freedom.index) for freedom in system.freedoms]
     forces, torques = [force(k, i) for k, i in every], [torque(k, i) for k, i in every]
-    parameters = [parameter(given) for given in system.parameters]
+    # A parameter may have the name of a function, such as sin; a Dummy cannot.
+    private = {parameter(given): Dummy(given.name) for given in system.parameters}
+    if private:
+        A, f = A.xreplace(private), f.xreplace(private)
+        definitions = [replace(d, value=d.value.xreplace(private)) for d in definitions]
+    parameters = list(private.values())
     return NumericEquations(
         system,
         _function([x, parameters], A, definitions),

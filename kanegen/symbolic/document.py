@@ -1,0 +1,191 @@
+"""What there is to say about a system's equations, before it is put into a format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+from sympy import Expr, ImmutableMatrix
+
+from kanegen.symbolic.block_terms import Row, Sum
+from kanegen.symbolic.blocks import Blocks
+from kanegen.symbolic.equations import Equations
+from kanegen.symbolic.printers import latex, latex_lines, text
+from kanegen.symbolic.symbols import expression, parameter
+
+MOST_BODIES_IN_BLOCKS = 16
+"""Rows of more 3 x 3 blocks than two for each of these bodies are no help to a reader."""
+
+SHORT_MATRIX = 700
+"""A matrix whose LaTeX is shorter is printed whole, a longer one by entries."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One equation.
+
+    Attributes:
+        text: In plain text, one line or several.
+        left: Left side in LaTeX.
+        right: Lines of the right side in LaTeX.
+    """
+
+    text: str
+    left: str
+    right: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A title, a sentence, equations.
+
+    Attributes:
+        title: Heading.
+        note: What to know about the equations; may be empty.
+        statements: The equations.
+        is_list: Whether they are so short that they make a list.
+    """
+
+    title: str
+    note: str
+    statements: tuple[Statement, ...]
+    is_list: bool = False
+
+
+@dataclass(frozen=True)
+class Document:
+    """Everything that a format prints."""
+
+    title: str
+    note: str
+    sections: tuple[Section, ...]
+
+
+def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Document:
+    """A document of [A] and {f}, and of the definitions that they need.
+
+    Args:
+        equations: Where they come from.
+        A: (n, n) [A], with or without intermediates.
+        f: (n, 1) {f}.
+    """
+    system = equations.system
+    n, count = len(equations.x), system.number_of_bodies
+    sections = [_freedoms(equations), *_parameters(equations), *_loads(equations)]
+    if equations.definitions:
+        sections += [*_blocks(equations), *_definitions(equations)]
+    sections += [
+        Section("Mass matrix", "[A] of Eq. (43); it is symmetric.", _matrix(equations, "A", A)),
+        Section("Forcing", "{f} of Eq. (44).", _matrix(equations, "f", f)),
+    ]
+    bodies = "1 body" if count == 1 else f"{count} bodies"
+    freedoms = "1 freedom" if n == 1 else f"{n} freedoms"
+    return Document(
+        f"{system.name}: {bodies}, {freedoms}",
+        "Equations of motion [A]{ydot} = {f}, with {xdot} = {y}. SI units.",
+        tuple(sections),
+    )
+
+
+def _freedoms(equations: Equations) -> Section:
+    names = equations.latex_names
+    statements = []
+    for i, (x, y, freedom, name) in enumerate(
+        zip(
+            equations.x,
+            equations.y,
+            equations.system.freedoms,
+            equations.system.freedom_names,
+            strict=True,
+        ),
+        start=1,
+    ):
+        label = name.replace("_", r"\_")
+        statements.append(
+            Statement(
+                f"x[{i}] = {x}, y[{i}] = {y}: {name} ({freedom.unit})",
+                f"x_{{{i}}}",
+                (rf"{names[x]}, \quad y_{{{i}}} = {names[y]} \quad \text{{{label} ({freedom.unit})}}",),
+            )
+        )
+    return Section("Coordinates and speeds", "Eq. (1).", tuple(statements), is_list=True)
+
+
+def _parameters(equations: Equations) -> Iterator[Section]:
+    if equations.system.parameters:
+        statements = tuple(
+            _equation(equations, parameter(given), expression(given.value))
+            for given in equations.system.parameters
+        )
+        yield Section("Parameters", "Default values.", statements, is_list=True)
+
+
+def _loads(equations: Equations) -> Iterator[Section]:
+    loaded = [body for body in equations.bodies if body.body.loads]
+    if loaded:
+        names = ", ".join(f"{body.number} ({body.body.name})" for body in loaded)
+        note = (
+            "F_K_i and M_K_i, Eq. (37), are components in body K of a force at its mass centre (N) and of a "
+            f"torque (N m). Loaded: {names}."
+        )
+        yield Section("Loads", note, ())
+
+
+def _definitions(equations: Equations) -> Iterator[Section]:
+    for note, group in groupby(equations.definitions, key=lambda definition: definition.note):
+        statements = tuple(_equation(equations, definition.symbol, definition.value) for definition in group)
+        yield Section(note, "", statements)
+
+
+def _equation(equations: Equations, left: Expr, right: Expr) -> Statement:
+    names = equations.latex_names
+    return Statement(f"{text(left)} = {text(right)}", latex(left, names), tuple(latex_lines(right, names)))
+
+
+def _matrix(equations: Equations, name: str, matrix: ImmutableMatrix) -> tuple[Statement, ...]:
+    """The matrix, whole where it is short in LaTeX; in text by entries that are not zero or below others."""
+    rows, columns = matrix.shape
+    names = equations.latex_names
+    entries = []
+    for i in range(rows):
+        for j in range(i if columns > 1 else 0, columns):
+            if matrix[i, j]:
+                places = [i + 1] if columns == 1 else [i + 1, j + 1]
+                index = ",".join(str(place) for place in places)
+                printed = f"{name}[{index}] = {text(matrix[i, j])}"
+                lines = tuple(latex_lines(matrix[i, j], names))
+                entries.append(Statement(printed, f"{name}_{{{index}}}", lines))
+    whole = latex(matrix, names)
+    if len(whole) > SHORT_MATRIX and entries:
+        return tuple(entries)
+    plain = "\n".join(entry.text for entry in entries) or f"{name} = 0"
+    return (Statement(plain, name, (whole,)),)
+
+
+def _blocks(equations: Equations) -> Iterator[Section]:
+    if equations.system.number_of_bodies > MOST_BODIES_IN_BLOCKS:
+        return
+    blocks = Blocks(equations.system)
+    for k, body in enumerate(equations.system.bodies, start=1):
+        statements = tuple(_block_statements(blocks, k))
+        yield Section(f"Body {k} ({body.name}) in blocks", "Blocks are 3 x 3.", statements)
+
+
+def _block_statements(blocks: Blocks, k: int) -> Iterable[Statement]:
+    quantities: list[tuple[str, str, Callable[[int], Row | Sum]]] = [
+        ("{p'_G%d}", r"\lbrace p'_{G_{%d}} \rbrace", blocks.position_of_center),
+        ("{v'_O%d}", r"\lbrace v'_{O_{%d}} \rbrace", blocks.velocity_of_origin),
+        ("{v'_G%d}", r"\lbrace v'_{G_{%d}} \rbrace", blocks.velocity_of_center),
+        ("[ω'_%d,y1]", r"[\omega'_{%d,y_1}]", blocks.partial_angular_velocity),
+        ("[ω̇'_%d,y1]", r"[\dot{\omega}'_{%d,y_1}]", blocks.partial_angular_velocity_rate),
+        ("[v'_O%d,y]", r"[v'_{O_{%d},y}]", blocks.partial_velocity_of_origin),
+        ("[v̇'_O%d,y]", r"[\dot{v}'_{O_{%d},y}]", blocks.partial_velocity_of_origin_rate),
+        ("[v'_G%d,y]", r"[v'_{G_{%d},y}]", blocks.partial_velocity_of_center),
+        ("[v̇'_G%d,y]", r"[\dot{v}'_{G_{%d},y}]", blocks.partial_velocity_of_center_rate),
+    ]
+    for plain, formula, derive in quantities:
+        value = derive(k)
+        lines = value.lines() if isinstance(value, Sum) else [value.text()]
+        right = value.lines("latex") if isinstance(value, Sum) else [value.latex()]
+        yield Statement("\n    ".join([f"{plain % k} =", *lines]), formula % k, tuple(right))

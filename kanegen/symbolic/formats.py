@@ -1,0 +1,112 @@
+"""Equations as text, Markdown, LaTeX or a Python module."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from sympy import ImmutableMatrix
+
+from kanegen.errors import OptionError
+from kanegen.symbolic.closed_form import ClosedForm
+from kanegen.symbolic.document import Statement, document
+from kanegen.symbolic.equations import MOST_FREEDOMS_WITHOUT_NAMES, Equations, derive
+from kanegen.symbolic.python_module import python_module
+
+
+def render(equations: Equations, format: str = "text", closed: bool | None = None) -> str:
+    """`equations` to read, or as a Python module to run.
+
+    Args:
+        equations: What `derive` gives.
+        format: One of `FORMATS`.
+        closed: Whether to print the closed form, without intermediates; by default where there are at most
+            `MOST_FREEDOMS_WITHOUT_NAMES` freedoms and it is short enough.
+
+    Raises:
+        OptionError: If the format is unknown, or a closed form is asked for that would be too long.
+    """
+    if format not in FORMATS:
+        raise OptionError(f"unknown format {format!r}. There are {', '.join(FORMATS)}.")
+    printed = FORMATS[format]
+    form = _closed_form(equations, closed)
+    if form is not None:
+        return printed(derive(equations.system, intermediates=False), form.A, form.f)
+    named = equations if equations.intermediates else derive(equations.system, intermediates=True)
+    return printed(named, named.A, named.f)
+
+
+def _closed_form(equations: Equations, closed: bool | None) -> ClosedForm | None:
+    small = len(equations.x) <= MOST_FREEDOMS_WITHOUT_NAMES
+    if closed is False or (closed is None and not small):
+        return None
+    try:
+        return equations.closed_form()
+    except OptionError:
+        if closed:
+            raise
+        return None
+
+
+def _text(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+    described = document(equations, A, f)
+    parts = [f"{described.title}\n{described.note}"]
+    for section in described.sections:
+        lines = [f"{section.title}. {section.note}".rstrip()]
+        lines += [f"  {line}" for statement in section.statements for line in statement.text.split("\n")]
+        parts.append("\n".join(lines))
+    return "\n\n".join(parts) + "\n"
+
+
+def _markdown(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+    described = document(equations, A, f)
+    parts = [f"# {described.title}", described.note]
+    for section in described.sections:
+        parts += [f"## {section.title}"] + [section.note] * bool(section.note)
+        parts += [f"$$\n{_markdown_lines(statement)}\n$$" for statement in section.statements]
+    return "\n\n".join(parts) + "\n"
+
+
+def _markdown_lines(statement: Statement) -> str:
+    if len(statement.right) == 1:
+        return f"{statement.left} = {statement.right[0]}"
+    rows = " \\\\\n".join(_aligned(statement))
+    return f"\\begin{{aligned}}\n{rows}\n\\end{{aligned}}"
+
+
+def _latex(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+    described = document(equations, A, f)
+    parts = [
+        r"\documentclass{article}",
+        r"\usepackage{amsmath}",
+        r"\usepackage[margin=2cm]{geometry}",
+        r"\allowdisplaybreaks",
+        r"\begin{document}",
+        rf"\section*{{{_escaped(described.title)}}}",
+        _escaped(described.note),
+    ]
+    for section in described.sections:
+        parts += [rf"\subsection*{{{_escaped(section.title)}}}", _escaped(section.note)]
+        if section.statements:
+            rows = [row for statement in section.statements for row in _aligned(statement)]
+            parts += [r"\begin{align*}", " \\\\\n".join(rows), r"\end{align*}"]
+    return "\n".join([*(part for part in parts if part), r"\end{document}", ""])
+
+
+def _aligned(statement: Statement) -> Iterator[str]:
+    first, *others = statement.right
+    yield f"{statement.left} ={{}}& {first}"
+    for line in others:
+        yield f"& {line}"
+
+
+def _escaped(text: str) -> str:
+    return "".join(f"\\{character}" if character in "{}_&%$#" else character for character in text)
+
+
+FORMATS: dict[str, Callable[[Equations, ImmutableMatrix, ImmutableMatrix], str]] = {
+    "text": _text,
+    "markdown": _markdown,
+    "latex": _latex,
+    "python": python_module,
+}
+"""How equations can be printed."""

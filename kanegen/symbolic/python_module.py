@@ -1,0 +1,118 @@
+"""Equations as a Python module that needs nothing but NumPy."""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Iterable, Sequence
+
+from sympy import Expr, ImmutableMatrix, Symbol
+
+from kanegen.symbolic.equations import Equations
+from kanegen.symbolic.numeric import needed_definitions
+from kanegen.symbolic.printers import python
+from kanegen.symbolic.symbols import force, parameter, real, torque
+
+TAKEN = frozenset(
+    "A PARAMETERS cos f force forcing mass_matrix np parameters sin torque x y".split() + keyword.kwlist
+)
+"""Names in the module that a parameter cannot have."""
+
+
+def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+    """A module with the functions `mass_matrix` and `forcing`.
+
+    Args:
+        equations: Where they come from, with the definitions that they need.
+        A: (n, n) [A].
+        f: (n, 1) {f}.
+    """
+    names = {parameter(p): real(_free_name(p.name)) for p in equations.system.parameters}
+    parts = [
+        _docstring(equations),
+        "from math import cos, sin\n\nimport numpy as np",
+        _parameters(equations),
+        _mass_matrix(equations, A, names),
+        _forcing(equations, f, names),
+    ]
+    return "\n\n\n".join(parts) + "\n"
+
+
+def _free_name(name: str) -> str:
+    return f"{name}_" if name in TAKEN else name
+
+
+def _docstring(equations: Equations) -> str:
+    system = equations.system
+    lines = [
+        f'"""Equations of motion [A]{{ydot}} = {{f}} of {system.name}, with {{xdot}} = {{y}}. SI units.',
+        "",
+        "The elements of x; those of y are their time derivatives:",
+        "",
+    ]
+    for i, (x, freedom, name) in enumerate(
+        zip(equations.x, system.freedoms, system.freedom_names, strict=True)
+    ):
+        lines.append(f"    x[{i}] = {x}, {name} ({freedom.unit})")
+    return "\n".join([*lines, '"""'])
+
+
+def _parameters(equations: Equations) -> str:
+    items = [f'    "{p.name}": {p.value!r},' for p in equations.system.parameters]
+    return "\n".join(["PARAMETERS = {", *items, "}"]) if items else "PARAMETERS = {}"
+
+
+def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
+    n = len(equations.x)
+    entries = {(i, j): A[i, j] for i in range(n) for j in range(i, n) if A[i, j]}
+    lines = [
+        "def mass_matrix(x, parameters=PARAMETERS):",
+        f'    """[A] of Eq. (43), ({n}, {n}), at the coordinates x, ({n},)."""',
+        *_unpacked(equations.x, "x"),
+        *_body(equations, list(entries.values()), names),
+        f"    A = np.zeros(({n}, {n}))",
+    ]
+    for (i, j), value in entries.items():
+        mirror = "" if i == j else f"A[{j}, {i}] = "
+        lines.append(f"    A[{i}, {j}] = {mirror}{python(value.xreplace(names))}")
+    return "\n".join([*lines, "    return A"])
+
+
+def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
+    n, bodies = len(equations.x), len(equations.bodies)
+    lines = [
+        "def forcing(x, y, force=None, torque=None, parameters=PARAMETERS):",
+        f'    """{{f}} of Eq. (44), ({n},), at coordinates x and speeds y, ({n},), under loads ({bodies}, 3)."""',
+        *_unpacked(equations.x, "x"),
+        *_unpacked(equations.y, "y"),
+        *_loads(equations),
+        *_body(equations, list(f), names),
+        f"    f = np.zeros({n})",
+    ]
+    lines += [f"    f[{i}] = {python(value.xreplace(names))}" for i, value in enumerate(f) if value]
+    return "\n".join([*lines, "    return f"])
+
+
+def _loads(equations: Equations) -> Iterable[str]:
+    for name, symbol in (("force", force), ("torque", torque)):
+        for body in equations.bodies:
+            if body.body.loads:
+                components = ", ".join(str(symbol(body.number, axis)) for axis in range(3))
+                row = f"{name}[{body.number - 1}]"
+                yield f"    {components} = (0.0, 0.0, 0.0) if {name} is None else {row}"
+
+
+def _body(equations: Equations, values: Sequence[Expr], names: dict[Symbol, Symbol]) -> Iterable[str]:
+    """Assignments of the parameters and definitions that `values` need."""
+    definitions = needed_definitions(equations.definitions, values)
+    used: set[Symbol] = set()
+    for expr in (*values, *(definition.value for definition in definitions)):
+        used |= expr.free_symbols
+    for given in equations.system.parameters:
+        if parameter(given) in used:
+            yield f'    {names[parameter(given)]} = parameters["{given.name}"]'
+    for definition in definitions:
+        yield f"    {definition.symbol} = {python(definition.value.xreplace(names))}"
+
+
+def _unpacked(symbols: Iterable[Symbol], name: str) -> Iterable[str]:
+    yield f"    {', '.join(str(symbol) for symbol in symbols)}, = {name}"
