@@ -44,6 +44,13 @@ def similar(rotation: Square, tensor: Square) -> Square:
     return product(product(rotation, tensor), transpose(rotation))
 
 
+def nearest_rotation(m: Square) -> Square:
+    """The rotation nearest to a matrix that is one up to a small error, by a Newton step; keeps exact zeros."""
+    (a, b, c), (d, e, f), (g, h, i) = product(transpose(m), m)
+    half = ((3 - a) / 2, -b / 2, -c / 2), (-d / 2, (3 - e) / 2, -f / 2), (-g / 2, -h / 2, (3 - i) / 2)
+    return product(m, half)
+
+
 def turn(axis: int, angle: float) -> Square:
     """From a frame to the one turned by `angle` (rad) about basis vector `axis` (0, 1 or 2)."""
     sine, cosine = sine_cosine(angle)

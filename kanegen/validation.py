@@ -11,11 +11,15 @@ import numpy as np
 
 from kanegen.errors import KanegenWarning, ModelError
 from kanegen.numbers import Matrix, Number, Parameter, Vector, map_numbers, numbers, value_of
-from kanegen.rotations import rotation_123
+from kanegen.rotations import nearest_rotation, rotation_123
 
 ORTHOGONALITY = 1e-12
 """How far [C][C]^T may be from the identity: the rounding of a product of many rotations, not of a
 number typed with six digits, whose error would pass into [A] and {f}."""
+
+ROUNDED_ROTATION = 1e-15
+"""How far a rotation rounded to doubles may be from orthonormal; beyond this it is made so, because the
+derivation uses [C][C]^T = 1 and its result would depend on where."""
 
 INERTIA_ROUNDING = 1e-12
 """Relative asymmetry, and relative size of a negative principal moment, that count as rounding."""
@@ -124,7 +128,8 @@ def orientation(value: Any) -> Matrix | Vector:
             return angles
         value = rotation_123((one, two, three))
     matrix: Matrix = numbers(value, (3, 3), "joint orientation")
-    c = np.array(map_numbers(matrix, value_of))
+    plain = map_numbers(matrix, value_of)
+    c = np.array(plain)
     with np.errstate(over="ignore", invalid="ignore"):
         defect = float(np.abs(c @ c.T - np.eye(3)).max())
     if not defect <= ORTHOGONALITY:
@@ -134,7 +139,7 @@ def orientation(value: Any) -> Matrix | Vector:
         )
     if np.linalg.det(c) < 0:
         raise ModelError("joint orientation is not a rotation: it is a reflection (determinant -1).")
-    return matrix
+    return nearest_rotation(plain) if plain == matrix and defect > ROUNDED_ROTATION else matrix
 
 
 def unique(what: str, names: Sequence[str]) -> None:

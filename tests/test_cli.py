@@ -97,7 +97,7 @@ def test_equations(form: str, expected: str) -> None:
 
 def test_info_draws_the_tree() -> None:
     text = kanegen("info", PENDULUM).stdout
-    for part in ("ground", "theta3", "mass_matrix", "forcing", "all, after prune", "m1"):
+    for part in ("ground", "q1 (rad)", "mass_matrix", "forcing", "all, after prune", "m1"):
         assert part in text
 
 

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from rich import box
+from rich.columns import Columns
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -76,10 +78,12 @@ def show(facts: Facts, console: Console) -> None:
     gravity = ", ".join(_text(value) for value in system.gravity)
     console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s²\n")
     console.print(_tree(system))
-    console.print()
+    console.print("\n[bold]Freedoms[/], in the order of x and y")
     console.print(_freedoms(system))
     if system.parameters:
+        console.print("\n[bold]Parameters[/], with their defaults")
         console.print(_parameters(system))
+    console.print("\n[bold]Operations[/] of one evaluation")
     console.print(_costs(facts))
 
 
@@ -94,15 +98,14 @@ def _tree(system: System) -> Tree:
     return tree
 
 
-def _freedoms(system: System) -> Table:
-    table = Table("x", "name", "unit", title="freedoms, in the order of {x} and {y}", title_justify="left")
-    for i, (name, freedom) in enumerate(zip(system.freedom_names, system.freedoms, strict=True)):
-        table.add_row(str(i), escape(name), freedom.unit)
-    return table
+def _freedoms(system: System) -> Columns:
+    names = zip(system.freedom_names, system.freedoms, strict=True)
+    cells = [f"{i} {escape(name)} ({freedom.unit})" for i, (name, freedom) in enumerate(names)]
+    return Columns(cells, column_first=True, padding=(0, 3))
 
 
 def _parameters(system: System) -> Table:
-    table = Table("parameter", "default", title="run-time parameters", title_justify="left")
+    table = Table("name", "default", box=box.SIMPLE_HEAD)
     for parameter in system.parameters:
         table.add_row(parameter.name, repr(parameter.value))
     return table
@@ -110,11 +113,13 @@ def _parameters(system: System) -> Table:
 
 def _costs(facts: Facts) -> Table:
     kinds = list(facts.operations["all"])
-    table = Table("operations", *kinds, title="one evaluation", title_justify="left")
+    table = Table("", *kinds, box=box.SIMPLE_HEAD)
+    for column in table.columns[1:]:
+        column.justify = "right"
     for name, counts in facts.operations.items():
         table.add_row(name, *(str(counts[kind]) for kind in kinds))
     for stage in facts.stages:
-        table.add_row(f"  all, after {stage.name}", *(str(stage.operations.get(kind, "")) for kind in kinds))
+        table.add_row(f"[dim]all, after {stage.name}[/]", *(str(stage.operations.get(kind, "")) for kind in kinds))
     return table
 
 

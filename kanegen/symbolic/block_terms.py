@@ -21,10 +21,10 @@ class Kind(Enum):
     CENTER_TILDE = "[r̃'_{K}]", r"[\tilde{{r}}'_{{{K}}}]"
     IDENTITY = "[I]", "[I]"
     TURNED_BACK = "[C_{K}]^T", r"[C_{{{K}}}]^T"
-    POSITION = "{{q'_{K}}}", r"\{{q'_{{{K}}}\}}"
-    TRANSLATION = "{{s'_{K}}}", r"\{{s'_{{{K}}}\}}"
-    TRANSLATION_DOT = "{{ṡ'_{K}}}", r"\{{\dot{{s}}'_{{{K}}}\}}"
-    CENTER = "{{r'_{K}}}", r"\{{r'_{{{K}}}\}}"
+    POSITION = "{{q'_{K}}}", r"\lbrace q'_{{{K}}}\rbrace "
+    TRANSLATION = "{{s'_{K}}}", r"\lbrace s'_{{{K}}}\rbrace "
+    TRANSLATION_DOT = "{{ṡ'_{K}}}", r"\lbrace \dot{{s}}'_{{{K}}}\rbrace "
+    CENTER = "{{r'_{K}}}", r"\lbrace r'_{{{K}}}\rbrace "
 
     @property
     def text(self) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
 from sympy import Expr, ImmutableMatrix
 
-from kanegen.symbolic.block_terms import Row, Sum
+from kanegen.symbolic.block_terms import Sum, Term
 from kanegen.symbolic.blocks import Blocks
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.printers import latex, latex_lines, text
@@ -172,20 +172,22 @@ def _blocks(equations: Equations) -> Iterator[Section]:
         yield Section(f"Body {k} ({body.name}) in blocks", "Blocks are 3 x 3.", statements)
 
 
-def _block_statements(blocks: Blocks, k: int) -> Iterable[Statement]:
-    quantities: list[tuple[str, str, Callable[[int], Row | Sum]]] = [
-        ("{p'_G%d}", r"\lbrace p'_{G_{%d}} \rbrace", blocks.position_of_center),
-        ("{v'_O%d}", r"\lbrace v'_{O_{%d}} \rbrace", blocks.velocity_of_origin),
-        ("{v'_G%d}", r"\lbrace v'_{G_{%d}} \rbrace", blocks.velocity_of_center),
-        ("[ω'_%d,y1]", r"[\omega'_{%d,y_1}]", blocks.partial_angular_velocity),
-        ("[ω̇'_%d,y1]", r"[\dot{\omega}'_{%d,y_1}]", blocks.partial_angular_velocity_rate),
-        ("[v'_O%d,y]", r"[v'_{O_{%d},y}]", blocks.partial_velocity_of_origin),
-        ("[v̇'_O%d,y]", r"[\dot{v}'_{O_{%d},y}]", blocks.partial_velocity_of_origin_rate),
-        ("[v'_G%d,y]", r"[v'_{G_{%d},y}]", blocks.partial_velocity_of_center),
-        ("[v̇'_G%d,y]", r"[\dot{v}'_{G_{%d},y}]", blocks.partial_velocity_of_center_rate),
+def _block_statements(blocks: Blocks, k: int) -> Iterator[Statement]:
+    columns: list[tuple[str, str, Term]] = [
+        ("{p'_G%d}", r"\lbrace p'_{G_{%d}} \rbrace", blocks.position_of_center(k)),
+        ("{v'_O%d}", r"\lbrace v'_{O_{%d}} \rbrace", blocks.velocity_of_origin(k)),
+        ("{v'_G%d}", r"\lbrace v'_{G_{%d}} \rbrace", blocks.velocity_of_center(k)),
+        ("[ω'_%d,y1]", r"[\omega'_{%d,y_1}]", blocks.partial_angular_velocity(k)),
     ]
-    for plain, formula, derive in quantities:
-        value = derive(k)
-        lines = value.lines() if isinstance(value, Sum) else [value.text()]
-        right = value.lines("latex") if isinstance(value, Sum) else [value.latex()]
-        yield Statement("\n    ".join([f"{plain % k} =", *lines]), formula % k, tuple(right))
+    rows: list[tuple[str, str, Sum]] = [
+        ("[ω̇'_%d,y1]", r"[\dot{\omega}'_{%d,y_1}]", blocks.partial_angular_velocity_rate(k)),
+        ("[v'_O%d,y]", r"[v'_{O_{%d},y}]", blocks.partial_velocity_of_origin(k)),
+        ("[v̇'_O%d,y]", r"[\dot{v}'_{O_{%d},y}]", blocks.partial_velocity_of_origin_rate(k)),
+        ("[v'_G%d,y]", r"[v'_{G_{%d},y}]", blocks.partial_velocity_of_center(k)),
+        ("[v̇'_G%d,y]", r"[\dot{v}'_{G_{%d},y}]", blocks.partial_velocity_of_center_rate(k)),
+    ]
+    for plain, formula, value in columns:
+        yield Statement(f"{plain % k} = {value.text()}", formula % k, (value.latex(),))
+    for plain, formula, terms in rows:
+        text_lines = "\n    ".join([f"{plain % k} =", *terms.lines()])
+        yield Statement(text_lines, formula % k, tuple(terms.lines("latex")))

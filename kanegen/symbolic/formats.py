@@ -62,7 +62,10 @@ def _markdown(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> s
     parts = [f"# {described.title}", described.note]
     for section in described.sections:
         parts += [f"## {section.title}"] + [section.note] * bool(section.note)
-        parts += [f"$$\n{_markdown_lines(statement)}\n$$" for statement in section.statements]
+        if section.is_list:
+            parts.append("\n".join(f"- ${s.left} = {s.right[0]}$" for s in section.statements))
+        else:
+            parts += [f"$$\n{_markdown_lines(statement)}\n$$" for statement in section.statements]
     return "\n\n".join(parts) + "\n"
 
 

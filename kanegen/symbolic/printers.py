@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from sympy import Add, Expr, Float, Symbol
@@ -10,7 +11,7 @@ from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
 LINE = 90
-"""Characters of LaTeX, commands not counted in full, after which a long sum goes on in the next line."""
+"""Width in characters after which a long sum goes on in the next line of LaTeX."""
 
 
 class _Text(StrPrinter):  # type: ignore[misc]  # SymPy has no types
@@ -63,6 +64,5 @@ def latex_lines(expr: Expr, names: Mapping[Symbol, str]) -> list[str]:
 
 def _width(printed: str) -> int:
     """About how many characters a reader sees."""
-    return (
-        sum(character.isalnum() or character in "+-=()" for character in printed.replace("\\", " ")) * 2 // 3
-    )
+    seen = re.sub(r"\\(left|right|cdot|quad|,| )|[{}_^\\]", "", printed)
+    return len(re.sub(r"theta|omega|dot|hat|tilde|sin|cos", "x", seen))

@@ -13,7 +13,7 @@ from kanegen.symbolic.printers import python
 from kanegen.symbolic.symbols import force, parameter, real, torque
 
 TAKEN = frozenset(
-    "A PARAMETERS cos f force forcing mass_matrix np parameters sin torque x y".split() + keyword.kwlist
+    [*"A PARAMETERS cos f force forcing mass_matrix np parameters sin torque x y".split(), *keyword.kwlist]
 )
 """Names in the module that a parameter cannot have."""
 
@@ -28,9 +28,7 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
     """
     names = {parameter(p): real(_free_name(p.name)) for p in equations.system.parameters}
     parts = [
-        _docstring(equations),
-        "from math import cos, sin\n\nimport numpy as np",
-        _parameters(equations),
+        f"{_docstring(equations)}\n\nfrom math import cos, sin\n\nimport numpy as np\n\n{_parameters(equations)}",
         _mass_matrix(equations, A, names),
         _forcing(equations, f, names),
     ]
@@ -81,7 +79,7 @@ def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbo
     n, bodies = len(equations.x), len(equations.bodies)
     lines = [
         "def forcing(x, y, force=None, torque=None, parameters=PARAMETERS):",
-        f'    """{{f}} of Eq. (44), ({n},), at coordinates x and speeds y, ({n},), under loads ({bodies}, 3)."""',
+        f'    """{{f}} of Eq. (44), ({n},), at x and y, ({n},), under force and torque, ({bodies}, 3)."""',
         *_unpacked(equations.x, "x"),
         *_unpacked(equations.y, "y"),
         *_loads(equations),
@@ -115,4 +113,5 @@ def _body(equations: Equations, values: Sequence[Expr], names: dict[Symbol, Symb
 
 
 def _unpacked(symbols: Iterable[Symbol], name: str) -> Iterable[str]:
-    yield f"    {', '.join(str(symbol) for symbol in symbols)}, = {name}"
+    names = [str(symbol) for symbol in symbols]
+    yield f"    {', '.join(names)} = {name}" if len(names) > 1 else f"    {names[0]} = {name}[0]"
