@@ -45,7 +45,7 @@ def similar(rotation: Square, tensor: Square) -> Square:
 
 
 def nearest_rotation(m: Square) -> Square:
-    """The rotation nearest to a matrix that is one up to a small error, by a Newton step; keeps exact zeros."""
+    """The rotation nearest to a matrix that is almost one, by a Newton step; exact zeros stay."""
     (a, b, c), (d, e, f), (g, h, i) = product(transpose(m), m)
     half = ((3 - a) / 2, -b / 2, -c / 2), (-d / 2, (3 - e) / 2, -f / 2), (-g / 2, -h / 2, (3 - i) / 2)
     return product(m, half)

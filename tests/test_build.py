@@ -9,11 +9,11 @@ import time
 from pathlib import Path
 
 import pytest
-from handmade import source
 
 from kanegen.errors import BuildError
 from kanegen.native import cache, compilers
 from kanegen.native.build import build
+from tests.handmade import source
 
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 

@@ -5,7 +5,6 @@ import math
 import cffi
 import numpy as np
 import pytest
-from handmade import Listing, array, bits, evaluate, facts
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,6 +17,7 @@ from kanegen.native import cache
 from kanegen.native.build import build
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
+from tests.handmade import Listing, array, bits, evaluate, facts
 
 IN, OUT = array("x", 3), array("f", 1)
 

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from handmade import bits, evaluate, module, source
 
 from kanegen.errors import ArrayError, BuildError, ModelError, OptionError
 from kanegen.library import Evaluation, Library, load
 from kanegen.native import cache
 from kanegen.native.calls import Native
+from tests.handmade import bits, evaluate, module, source
 
 N = 2
 

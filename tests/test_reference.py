@@ -291,6 +291,15 @@ def test_the_separate_terms_are_what_their_names_say() -> None:
         assert np.abs(getattr(terms, name)).max() > 0.1
 
 
+def test_a_slightly_skewed_joint_orientation_counts_as_a_rotation() -> None:
+    """Else the mass of a body would depend on the frame in which it is pushed."""
+    skewed = systems.random_rotation(np.random.default_rng(1)) + 1e-13
+    system = kg.System.from_arrays(
+        [0], [1.5], [np.eye(3)], [[0, 0, 0]], [[0, 0, 0]], [skewed], systems.flags(1, ["s1", "s2", "s3"])
+    )
+    np.testing.assert_allclose(reference.mass_matrix(system, np.zeros(3)), 1.5 * np.eye(3), atol=4e-15)
+
+
 # Bad input
 
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from handmade import source
+from tests.handmade import source
 
 from kanegen.c.stamp import is_unchanged, stamped
 from kanegen.errors import WriteError

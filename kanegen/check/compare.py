@@ -31,7 +31,7 @@ from kanegen.system import System
 __all__ = ["Accuracy", "ComparedLibrary", "Evaluation", "Report", "compare"]
 
 BOUND_REASON = (
-    "The bound is 4 (N + 8) 2^-53 for N bodies, relative to the magnitudes of an entry's terms: rounding "
+    "The bound is 8 (N + 8) 2^-53 for N bodies, relative to the magnitudes of an entry's terms: rounding "
     "grows at most linearly along the tree, and the constants are calibrated."
 )
 

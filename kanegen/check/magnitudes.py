@@ -114,9 +114,10 @@ def forcing_magnitude(
 def rounding_bound(bodies: int) -> float:
     """How far two programs may differ in a tree of N bodies, relative to the magnitudes: 8 (N + 8) 2^-53.
 
-    Every rotation, cross product and sum on the way along the tree adds a few roundings of numbers no larger
-    than the magnitudes, so the error grows at most linearly with N; 8 stands for the sines, products and
-    inertias within a body. The factor 4 is measured, not derived: docs/accuracy.md says how.
+    Every rotation, cross product and sum along the tree adds a few roundings, so the error grows at most
+    linearly with N; the second 8 stands for sines, products and inertias within a body. The first is 2 for
+    two programs times 4, because a program that sums inward can have partial sums twice as long as the
+    outward ones that are measured here, in both factors of a product. See docs/accuracy.md for the test.
     """
     return 8 * (bodies + 8) * 2.0**-53
 

@@ -137,7 +137,8 @@ def _row(accuracy: Accuracy) -> tuple[str, ...]:
 
 def _failure(accuracy: Accuracy) -> str:
     worst = accuracy.worst
-    counted = f"{accuracy.output}: {accuracy.not_finite} states not finite\n" if accuracy.not_finite else ""
+    bad = accuracy.not_finite
+    counted = f"{accuracy.output}: {bad} state{' is' if bad == 1 else 's are'} not finite\n" if bad else ""
     loads = "" if worst.force is None else f"\n  force = {worst.force!r}\n  torque = {worst.torque!r}"
     return (
         f"{counted}{accuracy.output}: worst in state {worst.state}, entry {worst.entry}: "
