@@ -23,7 +23,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
 import kanegen as kg  # noqa: E402
-from kanegen.system import FREEDOMS  # noqa: E402
+from kanegen.body import FREEDOMS  # noqa: E402
 from tests import systems  # noqa: E402
 from tests.robots import dynamics, floating_model, places, robot_file  # noqa: E402
 

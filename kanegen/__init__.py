@@ -9,6 +9,7 @@
     report = kg.compare(system)        # against an independent reference
 """
 
+from kanegen.body import Body, Joint
 from kanegen.c import Source
 from kanegen.check.report import Report
 from kanegen.compiler import build, compare, derive, generate
@@ -27,7 +28,7 @@ from kanegen.library import Library
 from kanegen.numbers import Parameter
 from kanegen.readers import load
 from kanegen.symbolic import Equations
-from kanegen.system import Body, Joint, System
+from kanegen.system import System
 from kanegen.version import __version__
 
 __all__ = [

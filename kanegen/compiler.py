@@ -25,7 +25,6 @@ from dataclasses import dataclass
 
 from kanegen import library as libraries
 from kanegen import symbolic
-
 from kanegen.c import ModelFacts, Source, render
 from kanegen.check import regularity
 from kanegen.check.compare import Report

@@ -95,3 +95,8 @@ def map_numbers(value: Any, function: Callable[[Number], Any]) -> Any:
 def value_of(value: Number) -> float:
     """The number itself, or a parameter's default."""
     return value.value if isinstance(value, Parameter) else value
+
+
+def word(value: Number) -> float | str:
+    """A number in a model file: itself, or its parameter's name."""
+    return value.name if isinstance(value, Parameter) else value

@@ -1,129 +1,30 @@
 """A tree of rigid bodies: the source language of kanegen.
 
-Body K (numbered from 1) hangs on its lower body J = L(K) < K, 0 being the ground. Seen from J, the point
-Q_K stands at `position`; there the joint frame has the constant orientation [C_K]; in it the origin O_K is
-displaced by s'_K; and body K is turned by the 1-2-3 body-fixed angles, so that [^J R_K] = [R_123] [C_K].
-Any of the six freedoms can be locked at a value; it then leaves {x}, {y}, [A] and {f}.
+Body K (numbered from 1) hangs on its lower body J = L(K) < K, 0 being the ground. Its free coordinates make up
+{x}; the locked ones leave {x}, {y}, [A] and {f}.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from kanegen import arrays, validation
+from kanegen.body import FREEDOMS, IDENTITY, Body, Joint
 from kanegen.errors import ModelError, WriteError
 from kanegen.files import write_whole
-from kanegen.names import check_identifier, check_label
-from kanegen.numbers import Matrix, Number, Parameter, Vector, map_numbers, number, numbers, value_of
+from kanegen.names import check_identifier
+from kanegen.numbers import Number, Parameter, Vector, map_numbers, numbers, value_of, word
 from kanegen.toml_text import toml_text
-
-FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
-"""The six relative freedoms of a body, in the order of `Joint.free`: angles in rad, translations in m."""
 
 GRAVITY: Vector = (0.0, 0.0, -9.81)
 """Default gravity, inertial components, m/s^2."""
 
-IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
 _S = TypeVar("_S", bound="System")
-
-
-@dataclass(frozen=True)
-class Joint:
-    """How a body is attached to its lower body J.
-
-    Attributes:
-        position: `q'_K`, from O_J to Q_K, in J (m).
-        orientation: `[C_K]`, from J components to joint-frame components: a (3, 3) rotation, or three
-            constant 1-2-3 angles (rad) where an angle is to stay a parameter. Angles that are all plain
-            numbers become the matrix, with exact zeros and ones at right angles.
-        free: Which of `FREEDOMS` are free.
-        locked: Values of those that are not (rad, m); 0 at the free ones.
-        name: Name of the joint in a robot file; names the freedom where there is only one.
-    """
-
-    position: Vector = (0.0, 0.0, 0.0)
-    orientation: Matrix | Vector = IDENTITY
-    free: tuple[bool, ...] = (True,) * 6
-    locked: tuple[Number, ...] = (0.0,) * 6
-    name: str = ""
-
-    def __post_init__(self) -> None:
-        if self.name != "":
-            check_label(self.name, "joint name")
-        position = numbers(self.position, (3,), "joint position")
-        free = validation.flags(self.free, 6, "free")
-        locked = numbers(self.locked, (6,), "locked")
-        orientation = validation.orientation(self.orientation)
-        locked = tuple(0.0 if is_free else value for is_free, value in zip(free, locked, strict=True))
-        _set(self, position=position, orientation=orientation, free=free, locked=locked)
-
-    def as_table(self) -> dict[str, Any]:
-        """The joint in the words of a model file, defaults left out."""
-        table: dict[str, Any] = {"name": self.name} if self.name else {}
-        if any(self.position):
-            table["position"] = map_numbers(self.position, _word)
-        if self.orientation != IDENTITY:
-            key = "orientation" if isinstance(self.orientation[0], tuple) else "orientation_angles"
-            table[key] = map_numbers(self.orientation, _word)
-        free = tuple(name for name, is_free in zip(FREEDOMS, self.free, strict=True) if is_free)
-        table["free"] = "all" if all(self.free) else free or "none"
-        locked = zip(FREEDOMS, self.locked, strict=True)
-        table["locked"] = {name: _word(value) for name, value in locked if value}
-        return table
-
-
-@dataclass(frozen=True)
-class Body:
-    """A rigid body and the joint below it.
-
-    Attributes:
-        name: Label, unique in the system.
-        lower: Number of the lower body, 0 for the ground.
-        mass: kg.
-        inertia: `[I'_{G_K}]`, about the mass centre, in body components (kg m^2).
-        mass_center: `r'_K`, from O_K to G_K, in body components (m).
-        joint: How it hangs on its lower body.
-        loads: Whether it takes a force and a torque as inputs.
-    """
-
-    name: str
-    lower: int
-    mass: Number
-    inertia: Matrix
-    mass_center: Vector = (0.0, 0.0, 0.0)
-    joint: Joint = field(default_factory=Joint)
-    loads: bool = False
-
-    def __post_init__(self) -> None:
-        check_label(self.name, "body name")
-        try:
-            _set(
-                self,
-                lower=validation.integer(self.lower, "connection"),
-                mass=validation.mass(number(self.mass, "mass")),
-                inertia=validation.inertia(numbers(self.inertia, (3, 3), "inertia"), self.name),
-                mass_center=numbers(self.mass_center, (3,), "mass centre"),
-                loads=validation.flags((self.loads,), 1, "loads")[0],
-            )
-        except ModelError as error:
-            raise ModelError(f"body {self.name!r}: {error}") from None
-
-    def as_table(self, lower: int | str) -> dict[str, Any]:
-        """The body in the words of a model file, `lower` being its connection there; defaults left out."""
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia
-        table: dict[str, Any] = {"name": self.name, "connection": lower, "mass": _word(self.mass)}
-        if any(self.mass_center):
-            table["mass_center"] = map_numbers(self.mass_center, _word)
-        table["inertia"] = map_numbers(self.inertia if xy or xz or yz else (xx, yy, zz), _word)
-        if self.loads:
-            table["loads"] = True
-        return {**table, "joint": self.joint.as_table()}
 
 
 @dataclass(frozen=True)
@@ -163,7 +64,7 @@ class System:
 
     def __post_init__(self) -> None:
         check_identifier(self.name, "system name")
-        _set(self, bodies=tuple(self.bodies), gravity=numbers(self.gravity, (3,), "gravity"))
+        validation.store(self, bodies=tuple(self.bodies), gravity=numbers(self.gravity, (3,), "gravity"))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
         if not self.freedoms:
@@ -296,25 +197,8 @@ class System:
                 return Parameter(value.name, values[value.name])
             return value
 
-        bodies = []
-        for body in self.bodies:
-            old = body.joint
-            joint = replace(
-                old,
-                position=map_numbers(old.position, change),
-                orientation=map_numbers(old.orientation, change),
-                locked=map_numbers(old.locked, change),
-            )
-            bodies.append(
-                replace(
-                    body,
-                    mass=change(body.mass),
-                    inertia=map_numbers(body.inertia, change),
-                    mass_center=map_numbers(body.mass_center, change),
-                    joint=joint,
-                )
-            )
-        return replace(self, bodies=tuple(bodies), gravity=map_numbers(self.gravity, change))
+        bodies = tuple(body.changed(change) for body in self.bodies)
+        return replace(self, bodies=bodies, gravity=map_numbers(self.gravity, change))
 
     def values(self) -> arrays.SystemArrays:
         """Every number of the model as NumPy arrays, parameters at their defaults."""
@@ -334,7 +218,7 @@ class System:
 
     def as_table(self) -> dict[str, Any]:
         """The model in the words of a model file: what `save` writes."""
-        table: dict[str, Any] = {"name": self.name, "gravity": map_numbers(self.gravity, _word)}
+        table: dict[str, Any] = {"name": self.name, "gravity": map_numbers(self.gravity, word)}
         if self.parameters:
             table["parameters"] = {parameter.name: parameter.value for parameter in self.parameters}
         # In a file, "ground" always means the ground; a body of this name is called by its number.
@@ -352,14 +236,3 @@ class System:
         if file.suffix.lower() != ".toml":
             raise WriteError(f"{file}: a model file ends in .toml.")
         write_whole(file, toml_text(self.as_table()))
-
-
-def _word(value: Number) -> float | str:
-    """A number in a model file: itself, or its parameter's name."""
-    return value.name if isinstance(value, Parameter) else value
-
-
-def _set(instance: object, **values: Any) -> None:
-    """Store checked values in a frozen dataclass while it is being made."""
-    for name, value in values.items():
-        object.__setattr__(instance, name, value)

@@ -163,3 +163,9 @@ def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int) -> N
                 f"parameter name {parameter.name!r} already names a coordinate, speed or load of body "
                 f"{match[1]}. Choose another name."
             )
+
+
+def store(instance: object, **values: Any) -> None:
+    """Put checked values into a frozen dataclass while it is being made."""
+    for name, value in values.items():
+        object.__setattr__(instance, name, value)

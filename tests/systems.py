@@ -8,12 +8,16 @@ otherwise.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import fields, replace
 
 import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from kanegen.system import FREEDOMS, System
+from kanegen.arrays import SystemArrays
+from kanegen.body import FREEDOMS
+from kanegen.check.states import States, random_states
+from kanegen.system import System
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -118,18 +122,8 @@ def eight_body(seed: int = 8, *, loads: bool = True) -> System:
         name="eight_body",
     )
     arrays = system.values()
-    positions = arrays.joint_position
-    positions[0] = 0.0
-    return System.from_arrays(
-        connection=arrays.connection,
-        mass=arrays.mass,
-        inertia=arrays.inertia,
-        mass_center=arrays.mass_center,
-        joint_position=positions,
-        gravity=arrays.gravity,
-        loads=arrays.loads,
-        name=system.name,
-    )
+    arrays.joint_position[0] = 0.0
+    return replace(from_values(arrays), name=system.name)
 
 
 def chain(bodies: int, free: Iterable[str] = ("theta3",), seed: int = 1, *, loads: bool = False) -> System:
@@ -141,6 +135,32 @@ def chain(bodies: int, free: Iterable[str] = ("theta3",), seed: int = 1, *, load
         free=flags(bodies, free),
         loads=loads,
         name="chain",
+    )
+
+
+def random_state(system: System, seed: int = 0) -> States:
+    """One random state; its arrays have no batch axis."""
+    batch = random_states(system, 1, seed)
+    force = None if batch.force is None else batch.force[0]
+    torque = None if batch.torque is None else batch.torque[0]
+    return States(batch.x[0], batch.y[0], force, torque)
+
+
+def from_values(arrays: SystemArrays) -> System:
+    """The system that has these numbers."""
+    return System.from_arrays(**{field.name: getattr(arrays, field.name) for field in fields(arrays)})
+
+
+def rescaled(arrays: SystemArrays, mass: float, length: float, time: float) -> SystemArrays:
+    """The same system in units that are smaller by these factors."""
+    return replace(
+        arrays,
+        mass=arrays.mass * mass,
+        inertia=arrays.inertia * (mass * length**2),
+        mass_center=arrays.mass_center * length,
+        joint_position=arrays.joint_position * length,
+        locked=arrays.locked * [1, 1, 1, length, length, length],
+        gravity=arrays.gravity * (length / time**2),
     )
 
 

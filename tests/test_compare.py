@@ -89,11 +89,7 @@ def test_magnitudes_scale_like_what_they_measure(system: kg.System) -> None:
     arrays, states = system.values(), random_states(system, 2)
     mass, length, time = 2.0**30, 2.0**-9, 2.0**11
     units = np.where([freedom.is_angle for freedom in system.freedoms], 1.0, length)
-    scaled = kg.System.from_arrays(
-        arrays.connection, arrays.mass * mass, arrays.inertia * (mass * length**2),
-        arrays.mass_center * length, arrays.joint_position * length, arrays.joint_orientation, arrays.free,
-        arrays.locked * [1, 1, 1, length, length, length], arrays.gravity * (length / time**2),
-    ).values()  # fmt: skip
+    scaled = systems.rescaled(arrays, mass, length, time)
     lever = length / units
     sizes = []
     for model, x, y in ((arrays, states.x, states.y), (scaled, states.x * units, states.y * (units / time))):

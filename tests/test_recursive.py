@@ -7,12 +7,12 @@ import pytest
 import sympy
 
 import kanegen as kg
+from kanegen.body import FREEDOMS
 from kanegen.check import reference
 from kanegen.compiler import compile_module
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Program
 from kanegen.symbolic.symbols import coordinate, force, parameter, speed, torque
-from kanegen.system import FREEDOMS
 from tests import systems
 
 OUTPUTS = ("mass_matrix", "forcing")

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 import kanegen as kg
 from kanegen.check import reference
 from kanegen.check.kinematics import BodyKinematics, kinematics
-from kanegen.check.states import States, random_states
-from kanegen.errors import ArrayError
+from kanegen.check.states import States
 from tests import systems
 
 Numbers = NDArray[Any]
@@ -22,14 +21,6 @@ STEP = 1e-200
 """Of complex-step derivatives, whose error is rounding only."""
 
 EXAMPLES = settings(max_examples=40, deadline=None, derandomize=True)
-
-
-def state_of(system: kg.System, seed: int = 0) -> States:
-    """One random state; rows of its arrays have lost the batch axis."""
-    batch = random_states(system, 1, seed)
-    force = None if batch.force is None else batch.force[0]
-    torque = None if batch.torque is None else batch.torque[0]
-    return States(batch.x[0], batch.y[0], force, torque)
 
 
 def rate(function: Any, *pairs: tuple[Numbers, Numbers]) -> Numbers:
@@ -97,7 +88,7 @@ def test_free_body_follows_newton_and_euler() -> None:
     system = systems.random_system(
         np.random.default_rng(5), 1, free=hinges(list(kg.system.FREEDOMS), 1), loads=True, locked=False
     )
-    state, arrays = state_of(system), system.values()
+    state, arrays = systems.random_state(system), system.values()
     assert state.force is not None and state.torque is not None
     ydot = accelerations(system, state)
     now = body(system, state.x, state.y)
@@ -135,7 +126,7 @@ def test_top_in_steady_precession(tilt: float) -> None:
 @EXAMPLES
 @given(systems.systems(max_bodies=6))
 def test_dotted_matrices_are_time_derivatives(system: kg.System) -> None:
-    state = state_of(system)
+    state = systems.random_state(system)
     x, y = state.x, state.y
     for number, now in enumerate(kinematics(system.values(), x, y), start=1):
         for name in ("rate_matrix", "omega_y", "origin_y", "center_y"):
@@ -156,7 +147,7 @@ def test_dotted_matrices_are_time_derivatives(system: kg.System) -> None:
 @EXAMPLES
 @given(systems.systems())
 def test_mass_matrix_is_symmetric_and_positive_definite(system: kg.System) -> None:
-    a = reference.mass_matrix(system, state_of(system).x)
+    a = reference.mass_matrix(system, systems.random_state(system).x)
     scale = np.sqrt(np.diag(a))
     scaled = a / np.outer(scale, scale)
     np.testing.assert_allclose(scaled, scaled.T, atol=1e-14)
@@ -166,7 +157,7 @@ def test_mass_matrix_is_symmetric_and_positive_definite(system: kg.System) -> No
 @EXAMPLES
 @given(systems.systems())
 def test_energy_changes_by_the_power_of_the_loads(system: kg.System) -> None:
-    state, arrays = state_of(system), system.values()
+    state, arrays = systems.random_state(system), system.values()
     x, y = state.x, state.y
 
     def potential(x: Numbers) -> Numbers:
@@ -197,7 +188,7 @@ def test_a_floating_tree_keeps_its_momentum(system: kg.System) -> None:
         arrays.mass, arrays.inertia, arrays.mass_center, arrays.joint_position, arrays.joint_orientation,
         free, np.where(free, 0.0, arrays.locked), gravity=(0, 0, 0),
     )  # fmt: skip
-    state, numbers = state_of(floating), floating.values()
+    state, numbers = systems.random_state(floating), floating.values()
 
     def momentum(x: Numbers, y: Numbers) -> Numbers:
         linear, angular = np.zeros(3, complex), np.zeros(3, complex)
@@ -212,109 +203,3 @@ def test_a_floating_tree_keeps_its_momentum(system: kg.System) -> None:
     transport = rate(momentum, (x, y), (y, still))
     push = rate(momentum, (x, still), (y, accelerations(floating, state)))
     np.testing.assert_allclose(transport + push, np.zeros(6), atol=1e-10 * np.abs(transport).max())
-
-
-# Units and freedoms
-
-
-@EXAMPLES
-@given(systems.systems(max_bodies=5))
-def test_powers_of_two_in_mass_length_and_time_change_no_bit(system: kg.System) -> None:
-    mass, length, time = 2.0**40, 2.0**-23, 2.0**17
-    arrays, state = system.values(), state_of(system)
-    force_unit = mass * length / time**2
-    units = np.where([freedom.is_angle for freedom in system.freedoms], 1.0, length)
-    scaled = kg.System.from_arrays(
-        arrays.connection, arrays.mass * mass, arrays.inertia * (mass * length**2),
-        arrays.mass_center * length, arrays.joint_position * length, arrays.joint_orientation, arrays.free,
-        arrays.locked * [1, 1, 1, length, length, length], arrays.gravity * (length / time**2), arrays.loads,
-    )  # fmt: skip
-    loads = [
-        None if load is None else load * unit
-        for load, unit in [(state.force, force_unit), (state.torque, force_unit * length)]
-    ]
-    x, y = state.x * units, state.y * (units / time)
-    lever = length / units  # from unit of force to unit of f, and of A per mass
-    a = reference.mass_matrix(system, state.x)
-    np.testing.assert_array_equal(reference.mass_matrix(scaled, x), a * np.outer(lever, lever) * mass)
-    f = reference.forcing(system, state.x, state.y, state.force, state.torque)
-    np.testing.assert_array_equal(reference.forcing(scaled, x, y, *loads), f * lever * force_unit)
-
-
-def test_locking_drops_rows_and_columns() -> None:
-    rng = np.random.default_rng(11)
-    full = systems.eight_body()
-    arrays, state = full.values(), state_of(full)
-    free = systems.random_free(rng, 8)
-    angles, translations = np.split(state.x, 2)
-    values = np.hstack([angles.reshape(8, 3), translations.reshape(8, 3)])
-    part = kg.System.from_arrays(
-        arrays.connection, arrays.mass, arrays.inertia, arrays.mass_center, arrays.joint_position,
-        free=free, locked=np.where(free, 0.0, values), loads=True,
-    )  # fmt: skip
-    kept = np.concatenate([free[:, :3].ravel(), free[:, 3:].ravel()])
-    x, y = state.x[kept], state.y[kept]
-    a = reference.mass_matrix(full, state.x)[np.ix_(kept, kept)]
-    np.testing.assert_allclose(reference.mass_matrix(part, x), a, atol=1e-14 * np.abs(a).max())
-    f = reference.forcing(full, state.x, np.where(kept, state.y, 0.0), state.force, state.torque)[kept]
-    np.testing.assert_allclose(
-        reference.forcing(part, x, y, state.force, state.torque), f, atol=1e-14 * np.abs(f).max()
-    )
-
-
-def test_a_batch_equals_its_states() -> None:
-    system = systems.random_system(np.random.default_rng(2), 4, loads=True)
-    batch = random_states(system, 3)
-    assert batch.force is not None and batch.torque is not None
-    a = reference.mass_matrix(system, batch.x)
-    f = reference.forcing(system, batch.x, batch.y, batch.force, batch.torque)
-    same = reference.forcing(system, batch.x, batch.y, batch.force[0], batch.torque)
-    for b in range(3):
-        np.testing.assert_allclose(a[b], reference.mass_matrix(system, batch.x[b]), rtol=1e-14, atol=1e-14)
-        one = reference.forcing(system, batch.x[b], batch.y[b], batch.force[b], batch.torque[b])
-        np.testing.assert_allclose(f[b], one, rtol=1e-13, atol=1e-13)
-    np.testing.assert_array_equal(same[0], f[0])
-    assert not np.array_equal(same[1], f[1])
-
-
-def test_the_separate_terms_are_what_their_names_say() -> None:
-    system = systems.eight_body()
-    state = state_of(system)
-    terms = reference.forcing_terms(system, state.x, state.y, state.force, state.torque)
-    still = reference.forcing(system, state.x, 0 * state.y)
-    np.testing.assert_array_equal(terms.gravity, still)
-    loaded = reference.forcing(system, state.x, 0 * state.y, state.force, state.torque)
-    np.testing.assert_allclose(terms.loads, loaded - still, atol=1e-13 * np.abs(still).max())
-    fast = reference.forcing_terms(system, state.x, 2 * state.y)
-    for name in ("acceleration", "transport", "angular", "gyroscopic"):
-        np.testing.assert_array_equal(getattr(fast, name), 4 * getattr(terms, name))
-        assert np.abs(getattr(terms, name)).max() > 0.1
-
-
-def test_a_slightly_skewed_joint_orientation_counts_as_a_rotation() -> None:
-    """Else the mass of a body would depend on the frame in which it is pushed."""
-    skewed = systems.random_rotation(np.random.default_rng(1)) + 1e-13
-    system = kg.System.from_arrays(
-        [0], [1.5], [np.eye(3)], [[0, 0, 0]], [[0, 0, 0]], [skewed], systems.flags(1, ["s1", "s2", "s3"])
-    )
-    np.testing.assert_allclose(reference.mass_matrix(system, np.zeros(3)), 1.5 * np.eye(3), atol=4e-15)
-
-
-# Bad input
-
-
-def test_wrong_shapes_are_refused() -> None:
-    system = systems.chain(2, loads=True)
-    good = np.zeros(2)
-    with pytest.raises(ArrayError, match=r"x has shape \(3,\); expected \(2,\) or \(B, 2\)"):
-        reference.mass_matrix(system, np.zeros(3))
-    with pytest.raises(ArrayError, match=r"x has shape \(1, 1, 2\)"):
-        reference.mass_matrix(system, np.zeros((1, 1, 2)))
-    with pytest.raises(ArrayError, match=r"y has shape \(\)"):
-        reference.forcing(system, good, 1.0)
-    with pytest.raises(ArrayError, match=r"x has shape \(2,\) and y \(4, 2\); they must have the same"):
-        reference.forcing(system, good, np.zeros((4, 2)))
-    with pytest.raises(ArrayError, match=r"force has shape \(3,\); expected \(2, 3\)\."):
-        reference.forcing(system, good, good, force=np.zeros(3))
-    with pytest.raises(ArrayError, match=r"torque has shape \(5, 2, 3\); expected \(2, 3\) or \(4, 2, 3\)"):
-        reference.forcing(system, np.zeros((4, 2)), np.zeros((4, 2)), torque=np.zeros((5, 2, 3)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,13 +11,12 @@ from hypothesis import given, settings
 from numpy.typing import NDArray
 
 import kanegen as kg
-from kanegen.arrays import SystemArrays
+from kanegen.body import FREEDOMS
 from kanegen.check import reference
 from kanegen.check.moving import inertia_axes
 from kanegen.check.regularity import require_regular
 from kanegen.check.states import random_states
 from kanegen.errors import SingularError
-from kanegen.system import FREEDOMS
 from tests import systems
 
 Floats = NDArray[np.float64]
@@ -36,10 +35,6 @@ def tree(
         connection, mass, inertia, **{**places, **more},
         free=np.vstack([systems.flags(1, names.split()) for names in free]),
     )  # fmt: skip
-
-
-def rebuilt(arrays: SystemArrays) -> kg.System:
-    return kg.System.from_arrays(**{field.name: getattr(arrays, field.name) for field in fields(arrays)})
 
 
 def rod(axis: Floats) -> Floats:
@@ -156,7 +151,7 @@ def test_the_verdict_is_that_of_the_mass_matrix(system: kg.System) -> None:
     arrays = system.values()
     keep = np.arange(len(arrays.mass)) % 2 == 0
     inertia = arrays.inertia * keep[:, None, None]
-    emptied = rebuilt(replace(arrays, mass=arrays.mass * keep, inertia=inertia))
+    emptied = systems.from_values(replace(arrays, mass=arrays.mass * keep, inertia=inertia))
     a = reference.mass_matrix(emptied, random_states(emptied, 5, seed=9).x)
     scale = np.sqrt(np.where(np.einsum("bii->bi", a) > 0, np.einsum("bii->bi", a), 1.0))
     smallest = np.linalg.eigvalsh(a / scale[:, :, None] / scale[:, None, :])[:, 0]
@@ -174,7 +169,7 @@ def test_the_verdict_is_that_of_the_mass_matrix(system: kg.System) -> None:
 def test_mass_ratios_pass(ratio: float, free: tuple[str, ...]) -> None:
     arrays, factor = systems.chain(4, free).values(), ratio ** np.arange(4)
     inertia = arrays.inertia * factor[:, None, None]
-    require_regular(rebuilt(replace(arrays, mass=arrays.mass * factor, inertia=inertia)))
+    require_regular(systems.from_values(replace(arrays, mass=arrays.mass * factor, inertia=inertia)))
 
 
 @pytest.mark.parametrize("sizes", [(1e3, 1.0, 1e-6), (1e-6, 1.0, 1e3), (1e9, 1e9, 1e9), (1e-9, 1e-9, 1e-9)])
@@ -189,7 +184,7 @@ def test_cranes_and_grippers_pass(sizes: tuple[float, ...], free: tuple[str, ...
         joint_position=arrays.joint_position * np.array([[1.0], [sizes[0]], [sizes[1]]]),
         locked=np.zeros((3, 6)),
     )
-    require_regular(rebuilt(system))
+    require_regular(systems.from_values(system))
 
 
 def test_small_and_thin_things_pass() -> None:

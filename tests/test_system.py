@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.system import FREEDOMS
+from kanegen.body import FREEDOMS
 
 HOSTILE = ('a; system("x")', "../../x", "a b", "größe", "1abc", "a\n", "a*/", "x" * 64)
 

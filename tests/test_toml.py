@@ -11,11 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kanegen.body import FREEDOMS, Body, Joint
 from kanegen.check import reference
 from kanegen.errors import KanegenWarning, WriteError
 from kanegen.numbers import Parameter
 from kanegen.readers import load
-from kanegen.system import FREEDOMS, Body, Joint, System
+from kanegen.system import System
 from tests.systems import random_inertia, random_rotation
 
 MODELS = sorted(Path(__file__).parents[1].joinpath("models").glob("*.toml"))

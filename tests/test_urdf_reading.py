@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kanegen.body import IDENTITY
 from kanegen.errors import KanegenWarning, ReadError
 from kanegen.readers import load
 from kanegen.rotations import apply, normalized, rotation_quaternion, rotation_rpy, rotation_to_axis
-from kanegen.system import IDENTITY, System
+from kanegen.system import System
 
 EVERY_JOINT = Path(__file__).parent / "data" / "every_joint.urdf"
 RIGHT = repr(math.pi / 2)

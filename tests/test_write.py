@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.handmade import source
 
 from kanegen.c.stamp import is_unchanged, stamped
 from kanegen.errors import WriteError
+from tests.handmade import source
 
 NAMES = ["handmade.h", "handmade.c", "main.c", "CMakeLists.txt", "handmade.pc.in", "README.md"]
 

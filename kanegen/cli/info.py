@@ -14,10 +14,11 @@ from rich.table import Table
 from rich.tree import Tree
 
 from kanegen import compiler
+from kanegen.body import FREEDOMS, Body
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.program.passes import Stage
 from kanegen.signature import OUTPUTS
-from kanegen.system import FREEDOMS, Body, System
+from kanegen.system import System
 
 
 @dataclass(frozen=True)

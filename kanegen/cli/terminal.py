@@ -6,7 +6,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 from rich.console import Console
 from rich.markup import escape
@@ -33,8 +33,15 @@ def progress() -> Iterator[Callable[[str], None]]:
         yield lambda stage: status.update(escape(stage))
 
 
-def show_warning(message: Warning | str, category: type[Warning], *details: object) -> None:
-    """Print a warning as one line; stands in for `warnings.showwarning`."""
+def show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Print a warning as one line; stands in for `warnings.showwarning`, whose signature this is."""
     errors.print(f"[yellow]warning:[/] {escape(str(message))}")
 
 

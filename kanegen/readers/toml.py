@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from kanegen import validation
+from kanegen.body import FREEDOMS, IDENTITY, Body, Joint
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.numbers import numbers
 from kanegen.readers.parameters import Parameters
 from kanegen.readers.suggest import did_you_mean
 from kanegen.readers.text import read_text
-from kanegen.system import FREEDOMS, GRAVITY, IDENTITY, Body, Joint, System
+from kanegen.system import GRAVITY, System
 
 MODEL_KEYS = ("name", "gravity", "parameters", "body")
 BODY_KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "joint")

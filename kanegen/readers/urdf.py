@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from kanegen.body import Body, Joint
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.readers.labels import identifier, label
 from kanegen.readers.rigid import Frame, lump
@@ -20,7 +21,7 @@ from kanegen.readers.text import read_text
 from kanegen.readers.tree import GROUND, MovingLink, moving_links
 from kanegen.readers.xml import parse
 from kanegen.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
-from kanegen.system import Body, Joint, System
+from kanegen.system import System
 
 
 def read_urdf(path: Path, floating_base: bool = False) -> System:

@@ -8,12 +8,13 @@ import sympy
 from sympy import Expr, S
 
 from kanegen.angles import sine_cosine
+from kanegen.body import Body
 from kanegen.numbers import Number, Parameter
 from kanegen.recursion.turns import Turn, constant_turns, planar
 from kanegen.recursion.vectors import add, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import coordinate, speed
-from kanegen.system import Body, Freedom, System
+from kanegen.system import Freedom, System
 
 NO_FREEDOM = -1
 

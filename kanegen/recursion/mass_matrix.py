@@ -16,7 +16,7 @@ from kanegen.recursion.bodies import Inertia, body_inertia
 from kanegen.recursion.columns import Column, Push, Wrench
 from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Step
 from kanegen.recursion.vectors import add, column, cross, dot, scale, unit
-from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
+from kanegen.symbolic.definitions import AXES, Definitions, Symmetric
 from kanegen.system import System
 
 

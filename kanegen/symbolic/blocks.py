@@ -12,8 +12,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from kanegen.body import IDENTITY
 from kanegen.symbolic.block_terms import Factor, Kind, Product, Row, Sum, Term, product, times, total
-from kanegen.system import IDENTITY, System
+from kanegen.system import System
 
 GROUND = 0
 FIRST_TRANSLATION = 3

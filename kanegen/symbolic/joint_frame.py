@@ -13,10 +13,11 @@ from typing import Self
 import sympy
 from sympy import Expr, ImmutableMatrix, S
 
+from kanegen.body import Body
 from kanegen.symbolic import orientation
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.symbols import acceleration, column, coordinate, expression, matrix, speed
-from kanegen.system import Body, Freedom, System
+from kanegen.system import Freedom, System
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,0 +1,134 @@
+"""A rigid body and the joint by which it hangs on its lower body J.
+
+Seen from J, the point Q_K stands at `position`; there the joint frame has the constant orientation [C_K]; in it
+the origin O_K is displaced by s'_K; and body K is turned by the 1-2-3 body-fixed angles, so that
+[^J R_K] = [R_123] [C_K]. Any of the six freedoms can be locked at a value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from kanegen import validation
+from kanegen.errors import ModelError
+from kanegen.names import check_label
+from kanegen.numbers import Matrix, Number, Vector, map_numbers, number, numbers, word
+
+FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
+"""The six relative freedoms of a body, in the order of `Joint.free`: angles in rad, translations in m."""
+
+IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Joint:
+    """How a body is attached to its lower body J.
+
+    Attributes:
+        position: `q'_K`, from O_J to Q_K, in J (m).
+        orientation: `[C_K]`, from J components to joint-frame components: a (3, 3) rotation, or three
+            constant 1-2-3 angles (rad) where an angle is to stay a parameter. Angles that are all plain
+            numbers become the matrix, with exact zeros and ones at right angles.
+        free: Which of `FREEDOMS` are free.
+        locked: Values of those that are not (rad, m); 0 at the free ones.
+        name: Name of the joint in a robot file; names the freedom where there is only one.
+    """
+
+    position: Vector = (0.0, 0.0, 0.0)
+    orientation: Matrix | Vector = IDENTITY
+    free: tuple[bool, ...] = (True,) * 6
+    locked: tuple[Number, ...] = (0.0,) * 6
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.name != "":
+            check_label(self.name, "joint name")
+        position = numbers(self.position, (3,), "joint position")
+        free = validation.flags(self.free, 6, "free")
+        locked = numbers(self.locked, (6,), "locked")
+        orientation = validation.orientation(self.orientation)
+        locked = tuple(0.0 if is_free else value for is_free, value in zip(free, locked, strict=True))
+        validation.store(self, position=position, orientation=orientation, free=free, locked=locked)
+
+    def changed(self, change: Callable[[Number], Number]) -> Joint:
+        """The same joint with `change` applied to every number."""
+        return replace(
+            self,
+            position=map_numbers(self.position, change),
+            orientation=map_numbers(self.orientation, change),
+            locked=map_numbers(self.locked, change),
+        )
+
+    def as_table(self) -> dict[str, Any]:
+        """The joint in the words of a model file, defaults left out."""
+        table: dict[str, Any] = {"name": self.name} if self.name else {}
+        if any(self.position):
+            table["position"] = map_numbers(self.position, word)
+        if self.orientation != IDENTITY:
+            key = "orientation" if isinstance(self.orientation[0], tuple) else "orientation_angles"
+            table[key] = map_numbers(self.orientation, word)
+        free = tuple(name for name, is_free in zip(FREEDOMS, self.free, strict=True) if is_free)
+        table["free"] = "all" if all(self.free) else free or "none"
+        locked = zip(FREEDOMS, self.locked, strict=True)
+        table["locked"] = {name: word(value) for name, value in locked if value}
+        return table
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body and the joint below it.
+
+    Attributes:
+        name: Label, unique in the system.
+        lower: Number of the lower body, 0 for the ground.
+        mass: kg.
+        inertia: `[I'_{G_K}]`, about the mass centre, in body components (kg m^2).
+        mass_center: `r'_K`, from O_K to G_K, in body components (m).
+        joint: How it hangs on its lower body.
+        loads: Whether it takes a force and a torque as inputs.
+    """
+
+    name: str
+    lower: int
+    mass: Number
+    inertia: Matrix
+    mass_center: Vector = (0.0, 0.0, 0.0)
+    joint: Joint = field(default_factory=Joint)
+    loads: bool = False
+
+    def __post_init__(self) -> None:
+        check_label(self.name, "body name")
+        try:
+            validation.store(
+                self,
+                lower=validation.integer(self.lower, "connection"),
+                mass=validation.mass(number(self.mass, "mass")),
+                inertia=validation.inertia(numbers(self.inertia, (3, 3), "inertia"), self.name),
+                mass_center=numbers(self.mass_center, (3,), "mass centre"),
+                loads=validation.flags((self.loads,), 1, "loads")[0],
+            )
+        except ModelError as error:
+            raise ModelError(f"body {self.name!r}: {error}") from None
+
+    def changed(self, change: Callable[[Number], Number]) -> Body:
+        """The same body with `change` applied to every number of it and its joint."""
+        return replace(
+            self,
+            mass=change(self.mass),
+            inertia=map_numbers(self.inertia, change),
+            mass_center=map_numbers(self.mass_center, change),
+            joint=self.joint.changed(change),
+        )
+
+    def as_table(self, lower: int | str) -> dict[str, Any]:
+        """The body in the words of a model file, `lower` being its connection there; defaults left out."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia
+        table: dict[str, Any] = {"name": self.name, "connection": lower, "mass": word(self.mass)}
+        if any(self.mass_center):
+            table["mass_center"] = map_numbers(self.mass_center, word)
+        table["inertia"] = map_numbers(self.inertia if xy or xz or yz else (xx, yy, zz), word)
+        if self.loads:
+            table["loads"] = True
+        return {**table, "joint": self.joint.as_table()}
