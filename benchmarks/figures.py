@@ -2,8 +2,8 @@
 
     python benchmarks/figures.py
 
-Needs the extras `test` (Pinocchio and its robots). Times are one run each on whatever machine this is; errors and
-counts are reproducible.
+Needs the extra `test` (Pinocchio and its robots). Times are one run each on whatever machine this is; errors
+and counts are reproducible.
 """
 
 from __future__ import annotations
@@ -40,18 +40,19 @@ def main() -> None:
     print(f"  eight_body: {errors(kg.compare(kg.load(EIGHT_BODY), states=STATES))}")
     print(f"  {TREES} random trees, N 1-12, worst: {random_trees():.1e}")
     print("C against Pinocchio crba and nonLinearEffects, 1000 random states, relative to the largest entry")
-    for name in FIXED:
-        print(f"  {name}: A {robot(name, False)[0]:.1e}, f {robot(name, False)[1]:.1e}")
-    for name in FLOATING:
-        print(f"  {name}, floating base: A {robot(name, True)[0]:.1e}, f {robot(name, True)[1]:.1e}")
+    for name, floating in [(name, False) for name in FIXED] + [(name, True) for name in FLOATING]:
+        matrix, vector = robot(name, floating)
+        print(f"  {name}{', floating base' * floating}: A {matrix:.1e}, f {vector:.1e}")
     print("whole processes")
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "kanegen", "generate", str(EIGHT_BODY), "-o", folder]
-        print(f"  kanegen generate models/eight_body.toml: {seconds(lambda: subprocess.run(command, check=True)):.2f} s")
+        elapsed = seconds(lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL))
+        print(f"  kanegen generate models/eight_body.toml: {elapsed:.2f} s")
     print("operations of A and f, additions + multiplications")
     print(f"  eight_body: {flops(kg.load(EIGHT_BODY))}")
     chain = bushes(10)
-    print(f"  chain of ten six-freedom bodies: {flops(chain)}, generated in {seconds(lambda: kg.generate(chain)):.2f} s")
+    elapsed = seconds(lambda: kg.generate(chain))
+    print(f"  chain of ten six-freedom bodies: {flops(chain)}, generated in {elapsed:.2f} s")
 
 
 def errors(report: kg.Report) -> str:
@@ -86,7 +87,9 @@ def robot(name: str, floating: bool) -> tuple[float, float]:
 def bushes(bodies: int) -> kg.System:
     free = systems.flags(bodies, FREEDOMS)
     rng = np.random.default_rng(1)
-    return systems.random_system(rng, bodies, connection=range(bodies), free=free, loads=False, orientations=False)
+    return systems.random_system(
+        rng, bodies, connection=range(bodies), free=free, loads=False, orientations=False
+    )
 
 
 def flops(system: kg.System) -> int:

@@ -1,5 +1,6 @@
 """kanegen: Kane's equations of motion for a tree of rigid bodies, as C specialised to that tree.
 
+Example:
     import kanegen as kg
 
     system = kg.load("models/eight_body.toml")

@@ -1,7 +1,7 @@
 """A rigid body and the joint by which it hangs on its lower body J.
 
-Seen from J, the point Q_K stands at `position`; there the joint frame has the constant orientation [C_K]; in it
-the origin O_K is displaced by s'_K; and body K is turned by the 1-2-3 body-fixed angles, so that
+Seen from J, the point Q_K stands at `position`; there the joint frame has the constant orientation [C_K]; in
+it the origin O_K is displaced by s'_K; and body K is turned by the 1-2-3 body-fixed angles, so that
 [^J R_K] = [R_123] [C_K]. Any of the six freedoms can be locked at a value.
 """
 

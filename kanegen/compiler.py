@@ -35,6 +35,7 @@ from kanegen.program.count import operations
 from kanegen.program.ir import Module
 from kanegen.program.split import split
 from kanegen.recursion import recursive_form
+from kanegen.recursion.legend import LEGEND
 from kanegen.signature import OUTPUTS, PARAMETERS, chosen, functions, input_arrays
 from kanegen.system import System
 
@@ -156,4 +157,5 @@ def facts(system: System) -> ModelFacts:
         body_names=tuple(body.name for body in system.bodies),
         loaded=tuple(body.loads for body in system.bodies),
         parameters=tuple((parameter.name, parameter.value) for parameter in system.parameters),
+        legend=LEGEND,
     )

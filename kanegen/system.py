@@ -1,7 +1,7 @@
 """A tree of rigid bodies: the source language of kanegen.
 
-Body K (numbered from 1) hangs on its lower body J = L(K) < K, 0 being the ground. Its free coordinates make up
-{x}; the locked ones leave {x}, {y}, [A] and {f}.
+Body K (numbered from 1) hangs on its lower body J = L(K) < K, 0 being the ground. Its free coordinates make
+up {x}; the locked ones leave {x}, {y}, [A] and {f}.
 """
 
 from __future__ import annotations

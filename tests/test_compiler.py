@@ -63,7 +63,9 @@ def test_constants_out_of_range_are_an_error() -> None:
         kg.generate(kg.System("heavy", (heavy,)))
 
 
-@pytest.mark.parametrize("error", [kg.ModelError, kg.OptionError, kg.ArrayError, kg.WriteError, kg.BuildError])
+@pytest.mark.parametrize(
+    "error", [kg.ModelError, kg.OptionError, kg.ArrayError, kg.WriteError, kg.BuildError]
+)
 def test_every_error_is_a_value_error(error: type[Exception]) -> None:
     assert issubclass(error, kg.KanegenError)
     assert issubclass(error, ValueError)

@@ -24,6 +24,7 @@ class ModelFacts:
         body_names: N names.
         loaded: For each body whether it takes a force and a torque.
         parameters: Name and default of each run-time parameter, in the order of the C array.
+        legend: Names in the code and what they mean.
     """
 
     name: str
@@ -32,6 +33,7 @@ class ModelFacts:
     body_names: tuple[str, ...]
     loaded: tuple[bool, ...]
     parameters: tuple[tuple[str, float], ...] = ()
+    legend: tuple[tuple[str, str], ...] = ()
 
     @property
     def takes_loads(self) -> bool:

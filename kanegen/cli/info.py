@@ -120,7 +120,8 @@ def _costs(facts: Facts) -> Table:
     for name, counts in facts.operations.items():
         table.add_row(name, *(str(counts[kind]) for kind in kinds))
     for stage in facts.stages:
-        table.add_row(f"[dim]all, after {stage.name}[/]", *(str(stage.operations.get(kind, "")) for kind in kinds))
+        counts = (str(stage.operations.get(kind, "")) for kind in kinds)
+        table.add_row(f"[dim]all, after {stage.name}[/]", *counts)
     return table
 
 

@@ -1,8 +1,8 @@
 """Columns of [A] on their way inward: the force and moment that unit speed of one freedom needs.
 
-Both kinds know their moment about a basis vector, can be seen from below a turn, and can be taken about another
-origin. An angle needs a force and a moment. A translation needs a mere force through the mass centre of the
-composite body, so that its moment never has to be carried: three columns share one point.
+Both kinds know their moment about a basis vector, can be seen from below a turn, and can be taken about
+another origin. An angle needs a force and a moment. A translation needs a mere force through the mass centre
+of the composite body, so that its moment never has to be carried: three columns share one point.
 """
 
 from __future__ import annotations

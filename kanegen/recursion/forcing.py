@@ -51,8 +51,8 @@ def forcing(system: System, motions: tuple[JointMotion, ...], definitions: Defin
     result: dict[int, Expr] = {}
     for motion in reversed(motions):
         k, j = motion.body, motion.lower
-        definitions.about(f"Body {k} ({system.bodies[k - 1].name}): force and moment about O_{k}, Eq. (44)")
         inertia = body_inertia(system, k, definitions)
+        definitions.about(f"Body {k} ({system.bodies[k - 1].name}): force and moment about O_{k}, Eq. (44)")
         own_force, own_moment = _required(system, inertia, moved[k], k, definitions)
         force = definitions.vector(f"F_{k}", add(own_force, forces[k - 1]))
         moment = definitions.vector(f"M_{k}", add(own_moment, moments[k - 1]))

@@ -86,7 +86,7 @@ def joint_motion(system: System, k: int, definitions: Definitions) -> JointMotio
         offset = add(offset, Vector(*(s * component for component in directions[axis])))
         if free:
             slides.append(Slide(number[Freedom(k, 3 + axis)], directions[axis], speed(k, 3 + axis)))
-    steps = [Step(turn, f"{k}c{i}") for i, turn in enumerate(constant)]
+    steps = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
     steps += [_angle_step(body, k, axis, number, definitions) for axis in range(3)]
     moving = tuple(step for step in steps if step.freedom != NO_FREEDOM or not _is_identity(step.turn))
     named = definitions.vector(f"d_{k}", offset)
@@ -103,7 +103,7 @@ def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ..
 
 
 def _angle_step(body: Body, k: int, axis: int, number: dict[Freedom, int], definitions: Definitions) -> Step:
-    frame = f"{k}a{axis}"
+    frame = f"{k}a{axis + 1}"
     if not body.joint.free[axis]:
         locked = body.joint.locked[axis]
         return Step(_locked_turn(f"{k}_{axis + 1}", axis, locked, definitions), frame)

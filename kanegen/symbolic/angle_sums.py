@@ -69,54 +69,56 @@ def _forms(polynomial: Polynomial) -> Iterator[Polynomial]:
 
 def contract(polynomial: Polynomial) -> Polynomial:
     """Pairs of terms joined by the addition theorems, until there are none."""
-    current = polynomial
-    while True:
-        shorter = _contract_once(current)
-        if shorter is None:
-            return current
-        current = shorter
+    current, shorter = polynomial, _contract_once(polynomial)
+    while len(shorter) < len(current):
+        current, shorter = shorter, _contract_once(shorter)
+    return current
 
 
-def _contract_once(polynomial: Polynomial) -> Polynomial | None:
+def _contract_once(polynomial: Polynomial) -> Polynomial:
+    """Every pair that is there now, joined; the new angles may make new pairs."""
     angles = sorted({f.args[0] for term in polynomial for f, _ in term}, key=str)
-    terms = sorted(polynomial, key=_term_key)
-    for term in terms:
+    result = dict(polynomial)
+    for term in sorted(polynomial, key=_term_key):
         for angle in angles:
-            shorter = _double_angle(polynomial, term, angle)
-            if shorter is not None:
-                return shorter
+            _replace(result, _double_angle(result, term, angle))
         for a, b in combinations(angles, 2):
-            shorter = _addition(polynomial, term, a, b)
-            if shorter is not None:
-                return shorter
-    return None
+            _replace(result, _addition(result, term, a, b))
+    return result
 
 
-def _addition(polynomial: Polynomial, term: Monomial, a: Expr, b: Expr) -> Polynomial | None:
-    """cos a cos b +- sin a sin b = cos(a -+ b); sin a cos b +- cos a sin b = sin(a +- b)."""
+def _replace(polynomial: dict[Monomial, Fraction], change: Polynomial) -> None:
+    for term, value in change.items():
+        total = polynomial.pop(term, Fraction(0)) + value
+        if total:
+            polynomial[term] = total
+
+
+def _addition(polynomial: Polynomial, term: Monomial, a: Expr, b: Expr) -> Polynomial:
+    """What to add: cos a cos b +- sin a sin b = cos(a -+ b), sin a cos b +- cos a sin b = sin(a +- b)."""
     for function, other in ((cos, sin), (sin, cos)):
         rest = _without(term, (function(a), 1), (cos(b), 1))
-        if rest is None:
+        if rest is None or term not in polynomial:
             continue
         partner = monomial([*rest, (other(a), 1), (sin(b), 1)])
         value, second = polynomial[term], polynomial.get(partner, Fraction(0))
         if abs(second) == abs(value):
             is_sum = (second == value) == (function is sin)
             joined = _times(function(a + b if is_sum else a - b), rest, value)
-            return add([polynomial, {term: -value, partner: -second}, joined])
-    return None
+            return {term: -value, partner: -second} | joined
+    return {}
 
 
-def _double_angle(polynomial: Polynomial, term: Monomial, a: Expr) -> Polynomial | None:
-    """2 cos^2 a - 1 = cos 2a."""
+def _double_angle(polynomial: Polynomial, term: Monomial, a: Expr) -> Polynomial:
+    """What to add: 2 cos^2 a - 1 = cos 2a."""
     rest = _without(term, (cos(a), 2))
-    if rest is None or polynomial.get(rest) != -polynomial[term] / 2:
-        return None
-    half = polynomial[term] / 2
-    return add([polynomial, {term: -2 * half, rest: half}, {monomial([*rest, (cos(2 * a), 1)]): half}])
+    value = polynomial.get(term)
+    if rest is None or value is None or polynomial.get(rest) != -value / 2:
+        return {}
+    return {term: -value, rest: value / 2, monomial([*rest, (cos(2 * a), 1)]): value / 2}
 
 
-def _times(factor: Expr, rest: Monomial, coefficient: Fraction) -> Polynomial:
+def _times(factor: Expr, rest: Monomial, coefficient: Fraction) -> dict[Monomial, Fraction]:
     if factor.is_Mul:  # SymPy writes sin(a - b) as -sin(b - a) where it likes that better
         return {monomial([*rest, (-factor, 1)]): -coefficient}
     return {monomial([*rest, (factor, 1)]): coefficient}

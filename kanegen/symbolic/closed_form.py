@@ -47,6 +47,8 @@ def close(
         OptionError: If an entry grows too long to be read.
     """
     simplifier = Simplifier(sums, motion)
+    for entry in (*f, *A):  # too long a one is found before any time is spent on the others
+        simplifier.expand(entry)
     n = A.shape[0]
     upper = {(i, j): simplifier.simplify(A[i, j]) for i in range(n) for j in range(i, n)}
     entries = [upper[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
@@ -63,6 +65,14 @@ class Simplifier:
         self._motion = frozenset(motion)
         self._shortest: dict[tuple[tuple[Monomial, Fraction], ...], Polynomial] = {}
 
+    def expand(self, expr: Expr) -> Polynomial:
+        """`expr` as a polynomial.
+
+        Raises:
+            OptionError: If it has too many terms.
+        """
+        return self._expander.polynomial(expr)
+
     def simplify(self, expr: Expr) -> Expr:
         """An equal expression, short enough to read.
 
@@ -70,7 +80,7 @@ class Simplifier:
             OptionError: If it grows too long.
         """
         groups: dict[Monomial, dict[Monomial, Fraction]] = {}
-        for term, coefficient in self._expander.polynomial(expr).items():
+        for term, coefficient in self.expand(expr).items():
             part = tuple((factor, power) for factor, power in term if not factor.is_Symbol)
             symbols = tuple((factor, power) for factor, power in term if factor.is_Symbol)
             groups.setdefault(symbols, {})[part] = readable(coefficient)

@@ -95,6 +95,9 @@ def is_atom(value: Expr) -> bool:
     """Whether `value` costs nothing: a number, or a symbol up to its sign."""
     if value.is_Number or value.is_Symbol:
         return True
-    return bool(value.is_Mul) and value.args[0] is sympy.S.NegativeOne and len(value.args) == 2 and bool(
-        value.args[1].is_Symbol
+    return (
+        bool(value.is_Mul)
+        and value.args[0] is sympy.S.NegativeOne
+        and len(value.args) == 2
+        and bool(value.args[1].is_Symbol)
     )

@@ -6,18 +6,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
-from sympy import Expr, ImmutableMatrix
+from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.symbolic.block_terms import Sum, Term
 from kanegen.symbolic.blocks import Blocks
 from kanegen.symbolic.equations import Equations
+from kanegen.symbolic.latex_names import escaped, latex_names
 from kanegen.symbolic.printers import latex, latex_lines, text
 from kanegen.symbolic.symbols import expression, parameter
+
+Names = dict[Symbol, str]
+"""LaTeX of symbols."""
 
 MOST_BODIES_IN_BLOCKS = 16
 """Rows of more 3 x 3 blocks than two for each of these bodies are no help to a reader."""
 
-SHORT_MATRIX = 700
+SHORT_MATRIX = 600
 """A matrix whose LaTeX is shorter is printed whole, a longer one by entries."""
 
 
@@ -72,95 +76,81 @@ def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Do
     """
     system = equations.system
     n, count = len(equations.x), system.number_of_bodies
-    sections = [_freedoms(equations), *_parameters(equations), *_loads(equations)]
-    if equations.definitions:
-        sections += [*_blocks(equations), *_definitions(equations)]
-    sections += [
-        Section("Mass matrix", "[A] of Eq. (43); it is symmetric.", _matrix(equations, "A", A)),
-        Section("Forcing", "{f} of Eq. (44).", _matrix(equations, "f", f)),
-    ]
     bodies = "1 body" if count == 1 else f"{count} bodies"
     freedoms = "1 freedom" if n == 1 else f"{n} freedoms"
     return Document(
         f"{system.name}: {bodies}, {freedoms}",
         "Equations of motion [A]{ydot} = {f}, with {xdot} = {y}. SI units.",
-        tuple(sections),
+        tuple(_sections(equations, A, f)),
     )
 
 
-def _freedoms(equations: Equations) -> Section:
-    names = equations.latex_names
+def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Iterator[Section]:
+    definitions = equations.definitions
+    names = latex_names(equations)
+    yield _freedoms(equations, names)
+    yield from _parameters(equations, names)
+    yield from _loads(equations)
+    if definitions:
+        yield from _blocks(equations)
+    for note, group in groupby(definitions, key=lambda definition: definition.note):
+        yield Section(note, "", tuple(_equation(each.symbol, each.value, names) for each in group))
+    yield Section("Mass matrix", "[A] of Eq. (43); it is symmetric.", _matrix("A", A, names))
+    yield Section("Forcing", "{f} of Eq. (44).", _matrix("f", f, names))
+
+
+def _freedoms(equations: Equations, names: Names) -> Section:
     statements = []
-    for i, (x, y, freedom, name) in enumerate(
-        zip(
-            equations.x,
-            equations.y,
-            equations.system.freedoms,
-            equations.system.freedom_names,
-            strict=True,
-        ),
-        start=1,
-    ):
-        label = name.replace("_", r"\_")
+    for i, (x, y) in enumerate(zip(equations.x, equations.y, strict=True)):
+        name, unit = equations.system.freedom_names[i], equations.system.freedoms[i].unit
+        label = rf"\text{{{escaped(name)} ({unit})}}"
         statements.append(
             Statement(
-                f"x[{i}] = {x}, y[{i}] = {y}: {name} ({freedom.unit})",
-                f"x_{{{i}}}",
-                (rf"{names[x]}, \quad y_{{{i}}} = {names[y]} \quad \text{{{label} ({freedom.unit})}}",),
+                f"x[{i + 1}] = {x}, y[{i + 1}] = {y}: {name} ({unit})",
+                f"x_{{{i + 1}}}",
+                (rf"{names[x]}, \quad y_{{{i + 1}}} = {names[y]} \quad {label}",),
             )
         )
     return Section("Coordinates and speeds", "Eq. (1).", tuple(statements), is_list=True)
 
 
-def _parameters(equations: Equations) -> Iterator[Section]:
-    if equations.system.parameters:
-        statements = tuple(
-            _equation(equations, parameter(given), expression(given.value))
-            for given in equations.system.parameters
-        )
+def _parameters(equations: Equations, names: Names) -> Iterator[Section]:
+    values = [(parameter(given), expression(given.value)) for given in equations.system.parameters]
+    if values:
+        statements = tuple(_equation(symbol, value, names) for symbol, value in values)
         yield Section("Parameters", "Default values.", statements, is_list=True)
 
 
 def _loads(equations: Equations) -> Iterator[Section]:
     loaded = [body for body in equations.bodies if body.body.loads]
     if loaded:
-        names = ", ".join(f"{body.number} ({body.body.name})" for body in loaded)
+        bodies = ", ".join(f"{body.number} ({body.body.name})" for body in loaded)
         note = (
             "F_K_i and M_K_i, Eq. (37), are components in body K of a force at its mass centre (N) and of a "
-            f"torque (N m). Loaded: {names}."
+            f"torque (N m). Loaded: {bodies}."
         )
         yield Section("Loads", note, ())
 
 
-def _definitions(equations: Equations) -> Iterator[Section]:
-    for note, group in groupby(equations.definitions, key=lambda definition: definition.note):
-        statements = tuple(_equation(equations, definition.symbol, definition.value) for definition in group)
-        yield Section(note, "", statements)
-
-
-def _equation(equations: Equations, left: Expr, right: Expr) -> Statement:
-    names = equations.latex_names
+def _equation(left: Expr, right: Expr, names: Names) -> Statement:
     return Statement(f"{text(left)} = {text(right)}", latex(left, names), tuple(latex_lines(right, names)))
 
 
-def _matrix(equations: Equations, name: str, matrix: ImmutableMatrix) -> tuple[Statement, ...]:
+def _matrix(name: str, matrix: ImmutableMatrix, names: Names) -> tuple[Statement, ...]:
     """The matrix, whole where it is short in LaTeX; in text by entries that are not zero or below others."""
     rows, columns = matrix.shape
-    names = equations.latex_names
     entries = []
     for i in range(rows):
         for j in range(i if columns > 1 else 0, columns):
             if matrix[i, j]:
-                places = [i + 1] if columns == 1 else [i + 1, j + 1]
-                index = ",".join(str(place) for place in places)
-                printed = f"{name}[{index}] = {text(matrix[i, j])}"
+                index = f"{i + 1}" if columns == 1 else f"{i + 1},{j + 1}"
                 lines = tuple(latex_lines(matrix[i, j], names))
-                entries.append(Statement(printed, f"{name}_{{{index}}}", lines))
-    whole = latex(matrix, names)
-    if len(whole) > SHORT_MATRIX and entries:
+                plain = f"{name}[{index}] = {text(matrix[i, j])}"
+                entries.append(Statement(plain, f"{name}_{{{index}}}", lines))
+    if sum(len(line) for entry in entries for line in entry.right) > SHORT_MATRIX:
         return tuple(entries)
     plain = "\n".join(entry.text for entry in entries) or f"{name} = 0"
-    return (Statement(plain, name, (whole,)),)
+    return (Statement(plain, name, (latex(matrix, names),)),)
 
 
 def _blocks(equations: Equations) -> Iterator[Section]:

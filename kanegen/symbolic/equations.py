@@ -95,24 +95,6 @@ class Equations:
             return ()
         return tuple(definition for body in self.bodies for definition in body.definitions)
 
-    @property
-    def latex_names(self) -> dict[Symbol, str]:
-        """LaTeX of coordinates, speeds, accelerations, loads and of the intermediates derived so far."""
-        names: dict[Symbol, str] = {}
-        for freedom in self.system.freedoms:
-            k, index = freedom.body, freedom.index
-            letter, place = r"\theta" if freedom.is_angle else "s", f"_{{{k},{freedom.axis + 1}}}"
-            names[coordinate(k, index)] = letter + place
-            names[speed(k, index)] = rf"\dot{{{letter}}}" + place
-            names[acceleration(k, index)] = rf"\ddot{{{letter}}}" + place
-        for k in range(1, len(self.bodies) + 1):
-            for axis in range(3):
-                names[force(k, axis)] = f"{{F'}}_{{{k},{axis + 1}}}"
-                names[torque(k, axis)] = f"{{M'}}_{{{k},{axis + 1}}}"
-        for body in self.bodies:
-            names |= body.names.latex
-        return names
-
     def closed_form(self) -> ClosedForm:
         """[A] and {f} without intermediates, simplified.
 

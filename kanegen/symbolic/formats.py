@@ -10,6 +10,7 @@ from kanegen.errors import OptionError
 from kanegen.symbolic.closed_form import ClosedForm
 from kanegen.symbolic.document import Statement, document
 from kanegen.symbolic.equations import MOST_FREEDOMS_WITHOUT_NAMES, Equations, derive
+from kanegen.symbolic.latex_names import escaped
 from kanegen.symbolic.python_module import python_module
 
 
@@ -84,11 +85,11 @@ def _latex(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
         r"\usepackage[margin=2cm]{geometry}",
         r"\allowdisplaybreaks",
         r"\begin{document}",
-        rf"\section*{{{_escaped(described.title)}}}",
-        _escaped(described.note),
+        rf"\section*{{{escaped(described.title)}}}",
+        escaped(described.note),
     ]
     for section in described.sections:
-        parts += [rf"\subsection*{{{_escaped(section.title)}}}", _escaped(section.note)]
+        parts += [rf"\subsection*{{{escaped(section.title)}}}", escaped(section.note)]
         if section.statements:
             rows = [row for statement in section.statements for row in _aligned(statement)]
             parts += [r"\begin{align*}", " \\\\\n".join(rows), r"\end{align*}"]
@@ -100,10 +101,6 @@ def _aligned(statement: Statement) -> Iterator[str]:
     yield f"{statement.left} ={{}}& {first}"
     for line in others:
         yield f"& {line}"
-
-
-def _escaped(text: str) -> str:
-    return "".join(f"\\{character}" if character in "{}_&%$#" else character for character in text)
 
 
 FORMATS: dict[str, Callable[[Equations, ImmutableMatrix, ImmutableMatrix], str]] = {

@@ -22,7 +22,7 @@ Monomial = tuple[tuple[Expr, int], ...]
 Polynomial = Mapping[Monomial, Fraction]
 """Coefficients; no zeros."""
 
-MOST_TERMS = 1000
+MOST_TERMS = 500
 """A polynomial with more terms is not worth writing out."""
 
 CANCELLED = Fraction(1, 10**14)

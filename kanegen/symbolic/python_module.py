@@ -27,8 +27,9 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
         f: (n, 1) {f}.
     """
     names = {parameter(p): real(_free_name(p.name)) for p in equations.system.parameters}
+    head = [_docstring(equations), "from math import cos, sin", "import numpy as np", _parameters(equations)]
     parts = [
-        f"{_docstring(equations)}\n\nfrom math import cos, sin\n\nimport numpy as np\n\n{_parameters(equations)}",
+        "\n\n".join(head),
         _mass_matrix(equations, A, names),
         _forcing(equations, f, names),
     ]

@@ -1,0 +1,17 @@
+"""What the names of definitions mean, for those who read them in the generated code."""
+
+LEGEND = (
+    ("theta_K_i, s_K_i", "coordinates of body K, thetadot and sdot their rates; S, C sine and cosine"),
+    ("d_K, u_K_i", "from O_J to O_K and the directions of the translations, in the lower body J"),
+    ("omega, alpha, a", "angular velocity, and the accelerations of body and origin where {ydot} = 0"),
+    ("v, w, ww, W", "sliding velocity, 2 omega, products omega_i omega_j, [alpha~] + [omega~][omega~]"),
+    (
+        "h, I; mc, hc, Ic",
+        "first moment and inertia about the origin; those of a composite body, with its mass",
+    ),
+    ("F, M, c", "force and moment about the origin; the point through which a force acts"),
+    ("K, Kaj, Kaju, Kcj", "in body K; in the frame below its angle j, above it; below its constant turn j"),
+    ("Kj, Ksn", "in the lower body of K; of its translation at place n of {x}"),
+    ("p_name", "a run-time parameter"),
+)
+"""Names and meanings; x, y, z are components."""
