@@ -26,7 +26,7 @@ class Exact(mpmath.mpf):  # type: ignore[misc]  # mpmath has no types
         return mpmath.cos(self)
 
 
-def exact(values: NDArray[np.float64] | None) -> NDArray[Any] | None:
+def exact(values: NDArray[np.float64] | None) -> Any:
     """The same numbers with unlimited precision to come."""
     return None if values is None else np.vectorize(Exact, otypes=[object])(values)
 

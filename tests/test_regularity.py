@@ -172,7 +172,7 @@ def test_mass_ratios_pass(ratio: float, free: tuple[str, ...]) -> None:
     require_regular(systems.from_values(replace(arrays, mass=arrays.mass * factor, inertia=inertia)))
 
 
-@pytest.mark.parametrize("sizes", [(1e3, 1.0, 1e-6), (1e-6, 1.0, 1e3), (1e9, 1e9, 1e9), (1e-9, 1e-9, 1e-9)])
+@pytest.mark.parametrize("sizes", [(1e3, 1.0, 1e-6), (1e-6, 1.0, 1e3), (1e30,) * 3, (1e-30,) * 3])
 @pytest.mark.parametrize("free", [FREEDOMS, ("theta2",)])
 def test_cranes_and_grippers_pass(sizes: tuple[float, ...], free: tuple[str, ...]) -> None:
     arrays, size = systems.chain(3, free).values(), np.array(sizes)
@@ -185,6 +185,12 @@ def test_cranes_and_grippers_pass(sizes: tuple[float, ...], free: tuple[str, ...
         locked=np.zeros((3, 6)),
     )
     require_regular(systems.from_values(system))
+
+
+@pytest.mark.parametrize("size", [1e-200, 1e200])
+def test_lengths_may_have_any_exponent(size: float) -> None:
+    system = tree([0, 1], [1.0, 1.0], [NONE, NONE], ["theta1", "theta1"], mass_center=size * ONE[1:])
+    require_regular(system)
 
 
 def test_small_and_thin_things_pass() -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
 from kanegen.check.kinematics import BodyKinematics, free_columns, full_order
-from kanegen.check.matrices import Numbers, apply, transposed
+from kanegen.check.matrices import Numbers, apply, length, transposed
 
 
 @dataclass(frozen=True)
@@ -55,28 +55,28 @@ def reaches(system: SystemArrays, bodies: tuple[BodyKinematics, ...], y: Numbers
 
 
 def _reach(system: SystemArrays, k: int, body: BodyKinematics, lower: Reach, speeds: Numbers) -> Reach:
-    arm = np.maximum(_length(body.offset), _length(system.joint_position[k]))
-    lever = _length(system.mass_center[k])
-    omega_y = _length(body.omega_y, axis=-2)
-    origin_y = _largest(lower.origin_y, _length(body.origin_y, axis=-2), arm[..., None] * lower.omega_y)
-    center_y = _largest(origin_y, _length(body.center_y, axis=-2), lever * omega_y)
+    arm = np.maximum(length(body.offset), length(system.joint_position[k]))
+    lever = length(system.mass_center[k])
+    omega_y = length(body.omega_y, axis=-2)
+    origin_y = _largest(lower.origin_y, length(body.origin_y, axis=-2), arm[..., None] * lower.omega_y)
+    center_y = _largest(origin_y, length(body.center_y, axis=-2), lever * omega_y)
 
-    rate = _largest(lower.rate, _length(body.omega), _length(speeds[..., 3 * k : 3 * k + 3]))
+    rate = _largest(lower.rate, length(body.omega), length(speeds[..., 3 * k : 3 * k + 3]))
     velocity = _largest(
-        lower.velocity, _length(apply(body.origin_y, speeds)), _length(body.offset_dot), lower.rate * arm
+        lower.velocity, length(apply(body.origin_y, speeds)), length(body.offset_dot), lower.rate * arm
     )
-    rate_dot = _largest(lower.rate_dot, _length(apply(body.omega_y_dot, speeds)), rate * rate)
+    rate_dot = _largest(lower.rate_dot, length(apply(body.omega_y_dot, speeds)), rate * rate)
     velocity_dot = _largest(
         lower.velocity_dot,
-        _length(apply(body.origin_y_dot, speeds)),
+        length(apply(body.origin_y_dot, speeds)),
         lower.rate_dot * arm,
         rate * velocity,
     )
     center_acceleration = _largest(
         velocity_dot,
-        _length(apply(body.center_y_dot, speeds)),
+        length(apply(body.center_y_dot, speeds)),
         rate_dot * lever,
-        rate * _length(body.center_velocity),
+        rate * length(body.center_velocity),
         rate * rate * lever,
     )
     return Reach(omega_y, origin_y, center_y, rate, velocity, rate_dot, velocity_dot, center_acceleration)
@@ -102,12 +102,12 @@ def forcing_magnitude(
     acceleration = np.stack([body.center_acceleration for body in reach], axis=-1)
     rate_dot = np.stack([body.rate_dot for body in reach], axis=-1)
     velocity = np.stack([body.velocity for body in reach], axis=-1)
-    linear = system.mass * (acceleration + np.linalg.norm(system.gravity))
+    linear = system.mass * (acceleration + length(system.gravity))
     angular = _inertia_size(system) * rate_dot + system.mass * velocity**2
     if force is not None:
-        linear = linear + _length(force)
+        linear = linear + length(force)
     if torque is not None:
-        angular = angular + _length(torque)
+        angular = angular + length(torque)
     return apply(transposed(center_y), linear) + apply(transposed(omega_y), angular)
 
 
@@ -134,11 +134,6 @@ def _inertia_size(system: SystemArrays) -> Floats:
     """(N,) Frobenius norms."""
     size: Floats = np.linalg.norm(system.inertia, axis=(1, 2))
     return size
-
-
-def _length(vectors: Numbers, axis: int = -1) -> Floats:
-    length: Floats = np.linalg.norm(vectors.astype(np.float64), axis=axis)
-    return length
 
 
 def _largest(*values: Floats) -> Floats:

@@ -21,6 +21,12 @@ def skew(v: Numbers) -> Numbers:
     )
 
 
+def length(vectors: Numbers, axis: int = -1) -> Numbers:
+    """Euclidean lengths of real vectors, without overflow or underflow of the squares."""
+    lengths: Numbers = np.hypot.reduce(vectors, axis=axis)
+    return lengths
+
+
 def apply(matrix: Numbers, vector: Numbers) -> Numbers:
     """(..., m) product of (..., m, n) and (..., n)."""
     product: Numbers = (matrix @ vector[..., None])[..., 0]

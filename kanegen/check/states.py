@@ -13,6 +13,7 @@ import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
 from kanegen.check.kinematics import free_columns
+from kanegen.check.matrices import length
 from kanegen.system import System
 
 STANDARD_GRAVITY = 9.80665
@@ -62,17 +63,17 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
     arrays = system.values() if isinstance(system, System) else system
     bodies = len(arrays.mass)
     rng = np.random.default_rng(seed)
-    length, acceleration, mass = _lengths(arrays), _acceleration(arrays), _masses(arrays)
-    rate = np.sqrt(acceleration / length)
+    size, acceleration, mass = _lengths(arrays), _acceleration(arrays), _masses(arrays)
+    rate = np.sqrt(acceleration / size)
     free = free_columns(arrays)
     half_turn = np.full(3 * bodies, np.pi)
-    x = _uniform(rng, count, np.concatenate([half_turn, np.repeat(length, 3)])[free])
-    y = _uniform(rng, count, np.repeat(np.concatenate([rate, rate * length]), 3)[free])
+    x = _uniform(rng, count, np.concatenate([half_turn, np.repeat(size, 3)])[free])
+    y = _uniform(rng, count, np.repeat(np.concatenate([rate, rate * size]), 3)[free])
     if not arrays.loads.any():
         return States(x, y, None, None)
     weight = np.where(arrays.loads, mass * acceleration, 0.0)
     force = _uniform(rng, count, np.repeat(weight, 3)).reshape(count, bodies, 3)
-    torque = _uniform(rng, count, np.repeat(weight * length, 3)).reshape(count, bodies, 3)
+    torque = _uniform(rng, count, np.repeat(weight * size, 3)).reshape(count, bodies, 3)
     return States(x, y, force, torque)
 
 
@@ -90,7 +91,7 @@ def _lengths(arrays: SystemArrays) -> Floats:
     arms = [arrays.mass_center, on_a_body * arrays.joint_position, on_a_body * arrays.locked[:, 3:]]
     spin = np.trace(arrays.inertia, axis1=1, axis2=2)
     gyration = np.sqrt(spin / np.where(arrays.mass > 0, arrays.mass, np.inf))
-    return _filled(np.max([gyration, *(np.linalg.norm(arm, axis=1) for arm in arms)], axis=0))
+    return _filled(np.max([gyration, *(length(arm) for arm in arms)], axis=0))
 
 
 def _masses(arrays: SystemArrays) -> Floats:
@@ -107,4 +108,4 @@ def _filled(values: Floats) -> Floats:
 
 def _acceleration(arrays: SystemArrays) -> float:
     """Gravity, or where there is none that of the Earth (m/s^2)."""
-    return float(np.linalg.norm(arrays.gravity) or STANDARD_GRAVITY)
+    return float(length(arrays.gravity) or STANDARD_GRAVITY)

@@ -120,8 +120,8 @@ def _costs(facts: Facts) -> Table:
     for name, counts in facts.operations.items():
         table.add_row(name, *(str(counts[kind]) for kind in kinds))
     for stage in facts.stages:
-        counts = (str(stage.operations.get(kind, "")) for kind in kinds)
-        table.add_row(f"[dim]all, after {stage.name}[/]", *counts)
+        cells = (str(stage.operations.get(kind, "")) for kind in kinds)
+        table.add_row(f"[dim]all, after {stage.name}[/]", *cells)
     return table
 
 

@@ -26,6 +26,9 @@ MOST_TERMS_TO_FACTOR = 16
 """Longer polynomials are not tried: factoring is slow, and seldom succeeds."""
 
 
+LARGEST_MULTIPLE = 4
+"""Up to this multiple of each other, decimal numbers show it by a common factor."""
+
 WORTH_NESTING = 0.6
 """A nested form is harder to read; it must be shorter by more than this."""
 
@@ -109,23 +112,36 @@ def _without_common(polynomial: Polynomial) -> tuple[Fraction, Monomial, Polynom
         lowest = {f: min(power, powers[f]) for f, power in lowest.items() if f in powers}
     common = monomial(lowest.items())
     content = _content(polynomial.values())
+    if not common and content.denominator > LARGEST_DENOMINATOR:
+        content = Fraction(1)  # SymPy would multiply it into a sum at once, and round
     inverse = [(factor, -power) for factor, power in common]
     rest = {monomial([*term, *inverse]): value / content for term, value in polynomial.items()}
     return content, common, rest
 
 
 def _content(values: Iterable[Fraction]) -> Fraction:
-    """A factor of all coefficients that leaves short numbers, as 0.0015 of 0.003 and 0.0045; else 1."""
+    """A factor of all coefficients, 1 where none makes them easier to read.
+
+    Of short fractions it is the greatest, as 2 of 4 and 6; of others it must leave small multiples, as
+    0.0015 of 0.003 and 0.0045.
+    """
     fractions = list(values)
     smallest = min(abs(value) for value in fractions)
     size = Fraction(1)
-    for unit in (Fraction(1), smallest):
-        multiples = [value / unit for value in fractions]
-        if max(value.denominator for value in multiples) <= LARGEST_DENOMINATOR:
-            common = gcd(*(m.numerator for m in multiples)), lcm(*(m.denominator for m in multiples))
-            size = unit * Fraction(*common)
-            break
+    if all(value.denominator <= LARGEST_DENOMINATOR for value in fractions):
+        size = _divisor(fractions)
+    elif all(_is_small(value / smallest) for value in fractions):
+        size = smallest * _divisor([value / smallest for value in fractions])
     return -size if all(value < 0 for value in fractions) else size
+
+
+def _divisor(values: list[Fraction]) -> Fraction:
+    """Greatest common divisor."""
+    return Fraction(gcd(*(v.numerator for v in values)), lcm(*(v.denominator for v in values)))
+
+
+def _is_small(multiple: Fraction) -> bool:
+    return abs(multiple.numerator) <= LARGEST_MULTIPLE and multiple.denominator <= LARGEST_DENOMINATOR
 
 
 def _product(content: Fraction, common: Monomial, rest: Expr) -> Expr:

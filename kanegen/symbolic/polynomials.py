@@ -33,7 +33,8 @@ READABLE_DIGITS = 12
 """A coefficient within rounding of a decimal number with so few digits is that number."""
 
 LARGEST_DENOMINATOR = 4
-"""Up to this denominator a number is a fraction to read, beyond a decimal number."""
+LARGEST_NUMERATOR = 12
+"""Up to these a number is printed as a fraction, beyond as a decimal number."""
 
 
 def monomial(factors: Iterable[tuple[Expr, int]]) -> Monomial:
@@ -134,6 +135,7 @@ def readable(value: Fraction) -> Fraction:
 
 def expression(value: Fraction) -> Expr:
     """A coefficient to read: a short fraction, or the nearest binary floating-point number."""
-    if value.denominator <= LARGEST_DENOMINATOR:
+    is_short = value.denominator <= LARGEST_DENOMINATOR and abs(value.numerator) <= LARGEST_NUMERATOR
+    if value.denominator == 1 or is_short:
         return Rational(value.numerator, value.denominator)
     return Float(float(value), precision=53)
