@@ -83,7 +83,7 @@ class Simplifier:
         for term, coefficient in self.expand(expr).items():
             part = tuple((factor, power) for factor, power in term if not factor.is_Symbol)
             symbols = tuple((factor, power) for factor, power in term if factor.is_Symbol)
-            groups.setdefault(symbols, {})[part] = readable(coefficient)
+            groups.setdefault(symbols, {})[part] = readable(coefficient) if self._rounded else coefficient
         return collected(add(self._times(symbols, group) for symbols, group in groups.items()), self._motion)
 
     def _times(self, symbols: Monomial, group: Polynomial) -> Polynomial:
