@@ -141,7 +141,7 @@ def test_free_rigid_body_obeys_eulers_equations() -> None:
     A, B, C, mass = names("a b c m")
     q1, q2, q3 = (coordinate(1, i) for i in range(3))
     rates = Matrix([speed(1, i) for i in range(3)])
-    # Body-fixed rates of the 1-2-3 angles, and their time derivative, typed from the definition of the angles.
+    # Body-fixed rates of the 1-2-3 angles, typed from the definition of the angles.
     P = Matrix([[cos(q2) * cos(q3), sin(q3), 0], [-cos(q2) * sin(q3), cos(q3), 0], [sin(q2), 0, 1]])
     w1, w2, w3 = P * rates
     accelerations = equations.ydot[:3, 0]

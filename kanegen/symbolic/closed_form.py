@@ -11,11 +11,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from sympy import Expr, ImmutableMatrix
+from sympy import Expr, Float, ImmutableMatrix
 
 from kanegen.symbolic.angle_sums import shortest
 from kanegen.symbolic.collecting import collected
-from kanegen.symbolic.expanding import Expander
+from kanegen.symbolic.dynamics import BodyEquations
+from kanegen.symbolic.expanding import Expander, parallel_sums
 from kanegen.symbolic.polynomials import Monomial, Polynomial, add, monomial, readable
 
 
@@ -33,20 +34,20 @@ class ClosedForm:
 
 
 def close(
-    A: ImmutableMatrix, f: ImmutableMatrix, sums: Mapping[Expr, Expr], motion: Collection[Expr]
+    A: ImmutableMatrix, f: ImmutableMatrix, bodies: tuple[BodyEquations, ...], motion: Collection[Expr]
 ) -> ClosedForm:
     """The closed form of matrices that hold no intermediates.
 
     Args:
         A: (n, n), symmetric.
         f: (n, 1).
-        sums: As `Expander.sums`.
+        bodies: Those that [A] and {f} come from.
         motion: Speeds and loads; their products may gather the rest of an entry in their coefficients.
 
     Raises:
         OptionError: If an entry grows too long to be read.
     """
-    simplifier = Simplifier(sums, motion)
+    simplifier = Simplifier(parallel_sums(bodies), frozenset(motion), _has_rounded_rotations(bodies))
     for entry in (*f, *A):  # too long a one is found before any time is spent on the others
         simplifier.expand(entry)
     n = A.shape[0]
@@ -57,12 +58,24 @@ def close(
     )
 
 
-class Simplifier:
-    """Simplifies expressions that have much in common."""
+def _has_rounded_rotations(bodies: tuple[BodyEquations, ...]) -> bool:
+    """Whether a constant orientation holds numbers like 0.7071..., so that 1 may come out as 1 - 2e-16."""
+    return any(entry.has(Float) for body in bodies for entry in body.relative_rotation)
 
-    def __init__(self, sums: Mapping[Expr, Expr], motion: Collection[Expr]) -> None:
+
+class Simplifier:
+    """Simplifies expressions that have much in common.
+
+    Args:
+        sums: As `Expander.sums`.
+        motion: Speeds and loads.
+        rounded: Whether coefficients within rounding of a short decimal number are that number.
+    """
+
+    def __init__(self, sums: Mapping[Expr, Expr], motion: Collection[Expr], rounded: bool) -> None:
         self._expander = Expander(sums)
-        self._motion = frozenset(motion)
+        self._motion = motion
+        self._rounded = rounded
         self._shortest: dict[tuple[tuple[Monomial, Fraction], ...], Polynomial] = {}
 
     def expand(self, expr: Expr) -> Polynomial:

@@ -21,7 +21,6 @@ from kanegen.errors import OptionError
 from kanegen.symbolic.closed_form import ClosedForm, close
 from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.dynamics import BodyEquations, total
-from kanegen.symbolic.expanding import parallel_sums
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.numeric import NumericEquations, numeric
 from kanegen.symbolic.symbols import acceleration, coordinate, force, speed, torque
@@ -107,7 +106,7 @@ class Equations:
                 f"most {MOST_FREEDOMS}. Read equations.A, equations.f and equations.definitions instead."
             )
         literal = derive(self.system, intermediates=False)
-        return close(literal.A, literal.f, parallel_sums(literal.bodies), [*literal.y, *self.loads])
+        return close(literal.A, literal.f, literal.bodies, [*literal.y, *self.loads])
 
     def lambdify(self) -> NumericEquations:
         """NumPy functions of [A] and {f}, for looking into small things; `kg.build` is faster by far."""
