@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from kanegen.check import kinematics
 from kanegen.check.kinematics import BodyKinematics
-from kanegen.symbolic.block_terms import Factor, Kind, Product, Row, Sum, Term
-from kanegen.symbolic.blocks import Blocks
+from kanegen.printing.block_terms import Factor, Kind, Product, Row, Sum, Term
+from kanegen.printing.blocks import Blocks
 from kanegen.system import System
 from tests.systems import eight_body, random_system
 

@@ -15,9 +15,9 @@ import pytest
 from kanegen import Body, Joint, Parameter, System
 from kanegen.check import reference
 from kanegen.errors import OptionError
+from kanegen.printing.formats import FORMATS, render
 from kanegen.readers import load
 from kanegen.symbolic import derive
-from kanegen.symbolic.formats import FORMATS, render
 from tests.systems import chain, eight_body, flags, random_system
 
 MODELS = Path(__file__).parent.parent / "models"
@@ -188,7 +188,7 @@ def test_same_input_same_bytes(form: str, tmp_path: Path) -> None:
         "import sys\n"
         "from kanegen.readers import load\n"
         "from kanegen.symbolic import derive\n"
-        "from kanegen.symbolic.formats import render\n"
+        "from kanegen.printing.formats import render\n"
         f"for name, closed in (('gantry_crane', True), ('scara', True), ('gantry_crane', False)):\n"
         f"    sys.stdout.write(render(derive(load(sys.argv[1] + f'/{{name}}.toml')), {form!r}, closed))\n"
     ).replace("sys.argv[1]", repr(str(MODELS)))

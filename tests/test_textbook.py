@@ -18,7 +18,7 @@ from kanegen import Parameter, System
 from kanegen.check import reference
 from kanegen.errors import OptionError
 from kanegen.symbolic import derive
-from kanegen.symbolic.closed_form import ClosedForm
+from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.symbols import coordinate, real, speed, torque
 from kanegen.system import FREEDOMS
 from tests.systems import flags, random_system

@@ -12,9 +12,9 @@ from kanegen import compiler
 from kanegen.cli import info as information
 from kanegen.cli.terminal import FAILED, fail, progress, screen, show_warnings
 from kanegen.errors import KanegenError
+from kanegen.printing import FORMATS, render
 from kanegen.readers import load
 from kanegen.signature import OUTPUTS
-from kanegen.symbolic.formats import FORMATS, render
 from kanegen.version import __version__
 
 app = typer.Typer(

@@ -18,7 +18,7 @@ from functools import cached_property
 from sympy import ImmutableMatrix, Symbol
 
 from kanegen.errors import OptionError
-from kanegen.symbolic.closed_form import ClosedForm, close
+from kanegen.symbolic.closed.form import ClosedForm, close
 from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.dynamics import BodyEquations, total
 from kanegen.symbolic.naming import Names

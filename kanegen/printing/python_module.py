@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
+from kanegen.printing.printers import python
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.numeric import needed_definitions
-from kanegen.symbolic.printers import python
 from kanegen.symbolic.symbols import force, parameter, real, torque
 
 TAKEN = frozenset(

@@ -10,7 +10,7 @@ from math import gcd, lcm
 import sympy
 from sympy import Add, Expr, Mul, Pow, S
 
-from kanegen.symbolic.polynomials import (
+from kanegen.symbolic.closed.polynomials import (
     LARGEST_DENOMINATOR,
     Monomial,
     Polynomial,

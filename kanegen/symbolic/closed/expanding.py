@@ -9,8 +9,8 @@ from functools import reduce
 
 from sympy import Expr, S, cos, sin
 
+from kanegen.symbolic.closed.polynomials import Polynomial, add, fraction, monomial, reduced_product
 from kanegen.symbolic.dynamics import BodyEquations
-from kanegen.symbolic.polynomials import Polynomial, add, fraction, monomial, reduced_product
 
 ANGLES = 3
 

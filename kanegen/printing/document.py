@@ -8,11 +8,11 @@ from itertools import groupby
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
-from kanegen.symbolic.block_terms import Sum, Term
-from kanegen.symbolic.blocks import Blocks
+from kanegen.printing.block_terms import Sum, Term
+from kanegen.printing.blocks import Blocks
+from kanegen.printing.latex_names import escaped, latex_names
+from kanegen.printing.printers import latex, latex_lines, text
 from kanegen.symbolic.equations import Equations
-from kanegen.symbolic.latex_names import escaped, latex_names
-from kanegen.symbolic.printers import latex, latex_lines, text
 from kanegen.symbolic.symbols import expression, parameter
 
 Names = dict[Symbol, str]

@@ -8,7 +8,7 @@ from itertools import combinations, permutations, product
 
 from sympy import Expr, cos, sin
 
-from kanegen.symbolic.polynomials import (
+from kanegen.symbolic.closed.polynomials import (
     Monomial,
     Polynomial,
     add,

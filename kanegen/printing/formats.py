@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 from sympy import ImmutableMatrix
 
 from kanegen.errors import OptionError
-from kanegen.symbolic.closed_form import ClosedForm
-from kanegen.symbolic.document import Statement, document
+from kanegen.printing.document import Statement, document
+from kanegen.printing.latex_names import escaped
+from kanegen.printing.python_module import python_module
+from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import MOST_FREEDOMS_WITHOUT_NAMES, Equations, derive
-from kanegen.symbolic.latex_names import escaped
-from kanegen.symbolic.python_module import python_module
 
 
 def render(equations: Equations, format: str = "text", closed: bool | None = None) -> str:

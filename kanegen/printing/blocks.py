@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from kanegen.body import IDENTITY
-from kanegen.symbolic.block_terms import Factor, Kind, Product, Row, Sum, Term, product, times, total
+from kanegen.printing.block_terms import Factor, Kind, Product, Row, Sum, Term, product, times, total
 from kanegen.system import System
 
 GROUND = 0

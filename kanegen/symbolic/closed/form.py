@@ -13,11 +13,11 @@ from fractions import Fraction
 
 from sympy import Expr, Float, ImmutableMatrix
 
-from kanegen.symbolic.angle_sums import shortest
-from kanegen.symbolic.collecting import collected
+from kanegen.symbolic.closed.angle_sums import shortest
+from kanegen.symbolic.closed.collecting import collected
+from kanegen.symbolic.closed.expanding import Expander, parallel_sums
+from kanegen.symbolic.closed.polynomials import Monomial, Polynomial, add, monomial, readable
 from kanegen.symbolic.dynamics import BodyEquations
-from kanegen.symbolic.expanding import Expander, parallel_sums
-from kanegen.symbolic.polynomials import Monomial, Polynomial, add, monomial, readable
 
 
 @dataclass(frozen=True)

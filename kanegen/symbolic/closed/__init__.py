@@ -1,0 +1,1 @@
+"""Closed forms: [A] and {f} without intermediates, brought into their shortest form."""
