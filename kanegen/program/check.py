@@ -42,8 +42,8 @@ def check(program: Program) -> Program:
             names.add(instruction.name)
     for output in program.outputs:
         _require(len(output.values) == output.array.size, f"output {output.array.name!r}: wrong size")
-        defined = all(0 <= value < len(program.instructions) for value in output.values)
-        _require(defined, f"output {output.array.name!r}: undefined value")
+    defined = all(0 <= value < len(program.instructions) for value in program.results())
+    _require(defined, f"an output of {arrays} holds an undefined value")
     return program
 
 

@@ -6,7 +6,7 @@ topological order. Names and notes come from the derivation and go into the C; t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -90,10 +90,23 @@ class Array:
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """An output array and the values that fill it, row-major."""
+    """An output array and the values that fill it.
+
+    Attributes:
+        array: The array.
+        values: Its elements, row-major.
+        positive: Values that must be positive for the elements to hold, such as the pivots of a
+            factorisation; the function then returns the place, from 1, of the first that is not, or 0.
+    """
 
     array: Array
     values: tuple[int, ...]
+    positive: tuple[int, ...] = ()
+
+    def renumbered(self, moved: Mapping[int, int] | Sequence[int]) -> Output:
+        """The same output where value i has become value `moved[i]`."""
+        values, positive = ([moved[i] for i in old] for old in (self.values, self.positive))
+        return Output(self.array, tuple(values), tuple(positive))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,9 +124,10 @@ class Program:
     outputs: tuple[Output, ...]
 
     def results(self) -> Iterator[int]:
-        """Every value that an output holds."""
+        """Every value that an output holds or depends on."""
         for output in self.outputs:
             yield from output.values
+            yield from output.positive
 
 
 @dataclass(frozen=True, slots=True)

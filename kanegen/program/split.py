@@ -67,8 +67,7 @@ def _hoist(program: Program, parameters: str) -> tuple[Program, Program]:
             moved[i] = rest.input(PREPARED, place[i], instruction.name or f"c_{place[i] + 1}")
         elif not early[i] or instruction.op is Op.CONSTANT:
             moved[i] = rest.copy(instruction, [moved[j] for j in instruction.operands])
-    outputs = [Output(o.array, tuple(moved[value] for value in o.values)) for o in program.outputs]
-    return prepare, rest.program(outputs)
+    return prepare, rest.program([output.renumbered(moved) for output in program.outputs])
 
 
 def _parameter_only(program: Program, parameters: str) -> list[bool]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from kanegen.program.builder import Builder
-from kanegen.program.ir import Instruction, Op, Output, Program
+from kanegen.program.ir import Instruction, Op, Program
 
 
 def factor(program: Program) -> Program:
@@ -23,8 +23,7 @@ def factor(program: Program) -> Program:
         combine = builder.add if instruction.op is Op.ADD else builder.subtract
         value = builder.multiply(common, combine(left, right))
         moved.append(builder.name(value, instruction.name, instruction.note))
-    outputs = [Output(o.array, tuple(moved[value] for value in o.values)) for o in program.outputs]
-    return builder.program(outputs)
+    return builder.program([output.renumbered(moved) for output in program.outputs])
 
 
 def _shared_factor(

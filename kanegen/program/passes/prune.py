@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from kanegen.program.ir import Instruction, Output, Program
+from kanegen.program.ir import Instruction, Program
 
 
 def prune(program: Program) -> Program:
@@ -22,5 +22,5 @@ def prune(program: Program) -> Program:
         if needed[i]:
             moved[i] = len(kept)
             kept.append(replace(instruction, operands=tuple(moved[j] for j in instruction.operands)))
-    outputs = tuple(Output(o.array, tuple(moved[value] for value in o.values)) for o in program.outputs)
+    outputs = tuple(output.renumbered(moved) for output in program.outputs)
     return Program(program.inputs, tuple(kept), outputs)
