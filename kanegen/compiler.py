@@ -34,9 +34,9 @@ from kanegen.program import passes
 from kanegen.program.count import operations
 from kanegen.program.ir import Module
 from kanegen.program.split import split
-from kanegen.recursion import recursive_form
+from kanegen.recursion import Methods, methods, recursive_form
 from kanegen.recursion.legend import LEGEND
-from kanegen.signature import OUTPUTS, PARAMETERS, chosen, functions, input_arrays
+from kanegen.signature import EQUATIONS, PARAMETERS, chosen, functions, input_arrays, output_array
 from kanegen.system import System
 
 Progress = Callable[[str], None]
@@ -52,6 +52,7 @@ class Compiled:
     """The functions of a system, ready to be written as C, and how they came to cost what they cost."""
 
     module: Module
+    methods: Methods
     stages: tuple[passes.Stage, ...]
 
     @property
@@ -72,9 +73,9 @@ def derive(system: System, progress: Progress = quiet) -> symbolic.Equations:
 
 
 def compile_module(
-    system: System, outputs: Iterable[str] = tuple(OUTPUTS), progress: Progress = quiet
+    system: System, outputs: Iterable[str] = EQUATIONS, progress: Progress = quiet
 ) -> Compiled:
-    """Straight-line programs for `outputs`, every intermediate shared.
+    """Straight-line programs for `outputs`, every intermediate shared, by the cheapest methods.
 
     Raises:
         OptionError: If an output is unknown.
@@ -82,17 +83,23 @@ def compile_module(
     """
     names = chosen(outputs)
     regularity.require_regular(system)
+    ways = [_compiled(system, way, progress) for way in methods(system, names)]
+    return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
+
+
+def _compiled(system: System, way: Methods, progress: Progress) -> Compiled:
+    """The programs of one way to derive the outputs."""
     progress("deriving")
-    form = recursive_form(system, names)
+    form = recursive_form(system, way)
     progress("lowering")
-    arrays = {OUTPUTS[name].array(system): form.outputs[name] for name in names}
+    arrays = {output_array(system, name, form.methods): form.outputs[name] for name in way}
     program = lower(input_arrays(system), form.definitions, arrays)
     progress("optimising")
     program, stages = passes.run(program)
-    return Compiled(split(program, functions(system, names), PARAMETERS), stages)
+    return Compiled(split(program, functions(system, tuple(way)), PARAMETERS), way, stages)
 
 
-def generate(system: System, outputs: Iterable[str] = tuple(OUTPUTS), progress: Progress = quiet) -> Source:
+def generate(system: System, outputs: Iterable[str] = EQUATIONS, progress: Progress = quiet) -> Source:
     """C for `outputs`, specialised to `system`.
 
     Args:
@@ -111,7 +118,7 @@ def generate(system: System, outputs: Iterable[str] = tuple(OUTPUTS), progress: 
 
 def build(
     system: System,
-    outputs: Iterable[str] = tuple(OUTPUTS),
+    outputs: Iterable[str] = EQUATIONS,
     compiler: str | None = None,
     flags: Sequence[str] | None = None,
     progress: Progress = quiet,

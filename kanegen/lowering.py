@@ -12,6 +12,7 @@ from kanegen.errors import ModelError
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
 from kanegen.program.ir import Array, Op, Output, Program
+from kanegen.recursion.derived import Derived
 from kanegen.symbolic.definitions import Definition
 
 FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
@@ -23,14 +24,14 @@ POWERS = (2, -1)
 def lower(
     inputs: Mapping[Array, Sequence[tuple[Symbol, str]]],
     definitions: Sequence[Definition],
-    outputs: Mapping[Array, Sequence[Expr]],
+    outputs: Mapping[Array, Derived],
 ) -> Program:
     """A program that evaluates `definitions` and stores `outputs`.
 
     Args:
         inputs: For every input array the symbol that each element stands for, and its name in C.
         definitions: In order of evaluation.
-        outputs: For every output array its entries, row-major.
+        outputs: What fills every output array.
     """
     builder = Builder(tuple(inputs))
     lowering = _Lowering(builder)
@@ -41,7 +42,8 @@ def lower(
         value = lowering.value(definition.value)
         lowering.values[definition.symbol] = builder.name(value, definition.symbol.name, definition.note)
     filled = [
-        Output(array, tuple(lowering.value(entry) for entry in entries)) for array, entries in outputs.items()
+        Output(array, lowering.all(derived.entries), lowering.all(derived.positive))
+        for array, derived in outputs.items()
     ]
     return check(builder.program(filled))
 
@@ -52,6 +54,9 @@ class _Lowering:
     def __init__(self, builder: Builder) -> None:
         self.builder = builder
         self.values: dict[Expr, int] = {}
+
+    def all(self, expressions: Sequence[Expr]) -> tuple[int, ...]:
+        return tuple(self.value(expression) for expression in expressions)
 
     def value(self, expression: Expr) -> int:
         known = self.values.get(expression)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from sympy import Symbol
 
@@ -43,10 +43,27 @@ def _forcing(system: System) -> Array:
     return Array("f", (len(system.freedoms),), "N m, N", "{f}, the right side of [A]{ydot} = {f}, Eq. (44)")
 
 
+def _generalized_force(system: System) -> Array:
+    doc = "[A]{ydot} - {f}, the generalized forces that {ydot} needs beside loads and gravity"
+    return Array("generalized_force", (len(system.freedoms),), "N m, N", doc)
+
+
+def _acceleration(system: System) -> Array:
+    doc = "{ydot} of [A]{ydot} = {f} + {tau}, Eq. (42)"
+    return Array("acceleration", (len(system.freedoms),), "rad/s^2, m/s^2", doc)
+
+
+LOADS = ("force", "torque")
+
 OUTPUTS: dict[str, OutputKind] = {
     "mass_matrix": OutputKind(_mass_matrix, ("x",)),
-    "forcing": OutputKind(_forcing, ("x", "y", "force", "torque")),
+    "forcing": OutputKind(_forcing, ("x", "y", *LOADS)),
+    "inverse_dynamics": OutputKind(_generalized_force, ("x", "y", "ydot", *LOADS)),
+    "forward_dynamics": OutputKind(_acceleration, ("x", "y", "tau", *LOADS)),
 }
+
+EQUATIONS = ("mass_matrix", "forcing")
+"""What is computed unless something else is asked for: [A] and {f} of Eq. (42)."""
 
 
 def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
@@ -75,6 +92,12 @@ def input_arrays(system: System) -> dict[Array, Elements]:
         Array("x", (n,), "rad, m", "{x}, the coordinates: angles, then translations, Eq. (1)"): _named(x),
         Array("y", (n,), "rad/s, m/s", "{y}, the generalized speeds in the same order, Eq. (1)"): _named(y),
     }
+    given = [symbols.acceleration(freedom.body, freedom.index) for freedom in system.freedoms]
+    forces = [symbols.generalized_force(freedom.body, freedom.index) for freedom in system.freedoms]
+    arrays |= {
+        Array("ydot", (n,), "rad/s^2, m/s^2", "{ydot}, accelerations of the coordinates"): _named(given),
+        Array("tau", (n,), "N m, N", "generalized forces beside loads and gravity"): _named(forces),
+    }
     if system.parameters:
         array = Array(PARAMETERS, (len(system.parameters),), "SI", "the run-time parameters")
         elements = tuple((symbols.parameter(p), f"p_{p.name}") for p in system.parameters)
@@ -87,6 +110,12 @@ def input_arrays(system: System) -> dict[Array, Elements]:
         arrays[force] = _named([symbols.force(k, axis) for k, axis in every])
         arrays[torque] = _named([symbols.torque(k, axis) for k, axis in every])
     return arrays
+
+
+def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array:
+    """The array of an output, its documentation saying how it is derived."""
+    array = OUTPUTS[name].array(system)
+    return replace(array, doc=f"{array.doc}; by {methods[name]}")
 
 
 def _named(elements: Sequence[Symbol]) -> Elements:

@@ -151,7 +151,7 @@ def unique(what: str, names: Sequence[str]) -> None:
         seen.add(name)
 
 
-_SYMBOL = re.compile(r"(?:theta|thetadot|thetaddot|s|sdot|sddot|F|M)_(\d+)_[123]")
+_SYMBOL = re.compile(r"(?:theta|thetadot|thetaddot|s|sdot|sddot|F|M|tau)_(\d+)_[1-6]")
 
 
 def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int) -> None:

@@ -14,7 +14,7 @@ from kanegen.cli.terminal import FAILED, fail, progress, screen, show_warnings
 from kanegen.errors import KanegenError
 from kanegen.printing import FORMATS, render
 from kanegen.readers import load
-from kanegen.signature import OUTPUTS
+from kanegen.signature import EQUATIONS, OUTPUTS
 from kanegen.version import __version__
 
 app = typer.Typer(
@@ -58,7 +58,7 @@ def generate(
     output_dir: Annotated[
         Path, typer.Option("--output-dir", "-o", help="Folder for the files; made if absent.")
     ],
-    output: Outputs = list(OUTPUTS),  # noqa: B006  (typer reads the default, nobody changes it)
+    output: Outputs = list(EQUATIONS),  # noqa: B006  (typer reads the default, nobody changes it)
     floating_base: FloatingBase = False,
     force: Annotated[
         bool, typer.Option("--force", help="Write also where the folder holds files of another origin.")

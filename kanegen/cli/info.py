@@ -17,8 +17,10 @@ from kanegen import compiler
 from kanegen.body import FREEDOMS, Body
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.program.passes import Stage
-from kanegen.signature import OUTPUTS
+from kanegen.signature import EQUATIONS, OUTPUTS
 from kanegen.system import System
+
+TOGETHER = " + ".join(EQUATIONS)
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class Facts:
 
     Attributes:
         system: The tree.
-        operations: By output, and "all" for all of them together.
+        operations: By output, and of [A] and {f} together.
         stages: What all outputs together cost after lowering and after every pass.
     """
 
@@ -67,8 +69,8 @@ def gather(system: System, progress: Callable[[str], None]) -> Facts:
     operations = {}
     for name in OUTPUTS:
         operations[name] = compiler.compile_module(system, (name,), progress).operations
-    together = compiler.compile_module(system, tuple(OUTPUTS), progress)
-    operations["all"] = together.operations
+    together = compiler.compile_module(system, EQUATIONS, progress)
+    operations[TOGETHER] = together.operations
     return Facts(system, operations, together.stages)
 
 
@@ -113,7 +115,7 @@ def _parameters(system: System) -> Table:
 
 
 def _costs(facts: Facts) -> Table:
-    kinds = list(facts.operations["all"])
+    kinds = list(facts.operations[TOGETHER])
     table = Table("", *kinds, box=box.SIMPLE_HEAD)
     for column in table.columns[1:]:
         column.justify = "right"
@@ -121,7 +123,7 @@ def _costs(facts: Facts) -> Table:
         table.add_row(name, *(str(counts[kind]) for kind in kinds))
     for stage in facts.stages:
         cells = (str(stage.operations.get(kind, "")) for kind in kinds)
-        table.add_row(f"[dim]all, after {stage.name}[/]", *cells)
+        table.add_row(f"[dim]together, after {stage.name}[/]", *cells)
     return table
 
 

@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from sympy import Expr
-
-from kanegen.recursion.forcing import forcing
+from kanegen.recursion import factorisation, forward_dynamics
+from kanegen.recursion.derived import Derived
+from kanegen.recursion.forcing import forcing, inverse_dynamics
 from kanegen.recursion.joints import JointMotion, joint_motion
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.system import System
 
-Recursion = Callable[[System, tuple[JointMotion, ...], Definitions], list[Expr]]
+Recursion = Callable[[System, tuple[JointMotion, ...], Definitions], Derived]
 
-RECURSIONS: dict[str, Recursion] = {"mass_matrix": mass_matrix, "forcing": forcing}
-"""How each output is derived."""
+RECURSIONS: dict[str, dict[str, Recursion]] = {
+    "mass_matrix": {"composite bodies": mass_matrix},
+    "forcing": {"recursion of forces": forcing},
+    "inverse_dynamics": {"recursion of forces": inverse_dynamics},
+    "forward_dynamics": {
+        "articulated bodies": forward_dynamics.forward_dynamics,
+        "factorisation": factorisation.forward_dynamics,
+    },
+}
+"""The ways to derive each output, by name."""
+
+Methods = Mapping[str, str]
+"""For every output the way that is taken."""
 
 
 @dataclass(frozen=True)
@@ -25,23 +36,33 @@ class RecursiveForm:
 
     Attributes:
         system: What was derived.
+        methods: How.
         definitions: In order of evaluation; every expression is small.
-        outputs: Row-major entries by name of output.
+        outputs: By name of output.
     """
 
     system: System
+    methods: Methods
     definitions: tuple[Definition, ...]
-    outputs: dict[str, tuple[Expr, ...]]
+    outputs: dict[str, Derived]
 
 
-def recursive_form(system: System, outputs: Sequence[str]) -> RecursiveForm:
-    """Derive the named outputs together, sharing every intermediate.
+def methods(system: System, outputs: Sequence[str]) -> tuple[Methods, ...]:
+    """The ways to derive `outputs` among which the operation count may choose."""
+    first = {name: next(iter(RECURSIONS[name])) for name in outputs}
+    if "forward_dynamics" in outputs and factorisation.worth_trying(system):
+        return first, {**first, "forward_dynamics": "factorisation"}
+    return (first,)
+
+
+def recursive_form(system: System, methods: Methods) -> RecursiveForm:
+    """Derive outputs together, sharing every intermediate.
 
     Args:
         system: The tree.
-        outputs: Keys of `RECURSIONS`.
+        methods: The outputs, and how to derive each: keys of `RECURSIONS`.
     """
     definitions = Definitions(taken=[parameter.name for parameter in system.parameters])
     motions = tuple(joint_motion(system, k, definitions) for k in range(1, system.number_of_bodies + 1))
-    results = {name: tuple(RECURSIONS[name](system, motions, definitions)) for name in outputs}
-    return RecursiveForm(system, definitions.listed(), results)
+    outputs = {name: RECURSIONS[name][way](system, motions, definitions) for name, way in methods.items()}
+    return RecursiveForm(system, methods, definitions.listed(), outputs)

@@ -13,7 +13,7 @@ from kanegen.numbers import Number, Parameter
 from kanegen.recursion.turns import Turn, constant_turns, planar
 from kanegen.recursion.vectors import add, unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import coordinate, speed
+from kanegen.symbolic.symbols import acceleration, coordinate, speed
 from kanegen.system import Freedom, System
 
 NO_FREEDOM = -1
@@ -28,6 +28,7 @@ class Step:
         freedom: Number in {x} of the angle that turns it, or `NO_FREEDOM`.
         axis: Basis vector about which that angle turns.
         rate: The angle's rate.
+        acceleration: The angle's second derivative.
         frame: Suffix for the names of quantities seen below this turn.
     """
 
@@ -36,15 +37,26 @@ class Step:
     freedom: int = NO_FREEDOM
     axis: int = 0
     rate: Expr = S.Zero
+    acceleration: Expr = S.Zero
 
 
 @dataclass(frozen=True)
 class Slide:
-    """One free translation: its number in {x}, its direction in the lower body's frame, its rate."""
+    """One free translation.
+
+    Attributes:
+        freedom: Its number in {x}.
+        axis: Basis vector of the joint frame along which it moves.
+        direction: The same in the lower body's frame.
+        rate: Its rate.
+        acceleration: Its second derivative.
+    """
 
     freedom: int
+    axis: int
     direction: Vector
     rate: Expr
+    acceleration: Expr
 
 
 @dataclass(frozen=True)
@@ -56,14 +68,21 @@ class JointMotion:
         lower: J, 0 for the ground.
         offset: {q'_K} + [C_K]^T {s'_K}, from O_J to O_K in J (m).
         slides: The free translations.
-        steps: The turns, from J outward.
+        constant: The turns of [C_K], from J to the joint frame.
+        angles: The turns of the angles, from the joint frame to K.
     """
 
     body: int
     lower: int
     offset: Vector
     slides: tuple[Slide, ...]
-    steps: tuple[Step, ...]
+    constant: tuple[Step, ...]
+    angles: tuple[Step, ...]
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """All turns, from J outward."""
+        return self.constant + self.angles
 
 
 def exact(value: Number) -> Expr:
@@ -85,12 +104,17 @@ def joint_motion(system: System, k: int, definitions: Definitions) -> JointMotio
         s = coordinate(k, 3 + axis) if free else exact(body.joint.locked[3 + axis])
         offset = add(offset, Vector(*(s * component for component in directions[axis])))
         if free:
-            slides.append(Slide(number[Freedom(k, 3 + axis)], directions[axis], speed(k, 3 + axis)))
-    steps = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
-    steps += [_angle_step(body, k, axis, number, definitions) for axis in range(3)]
-    moving = tuple(step for step in steps if step.freedom != NO_FREEDOM or not _is_identity(step.turn))
+            place = number[Freedom(k, 3 + axis)]
+            slides.append(Slide(place, axis, directions[axis], speed(k, 3 + axis), acceleration(k, 3 + axis)))
+    fixed = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
+    angles = [_angle_step(body, k, axis, number, definitions) for axis in range(3)]
     named = definitions.vector(f"d_{k}", offset)
-    return JointMotion(k, body.lower, named, tuple(slides), moving)
+    return JointMotion(k, body.lower, named, tuple(slides), _moving(fixed), _moving(angles))
+
+
+def _moving(steps: list[Step]) -> tuple[Step, ...]:
+    """Those that change anything."""
+    return tuple(step for step in steps if step.freedom != NO_FREEDOM or not _is_identity(step.turn))
 
 
 def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ...]:
@@ -111,7 +135,7 @@ def _angle_step(body: Body, k: int, axis: int, number: dict[Freedom, int], defin
     sine = definitions.define(f"S_{k}_{axis + 1}", sympy.sin(angle))
     cosine = definitions.define(f"C_{k}_{axis + 1}", sympy.cos(angle))
     turn = planar(axis, sine, cosine)
-    return Step(turn, frame, number[Freedom(k, axis)], axis, speed(k, axis))
+    return Step(turn, frame, number[Freedom(k, axis)], axis, speed(k, axis), acceleration(k, axis))
 
 
 def _locked_turn(name: str, axis: int, angle: Number, definitions: Definitions) -> Turn:

@@ -14,6 +14,7 @@ from sympy import Expr, S
 
 from kanegen.recursion.bodies import Inertia, body_inertia
 from kanegen.recursion.columns import Column, Push, Wrench
+from kanegen.recursion.derived import Derived
 from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Step
 from kanegen.recursion.vectors import add, column, cross, dot, scale, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Symmetric
@@ -96,7 +97,7 @@ class _Assembly:
         return shifted
 
 
-def mass_matrix(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> list[Expr]:
+def mass_matrix(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> Derived:
     """The entries of [A], row-major; both halves hold the same symbols."""
     bodies = [body_inertia(system, k, definitions) for k in range(1, system.number_of_bodies + 1)]
     columns: list[list[Column]] = [[] for _ in bodies]
@@ -115,4 +116,5 @@ def mass_matrix(system: System, motions: tuple[JointMotion, ...], definitions: D
             columns[j - 1] += assembly.shift_columns(carried, composite, motion)
             bodies[j - 1] = bodies[j - 1].plus(composite, str(j), definitions)
     n = len(system.freedoms)
-    return [assembly.entries.get((max(r, c), min(r, c)), S.Zero) for r in range(n) for c in range(n)]
+    pairs = ((max(r, c), min(r, c)) for r in range(n) for c in range(n))
+    return Derived([assembly.entries.get(pair, S.Zero) for pair in pairs])

@@ -43,6 +43,11 @@ def torque(body: int, axis: int) -> Symbol:
     return real(f"M_{body}_{axis + 1}")
 
 
+def generalized_force(body: int, index: int) -> Symbol:
+    """Generalized force on the freedom `index` (0 to 5) of `body`, beside loads and gravity (N m, N)."""
+    return real(f"tau_{body}_{index + 1}")
+
+
 def parameter(value: Parameter) -> Symbol:
     """The symbol that stands for a run-time parameter."""
     return real(value.name)

@@ -1,0 +1,182 @@
+"""A body with everything outward of it, as the force that it takes to accelerate it.
+
+The pair {N}, {F} about an origin is linear in the angular acceleration and the acceleration of that origin,
+
+    {N; F} = [S] {alpha; a} + {p},
+
+with a symmetric [S] of rows and columns 0-2 for turning and 3-5 for translation. Where a component of the
+acceleration is free, its row is solved for it and what is left passes inward (Featherstone 2008, section
+7.3).
+A component that is eliminated leaves exact zeros in [S] and its own effort in {p}.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from sympy import Expr, S
+
+from kanegen.recursion.bodies import Inertia
+from kanegen.recursion.motion import Requirement
+from kanegen.recursion.turns import INDEX, Turn
+from kanegen.recursion.vectors import add, add_symmetric, cross
+from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
+
+SIX = range(6)
+Rows = tuple[Vector, Vector, Vector]
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """How a free component of the acceleration follows from the others.
+
+    Attributes:
+        index: The component.
+        pivot: Its entry of [S]; positive, or [A] is singular.
+        gains: By other component, what it takes away per unit.
+        free: What it is where the others are zero.
+    """
+
+    index: int
+    pivot: Expr
+    gains: dict[int, Expr]
+    free: Expr
+
+    def solve(self, acceleration: Sequence[Expr]) -> Expr:
+        """The component, from the others."""
+        return self.free - sum(gain * acceleration[i] for i, gain in self.gains.items())
+
+
+@dataclass(frozen=True)
+class Articulated:
+    """[S] and {p} in blocks.
+
+    Attributes:
+        inertia: Moments by angular acceleration (kg m^2).
+        coupling: Rows of moments by acceleration (kg m).
+        mass: Forces by acceleration (kg).
+        bias: {p}.
+    """
+
+    inertia: Symmetric
+    coupling: Rows
+    mass: Symmetric
+    bias: Requirement
+
+    def plus(self, other: Articulated, name: str, definitions: Definitions) -> Articulated:
+        """Both together."""
+        return Articulated(
+            add_symmetric(self.inertia, other.inertia),
+            _rows([add(a, b) for a, b in zip(self.coupling, other.coupling, strict=True)]),
+            add_symmetric(self.mass, other.mass),
+            Requirement(add(self.bias.force, other.bias.force), add(self.bias.moment, other.bias.moment)),
+        ).named(name, definitions)
+
+    def named(self, name: str, definitions: Definitions) -> Articulated:
+        """With a symbol for every entry."""
+        rows = zip(AXES, self.coupling, strict=True)
+        return Articulated(
+            definitions.symmetric(f"SI_{name}", self.inertia),
+            _rows([definitions.vector(f"SH_{name}_{axis}", row) for axis, row in rows]),
+            definitions.symmetric(f"SM_{name}", self.mass),
+            Requirement(
+                definitions.vector(f"pF_{name}", self.bias.force),
+                definitions.vector(f"pN_{name}", self.bias.moment),
+            ),
+        )
+
+    def eliminated(
+        self, index: int, effort: Expr, name: str, definitions: Definitions
+    ) -> tuple[Articulated, Elimination]:
+        """What is left where component `index` is free and `effort` acts along it."""
+        matrix, bias = self._matrix(), [*self.bias.moment, *self.bias.force]
+        others = [i for i in SIX if i != index and matrix[index][i] != 0]
+        pivot = matrix[index][index]
+        inverse = definitions.define(f"D_{name}", 1 / pivot)
+        gains = {i: definitions.define(f"g_{name}_{i}", matrix[index][i] * inverse) for i in others}
+        surplus = definitions.define(f"e_{name}", effort - bias[index])
+        free = definitions.define(f"n_{name}", surplus * inverse)
+        for i in others:
+            bias[i] += gains[i] * surplus
+            for j in others:
+                matrix[i][j] -= gains[min(i, j)] * matrix[index][max(i, j)]
+        bias[index] = effort  # what the joint transmits along the component
+        for i in SIX:
+            matrix[index][i] = matrix[i][index] = S.Zero
+        left = _from_matrix(matrix, bias).named(name, definitions)
+        return left, Elimination(index, pivot, gains, free)
+
+    def down(self, turn: Turn, name: str, definitions: Definitions) -> Articulated:
+        """The same from below a turn."""
+        rows = [turn.down(row) for row in self.coupling]
+        rows = [definitions.vector(f"SHr_{name}_{axis}", row) for axis, row in zip(AXES, rows, strict=True)]
+        columns = [turn.down(Vector(rows[0][j], rows[1][j], rows[2][j])) for j in range(3)]
+        return replace(
+            self,
+            inertia=turn.down_symmetric(definitions, f"SI_{name}", self.inertia),
+            coupling=_rows([Vector(columns[0][i], columns[1][i], columns[2][i]) for i in range(3)]),
+            mass=turn.down_symmetric(definitions, f"SM_{name}", self.mass),
+            bias=Requirement(turn.down(self.bias.force), turn.down(self.bias.moment)),
+        ).named(name, definitions)
+
+    def shifted(self, d: Vector, name: str, definitions: Definitions) -> Articulated:
+        """About an origin from which this one is {d} away.
+
+        With [H'] = [H] + [d~][M], the inertia becomes [I] - [H][d~] + [d~][H']^T.
+        """
+        mass = [[getattr(self.mass, INDEX[min(i, j), max(i, j)]) for j in range(3)] for i in range(3)]
+        columns = [cross(d, Vector(*mass[j])) for j in range(3)]
+        coupling = [
+            definitions.vector(
+                f"SH_{name}_{AXES[i]}",
+                add(self.coupling[i], Vector(columns[0][i], columns[1][i], columns[2][i])),
+            )
+            for i in range(3)
+        ]
+        # Row i of -[H][d~] is (d x row i of [H]); row i of [d~][H']^T is row i of d x columns of [H']^T.
+        first = [cross(d, row) for row in self.coupling]
+        second = [cross(d, coupling[j]) for j in range(3)]
+        inertia = Symmetric(
+            **{
+                name_ij: getattr(self.inertia, name_ij) + first[i][j] + second[j][i]
+                for (i, j), name_ij in INDEX.items()
+            }
+        )
+        bias = Requirement(self.bias.force, add(self.bias.moment, cross(d, self.bias.force)))
+        return Articulated(inertia, _rows(coupling), self.mass, bias).named(name, definitions)
+
+    def _matrix(self) -> list[list[Expr]]:
+        matrix = [[S.Zero] * 6 for _ in SIX]
+        for (i, j), name in INDEX.items():
+            matrix[i][j] = matrix[j][i] = getattr(self.inertia, name)
+            matrix[3 + i][3 + j] = matrix[3 + j][3 + i] = getattr(self.mass, name)
+        for i in range(3):
+            for j in range(3):
+                matrix[i][3 + j] = matrix[3 + j][i] = self.coupling[i][j]
+        return matrix
+
+
+def rigid(inertia: Inertia, bias: Requirement) -> Articulated:
+    """A rigid body alone."""
+    m, h = inertia.mass, inertia.moment
+    coupling = (
+        Vector(S.Zero, -h.z, h.y),
+        Vector(h.z, S.Zero, -h.x),
+        Vector(-h.y, h.x, S.Zero),
+    )
+    mass = Symmetric(m, m, m, S.Zero, S.Zero, S.Zero)
+    return Articulated(inertia.inertia, coupling, mass, bias)
+
+
+def _from_matrix(matrix: list[list[Expr]], bias: list[Expr]) -> Articulated:
+    return Articulated(
+        Symmetric(**{name: matrix[i][j] for (i, j), name in INDEX.items()}),
+        _rows([Vector(*matrix[i][3:]) for i in range(3)]),
+        Symmetric(**{name: matrix[3 + i][3 + j] for (i, j), name in INDEX.items()}),
+        Requirement(Vector(*bias[3:]), Vector(*bias[:3])),
+    )
+
+
+def _rows(rows: list[Vector]) -> Rows:
+    return rows[0], rows[1], rows[2]

@@ -1,0 +1,153 @@
+"""Motions of the bodies, outward, and the forces that each needs for itself.
+
+The motion of a body is its angular velocity and the accelerations that belong to given accelerations of the
+coordinates; gravity counts as an upward acceleration of the ground. With {ydot} = 0 this is what remains of
+Eqs. (20) and (33).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sympy import Expr
+
+from kanegen.recursion.bodies import Inertia, body_inertia
+from kanegen.recursion.joints import JointMotion, exact
+from kanegen.recursion.vectors import ZERO, add, cross, multiply, negate, scale, subtract, unit
+from kanegen.symbolic.definitions import AXES, Definitions, Vector
+from kanegen.symbolic.symbols import force as force_symbol
+from kanegen.symbolic.symbols import torque as torque_symbol
+from kanegen.system import System
+
+Rows = tuple[Vector, Vector, Vector]
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """The force and the moment about its origin that a body needs, in its frame (N, N m)."""
+
+    force: Vector = ZERO
+    moment: Vector = ZERO
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of a body, in its frame.
+
+    Attributes:
+        omega: Angular velocity {omega'_K} (rad/s).
+        alpha: Angular acceleration (rad/s^2).
+        acceleration: Of the origin O_K, less gravity (m/s^2).
+        squares: Products omega_i omega_j by pair of axes.
+        field: [alpha~] + [omega~][omega~], which times a body-fixed vector gives its acceleration.
+    """
+
+    omega: Vector
+    alpha: Vector
+    acceleration: Vector
+    squares: dict[tuple[int, int], Expr]
+    field: Rows
+
+
+def outward(
+    system: System, motions: tuple[JointMotion, ...], definitions: Definitions, *, accelerated: bool
+) -> dict[int, Motion]:
+    """The motions of the ground, 0, and of every body.
+
+    Args:
+        system: The tree.
+        motions: Its joints.
+        definitions: Take the intermediates.
+        accelerated: With {ydot} as its symbols say, else with {ydot} = 0.
+    """
+    gravity = Vector(*(exact(value) for value in system.gravity))
+    still = {(i, j): exact(0.0) for i in range(3) for j in range(3)}
+    moved = {0: Motion(ZERO, ZERO, negate(gravity), still, (ZERO, ZERO, ZERO))}
+    for motion in motions:
+        name = system.bodies[motion.body - 1].name
+        definitions.about(f"Body {motion.body} ({name}): angular velocity and acceleration, Eqs. (11), (20)")
+        moved[motion.body] = _move(moved[motion.lower], motion, definitions, accelerated)
+    return moved
+
+
+def _move(lower: Motion, motion: JointMotion, definitions: Definitions, accelerated: bool) -> Motion:
+    """From body J to body K: Eqs. (11), (20), (33), one turn at a time."""
+    k = motion.body
+    omega, alpha = lower.omega, lower.alpha
+    sliding = ZERO
+    carried = add(lower.acceleration, multiply(lower.field, motion.offset))
+    for slide in motion.slides:
+        sliding = add(sliding, scale(slide.rate, slide.direction))
+        if accelerated:
+            carried = add(carried, scale(slide.acceleration, slide.direction))
+    twice = definitions.vector(f"w_{motion.lower}", scale(exact(2.0), omega))
+    sliding = definitions.vector(f"v_{k}", sliding)
+    acceleration = definitions.vector(f"a_{k}j", add(carried, cross(twice, sliding)))
+    last = motion.steps[-1] if motion.steps else None
+    for step in motion.steps:
+        above = f"{k}" if step is last else f"{step.frame}u"
+        turned = step.turn.up(omega)
+        rate = scale(step.rate, unit(step.axis))
+        alpha = add(step.turn.up(alpha), cross(turned, rate))
+        if accelerated:
+            alpha = add(alpha, scale(step.acceleration, unit(step.axis)))
+        alpha = definitions.vector(f"alpha_{above}", alpha)
+        omega = definitions.vector(f"omega_{above}", add(turned, rate))
+        acceleration = definitions.vector(f"a_{above}", step.turn.up(acceleration))
+    return _with_field(k, omega, alpha, acceleration, definitions)
+
+
+def _with_field(
+    k: int, omega: Vector, alpha: Vector, acceleration: Vector, definitions: Definitions
+) -> Motion:
+    squares: dict[tuple[int, int], Expr] = {}
+    for i in range(3):
+        for j in range(i, 3):
+            name = f"ww_{k}_{AXES[i]}{AXES[j]}"
+            squares[i, j] = squares[j, i] = definitions.define(name, omega[i] * omega[j])
+    w = squares
+    field = (
+        Vector(-(w[1, 1] + w[2, 2]), w[0, 1] - alpha.z, w[0, 2] + alpha.y),
+        Vector(w[0, 1] + alpha.z, -(w[0, 0] + w[2, 2]), w[1, 2] - alpha.x),
+        Vector(w[0, 2] - alpha.y, w[1, 2] + alpha.x, -(w[0, 0] + w[1, 1])),
+    )
+    named = tuple(definitions.vector(f"W_{k}_{axis}", row) for axis, row in zip(AXES, field, strict=True))
+    return Motion(omega, alpha, acceleration, squares, (named[0], named[1], named[2]))
+
+
+def required(system: System, k: int, motion: Motion, definitions: Definitions) -> Requirement:
+    """What the motion of body `k` needs, less its loads: its terms of Eqs. (38) and (44)."""
+    body = system.bodies[k - 1]
+    inertia = body_inertia(system, k, definitions)
+    definitions.about(f"Body {k} ({body.name}): force and moment about O_{k}, Eq. (44)")
+    m, h = inertia.mass, inertia.moment
+    force = add(scale(m, motion.acceleration), multiply(motion.field, h))
+    moment = add(_rotational(inertia, motion, definitions, k), cross(h, motion.acceleration))
+    if body.loads:
+        load = Vector(*(force_symbol(k, axis) for axis in range(3)))
+        torque = Vector(*(torque_symbol(k, axis) for axis in range(3)))
+        arm = Vector(*(exact(value) for value in body.mass_center))
+        force = subtract(force, load)
+        moment = subtract(subtract(moment, torque), cross(arm, load))
+    named = definitions.vector(f"F_{k}own", force)
+    return Requirement(named, definitions.vector(f"M_{k}own", moment))
+
+
+def _rotational(inertia: Inertia, motion: Motion, definitions: Definitions, k: int) -> Vector:
+    """[I] {alpha} + [omega~] [I] {omega}, from the products of speeds that `field` holds already."""
+    i, w, field = inertia.inertia, motion.squares, motion.field
+    diagonal = (i.xx, i.yy, i.zz)
+    product = {(0, 1): i.xy, (1, 0): i.xy, (0, 2): i.xz, (2, 0): i.xz, (1, 2): i.yz, (2, 1): i.yz}
+    components = []
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        difference = definitions.define(f"I_{k}_d{a}", diagonal[c] - diagonal[b])
+        spread = definitions.define(f"ww_{k}_d{a}", w[b, b] - w[c, c])
+        components.append(
+            diagonal[a] * motion.alpha[a]
+            - product[a, b] * field[c][a]
+            + product[a, c] * field[b][a]
+            + difference * w[b, c]
+            + product[b, c] * spread
+        )
+    return Vector(*components)
