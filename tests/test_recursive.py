@@ -109,11 +109,23 @@ def bushes(bodies: int) -> kg.System:
     )
 
 
+def hinges(bodies: int) -> kg.System:
+    """A chain of hinges about axes 1, 2, 3, 1, ..."""
+    free = np.eye(6, dtype=bool)[[k % 3 for k in range(bodies)]]
+    rng = np.random.default_rng(1)
+    return systems.random_system(
+        rng, bodies, connection=range(bodies), free=free, loads=False, orientations=False, locked=False,
+        gravity=(0, 0, -9.81),
+    )  # fmt: skip
+
+
 COUNTS = {
     "free_body": (lambda: bushes(1), 188),
     "chain of 2": (lambda: bushes(2), 713),
     "chain of 10": (lambda: bushes(10), 13769),
     "eight_body": (lambda: systems.eight_body(loads=False), 4585),
+    "hinges 6": (lambda: hinges(6), 859),
+    "hinges 20": (lambda: hinges(20), 6165),
 }
 """Additions and multiplications of [A] and {f} with every number generic: they may fall, never rise."""
 

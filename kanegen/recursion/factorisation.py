@@ -11,8 +11,8 @@ from sympy import Expr, S
 
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.forcing import forcing
-from kanegen.recursion.joints import JointMotion
 from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.recursion.tree import Tree
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import generalized_force
 from kanegen.system import System
@@ -32,12 +32,13 @@ def worth_trying(system: System) -> bool:
     return angles <= MOST_ANGLES and cost <= ARTICULATED_COST * len(system.freedoms)
 
 
-def forward_dynamics(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> Derived:
+def forward_dynamics(tree: Tree) -> Derived:
     """The entries of {ydot}, and the pivots of [D], positive where [A] is regular."""
+    system, definitions = tree.system, tree.definitions
     n = len(system.freedoms)
-    entries = mass_matrix(system, motions, definitions).entries
+    entries = mass_matrix(tree).entries
     a = {(i, j): entries[n * i + j] for i in range(n) for j in range(n)}
-    applied = zip(forcing(system, motions, definitions).entries, system.freedoms, strict=True)
+    applied = zip(forcing(tree).entries, system.freedoms, strict=True)
     b = [f + generalized_force(freedom.body, freedom.index) for f, freedom in applied]
     carriers = _carriers(system)
     definitions.about("[A] = [L]^T [D] [L], then {ydot}, Eq. (42)")

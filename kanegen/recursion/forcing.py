@@ -10,32 +10,29 @@ from __future__ import annotations
 from sympy import Expr
 
 from kanegen.recursion.derived import Derived
-from kanegen.recursion.joints import NO_FREEDOM, JointMotion
+from kanegen.recursion.joints import NO_FREEDOM
 from kanegen.recursion.motion import Requirement, outward, required
+from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import add, cross, dot
-from kanegen.symbolic.definitions import Definitions
-from kanegen.system import System
 
 
-def forcing(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> Derived:
+def forcing(tree: Tree) -> Derived:
     """The entries of {f}, Eq. (44)."""
-    return Derived([-needed for needed in _needed(system, motions, definitions, accelerated=False)])
+    return Derived([-needed for needed in _needed(tree, accelerated=False)])
 
 
-def inverse_dynamics(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> Derived:
+def inverse_dynamics(tree: Tree) -> Derived:
     """The entries of [A]{ydot} - {f}: what the accelerations {ydot} need beside loads and gravity."""
-    return Derived(_needed(system, motions, definitions, accelerated=True))
+    return Derived(_needed(tree, accelerated=True))
 
 
-def _needed(
-    system: System, motions: tuple[JointMotion, ...], definitions: Definitions, *, accelerated: bool
-) -> list[Expr]:
-    moved = outward(system, motions, definitions, accelerated=accelerated)
-    carried = [Requirement() for _ in range(system.number_of_bodies)]
+def _needed(tree: Tree, *, accelerated: bool) -> list[Expr]:
+    moved, definitions = outward(tree, accelerated=accelerated), tree.definitions
+    carried = [Requirement() for _ in tree.motions]
     result: dict[int, Expr] = {}
-    for motion in reversed(motions):
+    for motion in reversed(tree.motions):
         k, j = motion.body, motion.lower
-        own = required(system, k, moved[k], definitions)
+        own = required(tree, k, moved[k])
         force = definitions.vector(f"F_{k}", add(own.force, carried[k - 1].force))
         moment = definitions.vector(f"M_{k}", add(own.moment, carried[k - 1].moment))
         for step in reversed(motion.steps):
@@ -51,4 +48,4 @@ def _needed(
                 definitions.vector(f"F_{k}s", add(carried[j - 1].force, force)),
                 definitions.vector(f"M_{k}s", add(carried[j - 1].moment, shifted)),
             )
-    return [result[i] for i in range(len(system.freedoms))]
+    return [result[i] for i in range(len(tree.system.freedoms))]

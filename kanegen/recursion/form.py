@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from kanegen.recursion import factorisation, forward_dynamics
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.forcing import forcing, inverse_dynamics
-from kanegen.recursion.joints import JointMotion, joint_motion
 from kanegen.recursion.mass_matrix import mass_matrix
-from kanegen.symbolic.definitions import Definition, Definitions
+from kanegen.recursion.tree import Tree, tree
+from kanegen.symbolic.definitions import Definition
 from kanegen.system import System
 
-Recursion = Callable[[System, tuple[JointMotion, ...], Definitions], Derived]
+Recursion = Callable[[Tree], Derived]
 
 RECURSIONS: dict[str, dict[str, Recursion]] = {
     "mass_matrix": {"composite bodies": mass_matrix},
@@ -62,7 +62,6 @@ def recursive_form(system: System, methods: Methods) -> RecursiveForm:
         system: The tree.
         methods: The outputs, and how to derive each: keys of `RECURSIONS`.
     """
-    definitions = Definitions(taken=[parameter.name for parameter in system.parameters])
-    motions = tuple(joint_motion(system, k, definitions) for k in range(1, system.number_of_bodies + 1))
-    outputs = {name: RECURSIONS[name][way](system, motions, definitions) for name, way in methods.items()}
-    return RecursiveForm(system, methods, definitions.listed(), outputs)
+    prepared = tree(system)
+    outputs = {name: RECURSIONS[name][way](prepared) for name, way in methods.items()}
+    return RecursiveForm(system, methods, prepared.definitions.listed(), outputs)

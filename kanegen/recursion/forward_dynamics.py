@@ -13,14 +13,13 @@ from dataclasses import dataclass, field
 from sympy import Expr
 
 from kanegen.recursion.articulated import Articulated, Elimination, rigid
-from kanegen.recursion.bodies import body_inertia
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.joints import NO_FREEDOM, JointMotion
 from kanegen.recursion.motion import outward, required
+from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import generalized_force
-from kanegen.system import System
 
 TURNS, SLIDES = (0, 1, 2), (3, 4, 5)
 
@@ -34,30 +33,26 @@ class _Solution:
     body: list[Elimination] = field(default_factory=list)
 
 
-def forward_dynamics(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> Derived:
+def forward_dynamics(tree: Tree) -> Derived:
     """The entries of {ydot}, and for each a pivot that is positive where [A] is regular."""
-    efforts = [generalized_force(f.body, f.index) for f in system.freedoms]
-    recursion = _Recursion(system, definitions, efforts)
-    moved = outward(system, motions, definitions, accelerated=False)
-    bodies = [
-        rigid(body_inertia(system, k, definitions), required(system, k, moved[k], definitions))
-        for k in range(1, system.number_of_bodies + 1)
-    ]
+    freedoms = tree.system.freedoms
+    efforts = [generalized_force(freedom.body, freedom.index) for freedom in freedoms]
+    recursion = _Recursion(tree.definitions, efforts)
+    moved = outward(tree, accelerated=False)
+    bodies = [rigid(own, required(tree, k, moved[k])) for k, own in enumerate(tree.inertias, start=1)]
     solutions: dict[int, _Solution] = {}
-    for motion in reversed(motions):
+    for motion in reversed(tree.motions):
         k, j = motion.body, motion.lower
-        definitions.about(f"Body {k} ({system.bodies[k - 1].name}): articulated body, Eq. (42)")
+        tree.about(k, "articulated body, Eq. (42)")
         passed, solutions[k] = recursion.inward(motion, bodies[k - 1])
         if j:
-            bodies[j - 1] = bodies[j - 1].plus(passed, f"{j}", definitions)
+            bodies[j - 1] = bodies[j - 1].plus(passed, f"{j}", tree.definitions)
     accelerations = {0: (ZERO, ZERO)}
-    for motion in motions:
-        definitions.about(
-            f"Body {motion.body} ({system.bodies[motion.body - 1].name}): accelerations, Eq. (42)"
-        )
+    for motion in tree.motions:
+        tree.about(motion.body, "accelerations, Eq. (42)")
         lower = accelerations[motion.lower]
         accelerations[motion.body] = recursion.outward(motion, solutions[motion.body], *lower)
-    places = range(len(system.freedoms))
+    places = range(len(freedoms))
     return Derived([recursion.result[i] for i in places], [recursion.pivots[i] for i in places])
 
 
@@ -65,7 +60,6 @@ def forward_dynamics(system: System, motions: tuple[JointMotion, ...], definitio
 class _Recursion:
     """The inward and outward step over one joint, and what they have found."""
 
-    system: System
     definitions: Definitions
     efforts: list[Expr]
     result: dict[int, Expr] = field(default_factory=dict)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 from sympy import Expr, S
@@ -11,7 +11,7 @@ from kanegen.angles import sine_cosine
 from kanegen.body import Body
 from kanegen.numbers import Number, Parameter
 from kanegen.recursion.turns import Turn, constant_turns, planar
-from kanegen.recursion.vectors import add, unit
+from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import acceleration, coordinate, speed
 from kanegen.system import Freedom, System
@@ -66,7 +66,8 @@ class JointMotion:
     Attributes:
         body: K.
         lower: J, 0 for the ground.
-        offset: {q'_K} + [C_K]^T {s'_K}, from O_J to O_K in J (m).
+        offset: From the origin of J to that of K, in J (m): {q'_K} + [C_K]^T {s'_K} and what `origin` adds.
+        origin: From O_K to the point of K that serves as its origin, in K (m); see `_origin`.
         slides: The free translations.
         constant: The turns of [C_K], from J to the joint frame.
         angles: The turns of the angles, from the joint frame to K.
@@ -75,9 +76,21 @@ class JointMotion:
     body: int
     lower: int
     offset: Vector
+    origin: Vector
     slides: tuple[Slide, ...]
     constant: tuple[Step, ...]
     angles: tuple[Step, ...]
+
+    @property
+    def turns(self) -> bool:
+        """Whether any angle is free."""
+        return any(step.freedom != NO_FREEDOM for step in self.angles)
+
+    @property
+    def hinge(self) -> Step | None:
+        """The one free angle, if nothing else moves and no locked angle turns its axis in K."""
+        alone = len(self.angles) == 1 and not self.slides
+        return self.angles[0] if alone and self.turns else None
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -90,15 +103,22 @@ def exact(value: Number) -> Expr:
     return sympy.Symbol(value.name, real=True) if isinstance(value, Parameter) else sympy.Rational(value)
 
 
-def joint_motion(system: System, k: int, definitions: Definitions) -> JointMotion:
-    """The motion of body `k` on its lower body, sines and cosines defined."""
+def joint_motion(system: System, k: int, below: Vector, definitions: Definitions) -> JointMotion:
+    """The motion of body `k` on its lower body, sines and cosines defined.
+
+    Args:
+        system: The tree.
+        k: Number of the body.
+        below: `origin` of the lower body, zero for the ground.
+        definitions: Take the intermediates.
+    """
     body = system.bodies[k - 1]
     number = {freedom: i for i, freedom in enumerate(system.freedoms)}
     definitions.about(f"Body {k} ({body.name}): the joint, Eqs. (4), (22)")
     constant = _orientation(body, k, definitions)
     directions = [definitions.vector(f"u_{k}_{i + 1}", _down(constant, unit(i))) for i in range(3)]
-    offset = Vector(*(exact(value) for value in body.joint.position))
-    slides = []
+    offset = subtract(Vector(*(exact(value) for value in body.joint.position)), below)
+    slides: list[Slide] = []
     for axis in range(3):
         free = body.joint.free[3 + axis]
         s = coordinate(k, 3 + axis) if free else exact(body.joint.locked[3 + axis])
@@ -108,8 +128,32 @@ def joint_motion(system: System, k: int, definitions: Definitions) -> JointMotio
             slides.append(Slide(place, axis, directions[axis], speed(k, 3 + axis), acceleration(k, 3 + axis)))
     fixed = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
     angles = [_angle_step(body, k, axis, number, definitions) for axis in range(3)]
-    named = definitions.vector(f"d_{k}", offset)
-    return JointMotion(k, body.lower, named, tuple(slides), _moving(fixed), _moving(angles))
+    motion = JointMotion(k, body.lower, offset, ZERO, tuple(slides), _moving(fixed), _moving(angles))
+    return _with_origin(motion, body, definitions)
+
+
+def _with_origin(motion: JointMotion, body: Body, definitions: Definitions) -> JointMotion:
+    """Choose the point of K that serves as its origin so that constants vanish; [A] and {f} do not change.
+
+    A body that only slides takes its mass centre, so that it has no first moment. A hinge takes the point of
+    its axis opposite the lower body's origin, where the axis is a basis vector of J and the offset thus loses
+    a component.
+    """
+    origin, offset, hinge = ZERO, motion.offset, motion.hinge
+    if motion.slides and not motion.turns:
+        origin = Vector(*(exact(value) for value in body.mass_center))
+        offset = add(offset, _down(tuple(step.turn for step in motion.steps), origin))
+    elif hinge:
+        axis = unit(hinge.axis)
+        direction = _down(tuple(step.turn for step in motion.constant), axis)
+        if all(component in (-1, 0, 1) for component in direction):
+            along = -dot(direction, offset)
+            origin, offset = scale(along, axis), add(offset, scale(along, direction))
+    return replace(
+        motion,
+        origin=definitions.vector(f"o_{motion.body}", origin),
+        offset=definitions.vector(f"d_{motion.body}", offset),
+    )
 
 
 def _moving(steps: list[Step]) -> tuple[Step, ...]:

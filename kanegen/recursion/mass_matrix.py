@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 from sympy import Expr, S
 
-from kanegen.recursion.bodies import Inertia, body_inertia
+from kanegen.recursion.bodies import Inertia
 from kanegen.recursion.columns import Column, Push, Wrench
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Step
-from kanegen.recursion.vectors import add, column, cross, dot, scale, unit
-from kanegen.symbolic.definitions import AXES, Definitions, Symmetric
-from kanegen.system import System
+from kanegen.recursion.tree import Tree
+from kanegen.recursion.vectors import column, cross, dot, scale, unit
+from kanegen.symbolic.definitions import Definitions
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,6 @@ class _Assembly:
     def record(self, a: int, b: int, value: Expr) -> None:
         """Store an entry; its mirror image is the same."""
         self.entries[max(a, b), min(a, b)] = value
-
-    def turn(self, composite: Inertia, step: Step) -> Inertia:
-        """The composite body seen from below a turn."""
-        return Inertia(
-            composite.mass,
-            self.definitions.vector(f"hc_{step.frame}", step.turn.down(composite.moment)),
-            step.turn.down_symmetric(self.definitions, f"Ic_{step.frame}", composite.inertia),
-        )
 
     def turn_columns(self, carried: list[Column], composite: Inertia, step: Step) -> list[Column]:
         """Columns seen from below a turn, whose angle takes their entries and adds its own column."""
@@ -63,23 +55,6 @@ class _Assembly:
                 self.record(col.freedom, slide.freedom, value)
             self.record(slide.freedom, slide.freedom, composite.mass)
 
-    def shift(self, composite: Inertia, motion: JointMotion) -> Inertia:
-        """The composite body about O_J: with {H} = {h} + m {d}, [I] - [d~][H~] - [h~][d~]."""
-        d, h, name = motion.offset, composite.moment, f"{motion.body}j"
-        shifted = self.definitions.vector(f"hc_{name}", add(h, scale(composite.mass, d)))
-        sums = add(h, shifted)
-        t = [self.definitions.define(f"dh_{name}_{AXES[i]}", d[i] * sums[i]) for i in range(3)]
-        old = composite.inertia
-        new = Symmetric(
-            xx=old.xx + (t[1] + t[2]),
-            yy=old.yy + (t[2] + t[0]),
-            zz=old.zz + (t[0] + t[1]),
-            xy=old.xy - (d.x * shifted.y + h.x * d.y),
-            xz=old.xz - (d.x * shifted.z + h.x * d.z),
-            yz=old.yz - (d.y * shifted.z + h.y * d.z),
-        )
-        return Inertia(composite.mass, shifted, self.definitions.symmetric(f"Ic_{name}", new))
-
     def shift_columns(self, carried: list[Column], composite: Inertia, motion: JointMotion) -> list[Column]:
         """Columns about O_J, and those of the joint's translations.
 
@@ -97,24 +72,23 @@ class _Assembly:
         return shifted
 
 
-def mass_matrix(system: System, motions: tuple[JointMotion, ...], definitions: Definitions) -> Derived:
+def mass_matrix(tree: Tree) -> Derived:
     """The entries of [A], row-major; both halves hold the same symbols."""
-    bodies = [body_inertia(system, k, definitions) for k in range(1, system.number_of_bodies + 1)]
+    bodies = list(tree.inertias)
     columns: list[list[Column]] = [[] for _ in bodies]
-    assembly = _Assembly(definitions, {})
-    for motion in reversed(motions):
+    assembly = _Assembly(tree.definitions, {})
+    for motion in reversed(tree.motions):
         k, j = motion.body, motion.lower
-        name = system.bodies[k - 1].name
-        definitions.about(f"Body {k} ({name}): composite body and its columns of [A], Eq. (43)")
+        tree.about(k, "composite body and its columns of [A], Eq. (43)")
         composite, carried = bodies[k - 1], columns[k - 1]
         for step in reversed(motion.steps):
-            composite = assembly.turn(composite, step)
+            composite = composite.down(step.turn, step.frame, tree.definitions)
             carried = assembly.turn_columns(carried, composite, step)
         assembly.slide(carried, composite, motion)
         if j:
-            composite = assembly.shift(composite, motion)
+            composite = composite.shifted(motion.offset, f"{k}j", tree.definitions)
             columns[j - 1] += assembly.shift_columns(carried, composite, motion)
-            bodies[j - 1] = bodies[j - 1].plus(composite, str(j), definitions)
-    n = len(system.freedoms)
+            bodies[j - 1] = bodies[j - 1].plus(composite, str(j), tree.definitions)
+    n = len(tree.system.freedoms)
     pairs = ((max(r, c), min(r, c)) for r in range(n) for c in range(n))
     return Derived([assembly.entries.get(pair, S.Zero) for pair in pairs])

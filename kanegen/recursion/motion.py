@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 from sympy import Expr
 
-from kanegen.recursion.bodies import Inertia, body_inertia
+from kanegen.recursion.bodies import Inertia
 from kanegen.recursion.joints import JointMotion, exact
+from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, multiply, negate, scale, subtract, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
 from kanegen.symbolic.symbols import force as force_symbol
 from kanegen.symbolic.symbols import torque as torque_symbol
-from kanegen.system import System
 
 Rows = tuple[Vector, Vector, Vector]
 
@@ -49,24 +49,19 @@ class Motion:
     field: Rows
 
 
-def outward(
-    system: System, motions: tuple[JointMotion, ...], definitions: Definitions, *, accelerated: bool
-) -> dict[int, Motion]:
+def outward(tree: Tree, *, accelerated: bool) -> dict[int, Motion]:
     """The motions of the ground, 0, and of every body.
 
     Args:
-        system: The tree.
-        motions: Its joints.
-        definitions: Take the intermediates.
+        tree: The tree.
         accelerated: With {ydot} as its symbols say, else with {ydot} = 0.
     """
-    gravity = Vector(*(exact(value) for value in system.gravity))
+    gravity = Vector(*(exact(value) for value in tree.system.gravity))
     still = {(i, j): exact(0.0) for i in range(3) for j in range(3)}
     moved = {0: Motion(ZERO, ZERO, negate(gravity), still, (ZERO, ZERO, ZERO))}
-    for motion in motions:
-        name = system.bodies[motion.body - 1].name
-        definitions.about(f"Body {motion.body} ({name}): angular velocity and acceleration, Eqs. (11), (20)")
-        moved[motion.body] = _move(moved[motion.lower], motion, definitions, accelerated)
+    for motion in tree.motions:
+        tree.about(motion.body, "angular velocity and acceleration, Eqs. (11), (20)")
+        moved[motion.body] = _move(moved[motion.lower], motion, tree.definitions, accelerated)
     return moved
 
 
@@ -115,18 +110,18 @@ def _with_field(
     return Motion(omega, alpha, acceleration, squares, (named[0], named[1], named[2]))
 
 
-def required(system: System, k: int, motion: Motion, definitions: Definitions) -> Requirement:
+def required(tree: Tree, k: int, motion: Motion) -> Requirement:
     """What the motion of body `k` needs, less its loads: its terms of Eqs. (38) and (44)."""
-    body = system.bodies[k - 1]
-    inertia = body_inertia(system, k, definitions)
-    definitions.about(f"Body {k} ({body.name}): force and moment about O_{k}, Eq. (44)")
+    body, inertia, definitions = tree.system.bodies[k - 1], tree.inertias[k - 1], tree.definitions
+    tree.about(k, "force and moment about its origin, Eq. (44)")
     m, h = inertia.mass, inertia.moment
     force = add(scale(m, motion.acceleration), multiply(motion.field, h))
     moment = add(_rotational(inertia, motion, definitions, k), cross(h, motion.acceleration))
     if body.loads:
         load = Vector(*(force_symbol(k, axis) for axis in range(3)))
         torque = Vector(*(torque_symbol(k, axis) for axis in range(3)))
-        arm = Vector(*(exact(value) for value in body.mass_center))
+        center = Vector(*(exact(value) for value in body.mass_center))
+        arm = definitions.vector(f"r_{k}", subtract(center, tree.motions[k - 1].origin))
         force = subtract(force, load)
         moment = subtract(subtract(moment, torque), cross(arm, load))
     named = definitions.vector(f"F_{k}own", force)

@@ -1,0 +1,95 @@
+"""The tree as the recursions see it: joints, and inertias regrouped so that many numbers vanish.
+
+What a joint cannot move apart from the lower body may as well belong to the lower body: the mass of a body
+whose joint does not slide, as a point at its origin; the first moment along a hinge, and the inertia of a rod
+on its axis; the whole inertia of a body that does not turn; everything of a welded body. [A] and {f} do not
+change (base inertial parameters: Gautier and Khalil 1990).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from sympy import S
+
+from kanegen.recursion.bodies import NOTHING, Inertia, body_inertia
+from kanegen.recursion.joints import NO_FREEDOM, JointMotion, joint_motion
+from kanegen.recursion.turns import entry
+from kanegen.recursion.vectors import ZERO, scale, unit
+from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
+from kanegen.system import System
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A system, ready for recursions.
+
+    Attributes:
+        system: What it was made from.
+        motions: The joint of each body.
+        inertias: What each body keeps, about its origin.
+        definitions: Take the intermediates.
+    """
+
+    system: System
+    motions: tuple[JointMotion, ...]
+    inertias: tuple[Inertia, ...]
+    definitions: Definitions
+
+    def about(self, k: int, what: str) -> None:
+        """Say what the following definitions are: something of body `k`."""
+        self.definitions.about(f"Body {k} ({self.system.bodies[k - 1].name}): {what}")
+
+
+def tree(system: System) -> Tree:
+    """The tree of `system`, with new definitions."""
+    definitions = Definitions(taken=[parameter.name for parameter in system.parameters])
+    motions: list[JointMotion] = []
+    for k, body in enumerate(system.bodies, start=1):
+        below = motions[body.lower - 1].origin if body.lower else ZERO
+        motions.append(joint_motion(system, k, below, definitions))
+    own = [body_inertia(system, motion.body, motion.origin, definitions) for motion in motions]
+    for motion in reversed(motions):
+        k, j = motion.body, motion.lower
+        own[k - 1], passed = _regrouped(own[k - 1], motion, definitions)
+        if j:
+            own[j - 1] = own[j - 1].plus(passed, f"{j}r{k}", definitions)
+    return Tree(system, tuple(motions), tuple(own), definitions)
+
+
+def _regrouped(own: Inertia, motion: JointMotion, definitions: Definitions) -> tuple[Inertia, Inertia]:
+    """What a body keeps, and what its lower body gets, about the lower body's origin and in its frame."""
+    if motion.slides and motion.turns:
+        return own, Inertia()
+    if motion.slides:
+        spinning = _seen_below(Inertia(inertia=own.inertia), motion, ZERO, definitions)
+        return replace(own, inertia=NOTHING), spinning
+    if not motion.turns:
+        return Inertia(), _seen_below(own, motion, motion.offset, definitions)
+    fixed = _on_axis(own, motion.hinge.axis) if motion.hinge else Inertia(mass=own.mass)
+    return _difference(own, fixed), _seen_below(fixed, motion, motion.offset, definitions)
+
+
+def _on_axis(own: Inertia, axis: int) -> Inertia:
+    """Mass on the axis that a hinge does not move: its first moment along the axis, and a rod's inertia."""
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    rod = getattr(own.inertia, entry(k, k))
+    inertia = {name: S.Zero for name in Symmetric._fields} | {entry(j, j): rod, entry(k, k): rod}
+    return Inertia(own.mass, scale(own.moment[axis], unit(axis)), Symmetric(**inertia))
+
+
+def _difference(own: Inertia, fixed: Inertia) -> Inertia:
+    return Inertia(
+        own.mass - fixed.mass,
+        Vector(*(a - b for a, b in zip(own.moment, fixed.moment, strict=True))),
+        Symmetric(*(a - b for a, b in zip(own.inertia, fixed.inertia, strict=True))),
+    )
+
+
+def _seen_below(part: Inertia, motion: JointMotion, offset: Vector, definitions: Definitions) -> Inertia:
+    """Through the turns that stand still, which leave a rod on a turning axis as it is, and by the offset."""
+    name = f"{motion.body}r"
+    for step in reversed(motion.steps):
+        if step.freedom == NO_FREEDOM:
+            part = part.down(step.turn, f"{name}{step.frame}", definitions)
+    return part.shifted(offset, name, definitions)
