@@ -26,7 +26,9 @@ app = typer.Typer(
     epilog="Exit status: 0 done, 1 a check did not pass, 2 bad input.",
 )
 
-Model = Annotated[Path, typer.Argument(help="Model file, .toml or .urdf.", show_default=False)]
+Model = Annotated[
+    Path, typer.Argument(metavar="MODEL", help="Model file, .toml or .urdf.", show_default=False)
+]
 FloatingBase = Annotated[
     bool, typer.Option("--floating-base", help="Give the root link of a .urdf six freedoms.")
 ]

@@ -30,11 +30,13 @@ class Facts:
     Attributes:
         system: The tree.
         operations: By output, and of [A] and {f} together.
+        methods: How each output is derived.
         stages: What all outputs together cost after lowering and after every pass.
     """
 
     system: System
     operations: dict[str, dict[str, int]]
+    methods: dict[str, str]
     stages: tuple[Stage, ...]
 
     def as_dict(self) -> dict[str, Any]:
@@ -60,18 +62,18 @@ class Facts:
             ],
             "parameters": {parameter.name: parameter.value for parameter in system.parameters},
             "operations": self.operations,
+            "methods": self.methods,
             "passes": [{"name": stage.name, "operations": stage.operations} for stage in self.stages],
         }
 
 
 def gather(system: System, progress: Callable[[str], None]) -> Facts:
     """Count what every output costs alone and all together."""
-    operations = {}
-    for name in OUTPUTS:
-        operations[name] = compiler.compile_module(system, (name,), progress).operations
+    alone = {name: compiler.compile_module(system, (name,), progress) for name in OUTPUTS}
     together = compiler.compile_module(system, EQUATIONS, progress)
-    operations[TOGETHER] = together.operations
-    return Facts(system, operations, together.stages)
+    operations = {name: compiled.operations for name, compiled in alone.items()}
+    methods = {name: compiled.methods[name] for name, compiled in alone.items()}
+    return Facts(system, {**operations, TOGETHER: together.operations}, methods, together.stages)
 
 
 def show(facts: Facts, console: Console) -> None:
@@ -80,7 +82,7 @@ def show(facts: Facts, console: Console) -> None:
     n, bodies = len(system.freedoms), system.number_of_bodies
     gravity = ", ".join(_text(value) for value in system.gravity)
     console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s²\n")
-    console.print(_tree(system))
+    console.print(_tree(system), soft_wrap=True)  # a long chain goes beyond any width
     console.print("\n[bold]Freedoms[/], in the order of x and y")
     console.print(_freedoms(system))
     if system.parameters:
@@ -116,11 +118,11 @@ def _parameters(system: System) -> Table:
 
 def _costs(facts: Facts) -> Table:
     kinds = list(facts.operations[TOGETHER])
-    table = Table("", *kinds, box=box.SIMPLE_HEAD)
-    for column in table.columns[1:]:
+    table = Table("", *kinds, "by", box=box.SIMPLE_HEAD)
+    for column in table.columns[1:-1]:
         column.justify = "right"
     for name, counts in facts.operations.items():
-        table.add_row(name, *(str(counts[kind]) for kind in kinds))
+        table.add_row(name, *(str(counts[kind]) for kind in kinds), facts.methods.get(name, ""))
     for stage in facts.stages:
         cells = (str(stage.operations.get(kind, "")) for kind in kinds)
         table.add_row(f"[dim]together, after {stage.name}[/]", *cells)

@@ -2,7 +2,8 @@
 
 LEGEND = (
     ("theta_K_i, s_K_i", "coordinates of body K, thetadot and sdot their rates; S, C sine and cosine"),
-    ("d_K, u_K_i", "from O_J to O_K and the directions of the translations, in the lower body J"),
+    ("o_K", "from O_K to the point of K that serves as its origin"),
+    ("d_K, u_K_i", "from the origin of J to that of K and the directions of the translations, in J"),
     ("omega, alpha, a", "angular velocity, and the accelerations of body and origin where {ydot} = 0"),
     ("v, w, ww, W", "sliding velocity, 2 omega, products omega_i omega_j, [alpha~] + [omega~][omega~]"),
     (
@@ -12,6 +13,9 @@ LEGEND = (
     ("F, M, c", "force and moment about the origin; the point through which a force acts"),
     ("K, Kaj, Kaju, Kcj", "in body K; in the frame below its angle j, above it; below its constant turn j"),
     ("Kj, Ksn", "in the lower body of K; of its translation at place n of {x}"),
+    ("SI, SH, SM, pF, pN", "articulated body: force and moment by acceleration, and what remains"),
+    ("D, g, e, n, L, b", "pivots, gains and solutions of an elimination; factors of [A]"),
+    ("T, q", "torques and accelerations on the way to {ydot}"),
     ("p_name", "a run-time parameter"),
 )
 """Names and meanings; x, y, z are components."""
