@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests import systems
+
 MODELS = Path(__file__).parent.parent / "models"
 PENDULUM = str(MODELS / "double_pendulum.toml")
 
@@ -40,6 +42,13 @@ def test_every_command_has_help(command: str) -> None:
 
 def test_version() -> None:
     assert kanegen("--version").stdout.startswith("kanegen 0.")
+
+
+def test_info_draws_every_body_of_a_long_chain(tmp_path: Path) -> None:
+    systems.chain(40, ["theta2"]).save(tmp_path / "chain.toml")
+    text = kanegen("info", str(tmp_path / "chain.toml"), COLUMNS="60").stdout
+    assert text.count("└── ") == 40
+    assert f"{' ' * 4 * 39}└── 40 body40  theta2" in text
 
 
 def test_generate_writes_and_says_what(tmp_path: Path) -> None:
@@ -97,7 +106,15 @@ def test_equations(form: str, expected: str) -> None:
 
 def test_info_draws_the_tree() -> None:
     text = kanegen("info", PENDULUM).stdout
-    for part in ("ground", "q1 (rad)", "mass_matrix", "forcing", "together, after prune", "m1"):
+    for part in (
+        "ground",
+        "q1 (rad)",
+        "mass_matrix",
+        "forcing",
+        "this after prune",
+        "mass_matrix by composite bodies",
+        "m1",
+    ):
         assert part in text
 
 

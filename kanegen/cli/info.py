@@ -10,6 +10,7 @@ from rich import box
 from rich.columns import Columns
 from rich.console import Console
 from rich.markup import escape
+from rich.segment import Segments
 from rich.table import Table
 from rich.tree import Tree
 
@@ -21,6 +22,9 @@ from kanegen.signature import EQUATIONS, OUTPUTS
 from kanegen.system import System
 
 TOGETHER = " + ".join(EQUATIONS)
+
+WIDEST = 2**16
+"""Columns for the tree: what goes beyond them, or beyond the screen's, rich would leave out."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,8 @@ def show(facts: Facts, console: Console) -> None:
     n, bodies = len(system.freedoms), system.number_of_bodies
     gravity = ", ".join(_text(value) for value in system.gravity)
     console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s²\n")
-    console.print(_tree(system), soft_wrap=True)  # a long chain goes beyond any width
+    drawing = console.render(_tree(system), console.options.update_width(WIDEST))
+    console.print(Segments(drawing), soft_wrap=True)
     console.print("\n[bold]Freedoms[/], in the order of x and y")
     console.print(_freedoms(system))
     if system.parameters:
@@ -90,6 +95,7 @@ def show(facts: Facts, console: Console) -> None:
         console.print(_parameters(system))
     console.print("\n[bold]Operations[/] of one evaluation")
     console.print(_costs(facts))
+    console.print(", ".join(f"{name} by {method}" for name, method in facts.methods.items()))
 
 
 def _tree(system: System) -> Tree:
@@ -118,14 +124,14 @@ def _parameters(system: System) -> Table:
 
 def _costs(facts: Facts) -> Table:
     kinds = list(facts.operations[TOGETHER])
-    table = Table("", *kinds, "by", box=box.SIMPLE_HEAD)
-    for column in table.columns[1:-1]:
+    table = Table("", *kinds, box=box.SIMPLE_HEAD)
+    for column in table.columns[1:]:
         column.justify = "right"
     for name, counts in facts.operations.items():
-        table.add_row(name, *(str(counts[kind]) for kind in kinds), facts.methods.get(name, ""))
+        table.add_row(name, *(str(counts[kind]) for kind in kinds))
     for stage in facts.stages:
         cells = (str(stage.operations.get(kind, "")) for kind in kinds)
-        table.add_row(f"[dim]together, after {stage.name}[/]", *cells)
+        table.add_row(f"[dim]this after {stage.name}[/]", *cells)
     return table
 
 
