@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test lint generated clean
+.PHONY: demo test lint generated bench clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -24,6 +24,10 @@ lint: $(VENV)/.tests
 generated: $(VENV)/.tests
 	$(BIN)/python -m pytest tests/test_generated.py --update-generated
 
+# Time kanegen and its peers and rewrite docs/benchmarks.md; the first time Pinocchio takes minutes to compile.
+bench: $(VENV)/.bench
+	$(BIN)/python -m benchmarks.peers
+
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
@@ -36,4 +40,8 @@ $(VENV)/.kanegen: $(VENV)/bin/python pyproject.toml
 
 $(VENV)/.tests: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable ".[test]"
+	touch $@ $(VENV)/.kanegen
+
+$(VENV)/.bench: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable ".[bench]"
 	touch $@ $(VENV)/.kanegen

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from kanegen import validation
 from kanegen.errors import ModelError
-from kanegen.numbers import numbers
+from kanegen.numbers import listed, numbers
 from kanegen.rotations import rotation_123
 
 Floats = NDArray[np.float64]
@@ -54,9 +54,10 @@ def _matrix(orientation: Any) -> Floats:
 
 def integers(value: Any, what: str) -> tuple[int, ...]:
     """`value` as a tuple of ints."""
-    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
+    items = listed(value)
+    if items is None:
         raise ModelError(f"{what}: expected a sequence of integers, got {value!r}.")
-    return tuple(validation.integer(item, f"{what}[{i}]") for i, item in enumerate(value))
+    return tuple(validation.integer(item, f"{what}[{i}]") for i, item in enumerate(items))
 
 
 @dataclass(frozen=True)

@@ -107,6 +107,7 @@ class Body:
                 mass=validation.mass(number(self.mass, "mass")),
                 inertia=validation.inertia(numbers(self.inertia, (3, 3), "inertia"), self.name),
                 mass_center=numbers(self.mass_center, (3,), "mass centre"),
+                joint=validation.instances((self.joint,), Joint, "joint")[0],
                 loads=validation.flags((self.loads,), 1, "loads")[0],
             )
         except ModelError as error:

@@ -29,6 +29,7 @@ from kanegen.c import ModelFacts, Source, render
 from kanegen.check import regularity
 from kanegen.check.compare import Report
 from kanegen.check.compare import compare as compare_with_reference
+from kanegen.errors import OptionError
 from kanegen.lowering import lower
 from kanegen.program import passes
 from kanegen.program.count import operations
@@ -68,7 +69,7 @@ def derive(system: System, progress: Progress = quiet) -> symbolic.Equations:
         SingularError: If [A] is singular in every state.
     """
     progress("deriving")
-    regularity.require_regular(system)
+    _require_usable(system)
     return symbolic.derive(system)
 
 
@@ -82,9 +83,15 @@ def compile_module(
         SingularError: If [A] is singular in every state.
     """
     names = chosen(outputs)
-    regularity.require_regular(system)
+    _require_usable(system)
     ways = [_compiled(system, way, progress) for way in methods(system, names)]
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
+
+
+def _require_usable(system: System) -> None:
+    if not isinstance(system, System):
+        raise OptionError(f"{system!r} is no System. Make one with kg.load or kg.System.from_arrays.")
+    regularity.require_regular(system)
 
 
 def _compiled(system: System, way: Methods, progress: Progress) -> Compiled:
@@ -122,6 +129,7 @@ def build(
     compiler: str | None = None,
     flags: Sequence[str] | None = None,
     progress: Progress = quiet,
+    threads: bool = False,
 ) -> libraries.Library:
     """Generate, compile and load.
 
@@ -131,6 +139,7 @@ def build(
         compiler: Command of a C compiler; by default the first that is found.
         flags: Its flags; by default optimised with IEEE semantics kept.
         progress: Told the name of each stage.
+        threads: Let OpenMP share batches of 1024 states and more among threads; see `library.load`.
 
     Raises:
         OptionError, SingularError: As `generate`.
@@ -138,7 +147,7 @@ def build(
     """
     source = generate(system, outputs, progress)
     progress("compiling")
-    return libraries.load(source, compiler, flags)
+    return libraries.load(source, compiler, flags, threads)
 
 
 def compare(system: System, states: int = 1000, seed: int = 0, progress: Progress = quiet) -> Report:

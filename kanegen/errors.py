@@ -18,7 +18,7 @@ class ReadError(ModelError):
 
 
 class SingularError(ModelError):
-    """A system whose [A] is singular in every state; names the body and the freedom."""
+    """A system whose [A] is singular in every state, or in the one asked about; names the freedom."""
 
 
 class OptionError(KanegenError):

@@ -11,24 +11,30 @@ from numpy.typing import ArrayLike
 from kanegen.c import Source
 from kanegen.c.interface import EVALUATE
 from kanegen.errors import ArrayError, ModelError, OptionError
+from kanegen.evaluation import Evaluation
 from kanegen.native.arguments import Floats
 from kanegen.native.build import build
 from kanegen.native.calls import Call, Native
 from kanegen.numbers import finite
 
 
-def load(source: Source, compiler: str | None = None, flags: Sequence[str] | None = None) -> Library:
+def load(
+    source: Source, compiler: str | None = None, flags: Sequence[str] | None = None, threads: bool = False
+) -> Library:
     """Compile `source`, or find it in the cache, and load it.
 
     Args:
         source: From `kanegen.generate`.
         compiler: Command of a C compiler; by default the first that is found.
         flags: Its flags; by default optimised with IEEE semantics kept.
+        threads: Let OpenMP share batches of 1024 states and more among threads, as many as `OMP_NUM_THREADS`
+            says. No bit depends on it. A process that has used them must not fork. A compiler without OpenMP
+            brings a `KanegenWarning`, and one thread.
 
     Raises:
         BuildError: If there is no compiler, it fails, or what it makes cannot be loaded.
     """
-    return Library(Native(source, build(source, compiler, flags)), dict(source.model.parameters))
+    return Library(Native(source, build(source, compiler, flags, threads)), dict(source.model.parameters))
 
 
 class Library:
@@ -36,7 +42,9 @@ class Library:
 
     A state is an array of shape (n,); many at once are (B, n), and every result then has B rows, also where B
     is 0. Arrays of contiguous doubles are passed to C as they are; lists, integers, other floats and other
-    orders of memory are converted first. NaN and infinity pass through. Objects are immutable and may be
+    orders of memory are converted first. NaN and infinity pass through. A result does not depend on its
+    place in a batch or on what else is there; it may differ from that of the state alone in the last places,
+    because batches have their own sine and cosine (`kanegen_lanes.h`). Objects are immutable and may be
     shared by threads; C runs without the interpreter's lock. They can be pickled: another process of the
     machine loads the same compiled file.
     """
@@ -140,8 +148,74 @@ class Library:
         values = {"x": x, "y": y, "force": force, "torque": torque}
         return self._call("forcing")(self._constants, values)[0]
 
+    def inverse_dynamics(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        ydot: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+    ) -> Floats:
+        """[A]{ydot} - {f}: the generalized forces that produce {ydot}, beside loads and gravity.
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+            y: Generalized speeds, of the same shape, rad/s and m/s.
+            ydot: Their rates, of the same shape, rad/s^2 and m/s^2.
+            force: As in `forcing`.
+            torque: As in `forcing`.
+
+        Returns:
+            (n,) or (B, n), in N m and N.
+
+        Raises:
+            ArrayError: As in `forcing`.
+            OptionError: If this output was not generated.
+        """
+        self._check_loads(force, torque)
+        values = {"x": x, "y": y, "ydot": ydot, "force": force, "torque": torque}
+        return self._call("inverse_dynamics")(self._constants, values)[0]
+
+    def forward_dynamics(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        tau: ArrayLike | None = None,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+    ) -> Floats:
+        """{ydot} of [A]{ydot} = {f} + {tau}.
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+            y: Generalized speeds, of the same shape, rad/s and m/s.
+            tau: (n,) or (B, n) generalized forces beside loads and gravity, N m and N; one (n,) acts in every
+                state of a batch, None is zero.
+            force: As in `forcing`.
+            torque: As in `forcing`.
+
+        Returns:
+            (n,) or (B, n), in rad/s^2 and m/s^2. States of a batch in which [A] is singular have NaN, and a
+            `KanegenWarning` counts them.
+
+        Raises:
+            ArrayError: As in `forcing`.
+            OptionError: If this output was not generated.
+            SingularError: If [A] is singular in the one state, or the state is not finite; names the freedom.
+        """
+        self._check_loads(force, torque)
+        values = {"x": x, "y": y, "tau": tau, "force": force, "torque": torque}
+        return self._call("forward_dynamics")(self._constants, values)[0]
+
     def evaluate(
-        self, x: ArrayLike, y: ArrayLike, force: ArrayLike | None = None, torque: ArrayLike | None = None
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        *,
+        ydot: ArrayLike | None = None,
+        tau: ArrayLike | None = None,
     ) -> Evaluation:
         """Every output at once, which costs less than one after the other.
 
@@ -150,15 +224,17 @@ class Library:
             y: As in `forcing`.
             force: As in `forcing`.
             torque: As in `forcing`.
+            ydot: As in `inverse_dynamics`; needed where that is among the outputs.
+            tau: As in `forward_dynamics`.
 
         Returns:
             The outputs in order, each also an attribute of its name.
 
         Raises:
-            ArrayError: As in `forcing`.
+            ArrayError, SingularError: As the functions of the outputs.
         """
         self._check_loads(force, torque)
-        values = {"x": x, "y": y, "force": force, "torque": torque}
+        values = {"x": x, "y": y, "ydot": ydot, "tau": tau, "force": force, "torque": torque}
         return Evaluation(self.outputs, self._together(self._constants, values))
 
     def _call(self, name: str) -> Call:
@@ -176,30 +252,6 @@ class Library:
             raise ArrayError(
                 f"{name}: no body of system {self.name!r} takes loads. Say which do in the model's loads."
             )
-
-
-class Evaluation(tuple[Floats, ...]):
-    """Several outputs of one call, in order; each is also an attribute of its name."""
-
-    _names: tuple[str, ...]
-
-    def __new__(cls, names: tuple[str, ...], values: Sequence[Floats]) -> Evaluation:
-        """`values` with their names."""
-        self = super().__new__(cls, values)
-        self._names = names
-        return self
-
-    def __getattr__(self, name: str) -> Floats:
-        if name in self._names:
-            return self[self._names.index(name)]
-        raise AttributeError(f"there is no output {name!r} here, only {', '.join(self._names)}")
-
-    def __getnewargs__(self) -> tuple[tuple[str, ...], tuple[Floats, ...]]:
-        return self._names, tuple(self)
-
-    def __repr__(self) -> str:
-        fields = ", ".join(f"{name}={value!r}" for name, value in zip(self._names, self, strict=True))
-        return f"Evaluation({fields})"
 
 
 def _reopen(source: Source, path: Path, parameters: Mapping[str, float]) -> Library:

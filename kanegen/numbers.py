@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,13 +48,22 @@ def finite(value: Any, what: str) -> float:
     except OverflowError:
         result = math.inf
     if not math.isfinite(result):
-        raise ModelError(f"{what}: {value!r} is not finite.")
+        raise ModelError(f"{what}: {result!r} is not finite.")
     return result + 0.0  # -0.0 + 0.0 is 0.0: the sign of a zero in a model has no meaning
 
 
 def number(value: Any, what: str) -> Number:
     """`value` as a finite float, or the `Parameter` that it is."""
     return value if isinstance(value, Parameter) else finite(value, what)
+
+
+def listed(value: Any) -> list[Any] | None:
+    """The items of something that has an order; None of a string, a table, a set and whatever is no list."""
+    if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
+        return None
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        return None
+    return list(value)
 
 
 def numbers(value: Any, shape: tuple[int, ...], what: str) -> Any:
@@ -70,11 +79,9 @@ def numbers(value: Any, shape: tuple[int, ...], what: str) -> Any:
     """
     if not shape:
         return number(value, what)
-    if isinstance(value, str | bytes | Mapping | Parameter) or not isinstance(value, Iterable):
+    items = listed(value)
+    if items is None:
         raise ModelError(f"{what}: expected {_describe(shape)}, got {value!r}.")
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        raise ModelError(f"{what}: expected {_describe(shape)}, got one number.")
-    items = list(value)
     if len(items) != shape[0]:
         raise ModelError(f"{what}: expected {_describe(shape)}, got {len(items)} entries.")
     return tuple(numbers(item, shape[1:], f"{what}[{i}]") for i, item in enumerate(items))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,6 +10,7 @@ from sympy import Symbol
 from kanegen.errors import OptionError
 from kanegen.program.ir import Array
 from kanegen.program.split import Signature
+from kanegen.suggest import did_you_mean
 from kanegen.symbolic import symbols
 from kanegen.system import System
 
@@ -72,12 +72,12 @@ def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
     Raises:
         OptionError: If there is none, or one is unknown.
     """
+    if not isinstance(outputs, Iterable):
+        raise OptionError(f"outputs: expected names, got {outputs!r}. There are {', '.join(OUTPUTS)}.")
     asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     for name in asked:
         if name not in OUTPUTS:
-            near = difflib.get_close_matches(str(name), OUTPUTS, n=1)
-            hint = f" Did you mean {near[0]!r}?" if near else ""
-            raise OptionError(f"unknown output {name!r}. There are {', '.join(OUTPUTS)}.{hint}")
+            raise OptionError(f"unknown output {name!r}. {did_you_mean(name, OUTPUTS)}")
     if not asked:
         raise OptionError(f"no output is asked for. There are {', '.join(OUTPUTS)}.")
     return tuple(name for name in OUTPUTS if name in asked)

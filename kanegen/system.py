@@ -19,6 +19,7 @@ from kanegen.errors import ModelError, WriteError
 from kanegen.files import write_whole
 from kanegen.names import check_identifier
 from kanegen.numbers import Number, Parameter, Vector, map_numbers, numbers, value_of, word
+from kanegen.suggest import did_you_mean
 from kanegen.toml_text import toml_text
 
 GRAVITY: Vector = (0.0, 0.0, -9.81)
@@ -64,7 +65,8 @@ class System:
 
     def __post_init__(self) -> None:
         check_identifier(self.name, "system name")
-        validation.store(self, bodies=tuple(self.bodies), gravity=numbers(self.gravity, (3,), "gravity"))
+        bodies = validation.instances(self.bodies, Body, "bodies")
+        validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
         if not self.freedoms:
@@ -185,12 +187,10 @@ class System:
         Raises:
             ModelError: If a name is unknown or a value makes the model unusable.
         """
-        known = {parameter.name for parameter in self.parameters}
+        known = [parameter.name for parameter in self.parameters]
         for name in values:
             if name not in known:
-                raise ModelError(
-                    f"unknown parameter {name!r}. The system has {sorted(known) or 'no parameters'}."
-                )
+                raise ModelError(f"unknown parameter {name!r}. {did_you_mean(name, known)}")
 
         def change(value: Number) -> Number:
             if isinstance(value, Parameter) and value.name in values:

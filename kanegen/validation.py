@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
 from kanegen.errors import KanegenWarning, ModelError
-from kanegen.numbers import Matrix, Number, Parameter, Vector, map_numbers, numbers, value_of
+from kanegen.numbers import Matrix, Number, Parameter, Vector, listed, map_numbers, numbers, value_of
 from kanegen.rotations import nearest_rotation, rotation_123
+
+_T = TypeVar("_T")
 
 ORTHOGONALITY = 1e-12
 """How far [C][C]^T may be from the identity: the rounding of a product of many rotations, not of a
@@ -34,12 +36,23 @@ def integer(value: Any, what: str) -> int:
 
 def sequence(value: Any, length: int, what: str) -> Sequence[Any]:
     """`value` as a list of exactly `length` items."""
-    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
+    items = listed(value)
+    if items is None:
         raise ModelError(f"{what}: expected {length} entries, got {value!r}.")
-    items = list(value)
     if len(items) != length:
         raise ModelError(f"{what}: expected {length} entries, got {len(items)}.")
     return items
+
+
+def instances(values: Any, kind: type[_T], what: str) -> tuple[_T, ...]:
+    """`values` as a tuple of objects of the class `kind`."""
+    items = listed(values)
+    if items is None:
+        raise ModelError(f"{what}: expected a sequence of {kind.__name__} objects, got {values!r}.")
+    for item in items:
+        if not isinstance(item, kind):
+            raise ModelError(f"{what}: {item!r} is no {kind.__name__}.")
+    return tuple(items)
 
 
 def flags(value: Any, length: int, what: str) -> tuple[bool, ...]:
@@ -120,7 +133,7 @@ def _symmetric(value: Matrix) -> Matrix:
 
 def orientation(value: Any) -> Matrix | Vector:
     """A rotation matrix, or three constant angles where one of them is a parameter."""
-    items = list(value) if isinstance(value, Iterable) and not isinstance(value, str) else []
+    items = listed(value) or []
     if items and all(isinstance(item, Parameter) or np.ndim(item) == 0 for item in items):
         angles: Vector = numbers(items, (3,), "joint orientation")
         one, two, three = angles

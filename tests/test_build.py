@@ -15,6 +15,9 @@ from kanegen.native import cache, compilers
 from kanegen.native.build import build
 from tests.handmade import source
 
+RUNS = 3
+"""Runs of the compiler for a library: two files at once, then both together."""
+
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 
 
@@ -122,8 +125,13 @@ def test_it_compiles_once(counting):
     path = build(source(), command)
     assert path.is_file()
     assert build(source(), command) == path
-    (once,) = compilations()
-    assert "-O2 -ffp-contract=off" in once
+    *both, link = compilations()
+    assert sorted(line.split()[-3] for line in both) == ["handmade.c", "handmade_batch.c"]
+    assert all("-O2 -ffp-contract=off" in line for line in (*both, link))
+    assert {file.name for file in path.parent.iterdir()} == {
+        *("handmade.h", "handmade.c", "handmade_batch.c", "kanegen_lanes.h"),
+        *(path.name, "SHA256SUMS"),
+    }
 
 
 def test_what_the_code_depends_on_is_in_the_key(counting, script):
@@ -136,7 +144,7 @@ def test_what_the_code_depends_on_is_in_the_key(counting, script):
         build(source(), other),
     }
     assert len(paths) == 4
-    assert len(compilations()) == 3
+    assert len(compilations()) == 3 * RUNS
 
 
 def test_a_new_version_of_the_compiler_compiles_anew(script):
@@ -167,7 +175,7 @@ def test_a_damaged_entry_is_made_anew(counting, harm):
         (path.parent / "SHA256SUMS").write_text("")
     assert build(source(), command) == path
     assert path.read_bytes() == whole
-    assert len(compilations()) == 2
+    assert len(compilations()) == 2 * RUNS
     assert [entry.name for entry in path.parents[1].iterdir()] == [path.parent.name]
 
 
@@ -187,10 +195,10 @@ def start(**environment):
 
 
 def test_processes_may_build_the_same_at_once(folder, script, tmp_path):
-    """The compiler waits until every process compiles, so that all of them race for the same entry."""
+    """The compiler waits until every process compiles both files, so that all race for the same entry."""
     arrived = tmp_path / "arrived"
     arrived.mkdir()
-    wait = f'touch {arrived}/$$; until [ "$(ls {arrived} | wc -l)" -ge 4 ]; do sleep 0.02; done'
+    wait = f'touch {arrived}/$$; until [ "$(ls {arrived} | wc -l)" -ge 8 ]; do sleep 0.02; done'
     command = script(f'case "$1" in --version) ;; *) {wait} ;; esac\nexec {CC} "$@"')
     processes = [start(KANEGEN_CC=command) for _ in range(4)]
     paths = {process.communicate(timeout=60)[0].strip() for process in processes}

@@ -197,7 +197,7 @@ UNARY = [Op.NEGATE, Op.SQRT, Op.SIN, Op.COS]
 
 
 @st.composite
-def programs(draw):
+def programs(draw, unary=UNARY):
     """Random programs with repeats, names, notes, constants and several outputs."""
     code = Listing()
     for i in range(3):
@@ -207,7 +207,7 @@ def programs(draw):
     for i in range(draw(st.integers(1, 60))):
         size = len(code.instructions)
         recent = st.one_of(st.integers(max(0, size - 4), size - 1), st.integers(0, size - 1))
-        op = draw(st.sampled_from(BINARY * 3 + UNARY))
+        op = draw(st.sampled_from(BINARY * 3 + unary))
         operands = [draw(recent) for _ in range(1 + (op in BINARY))]
         if all(j in constants for j in operands):
             operands[0] = 0  # a compiler may round sin(0.5) better than libm does

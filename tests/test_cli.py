@@ -44,6 +44,12 @@ def test_version() -> None:
     assert kanegen("--version").stdout.startswith("kanegen 0.")
 
 
+@pytest.mark.parametrize("arguments", [("info",), ("equations",), ("equations", "--format", "latex")])
+def test_a_terminal_without_unicode(arguments: tuple[str, ...]) -> None:
+    text = kanegen(*arguments, PENDULUM, PYTHONIOENCODING="ascii").stdout
+    assert text.isascii()
+
+
 def test_info_draws_every_body_of_a_long_chain(tmp_path: Path) -> None:
     systems.chain(40, ["theta2"]).save(tmp_path / "chain.toml")
     text = kanegen("info", str(tmp_path / "chain.toml"), COLUMNS="60").stdout

@@ -51,6 +51,12 @@ def test_singular_systems_are_named(make: Callable[[kg.System], object]) -> None
         make(massless_leaf())
 
 
+@pytest.mark.parametrize("make", [kg.derive, kg.generate, kg.build, kg.compare])
+def test_the_path_of_a_model_is_no_system(make: Callable[..., object]) -> None:
+    with pytest.raises(kg.OptionError, match=r"'models/arm.toml' is no System. Make one with kg.load"):
+        make("models/arm.toml")
+
+
 def test_progress_names_the_stages(pendulum: kg.System) -> None:
     told: list[str] = []
     kg.build(pendulum, progress=told.append)

@@ -53,8 +53,8 @@ def python(folder: Path, code: str, stdin: str = "", **environment: str) -> str:
 
 
 def awkward() -> System:
-    """Parameters that Python or the module itself already has a meaning for, and numbers with 17 digits."""
-    names = "lambda x A sin parameters pass np".split()
+    """Parameters that Python or the module already has a meaning for, or would rename to; 17 digits."""
+    names = "lambda x A sin parameters pass np np_".split()
     given = {name: Parameter(name, 0.1 * (i + 1)) for i, name in enumerate(names)}
     joint = Joint(
         position=(given["lambda"], 1 / 3, given["np"]),
@@ -64,7 +64,7 @@ def awkward() -> System:
     hinge = Joint(free=(False, False, True, False, False, False))
     inertia = ((given["A"], 0, 0), (0, given["A"], 0), (0, 0, given["A"]))
     first = Body("first", 0, given["x"], inertia, (1 / 7, 0, given["sin"]), joint, loads=True)
-    return System("awkward", (first, Body("second", 1, 1.7, inertia, (0, 0.3, 0), hinge)))
+    return System("awkward", (first, Body("second", 1, given["np_"], inertia, (0, 0.3, 0), hinge)))
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -210,7 +210,9 @@ def test_no_digit_is_lost() -> None:
 
 
 def test_errors() -> None:
-    with pytest.raises(OptionError, match=r"unknown format 'word'. There are text, markdown, latex, python."):
+    with pytest.raises(
+        OptionError, match=r"unknown format 'word'. Known are 'text', 'markdown', 'latex', 'python'."
+    ):
         render(derive(PENDULUM), "word")
     long = random_system(np.random.default_rng(0), 6, connection=range(6), free=flags(6, ["theta1"]))
     with pytest.raises(OptionError, match="more than 500 terms"):

@@ -6,13 +6,13 @@ import re
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from kanegen.errors import ArrayError, BuildError, ModelError, OptionError
-from kanegen.library import Evaluation, Library, load
+from kanegen.evaluation import Evaluation
+from kanegen.library import Library, load
 from kanegen.native import cache
 from kanegen.native.calls import Native
 from tests.handmade import bits, evaluate, module, source
@@ -68,9 +68,13 @@ def test_one_state(library):
     assert bits(A) == bits(expected("mass_matrix", x=x)["A"])
     assert bits(f) == bits(expected("forcing", x=x, y=y, force=force, torque=torque)["f"])
     assert bits(library.forcing(x, y)) == bits(expected("forcing", x=x, y=y)["f"])
-    assert bits(library.forcing(x, y, torque=torque)) == bits(
-        expected("forcing", x=x, y=y, torque=torque)["f"]
-    )
+    turned = expected("forcing", x=x, y=y, torque=torque)["f"]
+    assert bits(library.forcing(x, y, torque=torque)) == bits(turned)
+
+
+def near(batch, states):
+    """Equal but for one unit in the last place of a sine or cosine, which batches compute their own way."""
+    np.testing.assert_allclose(batch, states, rtol=0, atol=8 * np.finfo(float).eps * np.abs(batch).max())
 
 
 def test_a_batch_equals_its_states(library):
@@ -81,10 +85,10 @@ def test_a_batch_equals_its_states(library):
     assert result.forcing.shape == (7, 2)
     for row in range(7):
         one = library.evaluate(x[row], y[row], force[row], torque)
-        assert bits(result.mass_matrix[row]) == bits(one.mass_matrix)
-        assert bits(result.forcing[row]) == bits(one.forcing)
+        near(result.mass_matrix[row], one.mass_matrix)
+        near(result.forcing[row], one.forcing)
     assert bits(library.mass_matrix(x)) == bits(result.mass_matrix)
-    assert bits(library.forcing(x, y)) == bits([library.forcing(a, b) for a, b in zip(x, y, strict=True)])
+    near(library.forcing(x, y), [library.forcing(a, b) for a, b in zip(x, y, strict=True)])
 
 
 def test_an_empty_batch(library):
@@ -292,4 +296,4 @@ def test_compiled_code_that_cannot_be_loaded(tmp_path):
 
 def test_compiled_code_of_something_else(library, plain):
     with pytest.raises(BuildError, match=r"cannot be loaded: .*handmade_prepare"):
-        Library(Native(library.source, Path(plain._native.path)), library.parameters)
+        Library(Native(library.source, plain._native.path), library.parameters)

@@ -258,6 +258,7 @@ def test_no_chain_is_too_long_for_the_stack() -> None:
     [
         (lambda e: e.closed_form(), r"12 freedoms; closed forms are written for at most 8"),
         (lambda e: e.lambdify().mass_matrix(np.zeros(3)), r"x has shape \(3,\); expected \(12,\)"),
+        (lambda e: e.lambdify().mass_matrix("a" * 12), r"x: expected real numbers of shape \(12,\), got 'aa"),
         (lambda e: e.lambdify().forcing(np.zeros(12), np.zeros((12, 1))), r"y has shape \(12, 1\)"),
         (
             lambda e: e.lambdify().forcing(np.zeros(12), np.zeros(12), force=np.zeros(3)),

@@ -86,7 +86,7 @@ def test_parameters_are_collected_once_in_order() -> None:
     changed = system.with_parameters({"m": 3.0})
     assert changed.parameters == (kg.Parameter("m", 3.0), r)
     assert changed.values().mass.tolist() == [1, 3, 3]
-    with pytest.raises(kg.ModelError, match=r"unknown parameter 'mm'. The system has \['m', 'r'\]"):
+    with pytest.raises(kg.ModelError, match=r"unknown parameter 'mm'. Did you mean 'm'\?"):
         system.with_parameters({"mm": 1.0})
     with pytest.raises(kg.ModelError, match=r"mass -1\.0 kg is negative"):
         system.with_parameters({"m": -1.0})
@@ -105,6 +105,8 @@ CONNECTIONS = {
     "truth value": ([False, 1], "is not an integer"),
     "text": ("01", "expected a sequence of integers"),
     "number": (3, "expected a sequence of integers"),
+    "without an order": ({0, 1}, "expected a sequence of integers"),
+    "table": ({0: 1}, "expected a sequence of integers"),
 }
 
 
@@ -127,16 +129,17 @@ NUMBERS = {
     "one mass": ({"mass": 1.0}, "mass: expected 3 numbers, got 1.0"),
     "nested too little": ({"mass_center": np.zeros(3)}, r"mass_center\[0\]: expected 3 numbers"),
     "too wide": ({"joint_position": np.zeros((3, 4))}, r"joint_position\[0\]: expected 3 numbers, got 4"),
-    "NaN": ({"mass": [1, np.nan, 1]}, r"mass\[1\]: .*nan.* is not finite"),
+    "NaN": ({"mass": [1, np.nan, 1]}, r"mass\[1\]: nan is not finite"),
     "infinite": (
         {"joint_position": with_entry(np.zeros((3, 3)), (2, 1), np.inf)},
         r"joint_position\[2\]\[1\].*finite",
     ),
-    "huge integer": ({"mass": [1, 10**400, 1]}, "is not finite"),
+    "huge integer": ({"mass": [1, 10**5000, 1]}, "is not finite"),
     "text": ({"mass": [1, "2", 1]}, r"mass\[1\]: '2' is not a number"),
     "complex": ({"mass": [1, 2j, 1]}, "is not a number"),
     "truth value": ({"mass": [1, True, 1]}, "True is not a number"),
     "nothing": ({"gravity": None}, "gravity: expected 3 numbers"),
+    "masses without an order": ({"mass": {1.0, 2.0, 3.0}}, "mass: expected 3 numbers"),
     "negative mass": ({"mass": [1, 1, -2]}, "body 'body3': mass -2.0 kg is negative"),
     "asymmetric inertia": (
         {"inertia": with_entry(EYES, (1, 0, 1), 0.1)},
@@ -158,6 +161,17 @@ def test_bad_numbers(case: str) -> None:
     changes, message = NUMBERS[case]
     with pytest.raises(kg.ModelError, match=message):
         kg.System.from_arrays(**arrays(**changes))
+
+
+def test_bodies_and_joints_of_another_kind() -> None:
+    body = kg.Body("a", 0, 1.0, EYES[0])
+    with pytest.raises(kg.ModelError, match="body 'a': joint: 'hinge' is no Joint"):
+        replace(body, joint="hinge")
+    with pytest.raises(kg.ModelError, match="bodies: 'a' is no Body"):
+        kg.System("one", ("a",))
+    with pytest.raises(kg.ModelError, match="bodies: expected a sequence of Body objects, got None"):
+        kg.System("none", None)
+    assert kg.System("one", [body]).bodies == (body,)
 
 
 def test_a_violated_triangle_inequality_is_a_warning() -> None:

@@ -8,43 +8,46 @@ stored as soon as its value is known, so that few values have to be kept.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Sequence
 
+from kanegen.c import usage
+from kanegen.c.dialect import SCALAR, Dialect
 from kanegen.c.expression import Expression, Level, apply, literal
 from kanegen.c.layout import BREAK, WIDTH, comment, wrap
-from kanegen.program.ir import Array, Instruction, Op, Program
+from kanegen.program.ir import Instruction, Op, Program
 
 LONGEST = 16
 """Operations in one C expression; longer ones are cut by numbered locals."""
 
-LIBM = frozenset({"sin", "cos", "sqrt"})
-"""Functions that a body calls, whose names no local may take."""
 
+def statements(program: Program, dialect: Dialect = SCALAR, shared: Collection[str] = ()) -> list[str]:
+    """The lines of a C function that evaluates `program`, without its braces.
 
-def statements(program: Program) -> list[str]:
-    """The lines of a C function that evaluates `program`, without its braces."""
-    return _Body(program).lines()
-
-
-def element(array: Array, index: int) -> str:
-    """One element of an array in C; in a matrix as `48*row + column`."""
-    if len(array.shape) != 2:
-        return f"{array.name}[{index}]"
-    row, column = divmod(index, array.shape[1])
-    return f"{array.name}[{array.shape[1]}*{row} + {column}]"
+    Args:
+        program: What to compute.
+        dialect: For one state or for several at once.
+        shared: Inputs that all states have in common.
+    """
+    return _Body(program, dialect, shared).lines()
 
 
 class _Body:
     """The statements so far, and for every value how later ones refer to it."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, dialect: Dialect, shared: Collection[str]) -> None:
+        self._program = program
+        self._dialect = dialect
         self._instructions = program.instructions
-        self._live = _live(program)
+        self._live = usage.live(program)
         self._uses = Counter(j for i in self._live for j in program.instructions[i].operands)
-        self._places = _places(program)
+        self._places = usage.places(program)
+        self._conditions = usage.conditions(program)
+        self._uniform = usage.uniform(program, shared)
+        self._partners = {} if dialect.is_scalar else usage.partners(program)
         self._arrays = {array.name: array for array in program.inputs}
-        self._names = _names(program)
-        self._taken = set(self._names.values()) | _reserved(program)
+        reserved = dialect.reserved | {array.name for array in usage.arrays(program)}
+        self._names = usage.names(program, reserved)
+        self._taken = set(self._names.values()) | reserved
         self._numbered = 0
         self._expressions: dict[int, Expression] = {}
         self._lines: list[str] = []
@@ -53,12 +56,18 @@ class _Body:
     def lines(self) -> list[str]:
         loads = {i for i in self._live if i in self._names and self._instructions[i].op is Op.INPUT}
         self._mark_unused_inputs()
+        spoilt = [output.array for output in self._program.outputs if output.positive]
+        if spoilt:
+            self._lines.append(self._dialect.opening)
         for i in sorted(loads):
             self._define(i)
         for i in self._live:
-            if i not in loads:
+            if i not in self._expressions:
                 self._define(i)
+            self._watch(i)
             self._store(i)
+        if spoilt:
+            self._lines += self._dialect.closing(spoilt)
         return self._lines
 
     def _mark_unused_inputs(self) -> None:
@@ -68,30 +77,48 @@ class _Body:
     def _define(self, i: int) -> None:
         """Compute value i into a local, or keep its expression for the only place that needs it."""
         self._note(self._instructions[i].note)
-        expression = self._expression(self._instructions[i])
-        needed_again = self._uses[i] > 1 or (self._uses[i] == 1 and i in self._places)
+        if i in self._partners and i not in self._uniform:
+            self._define_pair(i, self._partners[i])
+            return
+        expression = self._expression(i, self._instructions[i])
+        needs = self._uses[i] + (i in self._places) + (i in self._conditions)
         if i in self._names:
-            expression = self._local(self._names[i], expression)
-        elif needed_again and expression.operations:
-            expression = self._local(self._next_name(), expression)
+            expression = self._local(i, self._names[i], expression)
+        elif needs > 1 and expression.operations:
+            expression = self._local(i, self._next_name(), expression)
         self._expressions[i] = expression
 
-    def _expression(self, instruction: Instruction) -> Expression:
+    def _define_pair(self, i: int, j: int) -> None:
+        """Sine and cosine of an angle in one call."""
+        wave = {self._instructions[k].op: self._names.get(k) or self._next_name() for k in (i, j)}
+        (angle,) = self._operands(self._instructions[i].operands)
+        number, prefix = self._dialect.number, self._dialect.prefix
+        if angle.level is not Level.ATOM or angle.negative or not angle.text.isidentifier():
+            angle = self._local(self._instructions[i].operands[0], self._next_name(), angle)
+        self._lines += wrap(f"{number} {wave[Op.SIN]}, {wave[Op.COS]};")
+        self._lines += wrap(f"{prefix}sincos(&{angle}, &{wave[Op.SIN]}, &{wave[Op.COS]});")
+        for k in (i, j):
+            self._expressions[k] = Expression(wave[self._instructions[k].op])
+
+    def _expression(self, i: int, instruction: Instruction) -> Expression:
         if instruction.op is Op.CONSTANT:
             return literal(instruction.number)
         if instruction.op is Op.INPUT:
-            return Expression(element(self._arrays[instruction.array], instruction.index))
-        return apply(instruction.op, self._operands(instruction.operands))
+            return Expression(usage.element(self._arrays[instruction.array], instruction.index))
+        prefix = "" if i in self._uniform else self._dialect.prefix
+        return apply(instruction.op, self._operands(instruction.operands), prefix)
 
     def _operands(self, values: Sequence[int]) -> tuple[Expression, ...]:
         """Their expressions, cut so that one more operation keeps within `LONGEST`."""
         while sum(self._expressions[j].operations for j in values) >= LONGEST:
             longest = max(values, key=lambda j: self._expressions[j].operations)
-            self._expressions[longest] = self._local(self._next_name(), self._expressions[longest])
+            self._expressions[longest] = self._local(longest, self._next_name(), self._expressions[longest])
         return tuple(self._expressions[j] for j in values)
 
-    def _local(self, name: str, expression: Expression) -> Expression:
-        self._lines += wrap(f"const double {name} = {expression};")
+    def _local(self, i: int, name: str, expression: Expression) -> Expression:
+        """Value i as a local of this name."""
+        number = "double" if i in self._uniform else self._dialect.number
+        self._lines += wrap(f"const {number} {name} = {expression};")
         return Expression(name)
 
     def _next_name(self) -> str:
@@ -106,64 +133,33 @@ class _Body:
             self._lines += ["", *comment(note)] if self._lines else comment(note)
             self._last_note = note
 
+    def _result(self, i: int) -> Expression:
+        """Value i as an expression that differs between states, if only by its type."""
+        expression = self._expressions[i]
+        if i not in self._uniform:
+            return expression
+        everywhere = self._dialect.everywhere(str(expression))
+        return expression if everywhere == str(expression) else Expression(everywhere)
+
+    def _watch(self, i: int) -> None:
+        """Notice where value i must be positive and is not."""
+        if i in self._conditions:
+            self._lines += wrap(self._dialect.condition(str(self._result(i)), self._conditions[i]))
+
     def _store(self, i: int) -> None:
         """Fill the outputs that hold value i, several on a line: `A[1] = A[3] = value;`."""
-        expression = self._expressions[i]
+        if i not in self._places:
+            return
+        expression = self._result(i)
         chain: list[str] = []
-        for place in self._places.get(i, []):
+        for place in self._places[i]:
             width = len(f"    {' = '.join([*chain, place])} = {expression};")
             if chain and width > WIDTH and expression.level is Level.ATOM:
                 self._lines += wrap(_assignment(chain, expression))
                 chain = []
             chain.append(place)
-        if chain:
-            self._lines += wrap(_assignment(chain, expression))
+        self._lines += wrap(_assignment(chain, expression))
 
 
 def _assignment(chain: Sequence[str], expression: Expression) -> str:
     return "".join(f"{target} ={BREAK}" for target in chain) + f"{expression};"
-
-
-def _live(program: Program) -> list[int]:
-    """Instructions that an output needs, in order."""
-    needed = [False] * len(program.instructions)
-    for value in program.results():
-        needed[value] = True
-    for i in range(len(needed) - 1, -1, -1):
-        if needed[i]:
-            for operand in program.instructions[i].operands:
-                needed[operand] = True
-    return [i for i, is_needed in enumerate(needed) if is_needed]
-
-
-def _places(program: Program) -> dict[int, list[str]]:
-    """For every result the output elements that hold it."""
-    places: dict[int, list[str]] = {}
-    for output in program.outputs:
-        for index, value in enumerate(output.values):
-            places.setdefault(value, []).append(element(output.array, index))
-    return places
-
-
-def _reserved(program: Program) -> frozenset[str]:
-    return LIBM | {array.name for array in _arrays(program)}
-
-
-def _arrays(program: Program) -> Iterator[Array]:
-    yield from program.inputs
-    for output in program.outputs:
-        yield output.array
-
-
-def _names(program: Program) -> dict[int, str]:
-    """For every named instruction the name of its local: an underscore more where the name is taken."""
-    taken = set(_reserved(program))
-    names: dict[int, str] = {}
-    for i, instruction in enumerate(program.instructions):
-        name = instruction.name
-        while name in taken:
-            name += "_"
-        if name:
-            taken.add(name)
-            names[i] = name
-    return names

@@ -19,6 +19,9 @@ OPERATIONS = {
 }
 """What the counts of `Source.operations` count."""
 
+WIDEST = 8
+"""States that a batch function works on at once, at most."""
+
 
 def operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:
     """Operation counts in words."""
@@ -39,6 +42,12 @@ def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, i
                 for array in (*function.inputs, *function.outputs)
             ]
     return rows
+
+
+def batch_stack(functions: Sequence[Function]) -> int:
+    """KiB that the arrays of a batch function take on the stack with the widest instructions, at most."""
+    numbers = max((f.numbers for f in functions if f.has_batch and f.in_lanes), default=0)
+    return -(-numbers * WIDEST * 8 // 1024)
 
 
 def parameter_indices(model: ModelFacts) -> list[tuple[str, int, str]]:

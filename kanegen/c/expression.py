@@ -51,8 +51,14 @@ def literal(number: float) -> Expression:
     return Expression(repr(abs(number)), negative=math.copysign(1.0, number) < 0)
 
 
-def apply(op: Op, operands: tuple[Expression, ...]) -> Expression:
-    """The operation `op`, any but an input or a constant, on `operands`."""
+def apply(op: Op, operands: tuple[Expression, ...], prefix: str = "") -> Expression:
+    """The operation `op`, any but an input or a constant, on `operands`.
+
+    Args:
+        op: What to compute.
+        operands: As many as it takes.
+        prefix: Start of the name of a C function for it.
+    """
     match op, operands:
         case Op.NEGATE, (a,):
             return -a
@@ -65,7 +71,7 @@ def apply(op: Op, operands: tuple[Expression, ...]) -> Expression:
         case Op.DIVIDE, (a, b):
             return _product(a, "/", b)
         case ((Op.SQRT | Op.SIN | Op.COS), (a,)):
-            return Expression(f"{op.value}({a})", operations=a.operations + 1)
+            return Expression(f"{prefix}{op.value}({a})", operations=a.operations + 1)
     raise ValueError(f"{op} is no operation on {len(operands)} operands")
 
 

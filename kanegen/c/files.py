@@ -7,7 +7,16 @@ from dataclasses import dataclass
 
 from kanegen.c import describe
 from kanegen.c.body import statements
-from kanegen.c.declarations import argument_list, batch_prototype, prototype, row_call
+from kanegen.c.declarations import (
+    argument_list,
+    batch_notes,
+    batch_prototype,
+    lanes_call,
+    lanes_prototype,
+    prototype,
+    row_call,
+)
+from kanegen.c.dialect import LANES
 from kanegen.c.interface import Function, ModelFacts, requested, signatures
 from kanegen.c.source import Source
 from kanegen.c.stamp import stamped
@@ -19,6 +28,8 @@ from kanegen.version import __version__
 FILES = {
     "{name}.h": "model.h",
     "{name}.c": "model.c",
+    "{name}_batch.c": "model_batch.c",
+    "kanegen_lanes.h": "kanegen_lanes.h",
     "main.c": "main.c",
     "CMakeLists.txt": "CMakeLists.txt",
     "{name}.pc.in": "model.pc.in",
@@ -28,9 +39,9 @@ FILES = {
 
 TAKEN_HEADERS = frozenset(
     """
-    assert complex ctype errno fenv features float inttypes iso646 limits locale main malloc math memory
-    pthread sched setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib
-    stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
+    assert complex ctype errno fenv features float inttypes iso646 kanegen_lanes limits locale main malloc
+    math memory pthread sched setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef
+    stdint stdio stdlib stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
     """.split()
 )
 """Model names whose header would hide one of the C library, or whose source the example."""
@@ -63,9 +74,11 @@ def render(model: ModelFacts, module: Module, operations: Mapping[str, int]) -> 
         "functions": [_text(model.name, *item) for item in programs.items()],
         "sizes": describe.enumeration(describe.sizes(model, functions)),
         "parameter_indices": describe.enumeration(describe.parameter_indices(model)),
+        "spoilt": [f"`{model.name}_{function.name}`" for function in functions if function.spoilt],
         "freedoms": describe.freedoms(model),
         "loads": describe.loads(model),
         "operations": describe.operations(operations),
+        "stack": describe.batch_stack(functions),
         "inputs": describe.example_inputs(model, functions),
         "results": describe.example_results(functions),
     }
@@ -85,6 +98,10 @@ class FunctionText:
     prototype: list[str]
     body: list[str]
     batch_prototype: list[str]
+    batch_notes: list[str]
+    lanes_prototype: list[str]
+    lanes_body: list[str]
+    lanes_call: list[str]
     row_call: list[str]
 
 
@@ -96,5 +113,9 @@ def _text(model: str, function: Function, program: Program) -> FunctionText:
         prototype=prototype(model, function),
         body=statements(program),
         batch_prototype=batch_prototype(model, function),
+        batch_notes=batch_notes(function),
+        lanes_prototype=lanes_prototype(model, function),
+        lanes_body=statements(program, LANES, function.shared) if function.in_lanes else [],
+        lanes_call=lanes_call(model, function),
         row_call=row_call(model, function),
     )

@@ -12,6 +12,10 @@ EVALUATE = "evaluate"
 PREPARE = "prepare"
 """The function that turns parameters into prepared constants."""
 
+LARGEST = 8192
+"""Numbers of one state that a batch keeps on the stack for every lane, 64 KiB a lane; with more it goes one
+by one."""
+
 
 @dataclass(frozen=True)
 class ModelFacts:
@@ -51,6 +55,8 @@ class Function:
         inputs: Arrays that it reads, in the order of the arguments.
         outputs: Arrays that it fills, which follow.
         shared: Names of inputs that all states of a batch have in common.
+        spoilt: Names of outputs that hold only where some values are positive; the function then returns
+            an int.
     """
 
     name: str
@@ -58,11 +64,23 @@ class Function:
     inputs: tuple[Array, ...]
     outputs: tuple[Array, ...]
     shared: tuple[str, ...] = ()
+    spoilt: tuple[str, ...] = ()
 
     @property
     def has_batch(self) -> bool:
         """Whether it depends on a state, so that many states make sense."""
         return self.name != PREPARE
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch form works on several states side by side, which its arrays must fit for."""
+        return self.numbers <= LARGEST
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers it reads and fills for one state."""
+        arrays = (*self.inputs, *self.outputs)
+        return sum(array.size for array in arrays if array.name not in self.shared)
 
 
 def signatures(module: Module) -> dict[Function, Program]:
@@ -73,13 +91,14 @@ def signatures(module: Module) -> dict[Function, Program]:
         arrays = _outputs(module.prepare)
         shared = tuple(array.name for array in arrays)
         doc = "Everything that depends on parameters alone. Call it again whenever a parameter changes."
-        found[Function(PREPARE, doc, module.prepare.inputs, arrays)] = module.prepare
+        spoilt = _spoilt(module.prepare)
+        found[Function(PREPARE, doc, module.prepare.inputs, arrays, spoilt=spoilt)] = module.prepare
     for name, program in module.functions.items():
         arrays = _outputs(program)
         doc = f"{arrays[0].doc}."
         if len(arrays) > 1:
             doc = f"{_listed([array.name for array in arrays])} together, every intermediate shared."
-        found[Function(name, doc, program.inputs, arrays, shared)] = program
+        found[Function(name, doc, program.inputs, arrays, shared, _spoilt(program))] = program
     return found
 
 
@@ -90,6 +109,10 @@ def requested(module: Module) -> tuple[str, ...]:
 
 def _outputs(program: Program) -> tuple[Array, ...]:
     return tuple(output.array for output in program.outputs)
+
+
+def _spoilt(program: Program) -> tuple[str, ...]:
+    return tuple(output.array.name for output in program.outputs if output.positive)
 
 
 def _listed(names: list[str]) -> str:

@@ -68,11 +68,12 @@ def compare(system: System, library: ComparedLibrary, states: int = 1000, seed: 
         seed: Of the random states.
 
     Raises:
-        OptionError: If there is no state, or no output with a reference.
+        OptionError: If there is no state, the seed is negative, or no output has a reference.
         ArrayError: If an output has the wrong shape.
     """
-    if states < 1:
-        raise OptionError(f"states is {states}; compare at least one.")
+    for name, value, least in (("states", states, 1), ("seed", seed, 0)):
+        if not isinstance(value, int | np.integer) or value < least:
+            raise OptionError(f"{name} is {value!r}; it must be a whole number, at least {least}.")
     outputs = [name for name in OUTPUTS if name in library.outputs]
     if not outputs:
         raise OptionError(f"the library has none of the outputs {', '.join(OUTPUTS)}: nothing to compare.")

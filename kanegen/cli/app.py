@@ -108,7 +108,7 @@ def equations(
         derived = compiler.derive(system, progress=report)
         report("printing")
         text = render(derived, format_)
-    typer.echo(text)
+    typer.echo(text, nl=False)
 
 
 @app.command()

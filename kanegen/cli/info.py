@@ -85,7 +85,7 @@ def show(facts: Facts, console: Console) -> None:
     system = facts.system
     n, bodies = len(system.freedoms), system.number_of_bodies
     gravity = ", ".join(_text(value) for value in system.gravity)
-    console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s²\n")
+    console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s^2\n")
     drawing = console.render(_tree(system), console.options.update_width(WIDEST))
     console.print(Segments(drawing), soft_wrap=True)
     console.print("\n[bold]Freedoms[/], in the order of x and y")

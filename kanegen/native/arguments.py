@@ -61,12 +61,12 @@ def companion(name: str, value: object, shape: Shape, batch: Shape, first: str) 
 
 
 def load(name: str, value: object, shape: Shape, batch: Shape, unloaded: Mapping[int, str]) -> Floats:
-    """Loads on all bodies: None for none, `shape` for the same in every state, or `(*batch, *shape)`.
+    """Loads: None for none, `shape` for the same in every state, or `(*batch, *shape)`.
 
     Args:
         name: Of the argument.
         value: What was passed.
-        shape: (N, 3).
+        shape: (N, 3) for loads on bodies.
         batch: `()` or `(B,)`.
         unloaded: Rows of bodies that take no loads, with their names.
 

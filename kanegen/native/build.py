@@ -5,28 +5,37 @@ from __future__ import annotations
 import platform
 import shlex
 import sys
+import warnings
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from kanegen.c import Source
-from kanegen.errors import BuildError
+from kanegen.errors import BuildError, KanegenWarning
 from kanegen.native import cache, compilers
 
 FLAGS = ("-O2", "-ffp-contract=off")
 """Default flags: optimised, with the same bits as the operations of the program one by one."""
 
-_ALWAYS = ("-std=c99", "-fPIC", "-shared")
+_CALLER = 5
+"""Frames from a warning here to the line that called `kanegen.build`."""
+
+_ALWAYS = ("-std=c99", "-fPIC")
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
-def build(source: Source, compiler: str | None = None, flags: Sequence[str] | None = None) -> Path:
-    """Compile `source`, unless the cache has it already.
+def build(
+    source: Source, compiler: str | None = None, flags: Sequence[str] | None = None, threads: bool = False
+) -> Path:
+    """Compile `source`, its files at the same time, unless the cache has it already.
 
     Args:
         source: From `kanegen.generate`.
         compiler: Command of a compiler that takes gcc's options; default `$KANEGEN_CC`, `$CC`, cc, gcc,
             clang, or that of the package ziglang.
         flags: Instead of `FLAGS`.
+        threads: Let OpenMP share large batches among threads. A compiler without it brings a
+            `KanegenWarning`, and one thread.
 
     Returns:
         The shared library.
@@ -36,23 +45,53 @@ def build(source: Source, compiler: str | None = None, flags: Sequence[str] | No
     """
     found = compilers.find(compiler)
     chosen = FLAGS if flags is None else tuple(flags)
-    name = source.model.name
-    texts = {file: source.files[file] for file in (f"{name}.h", f"{name}.c")}
-    library = f"lib{name}{_SUFFIX}"
-    command = [*found.command, *_ALWAYS, *chosen, "-o", library, f"{name}.c", "-lm"]
+    if threads:
+        chosen += _openmp(found)
+    texts = {file: text for file, text in source.files.items() if _is_code(file)}
+    library = f"lib{source.model.name}{_SUFFIX}"
+    start = (*found.command, *_ALWAYS, *chosen)
+    objects = {file: f"{file}.o" for file in texts if file.endswith(".c")}
+    compile_ = [[*start, "-c", file, "-o", object_] for file, object_ in objects.items()]
+    link = [*start, "-shared", "-o", library, *objects.values(), "-lm"]
 
     def fill(folder: Path) -> None:
         for file, text in texts.items():
             (folder / file).write_text(text, encoding="utf-8", newline="\n")
-        result = compilers.run(command, str(folder))
-        if result.returncode != 0:
-            raise BuildError(
-                f"the C compiler failed with status {result.returncode}.\n"
-                f"command: {shlex.join(command)}\n{result.stdout}"
-            )
+        with ThreadPoolExecutor() as pool:
+            list(pool.map(lambda command: _run(command, folder), compile_))
+        _run(link, folder)
+        for object_ in objects.values():
+            (folder / object_).unlink()
 
-    parts = (*texts.values(), found.identity, *command, *_machine(chosen))
+    parts = (*texts.values(), found.identity, *link, *_machine(chosen))
     return cache.entry(cache.key(parts), fill) / library
+
+
+def _openmp(compiler: compilers.Compiler) -> tuple[str, ...]:
+    """The flag for threads, where the compiler has them."""
+    if compilers.has_openmp(compiler):
+        return (compilers.OPENMP,)
+    warnings.warn(
+        f"{shlex.join(compiler.command)} has no OpenMP, so batches use one thread. Install it, such as "
+        "libomp for clang, or name another compiler.",
+        KanegenWarning,
+        stacklevel=_CALLER,
+    )
+    return ()
+
+
+def _run(command: list[str], folder: Path) -> None:
+    result = compilers.run(command, str(folder))
+    if result.returncode != 0:
+        raise BuildError(
+            f"the C compiler failed with status {result.returncode}.\n"
+            f"command: {shlex.join(command)}\n{result.stdout}"
+        )
+
+
+def _is_code(file: str) -> bool:
+    """Whether a generated file is part of the library; the example is not."""
+    return file.endswith((".h", ".c")) and file != "main.c"
 
 
 def _machine(flags: Sequence[str]) -> tuple[str, ...]:

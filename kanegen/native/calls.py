@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import cffi
 import numpy as np
 
 from kanegen.c import ModelFacts, Source
 from kanegen.c.interface import PREPARE, Function
-from kanegen.errors import BuildError
+from kanegen.errors import BuildError, KanegenWarning, SingularError
 from kanegen.native.arguments import Floats, companion, load, state
 
 LOADS = frozenset({"force", "torque"})
+"""Arguments with a row for every body, of which only some take any."""
+
+OPTIONAL = LOADS | {"tau"}
 """Arguments that may be left out, which is zero, and that one batch may share."""
+
+_CALLER = 4
+"""Frames from a warning here to the line that called a method of the library."""
 
 Pointers = tuple[Any, ...]
 """C pointers; each keeps its array alive."""
@@ -66,13 +73,15 @@ class Call:
     def __init__(
         self, library: Any, pointer: Callable[[Floats], Any], model: ModelFacts, f: Function
     ) -> None:
+        self._name = f.name
+        self._freedoms = model.freedom_names
         name = f"{model.name}_{f.name}"
         self._single = getattr(library, name)
         self._batch = getattr(library, f"{name}_batch") if f.has_batch else None
         self._pointer = pointer
         self._inputs = [(array.name, array.shape) for array in f.inputs if array.name not in f.shared]
         self._outputs = [array.shape for array in f.outputs]
-        self._zeros = {n: pointer(np.zeros(shape)) for n, shape in self._inputs if n in LOADS}
+        self._zeros = {n: pointer(np.zeros(shape)) for n, shape in self._inputs if n in OPTIONAL}
         bodies = enumerate(zip(model.body_names, model.loaded, strict=True))
         self._unloaded = {row: name for row, (name, is_loaded) in bodies if not is_loaded}
         self._checked = LOADS if self._unloaded else frozenset()
@@ -89,6 +98,8 @@ class Call:
 
         Raises:
             ArrayError: If a value has the wrong type or shape.
+            SingularError: If a result of the one state does not exist. In a batch its row is NaN, with a
+                warning.
         """
         pointers = [*constants]
         for name, shape in self._inputs:
@@ -110,7 +121,9 @@ class Call:
             array = np.empty(shape)
             results.append(array)
             pointers.append(self._pointer(array))
-        self._single(*pointers)
+        place = self._single(*pointers)
+        if place:
+            self._refuse(place)
         return results
 
     def _general(self, constants: Pointers, values: Mapping[str, object]) -> list[Floats]:
@@ -118,11 +131,26 @@ class Call:
         arrays, batch = self._converted(values)
         results = [np.empty((*batch, *shape)) for shape in self._outputs]
         pointers = [*constants, *map(self._pointer, [*arrays, *results])]
-        if batch and self._batch is not None:
-            self._batch(*batch, *pointers)
-        else:
-            self._single(*pointers)
+        if not batch or self._batch is None:
+            place = self._single(*pointers)
+            if place:
+                self._refuse(place)
+            return results
+        failed = self._batch(*batch, *pointers)
+        if failed:
+            warnings.warn(
+                f"{self._name}: in {failed} of {batch[0]} states a pivot of [A] is not positive or is NaN; "
+                "their rows are NaN.",
+                KanegenWarning,
+                stacklevel=_CALLER,
+            )
         return results
+
+    def _refuse(self, place: int) -> NoReturn:
+        raise SingularError(
+            f"{self._name}: the pivot of [A] at freedom {self._freedoms[place - 1]!r} is not positive or is "
+            "NaN: [A] is singular in this state, or the state is not finite."
+        )
 
     def _converted(self, values: Mapping[str, object]) -> tuple[list[Floats], tuple[int, ...]]:
         """The inputs as C takes them, and `()` for one state or `(B,)` for a batch."""
@@ -130,8 +158,9 @@ class Call:
         arrays = [state(first, values[first], shape)]
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
         for name, shape in others:
-            if name in LOADS:
-                arrays.append(load(name, values[name], shape, batch, self._unloaded))
+            if name in OPTIONAL:
+                unloaded = self._unloaded if name in LOADS else {}
+                arrays.append(load(name, values[name], shape, batch, unloaded))
             else:
                 arrays.append(companion(name, values[name], shape, batch, first))
         return arrays, batch

@@ -9,12 +9,19 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 from dataclasses import dataclass
+from pathlib import Path
 
 from kanegen.errors import BuildError
 
 VARIABLES = ("KANEGEN_CC", "CC")
 """Environment variables that may name a compiler, the first one first."""
+
+OPENMP = "-fopenmp"
+"""Flag by which batches use several threads."""
+
+_PROBE = "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n"
 
 COMMANDS = ("cc", "gcc", "clang")
 """What is looked for otherwise."""
@@ -72,6 +79,15 @@ def _named(command: str, origin: str) -> Compiler:
 def _identified(command: tuple[str, ...]) -> Compiler:
     result = run([*command, "--version"])
     return Compiler(command, f"{shlex.join(command)}\n{result.stdout}")
+
+
+@functools.cache
+def has_openmp(compiler: Compiler) -> bool:
+    """Whether `compiler` makes and links a program with `OPENMP`."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "probe.c").write_text(_PROBE)
+        command = [*compiler.command, OPENMP, "probe.c", "-o", "probe"]
+        return run(command, folder).returncode == 0
 
 
 def run(command: list[str], folder: str | None = None) -> subprocess.CompletedProcess[str]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby
+from functools import cached_property
+from itertools import accumulate, groupby
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
@@ -26,8 +27,8 @@ SHORT_MATRIX = 600
 
 
 @dataclass(frozen=True)
-class Statement:
-    """One equation.
+class Written:
+    """A statement whose words are there already.
 
     Attributes:
         text: In plain text, one line or several.
@@ -38,6 +39,36 @@ class Statement:
     text: str
     left: str
     right: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A statement that is printed when it is read: SymPy is slow, and no format needs both text and LaTeX.
+
+    Attributes:
+        name: Left side in plain text.
+        left: Left side in LaTeX.
+        value: Right side.
+        names: LaTeX of its symbols.
+    """
+
+    name: str
+    left: str
+    value: Expr
+    names: Names
+
+    @property
+    def text(self) -> str:
+        """In plain text, one line."""
+        return f"{self.name} = {text(self.value)}"
+
+    @cached_property
+    def right(self) -> tuple[str, ...]:
+        """Lines of the right side in LaTeX."""
+        return tuple(latex_lines(self.value, self.names))
+
+
+Statement = Written | Equation
 
 
 @dataclass(frozen=True)
@@ -105,7 +136,7 @@ def _freedoms(equations: Equations, names: Names) -> Section:
         name, unit = equations.system.freedom_names[i], equations.system.freedoms[i].unit
         label = rf"\text{{{escaped(name)} ({unit})}}"
         statements.append(
-            Statement(
+            Written(
                 f"x[{i + 1}] = {x}, y[{i + 1}] = {y}: {name} ({unit})",
                 f"x_{{{i + 1}}}",
                 (rf"{names[x]}, \quad y_{{{i + 1}}} = {names[y]} \quad {label}",),
@@ -132,8 +163,8 @@ def _loads(equations: Equations) -> Iterator[Section]:
         yield Section("Loads", note, ())
 
 
-def _equation(left: Expr, right: Expr, names: Names) -> Statement:
-    return Statement(f"{text(left)} = {text(right)}", latex(left, names), tuple(latex_lines(right, names)))
+def _equation(left: Symbol, right: Expr, names: Names) -> Equation:
+    return Equation(str(left), latex(left, names), right, names)
 
 
 def _matrix(name: str, matrix: ImmutableMatrix, names: Names) -> tuple[Statement, ...]:
@@ -144,13 +175,12 @@ def _matrix(name: str, matrix: ImmutableMatrix, names: Names) -> tuple[Statement
         for j in range(i if columns > 1 else 0, columns):
             if matrix[i, j]:
                 index = f"{i + 1}" if columns == 1 else f"{i + 1},{j + 1}"
-                lines = tuple(latex_lines(matrix[i, j], names))
-                plain = f"{name}[{index}] = {text(matrix[i, j])}"
-                entries.append(Statement(plain, f"{name}_{{{index}}}", lines))
-    if sum(len(line) for entry in entries for line in entry.right) > SHORT_MATRIX:
+                entries.append(Equation(f"{name}[{index}]", f"{name}_{{{index}}}", matrix[i, j], names))
+    lengths = accumulate(len(line) for entry in entries for line in entry.right)
+    if any(length > SHORT_MATRIX for length in lengths):  # without printing the rest of a long one
         return tuple(entries)
     plain = "\n".join(entry.text for entry in entries) or f"{name} = 0"
-    return (Statement(plain, name, (latex(matrix, names),)),)
+    return (Written(plain, name, (latex(matrix, names),)),)
 
 
 def _blocks(equations: Equations) -> Iterator[Section]:
@@ -177,7 +207,7 @@ def _block_statements(blocks: Blocks, k: int) -> Iterator[Statement]:
         ("[v̇'_G%d,y]", r"[\dot{v}'_{G_{%d},y}]", blocks.partial_velocity_of_center_rate(k)),
     ]
     for plain, formula, value in columns:
-        yield Statement(f"{plain % k} = {value.text()}", formula % k, (value.latex(),))
+        yield Written(f"{plain % k} = {value.text()}", formula % k, (value.latex(),))
     for plain, formula, terms in rows:
         text_lines = "\n    ".join([f"{plain % k} =", *terms.lines()])
-        yield Statement(text_lines, formula % k, tuple(terms.lines("latex")))
+        yield Written(text_lines, formula % k, tuple(terms.lines("latex")))

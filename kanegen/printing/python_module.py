@@ -26,7 +26,7 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
         A: (n, n) [A].
         f: (n, 1) {f}.
     """
-    names = {parameter(p): real(_free_name(p.name)) for p in equations.system.parameters}
+    names = _names([p.name for p in equations.system.parameters])
     head = [_docstring(equations), "from math import cos, sin", "import numpy as np", _parameters(equations)]
     parts = [
         "\n\n".join(head),
@@ -36,8 +36,17 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
     return "\n\n\n".join(parts) + "\n"
 
 
-def _free_name(name: str) -> str:
-    return f"{name}_" if name in TAKEN else name
+def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
+    """Symbols of parameters, and those that stand for them in the module, where some names are taken."""
+    used = TAKEN.union(parameters)
+    names: dict[Symbol, Symbol] = {}
+    for name in parameters:
+        free = name
+        while name in TAKEN and free in used:
+            free += "_"
+        used |= {free}
+        names[real(name)] = real(free)
+    return names
 
 
 def _docstring(equations: Equations) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from kanegen.errors import ModelError
 from kanegen.numbers import Parameter
-from kanegen.readers.suggest import did_you_mean
+from kanegen.suggest import did_you_mean
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from typing import TypeVar
 
 from kanegen.errors import ReadError
 from kanegen.readers.rigid import Frame, Rigid
-from kanegen.readers.suggest import did_you_mean
 from kanegen.readers.xml import Element
 from kanegen.rotations import ZERO, Triple, dot, normalized, rotation_quaternion, rotation_rpy
+from kanegen.suggest import did_you_mean
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")

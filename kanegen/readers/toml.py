@@ -14,8 +14,8 @@ from kanegen.body import FREEDOMS, IDENTITY, Body, Joint
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.numbers import numbers
 from kanegen.readers.parameters import Parameters
-from kanegen.readers.suggest import did_you_mean
 from kanegen.readers.text import read_text
+from kanegen.suggest import did_you_mean
 from kanegen.system import GRAVITY, System
 
 MODEL_KEYS = ("name", "gravity", "parameters", "body")
@@ -148,7 +148,7 @@ def _free(value: Any) -> tuple[bool, ...]:
         raise ModelError(f'free: {value!r} is neither "all" nor "none" nor a list such as ["theta3", "s1"].')
     for name in value:
         if name not in FREEDOMS:
-            raise ModelError(f"free: {name!r} is no freedom. {did_you_mean(str(name), FREEDOMS)}")
+            raise ModelError(f"free: {name!r} is no freedom. {did_you_mean(name, FREEDOMS)}")
     validation.unique("free: freedom", value)
     return tuple(name in value for name in FREEDOMS)
 

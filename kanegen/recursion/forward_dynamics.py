@@ -8,16 +8,17 @@ with all six freedoms passes nothing inward but its efforts: the body behind it 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from sympy import Expr
 
 from kanegen.recursion.articulated import Articulated, Elimination, rigid
 from kanegen.recursion.derived import Derived
-from kanegen.recursion.joints import NO_FREEDOM, JointMotion
+from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Slide, Step
 from kanegen.recursion.motion import outward, required
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import ZERO, add, cross, subtract, unit
+from kanegen.recursion.vectors import ZERO, add, cross, subtract
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import generalized_force
 
@@ -26,10 +27,14 @@ TURNS, SLIDES = (0, 1, 2), (3, 4, 5)
 
 @dataclass
 class _Solution:
-    """What a joint's eliminations leave for the way outward, in the order of elimination."""
+    """What a joint's eliminations leave for the way outward.
 
-    angles: dict[int, Elimination] = field(default_factory=dict)
-    slides: dict[int, Elimination] = field(default_factory=dict)
+    Attributes:
+        coordinates: By freedom, where a component is a coordinate's own.
+        body: In the order of elimination, where three components are free in the body's frame.
+    """
+
+    coordinates: dict[int, Elimination] = field(default_factory=dict)
     body: list[Elimination] = field(default_factory=list)
 
 
@@ -66,40 +71,52 @@ class _Recursion:
     pivots: dict[int, Expr] = field(default_factory=dict)
 
     def inward(self, motion: JointMotion, body: Articulated) -> tuple[Articulated, _Solution]:
-        """What body K passes to its lower body, about O_J."""
-        k, solution = motion.body, _Solution()
+        """What body K passes to its lower body, about the lower body's origin."""
+        solution = _Solution()
         if _slides_freely(motion):
-            along = Vector(*(self.efforts[slide.freedom] for slide in motion.slides))
-            for step in motion.angles:
-                along = self.definitions.vector(f"tF_{step.frame}u", step.turn.up(along))
-            for index, effort in zip(SLIDES, along, strict=True):
-                body = self._eliminate(body, index, effort, f"{k}s{index - 2}", solution.body)
-            self._pivots([slide.freedom for slide in motion.slides], solution.body[:3])
+            body = self._eliminate_all(body, SLIDES, self._push(motion), motion.slides, solution)
         if _turns_freely(motion):
-            before = len(solution.body)
-            for index, effort in zip(TURNS, self._torque(motion), strict=True):
-                body = self._eliminate(body, index, effort, f"{k}t{index + 1}", solution.body)
-            self._pivots([step.freedom for step in motion.angles], solution.body[before:])
-            first = motion.angles[0].freedom
-            cosine = _cosine(motion, 1)
-            self.pivots[first] = self.definitions.define(f"D_{k}", self.pivots[first] * cosine * cosine)
+            body = self._eliminate_all(body, TURNS, self._torque(motion), motion.angles, solution)
+            self._weaken_pivot(motion)
         for step in reversed(motion.angles):
             if step.freedom != NO_FREEDOM and not _turns_freely(motion):
-                found: list[Elimination] = []
-                body = self._eliminate(body, step.axis, self.efforts[step.freedom], f"{step.frame}t", found)
-                self._pivots([step.freedom], found)
-                solution.angles[step.freedom] = found[0]
+                body = self._eliminate(body, step.axis, step.freedom, solution)
             body = body.down(step.turn, step.frame, self.definitions)
         if not _slides_freely(motion):
             for slide in motion.slides:
-                found = []
-                effort = self.efforts[slide.freedom]
-                body = self._eliminate(body, 3 + slide.axis, effort, f"{k}s{slide.axis + 1}", found)
-                self._pivots([slide.freedom], found)
-                solution.slides[slide.freedom] = found[0]
+                body = self._eliminate(body, 3 + slide.axis, slide.freedom, solution)
         for step in reversed(motion.constant):
             body = body.down(step.turn, step.frame, self.definitions)
-        return body.shifted(motion.offset, f"{k}j", self.definitions), solution
+        return body.shifted(motion.offset, f"{motion.body}j", self.definitions), solution
+
+    def _eliminate(self, body: Articulated, index: int, freedom: int, solution: _Solution) -> Articulated:
+        """A component that is a coordinate's own."""
+        effort = self.efforts[freedom]
+        left, found = body.eliminated(index, effort, f"{freedom}", self.definitions)
+        solution.coordinates[freedom] = found
+        self.pivots[freedom] = found.pivot
+        return left
+
+    def _eliminate_all(
+        self,
+        body: Articulated,
+        indices: Sequence[int],
+        efforts: Vector,
+        behind: Sequence[Step | Slide],
+        solution: _Solution,
+    ) -> Articulated:
+        """Three components that the coordinates `behind` them make free together."""
+        for index, effort, coordinate in zip(indices, efforts, behind, strict=True):
+            body, found = body.eliminated(index, effort, f"{coordinate.freedom}", self.definitions)
+            solution.body.append(found)
+            self.pivots[coordinate.freedom] = found.pivot
+        return body
+
+    def _weaken_pivot(self, motion: JointMotion) -> None:
+        """Where the angles' axes lie in a plane, [A] is singular though the body is not."""
+        first, second, _ = motion.angles
+        weakened = self.pivots[first.freedom] * second.cosine * second.cosine
+        self.pivots[first.freedom] = self.definitions.define(f"Dc_{motion.body}", weakened)
 
     def outward(
         self, motion: JointMotion, solution: _Solution, alpha: Vector, a: Vector
@@ -111,14 +128,13 @@ class _Recursion:
             alpha = define.vector(f"qw_{step.frame}u", step.turn.up(alpha))
             a = define.vector(f"qa_{step.frame}u", step.turn.up(a))
         for slide in reversed(motion.slides):
-            if slide.freedom in solution.slides:
-                a = _set(a, slide.axis, self._solve(slide.freedom, solution.slides[slide.freedom], alpha, a))
+            if slide.freedom in solution.coordinates:
+                a = _set(a, slide.axis, self._solve(slide.freedom, solution, alpha, a))
         for step in motion.angles:
             alpha = define.vector(f"qw_{step.frame}u", step.turn.up(alpha))
             a = define.vector(f"qa_{step.frame}u", step.turn.up(a))
-            if step.freedom in solution.angles:
-                total = self._solve(step.freedom, solution.angles[step.freedom], alpha, a)
-                alpha = _set(alpha, step.axis, total)
+            if step.freedom in solution.coordinates:
+                alpha = _set(alpha, step.axis, self._solve(step.freedom, solution, alpha, a))
         return self._solve_body(motion, solution.body, alpha, a)
 
     def _solve_body(
@@ -139,46 +155,43 @@ class _Recursion:
             self.result |= {slide.freedom: sliding[slide.axis] for slide in motion.slides}
         return turned, moved
 
-    def _eliminate(
-        self, body: Articulated, index: int, effort: Expr, name: str, found: list[Elimination]
-    ) -> Articulated:
-        left, elimination = body.eliminated(index, effort, name, self.definitions)
-        found.append(elimination)
-        return left
-
-    def _pivots(self, freedoms: list[int], eliminations: list[Elimination]) -> None:
-        self.pivots |= {f: e.pivot for f, e in zip(freedoms, eliminations, strict=True)}
-
-    def _solve(self, freedom: int, elimination: Elimination, alpha: Vector, a: Vector) -> Expr:
+    def _solve(self, freedom: int, solution: _Solution, alpha: Vector, a: Vector) -> Expr:
         """The total of a free component; what the lower body does not carry along is the coordinate's."""
         carried = [*alpha, *a]
+        elimination = solution.coordinates[freedom]
         total = self.definitions.define(f"q_{freedom}", elimination.solve(carried))
         self.result[freedom] = self.definitions.define(f"ydot_{freedom}", total - carried[elimination.index])
         return total
 
+    def _push(self, motion: JointMotion) -> Vector:
+        """The force, in the body, that works on the translations as their efforts do."""
+        push = Vector(*(self.efforts[slide.freedom] for slide in motion.slides))
+        for step in motion.angles:
+            push = self.definitions.vector(f"tF_{step.frame}u", step.turn.up(push))
+        return push
+
     def _torque(self, motion: JointMotion) -> Vector:
         """The torque, in the body, that works on the angle rates as their efforts do: [P]^T {T} = {tau}."""
         one, two, three = (self.efforts[step.freedom] for step in motion.angles)
-        sine2 = _sine(motion, 1)
-        sine3, cosine3 = _sine(motion, 2), _cosine(motion, 2)
+        _, second, third = motion.angles
         name = f"T_{motion.body}"
-        q = self.definitions.define(f"{name}_q", (one - sine2 * three) * self._reciprocal(motion))
-        torque = Vector(cosine3 * q + sine3 * two, cosine3 * two - sine3 * q, three)
+        q = self.definitions.define(f"{name}_q", (one - second.sine * three) * self._reciprocal(second))
+        torque = Vector(third.cosine * q + third.sine * two, third.cosine * two - third.sine * q, three)
         return self.definitions.vector(name, torque)
 
     def _angles(self, motion: JointMotion, spin: Vector) -> None:
         """Second derivatives of the angles behind a relative angular acceleration, Eq. (9)."""
-        spin = self.definitions.vector(f"qr_{motion.body}", spin)
-        sine3, cosine3 = _sine(motion, 2), _cosine(motion, 2)
-        one, two, three = (step.freedom for step in motion.angles)
+        first, second, third = motion.angles
         define = self.definitions.define
-        across = define(f"qq_{motion.body}", cosine3 * spin.x - sine3 * spin.y)
-        self.result[one] = define(f"ydot_{one}", across * self._reciprocal(motion))
-        self.result[two] = define(f"ydot_{two}", sine3 * spin.x + cosine3 * spin.y)
-        self.result[three] = define(f"ydot_{three}", spin.z - _sine(motion, 1) * self.result[one])
+        spin = self.definitions.vector(f"qr_{motion.body}", spin)
+        across = define(f"qq_{motion.body}", third.cosine * spin.x - third.sine * spin.y)
+        one = define(f"ydot_{first.freedom}", across * self._reciprocal(second))
+        two = define(f"ydot_{second.freedom}", third.sine * spin.x + third.cosine * spin.y)
+        three = define(f"ydot_{third.freedom}", spin.z - second.sine * one)
+        self.result |= {first.freedom: one, second.freedom: two, third.freedom: three}
 
-    def _reciprocal(self, motion: JointMotion) -> Expr:
-        return self.definitions.define(f"Ci_{motion.body}_2", 1 / _cosine(motion, 1))
+    def _reciprocal(self, step: Step) -> Expr:
+        return self.definitions.define(f"Ci_{step.frame}", 1 / step.cosine)
 
 
 def _turns_freely(motion: JointMotion) -> bool:
@@ -187,15 +200,6 @@ def _turns_freely(motion: JointMotion) -> bool:
 
 def _slides_freely(motion: JointMotion) -> bool:
     return len(motion.slides) == len(SLIDES)
-
-
-def _sine(motion: JointMotion, axis: int) -> Expr:
-    return motion.angles[axis].turn.up(unit((axis + 1) % 3))[(axis + 2) % 3] * -1
-
-
-def _cosine(motion: JointMotion, axis: int) -> Expr:
-    j = (axis + 1) % 3
-    return motion.angles[axis].turn.up(unit(j))[j]
 
 
 def _set(v: Vector, axis: int, value: Expr) -> Vector:

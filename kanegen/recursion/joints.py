@@ -29,6 +29,8 @@ class Step:
         axis: Basis vector about which that angle turns.
         rate: The angle's rate.
         acceleration: The angle's second derivative.
+        sine: Of the angle.
+        cosine: Of the angle.
         frame: Suffix for the names of quantities seen below this turn.
     """
 
@@ -38,6 +40,8 @@ class Step:
     axis: int = 0
     rate: Expr = S.Zero
     acceleration: Expr = S.Zero
+    sine: Expr = S.Zero
+    cosine: Expr = S.One
 
 
 @dataclass(frozen=True)
@@ -178,8 +182,16 @@ def _angle_step(body: Body, k: int, axis: int, number: dict[Freedom, int], defin
     angle = coordinate(k, axis)
     sine = definitions.define(f"S_{k}_{axis + 1}", sympy.sin(angle))
     cosine = definitions.define(f"C_{k}_{axis + 1}", sympy.cos(angle))
-    turn = planar(axis, sine, cosine)
-    return Step(turn, frame, number[Freedom(k, axis)], axis, speed(k, axis), acceleration(k, axis))
+    return Step(
+        planar(axis, sine, cosine),
+        frame,
+        number[Freedom(k, axis)],
+        axis,
+        speed(k, axis),
+        acceleration(k, axis),
+        sine,
+        cosine,
+    )
 
 
 def _locked_turn(name: str, axis: int, angle: Number, definitions: Definitions) -> Turn:

@@ -38,17 +38,17 @@ class BodyEquations(LinearEquations):
 
     @cached_property
     def mass(self) -> Expr:
-        """m_K (kg)."""
+        """m_K (kg), as in Eq. (39)."""
         return expression(self.body.mass)
 
     @cached_property
     def inertia(self) -> ImmutableMatrix:
-        """[I'_GK], about the mass centre (kg m^2)."""
+        """[I'_GK], about the mass centre (kg m^2), as in Eq. (40)."""
         return matrix(self.body.inertia)
 
     @cached_property
     def force(self) -> ImmutableMatrix:
-        """{F'_K} at G_K (N): the load symbols, if the body takes loads, and its weight m_K [R_K] {g}."""
+        """{F'_K} of Eq. (37), at G_K (N): load symbols, if the body takes loads, and weight m_K [R_K] {g}."""
         weight = self.mass * self.rotation * column(self.system.gravity)
         if self.body.loads:
             weight += ImmutableMatrix([force(self.number, axis) for axis in range(3)])
@@ -56,7 +56,7 @@ class BodyEquations(LinearEquations):
 
     @cached_property
     def torque(self) -> ImmutableMatrix:
-        """{M'_K} (N m): the load symbols, or zeros."""
+        """{M'_K} of Eq. (37) (N m): the load symbols, or zeros."""
         if not self.body.loads:
             return ImmutableMatrix.zeros(3, 1)
         return ImmutableMatrix([torque(self.number, axis) for axis in range(3)])

@@ -43,17 +43,17 @@ class JointEquations:
 
     @cached_property
     def sines(self) -> ImmutableMatrix:
-        """Sines of the three angles, (3, 1); numbers where an angle is locked."""
+        """Sines of the three angles in Eq. (4), (3, 1); numbers where an angle is locked."""
         return self._named("sines", ImmutableMatrix([self._sine_cosine(axis)[0] for axis in range(3)]))
 
     @cached_property
     def cosines(self) -> ImmutableMatrix:
-        """Cosines of the three angles, (3, 1)."""
+        """Cosines of the three angles in Eq. (4), (3, 1); numbers where an angle is locked."""
         return self._named("cosines", ImmutableMatrix([self._sine_cosine(axis)[1] for axis in range(3)]))
 
     @cached_property
     def joint_orientation(self) -> ImmutableMatrix:
-        """[C_K], from J components to joint-frame components."""
+        """[C_K], from J components to joint-frame components; the notes have [I], so that Eq. (4) is all."""
         given = self.body.joint.orientation
         if isinstance(given[0], tuple):
             return matrix(given)

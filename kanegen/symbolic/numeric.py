@@ -39,7 +39,7 @@ class NumericEquations:
             parameters: Values of parameters that differ from their defaults, by name.
 
         Raises:
-            ArrayError: If `x` has another shape.
+            ArrayError: If `x` has another shape, or holds anything but real numbers.
             ModelError: If a parameter is unknown or its value makes the model unusable.
         """
         n = len(self.system.freedoms)
@@ -63,7 +63,7 @@ class NumericEquations:
             parameters: Values of parameters that differ from their defaults, by name.
 
         Raises:
-            ArrayError: If an array has another shape.
+            ArrayError: If an array has another shape, or holds anything but real numbers.
             ModelError: If a parameter is unknown or its value makes the model unusable.
         """
         n, bodies = len(self.system.freedoms), self.system.number_of_bodies
@@ -132,7 +132,10 @@ def needed_definitions(
 
 
 def _array(value: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
-    array = np.asarray(value, dtype=float)
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ArrayError(f"{what}: expected real numbers of shape {shape}, got {value!r}.") from None
     if array.shape != shape:
         raise ArrayError(f"{what} has shape {array.shape}; expected {shape}.")
     return array

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import sympy
-from sympy import Expr, ImmutableMatrix, S
+from sympy import Expr, ImmutableMatrix
 
 from kanegen.angles import sine_cosine
 from kanegen.numbers import Number, Parameter
@@ -63,8 +63,3 @@ def constant_sine_cosine(angle: Number) -> tuple[Expr, Expr]:
         return sympy.sin(symbol), sympy.cos(symbol)
     sine, cosine = sine_cosine(angle)
     return expression(sine), expression(cosine)
-
-
-def identity() -> ImmutableMatrix:
-    """The 3 x 3 identity."""
-    return ImmutableMatrix(3, 3, lambda i, j: S.One if i == j else S.Zero)

@@ -1,0 +1,1 @@
+"""kanegen's C beside other programs that compute the same: `python -m benchmarks.peers`."""

@@ -1,0 +1,92 @@
+"""What a C function needs to know of a program: which values live, where they go, what they are called."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from kanegen.program.ir import Array, Op, Program
+
+
+def element(array: Array, index: int) -> str:
+    """One element of an array in C; in a matrix as `48*row + column`."""
+    if len(array.shape) != 2:
+        return f"{array.name}[{index}]"
+    row, column = divmod(index, array.shape[1])
+    return f"{array.name}[{array.shape[1]}*{row} + {column}]"
+
+
+def live(program: Program) -> list[int]:
+    """Instructions that an output needs, in order."""
+    needed = [False] * len(program.instructions)
+    for value in program.results():
+        needed[value] = True
+    for i in range(len(needed) - 1, -1, -1):
+        if needed[i]:
+            for operand in program.instructions[i].operands:
+                needed[operand] = True
+    return [i for i, is_needed in enumerate(needed) if is_needed]
+
+
+def places(program: Program) -> dict[int, list[str]]:
+    """For every result the output elements that hold it."""
+    found: dict[int, list[str]] = {}
+    for output in program.outputs:
+        for index, value in enumerate(output.values):
+            found.setdefault(value, []).append(element(output.array, index))
+    return found
+
+
+def conditions(program: Program) -> dict[int, int]:
+    """For every value that must be positive its place, from 1; the first where it has several.
+
+    A positive number needs no watching and is left out.
+    """
+    found: dict[int, int] = {}
+    for output in program.outputs:
+        for place, value in enumerate(output.positive, start=1):
+            if not program.instructions[value].number > 0.0:
+                found.setdefault(value, place)
+    return found
+
+
+def uniform(program: Program, shared: Iterable[str]) -> frozenset[int]:
+    """Values that are the same in every state: numbers, elements of `shared` arrays, and what follows."""
+    common = set(shared)
+    found: set[int] = set()
+    for i, instruction in enumerate(program.instructions):
+        is_source = instruction.op is Op.CONSTANT or instruction.array in common
+        if is_source or (instruction.operands and found.issuperset(instruction.operands)):
+            found.add(i)
+    return frozenset(found)
+
+
+def partners(program: Program) -> dict[int, int]:
+    """For every live sine the live cosine of the same angle, and the other way round."""
+    waves = {
+        (instruction.op, instruction.operands): i
+        for i in live(program)
+        if (instruction := program.instructions[i]).op in (Op.SIN, Op.COS)
+    }
+    other = {Op.SIN: Op.COS, Op.COS: Op.SIN}
+    return {i: waves[key] for (op, angle), i in waves.items() if (key := (other[op], angle)) in waves}
+
+
+def names(program: Program, taken: Iterable[str]) -> dict[int, str]:
+    """For every named instruction the name of its local: an underscore more where the name is taken."""
+    used = set(taken)
+    found: dict[int, str] = {}
+    for i, instruction in enumerate(program.instructions):
+        name = instruction.name
+        while name in used:
+            name += "_"
+        if name:
+            used.add(name)
+            found[i] = name
+    return found
+
+
+def arrays(program: Program) -> Iterator[Array]:
+    """Inputs, then outputs."""
+    yield from program.inputs
+    for output in program.outputs:
+        yield output.array
