@@ -127,7 +127,7 @@ def build(
     system: System,
     outputs: Iterable[str] = EQUATIONS,
     compiler: str | None = None,
-    flags: Sequence[str] | None = None,
+    flags: str | Sequence[str] | None = None,
     progress: Progress = quiet,
     threads: bool = False,
 ) -> libraries.Library:

@@ -16,10 +16,14 @@ from kanegen.native.arguments import Floats
 from kanegen.native.build import build
 from kanegen.native.calls import Call, Native
 from kanegen.numbers import finite
+from kanegen.suggest import did_you_mean
 
 
 def load(
-    source: Source, compiler: str | None = None, flags: Sequence[str] | None = None, threads: bool = False
+    source: Source,
+    compiler: str | None = None,
+    flags: str | Sequence[str] | None = None,
+    threads: bool = False,
 ) -> Library:
     """Compile `source`, or find it in the cache, and load it.
 
@@ -105,8 +109,7 @@ class Library:
         """
         for name in values:
             if name not in self._parameters:
-                known = ", ".join(self._parameters) or "no parameters"
-                raise ModelError(f"unknown parameter {name!r}. System {self.name!r} has {known}.")
+                raise ModelError(f"unknown parameter {name!r}. {did_you_mean(name, self._parameters)}")
         checked = {name: finite(value, f"parameter {name!r}") for name, value in values.items()}
         return Library(self._native, {**self._parameters, **checked})
 

@@ -246,3 +246,19 @@ def test_a_cache_folder_that_cannot_be_used(monkeypatch, tmp_path):
 
 def test_keys_tell_parts_apart():
     assert cache.key(["ab", "c"]) != cache.key(["a", "bc"]) != cache.key(["a", "b", "c"])
+
+
+def test_a_compiler_that_writes_nothing_has_failed():
+    with pytest.raises(BuildError, match=r"made no .*handmade\.c\.o"):
+        build(source(), compiler="true")
+
+
+def test_flags_may_be_one_string():
+    assert build(source(), flags="-O1 -ffp-contract=off") == build(
+        built_source, flags=("-O1", "-ffp-contract=off")
+    )
+
+
+def test_a_compiler_is_named_by_a_string():
+    with pytest.raises(BuildError, match="5 is not a command"):
+        build(source(), compiler=5)

@@ -117,7 +117,7 @@ def test_its_own_files_are_replaced(generated, tmp_path):
 def test_other_files_are_never_touched(generated, tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "handmade.c").write_text("mine too")
-    with pytest.raises(WriteError, match=r": holds handmade.c, notes.txt, which kanegen did not write"):
+    with pytest.raises(WriteError, match=r": holds handmade.c, notes.txt, which are not this model's files"):
         generated.write(tmp_path)
     assert contents(tmp_path) == {"notes.txt": "mine", "handmade.c": "mine too"}
     generated.write(tmp_path, force=True)
@@ -130,7 +130,7 @@ def test_a_file_that_was_edited_is_not_replaced(generated, tmp_path, change):
     example = tmp_path / "main.c"
     example.write_text(change(example.read_text()))
     with pytest.raises(
-        WriteError, match=r": holds main.c, which kanegen did not write or which changed since"
+        WriteError, match=r": holds main.c, which are not this model's files as kanegen wrote them"
     ):
         generated.write(tmp_path)
 

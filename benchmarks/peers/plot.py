@@ -45,7 +45,7 @@ def _panel(panel: Axes, outcomes: Sequence[Outcome], quantity: str) -> None:
         panel.bar_label(bars, texts, fontsize=7)
     panel.axhline(1, color="black", linewidth=0.8)
     panel.set_yscale("log")
-    panel.set_ylim(top=2.5)
+    panel.set_ylim(0.003, 2.5)
     panel.set_xticks(range(len(outcomes)), [f"{outcome.model}\n{outcome.n}" for outcome in outcomes])
 
 

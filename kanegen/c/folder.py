@@ -42,8 +42,8 @@ def _refuse_foreign(folder: Path, files: Mapping[str, str], force: bool) -> None
     foreign = sorted(path.name for path in folder.iterdir() if not _is_replaceable(path, files))
     if foreign and not force:
         raise WriteError(
-            f"{folder}: holds {', '.join(foreign)}, which kanegen did not write or which changed since. "
-            "Choose another folder, or force it."
+            f"{folder}: holds {', '.join(foreign)}, which are not this model's files as kanegen wrote them. "
+            "Choose another folder, delete them, or force it: --force, force=True."
         )
 
 

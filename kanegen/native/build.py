@@ -25,7 +25,10 @@ _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
 def build(
-    source: Source, compiler: str | None = None, flags: Sequence[str] | None = None, threads: bool = False
+    source: Source,
+    compiler: str | None = None,
+    flags: str | Sequence[str] | None = None,
+    threads: bool = False,
 ) -> Path:
     """Compile `source`, its files at the same time, unless the cache has it already.
 
@@ -33,7 +36,7 @@ def build(
         source: From `kanegen.generate`.
         compiler: Command of a compiler that takes gcc's options; default `$KANEGEN_CC`, `$CC`, cc, gcc,
             clang, or that of the package ziglang.
-        flags: Instead of `FLAGS`.
+        flags: Instead of `FLAGS`, one by one or as a shell would have them.
         threads: Let OpenMP share large batches among threads. A compiler without it brings a
             `KanegenWarning`, and one thread.
 
@@ -44,7 +47,7 @@ def build(
         BuildError: If there is no compiler, it fails, or the cache folder cannot be used.
     """
     found = compilers.find(compiler)
-    chosen = FLAGS if flags is None else tuple(flags)
+    chosen = FLAGS if flags is None else _split(flags)
     if threads:
         chosen += _openmp(found)
     texts = {file: text for file, text in source.files.items() if _is_code(file)}
@@ -58,8 +61,8 @@ def build(
         for file, text in texts.items():
             (folder / file).write_text(text, encoding="utf-8", newline="\n")
         with ThreadPoolExecutor() as pool:
-            list(pool.map(lambda command: _run(command, folder), compile_))
-        _run(link, folder)
+            list(pool.map(lambda command: _run(command, command[-1], folder), compile_))
+        _run(link, library, folder)
         for object_ in objects.values():
             (folder / object_).unlink()
 
@@ -80,11 +83,15 @@ def _openmp(compiler: compilers.Compiler) -> tuple[str, ...]:
     return ()
 
 
-def _run(command: list[str], folder: Path) -> None:
+def _split(flags: str | Sequence[str]) -> tuple[str, ...]:
+    return tuple(shlex.split(flags) if isinstance(flags, str) else flags)
+
+
+def _run(command: list[str], output: str, folder: Path) -> None:
     result = compilers.run(command, str(folder))
-    if result.returncode != 0:
+    if result.returncode != 0 or not (folder / output).is_file():
         raise BuildError(
-            f"the C compiler failed with status {result.returncode}.\n"
+            f"the C compiler failed with status {result.returncode} and made no {output}.\n"
             f"command: {shlex.join(command)}\n{result.stdout}"
         )
 

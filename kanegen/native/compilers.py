@@ -67,7 +67,7 @@ def _named(command: str, origin: str) -> Compiler:
     """A compiler that somebody asked for; it may have arguments, such as `ccache gcc`."""
     try:
         program, *arguments = shlex.split(command)
-    except ValueError:
+    except (ValueError, AttributeError):
         raise BuildError(f"{origin}: {command!r} is not a command.") from None
     path = shutil.which(program)
     if path is None:
