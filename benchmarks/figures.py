@@ -1,6 +1,6 @@
 """Prints the figures that kanegen is judged by: errors, operation counts, times.
 
-    python benchmarks/figures.py
+    python -m benchmarks.figures
 
 Needs the extra `test` (Pinocchio and its robots). Times are one run each on whatever machine this is; errors
 and counts are reproducible.
@@ -19,14 +19,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+import kanegen as kg
+from kanegen.body import FREEDOMS
+from tests import systems
+from tests.robots import dynamics, floating_model, places, robot_file
+
 ROOT = Path(__file__).parent.parent
-sys.path.insert(0, str(ROOT))
-
-import kanegen as kg  # noqa: E402
-from kanegen.body import FREEDOMS  # noqa: E402
-from tests import systems  # noqa: E402
-from tests.robots import dynamics, floating_model, places, robot_file  # noqa: E402
-
 EIGHT_BODY = ROOT / "models" / "eight_body.toml"
 FIXED = ("panda", "ur5_robot", "kinova", "allegro_right_hand", "double_pendulum")
 FLOATING = ("hyq_no_sensors", "solo12")
