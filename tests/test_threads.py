@@ -88,3 +88,26 @@ def test_a_compiler_without_openmp_brings_a_warning_and_one_thread(tmp_path):
         library = load(source(), str(fake), threads=True)
     x, y = states()
     assert bits(library.forcing(x, y)) == bits(load(source()).forcing(x, y))
+
+
+DROP = """
+import gc
+from pathlib import Path
+from kanegen.library import load
+from tests.handmade import source
+from tests.test_threads import states
+library = load(source(), "gcc", threads=True)
+library.evaluate(*states())
+del library
+gc.collect()
+print("libgomp" in Path("/proc/self/maps").read_text())
+"""
+
+
+def test_the_runtime_of_the_threads_outlives_the_library():
+    """Its threads wait for more work in code that must not be unmapped under them."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "4", "PYTHONPATH": str(Path(__file__).parent.parent)}
+    process = subprocess.run(
+        [sys.executable, "-c", DROP], env=environment, capture_output=True, check=True, text=True
+    )
+    assert process.stdout.strip() == "True"

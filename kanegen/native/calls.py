@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -21,6 +22,9 @@ LOADS = frozenset({"force", "torque"})
 
 OPTIONAL = LOADS | {"tau"}
 """Arguments that may be left out, which is zero, and that one batch may share."""
+
+_STAY = getattr(os, "RTLD_NODELETE", 0)
+"""A library is never unmapped: threads of its OpenMP runtime outlive the `Library` that started them."""
 
 _CALLER = 4
 """Frames from a warning here to the line that called a method of the library."""
@@ -47,7 +51,7 @@ class Native:
         ffi.cdef(source.cdef)
         self._pointer = partial(ffi.from_buffer, ffi.typeof("double[]"))
         try:
-            library = ffi.dlopen(str(path))
+            library = ffi.dlopen(str(path), ffi.RTLD_NOW | _STAY)
             self.calls = {f.name: Call(library, self._pointer, source.model, f) for f in source.functions}
         except (OSError, AttributeError) as error:
             raise BuildError(
