@@ -9,13 +9,13 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from kanegen.c import Source
-from kanegen.c.interface import EVALUATE
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.evaluation import Evaluation
 from kanegen.native.arguments import Floats
 from kanegen.native.build import build
 from kanegen.native.calls import Call, Native
 from kanegen.numbers import finite
+from kanegen.program.ir import EVALUATE
 from kanegen.suggest import did_you_mean
 
 

@@ -8,15 +8,14 @@ from dataclasses import dataclass, replace
 from sympy import Symbol
 
 from kanegen.errors import OptionError
-from kanegen.program.ir import Array
+from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
 from kanegen.suggest import did_you_mean
 from kanegen.symbolic import symbols
 from kanegen.system import System
 
 PARAMETERS = "parameters"
-EVALUATE = "evaluate"
-"""The function that computes every requested output at once."""
+"""Name of the input array that holds the run-time parameters."""
 
 Elements = tuple[tuple[Symbol, str], ...]
 

@@ -152,6 +152,11 @@ class System:
         return tuple(f for f in every if f.is_angle) + tuple(f for f in every if not f.is_angle)
 
     @cached_property
+    def places(self) -> dict[Freedom, int]:
+        """The place of every freedom in {x}, from 0."""
+        return {freedom: i for i, freedom in enumerate(self.freedoms)}
+
+    @cached_property
     def freedom_names(self) -> tuple[str, ...]:
         """n unique names in the order of {x}: the joint's name, or `<body>.theta1` ... `<body>.s3`."""
         return tuple(self._freedom_name(freedom) for freedom in self.freedoms)

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kanegen.program.ir import Array, Module, Program
-
-EVALUATE = "evaluate"
-"""The function that fills every requested output, where there are several."""
+from kanegen.program.ir import EVALUATE, Array, Module, Program
 
 PREPARE = "prepare"
 """The function that turns parameters into prepared constants."""

@@ -130,6 +130,10 @@ class Program:
             yield from output.positive
 
 
+EVALUATE = "evaluate"
+"""Name of the function that computes every requested output, where there are several."""
+
+
 @dataclass(frozen=True, slots=True)
 class Module:
     """Programs that become one C file.

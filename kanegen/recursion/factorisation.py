@@ -79,7 +79,7 @@ def _factorised(
 
 def _carriers(system: System) -> dict[int, list[int]]:
     """For every freedom, from the outermost inward, the freedoms that carry it."""
-    number = {freedom: i for i, freedom in enumerate(system.freedoms)}
+    number = system.places
     outward: dict[int, list[int]] = {0: []}
     for k, body in enumerate(system.bodies, start=1):
         own = [f for f in system.freedoms if f.body == k]

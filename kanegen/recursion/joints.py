@@ -117,7 +117,7 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
         definitions: Take the intermediates.
     """
     body = system.bodies[k - 1]
-    number = {freedom: i for i, freedom in enumerate(system.freedoms)}
+    number = system.places
     definitions.about(f"Body {k} ({body.name}): the joint, Eqs. (4), (22)")
     constant = _orientation(body, k, definitions)
     directions = [definitions.vector(f"u_{k}_{i + 1}", _down(constant, unit(i))) for i in range(3)]

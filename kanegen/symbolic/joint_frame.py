@@ -109,7 +109,7 @@ class JointEquations:
 
     def _columns(self, block: ImmutableMatrix, first: int) -> ImmutableMatrix:
         """(3, n): the columns of a 3 x 3 `block` where freedoms `first` to `first` + 2 of this body stand."""
-        number = {freedom: i for i, freedom in enumerate(self.system.freedoms)}
+        number = self.system.places
         columns = [sympy.zeros(3, 1)] * len(number)
         for axis in range(3):
             freedom = Freedom(self.number, first + axis)
