@@ -37,4 +37,4 @@ def test_eight_body_is_the_tree_of_the_notes() -> None:
     assert system.connection == (0, 1, 2, 2, 1, 1, 1, 7)
     assert len(system.freedoms) == 48
     operations = kg.generate(system).operations
-    assert operations["add"] + operations["multiply"] <= 4729
+    assert operations["add"] + operations["multiply"] <= 4586

@@ -12,6 +12,8 @@ from kanegen.recursion.vectors import ZERO, add, add_symmetric, scale, subtract
 from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
 from kanegen.system import System
 
+Rows = tuple[Vector, Vector, Vector]
+
 NOTHING = Symmetric(*(S.Zero,) * 6)
 
 
@@ -45,22 +47,52 @@ class Inertia:
             turn.down_symmetric(definitions, f"Ic_{name}", self.inertia),
         )
 
-    def shifted(self, d: Vector, name: str, definitions: Definitions) -> Inertia:
-        """About an origin {d} before this one: with {H} = {h} + m {d}, [I] - [d~][H~] - [h~][d~]."""
-        h = self.moment
-        shifted = definitions.vector(f"hc_{name}", add(h, scale(self.mass, d)))
-        sums = add(h, shifted)
-        t = [definitions.define(f"dh_{name}_{AXES[i]}", d[i] * sums[i]) for i in range(3)]
-        old = self.inertia
-        new = Symmetric(
-            xx=old.xx + (t[1] + t[2]),
-            yy=old.yy + (t[2] + t[0]),
-            zz=old.zz + (t[0] + t[1]),
-            xy=old.xy - (d.x * shifted.y + h.x * d.y),
-            xz=old.xz - (d.x * shifted.z + h.x * d.z),
-            yz=old.yz - (d.y * shifted.z + h.y * d.z),
+    def levered(self, d: Vector, name: str, definitions: Definitions) -> Rows:
+        """Moment about an origin {d} before this one, by angular velocity about this one: [I] - [d~][h~]."""
+        h, old = self.moment, self.inertia
+        xx, yy, zz = _diagonal(h, d, f"hd_{name}", definitions)
+        xy, xz, yz = self._between(d)
+        rows = (
+            Vector(old.xx + xx, xy, xz),
+            Vector(old.xy - h.y * d.x, old.yy + yy, yz),
+            Vector(old.xz - h.z * d.x, old.yz - h.z * d.y, old.zz + zz),
         )
-        return Inertia(self.mass, shifted, definitions.symmetric(f"Ic_{name}", new))
+        x, y, z = (definitions.vector(f"B_{name}_{axis}", row) for axis, row in zip(AXES, rows, strict=True))
+        return x, y, z
+
+    def shifted(self, d: Vector, name: str, definitions: Definitions, levered: Rows | None = None) -> Inertia:
+        """About an origin {d} before this one: with {H} = {h} + m {d}, [I] - [d~][h~] - [H~][d~].
+
+        Args:
+            d: From that origin to this one, in this frame (m).
+            name: For names.
+            definitions: Take the intermediates.
+            levered: The same of `levered`, where it is known.
+        """
+        h = definitions.vector(f"hc_{name}", add(self.moment, scale(self.mass, d)))
+        if levered is None:
+            sums = add(self.moment, h)
+            t = [definitions.define(f"dh_{name}_{AXES[i]}", d[i] * sums[i]) for i in range(3)]
+            added, between = Vector(t[1] + t[2], t[2] + t[0], t[0] + t[1]), self._between(d)
+            old = Vector(self.inertia.xx, self.inertia.yy, self.inertia.zz)
+        else:
+            x, y, z = levered
+            added, between = _diagonal(h, d, f"dh_{name}", definitions), (x.y, x.z, y.z)
+            old = Vector(x.x, y.y, z.z)
+        xy, xz, yz = between
+        new = Symmetric(*add(old, added), xy - d.x * h.y, xz - d.x * h.z, yz - d.y * h.z)
+        return Inertia(self.mass, h, definitions.symmetric(f"Ic_{name}", new))
+
+    def _between(self, d: Vector) -> tuple[Expr, Expr, Expr]:
+        """Entries xy, xz, yz of [I] - [d~][h~]."""
+        h, old = self.moment, self.inertia
+        return old.xy - h.x * d.y, old.xz - h.x * d.z, old.yz - h.y * d.z
+
+
+def _diagonal(h: Vector, d: Vector, name: str, definitions: Definitions) -> Vector:
+    """The diagonal of -[d~][h~]."""
+    x, y, z = (definitions.define(f"{name}_{AXES[i]}", h[i] * d[i]) for i in range(3))
+    return definitions.vector(f"{name}s", Vector(y + z, z + x, x + y))
 
 
 def body_inertia(system: System, k: int, origin: Vector, definitions: Definitions) -> Inertia:

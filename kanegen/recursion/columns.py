@@ -7,7 +7,8 @@ of the composite body, so that its moment never has to be carried: three columns
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Protocol, Self
 
 from sympy import Expr
@@ -45,12 +46,21 @@ class Column(Protocol):
 
 @dataclass(frozen=True)
 class Wrench:
-    """A force and a moment."""
+    """A force and a moment.
+
+    Attributes:
+        freedom: Number of the freedom in {x}.
+        label: For names.
+        force: {F}.
+        moment: {M}.
+        shares: What it takes of the forces of some pushes, if known; see `triads`.
+    """
 
     freedom: int
     label: str
     force: Vector
     moment: Vector
+    shares: Mapping[int, Expr] = field(default_factory=dict)
 
     def moment_about(self, axis: int, definitions: Definitions) -> Expr:
         """Component `axis` of {M}."""

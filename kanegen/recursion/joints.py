@@ -101,6 +101,16 @@ class JointMotion:
         """All turns, from J outward."""
         return self.constant + self.angles
 
+    @property
+    def turning(self) -> int:
+        """Operations that it takes to turn a vector through all of them."""
+        return sum(step.turn.cost for step in self.steps)
+
+    def below(self, step: Step, v: Vector) -> Vector:
+        """A vector from the frame below one of the turns to the lower body's frame."""
+        inner = self.steps[: self.steps.index(step)]
+        return _down(tuple(other.turn for other in inner), v)
+
 
 def exact(value: Number) -> Expr:
     """A parameter's symbol, or the rational number that a float is, so that folding rounds only once."""

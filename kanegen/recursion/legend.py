@@ -11,6 +11,8 @@ LEGEND = (
         "first moment and inertia about the origin; those of a composite body, with its mass",
     ),
     ("F, M, c", "force and moment about the origin; the point through which a force acts"),
+    ("B, Z; Q", "moment about O_J by angular velocity and axes of angles, in J; shares of other forces"),
+    ("E, Kh", "basis vectors of the frame at home, where long columns of [A] stay; of K, seen from there"),
     ("K, Kaj, Kaju, Kcj", "in body K; in the frame below its angle j, above it; below its constant turn j"),
     ("Kj, Ksn", "in the lower body of K; of its translation at place n of {x}"),
     ("SI, SH, SM, pF, pN", "articulated body: force and moment by acceleration, and what remains"),

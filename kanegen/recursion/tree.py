@@ -8,6 +8,7 @@ change (base inertial parameters: Gautier and Khalil 1990).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from sympy import S
@@ -35,6 +36,13 @@ class Tree:
     motions: tuple[JointMotion, ...]
     inertias: tuple[Inertia, ...]
     definitions: Definitions
+
+    def inward(self, motion: JointMotion) -> Iterator[JointMotion]:
+        """The joint, and those between it and the ground."""
+        yield motion
+        while motion.lower:
+            motion = self.motions[motion.lower - 1]
+            yield motion
 
     def about(self, k: int, what: str) -> None:
         """Say what the following definitions are: something of body `k`."""

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from sympy import Expr, S
 
-from kanegen.recursion.vectors import column, dot, multiply, unit
+from kanegen.recursion.vectors import column, dot, dot_cost, multiply, unit
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 
 INDEX = {(0, 0): "xx", (1, 1): "yy", (2, 2): "zz", (0, 1): "xy", (0, 2): "xz", (1, 2): "yz"}
@@ -26,6 +26,11 @@ def entry(i: int, j: int) -> str:
 
 class Turn(Protocol):
     """A constant or variable change between a lower and an upper frame."""
+
+    @property
+    def cost(self) -> int:
+        """Operations that it takes to turn a vector."""
+        ...
 
     def up(self, v: Vector) -> Vector:
         """Lower components to upper components."""
@@ -47,6 +52,11 @@ class PlanarTurn:
     axis: int
     sine: Expr
     cosine: Expr
+
+    @property
+    def cost(self) -> int:
+        """Operations that it takes to turn a vector."""
+        return 6
 
     def up(self, v: Vector) -> Vector:
         """Lower components to upper components."""
@@ -98,6 +108,11 @@ class MatrixTurn:
     """A turn given by its matrix, lower to upper components."""
 
     matrix: tuple[Vector, Vector, Vector]
+
+    @property
+    def cost(self) -> int:
+        """Operations that it takes to turn a vector."""
+        return sum(dot_cost(row) for row in self.matrix)
 
     @property
     def _transpose(self) -> tuple[Vector, ...]:

@@ -21,6 +21,11 @@ def add(a: Vector, b: Vector) -> Vector:
     return Vector(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
+def present(a: Vector) -> int:
+    """How many components are not zero."""
+    return sum(1 for component in a if component != 0)
+
+
 def negate(a: Vector) -> Vector:
     """-a."""
     return Vector(-a.x, -a.y, -a.z)
@@ -44,6 +49,13 @@ def cross(a: Vector, b: Vector) -> Vector:
 def dot(a: Sequence[Expr], b: Sequence[Expr]) -> Expr:
     """a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def dot_cost(a: Sequence[Expr]) -> int:
+    """Operations of a . b for a generic b."""
+    terms = [component for component in a if component != 0]
+    products = [component for component in terms if component not in (-1, 1)]
+    return len(products) + max(len(terms) - 1, 0)
 
 
 def multiply(matrix: Sequence[Sequence[Expr]], a: Vector) -> Vector:
