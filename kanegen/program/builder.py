@@ -1,8 +1,4 @@
-"""Makes a program one instruction at a time, folding what is exact and never computing a value twice.
-
-Folded: operations on numbers, products with 0 and 1 and -1, sums with 0, differences of equal values, double
-signs. A sign costs nothing, so signs are moved outward through products and into sums, where they merge.
-"""
+"""Makes a program one instruction at a time, exactly as it is told: what can be saved is left to passes."""
 
 from __future__ import annotations
 
@@ -20,7 +16,6 @@ class Builder:
     def __init__(self, inputs: Sequence[Array]) -> None:
         self._inputs = tuple(inputs)
         self._instructions: list[Instruction] = []
-        self._known: dict[tuple[object, ...], int] = {}
         self._names: set[str] = set()
 
     def program(self, outputs: Sequence[Output]) -> Program:
@@ -37,34 +32,14 @@ class Builder:
         return value
 
     def copy(self, instruction: Instruction, operands: Sequence[int]) -> int:
-        """The same instruction on operands of this builder, folded anew."""
-        value = self._copied(instruction, operands)
-        return self.name(value, instruction.name, instruction.note)
-
-    def _copied(self, instruction: Instruction, operands: Sequence[int]) -> int:
-        match instruction.op:
-            case Op.CONSTANT:
-                return self.constant(instruction.number)
-            case Op.INPUT:
-                return self.input(instruction.array, instruction.index, instruction.name)
-            case Op.ADD:
-                return self.add(*operands)
-            case Op.SUBTRACT:
-                return self.subtract(*operands)
-            case Op.MULTIPLY:
-                return self.multiply(*operands)
-            case Op.DIVIDE:
-                return self.divide(*operands)
-            case Op.NEGATE:
-                return self.negate(*operands)
-            case Op.SQRT | Op.SIN | Op.COS:
-                return self.function(instruction.op, *operands)
+        """The same instruction on operands of this builder."""
+        return self._value(replace(instruction, operands=tuple(operands)))
 
     def constant(self, number: float) -> int:
         """A number.
 
         Raises:
-            ModelError: If it is not finite: folding has left the range of double precision.
+            ModelError: If it is not finite: the numbers of the model leave the range of double precision.
         """
         if not math.isfinite(number):
             raise ModelError("a constant leaves the range of double precision; choose units nearer to 1.")
@@ -76,122 +51,29 @@ class Builder:
 
     def add(self, a: int, b: int) -> int:
         """a + b."""
-        inner = self._negated(b)
-        if inner is not None:
-            return self.subtract(a, inner)
-        inner = self._negated(a)
-        if inner is not None:
-            return self.subtract(b, inner)
-        x, y = self._number(a), self._number(b)
-        if x is not None and y is not None:
-            return self.constant(x + y)
-        if x == 0.0:
-            return b
-        if y == 0.0:
-            return a
-        return self._value(Instruction(Op.ADD, (min(a, b), max(a, b))))
+        return self._value(Instruction(Op.ADD, (a, b)))
 
     def subtract(self, a: int, b: int) -> int:
         """a - b."""
-        inner = self._negated(b)
-        if inner is not None:
-            return self.add(a, inner)
-        inner = self._negated(a)
-        if inner is not None:
-            return self.negate(self.add(inner, b))
-        x, y = self._number(a), self._number(b)
-        if x is not None and y is not None:
-            return self.constant(x - y)
-        if y == 0.0:
-            return a
-        if x == 0.0:
-            return self.negate(b)
-        if a == b:
-            return self.constant(0.0)
-        if (Op.SUBTRACT, b, a) in self._known:
-            return self.negate(self._known[Op.SUBTRACT, b, a])
         return self._value(Instruction(Op.SUBTRACT, (a, b)))
 
     def multiply(self, a: int, b: int) -> int:
         """A b."""
-        inner = self._negated(a)
-        if inner is not None:
-            return self.negate(self.multiply(inner, b))
-        inner = self._negated(b)
-        if inner is not None:
-            return self.negate(self.multiply(a, inner))
-        x, y = self._number(a), self._number(b)
-        if x is not None and y is not None:
-            return self.constant(x * y)
-        if y is not None:
-            a, b, x, y = b, a, y, x
-        if x is not None:
-            if x == 0.0:
-                return a
-            if abs(x) == 1.0:
-                return b if x > 0 else self.negate(b)
-            if x < 0:
-                return self.negate(self.multiply(self.constant(-x), b))
-            return self._value(Instruction(Op.MULTIPLY, (a, b)))
-        return self._value(Instruction(Op.MULTIPLY, (min(a, b), max(a, b))))
+        return self._value(Instruction(Op.MULTIPLY, (a, b)))
 
     def divide(self, a: int, b: int) -> int:
         """A / b."""
-        x, y = self._number(a), self._number(b)
-        if x is not None and y:
-            return self.constant(x / y)
-        if y == 1.0 or x == 0.0:
-            return a
-        inner = self._negated(a)
-        if inner is not None:
-            return self.negate(self.divide(inner, b))
-        inner = self._negated(b)
-        if inner is not None:
-            return self.negate(self.divide(a, inner))
         return self._value(Instruction(Op.DIVIDE, (a, b)))
 
     def negate(self, a: int) -> int:
         """-a."""
-        inner = self._negated(a)
-        if inner is not None:
-            return inner
-        x = self._number(a)
-        if x is not None:
-            return self.constant(-x)
         return self._value(Instruction(Op.NEGATE, (a,)))
 
     def function(self, op: Op, a: int) -> int:
         """Square root, sine or cosine of a."""
-        inner = self._negated(a)
-        if inner is not None and op is Op.SIN:
-            return self.negate(self.function(op, inner))
-        if inner is not None and op is Op.COS:
-            return self.function(op, inner)
-        x = self._number(a)
-        if x is not None:
-            return self.constant({Op.SQRT: math.sqrt, Op.SIN: math.sin, Op.COS: math.cos}[op](x))
         return self._value(Instruction(op, (a,)))
 
-    def _number(self, value: int) -> float | None:
-        instruction = self._instructions[value]
-        return instruction.number if instruction.op is Op.CONSTANT else None
-
-    def _negated(self, value: int) -> int | None:
-        instruction = self._instructions[value]
-        return instruction.operands[0] if instruction.op is Op.NEGATE else None
-
     def _value(self, instruction: Instruction) -> int:
-        key: tuple[object, ...]
-        if instruction.op is Op.CONSTANT:
-            key = (Op.CONSTANT, instruction.number)
-        elif instruction.op is Op.INPUT:
-            key = (Op.INPUT, instruction.array, instruction.index)
-        else:
-            key = (instruction.op, *instruction.operands)
-        known = self._known.get(key)
-        if known is not None:
-            return known
-        self._known[key] = len(self._instructions)
         self._instructions.append(instruction)
         if instruction.name:
             self._names.add(instruction.name)

@@ -15,15 +15,16 @@ def check(program: Program) -> Program:
     """`program` itself, if it is well formed.
 
     Invariants: operands are defined before use and as many as the operation takes; constants are finite;
-    inputs read an element of a declared array; names and array names are unique; every output element is a
-    defined value.
+    inputs read an element of a declared array; names are unique, and so are names of arrays that are read and
+    of those that are filled; every output element is a defined value.
 
     Raises:
         InvariantError: If one of them does not hold.
     """
     sizes = {array.name: array.size for array in program.inputs}
-    arrays = [array.name for array in program.inputs] + [output.array.name for output in program.outputs]
-    _require(len(arrays) == len(set(arrays)), f"array names are not unique: {arrays}")
+    arrays = [output.array.name for output in program.outputs]
+    for group in ([array.name for array in program.inputs], arrays):
+        _require(len(group) == len(set(group)), f"array names are not unique: {group}")
     names: set[str] = set()
     for i, instruction in enumerate(program.instructions):
         where = f"instruction {i} ({instruction.op})"
@@ -41,7 +42,10 @@ def check(program: Program) -> Program:
             _require(instruction.name not in names, f"{where}: name {instruction.name!r} assigned twice")
             names.add(instruction.name)
     for output in program.outputs:
-        _require(len(output.values) == output.array.size, f"output {output.array.name!r}: wrong size")
+        places = [place for place, _ in output.elements()]
+        whole = len(places) == output.array.size or output.places is not None
+        unique = len(places) == len(set(places)) and set(places) <= set(range(output.array.size))
+        _require(whole and unique, f"output {output.array.name!r}: wrong size")
     defined = all(0 <= value < len(program.instructions) for value in program.results())
     _require(defined, f"an output of {arrays} holds an undefined value")
     return program

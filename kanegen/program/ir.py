@@ -97,16 +97,22 @@ class Output:
         values: Its elements, row-major.
         positive: Values that must be positive for the elements to hold, such as the pivots of a
             factorisation; the function then returns the place, from 1, of the first that is not, or 0.
+        places: Which element each value fills, for a program that fills only some; None for all in order.
     """
 
     array: Array
     values: tuple[int, ...]
     positive: tuple[int, ...] = ()
+    places: tuple[int, ...] | None = None
+
+    def elements(self) -> Iterator[tuple[int, int]]:
+        """Every element that is filled, and its value."""
+        return zip(range(len(self.values)) if self.places is None else self.places, self.values, strict=True)
 
     def renumbered(self, moved: Mapping[int, int] | Sequence[int]) -> Output:
         """The same output where value i has become value `moved[i]`."""
         values, positive = ([moved[i] for i in old] for old in (self.values, self.positive))
-        return Output(self.array, tuple(values), tuple(positive))
+        return Output(self.array, tuple(values), tuple(positive), self.places)
 
 
 @dataclass(frozen=True, slots=True)

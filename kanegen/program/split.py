@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from kanegen.program.arrange import arrange
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
 from kanegen.program.ir import Array, Module, Op, Output, Program
@@ -42,7 +43,7 @@ def split(program: Program, functions: Mapping[str, Signature], parameters: str)
 def _restrict(program: Program, signature: Signature) -> Program:
     inputs = tuple(array for array in program.inputs if array.name in (PREPARED, *signature.inputs))
     outputs = tuple(output for output in program.outputs if output.array.name in signature.outputs)
-    return check(prune(replace(program, inputs=inputs, outputs=outputs)))
+    return check(arrange(prune(replace(program, inputs=inputs, outputs=outputs))))
 
 
 def _hoist(program: Program, parameters: str) -> tuple[Program, Program]:

@@ -12,17 +12,19 @@ def factor(program: Program) -> Program:
     """Factor every sum of two products that share a factor and are used nowhere else."""
     uses = Counter(operand for i in program.instructions for operand in i.operands)
     uses.update(program.results())
+    factors = {i: _shared_factor(program, x, uses) for i, x in enumerate(program.instructions)}
+    absorbed = {j for i, shared in factors.items() if shared for j in program.instructions[i].operands}
     builder = Builder(program.inputs)
-    moved: list[int] = []
-    for instruction in program.instructions:
-        shared = _shared_factor(program, instruction, uses)
-        if shared is None:
-            moved.append(builder.copy(instruction, [moved[j] for j in instruction.operands]))
-            continue
-        common, left, right = (moved[j] for j in shared)
-        combine = builder.add if instruction.op is Op.ADD else builder.subtract
-        value = builder.multiply(common, combine(left, right))
-        moved.append(builder.name(value, instruction.name, instruction.note))
+    moved: dict[int, int] = {}
+    for i, instruction in enumerate(program.instructions):
+        shared = factors[i]
+        if shared is not None:
+            common, left, right = (moved[j] for j in shared)
+            combine = builder.add if instruction.op is Op.ADD else builder.subtract
+            value = builder.multiply(common, combine(left, right))
+            moved[i] = builder.name(value, instruction.name, instruction.note)
+        elif i not in absorbed:
+            moved[i] = builder.copy(instruction, [moved[j] for j in instruction.operands])
     return builder.program([output.renumbered(moved) for output in program.outputs])
 
 

@@ -1,0 +1,174 @@
+"""Compute what is exact at once and nothing twice.
+
+Folded: operations on numbers, products with 0 and 1 and -1, sums with 0, differences of equal values, double
+signs. A sign costs nothing, so signs are moved outward through products and into sums, where they merge. An
+operation on the same operands as an earlier one is that one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from kanegen.program.builder import Builder
+from kanegen.program.ir import Array, Instruction, Op, Program
+
+
+def fold(program: Program) -> Program:
+    """The same values, numbers folded and common subexpressions shared."""
+    builder = FoldingBuilder(program.inputs)
+    moved: list[int] = []
+    for instruction in program.instructions:
+        moved.append(builder.copy(instruction, [moved[j] for j in instruction.operands]))
+    return builder.program([output.renumbered(moved) for output in program.outputs])
+
+
+class FoldingBuilder(Builder):
+    """A builder whose methods may return an earlier value instead of a new one."""
+
+    def __init__(self, inputs: Sequence[Array]) -> None:
+        super().__init__(inputs)
+        self._known: dict[tuple[object, ...], int] = {}
+
+    def copy(self, instruction: Instruction, operands: Sequence[int]) -> int:
+        """The same operation on operands of this builder, folded anew."""
+        value = self._copied(instruction, operands)
+        return self.name(value, instruction.name, instruction.note)
+
+    def _copied(self, instruction: Instruction, operands: Sequence[int]) -> int:
+        match instruction.op:
+            case Op.CONSTANT:
+                return self.constant(instruction.number)
+            case Op.INPUT:
+                return self.input(instruction.array, instruction.index, instruction.name)
+            case Op.ADD:
+                return self.add(*operands)
+            case Op.SUBTRACT:
+                return self.subtract(*operands)
+            case Op.MULTIPLY:
+                return self.multiply(*operands)
+            case Op.DIVIDE:
+                return self.divide(*operands)
+            case Op.NEGATE:
+                return self.negate(*operands)
+            case Op.SQRT | Op.SIN | Op.COS:
+                return self.function(instruction.op, *operands)
+
+    def add(self, a: int, b: int) -> int:
+        """a + b."""
+        inner = self._negated(b)
+        if inner is not None:
+            return self.subtract(a, inner)
+        inner = self._negated(a)
+        if inner is not None:
+            return self.subtract(b, inner)
+        x, y = self._number(a), self._number(b)
+        if x is not None and y is not None:
+            return self.constant(x + y)
+        if x == 0.0:
+            return b
+        if y == 0.0:
+            return a
+        return self._value(Instruction(Op.ADD, (min(a, b), max(a, b))))
+
+    def subtract(self, a: int, b: int) -> int:
+        """a - b."""
+        inner = self._negated(b)
+        if inner is not None:
+            return self.add(a, inner)
+        inner = self._negated(a)
+        if inner is not None:
+            return self.negate(self.add(inner, b))
+        x, y = self._number(a), self._number(b)
+        if x is not None and y is not None:
+            return self.constant(x - y)
+        if y == 0.0:
+            return a
+        if x == 0.0:
+            return self.negate(b)
+        if a == b:
+            return self.constant(0.0)
+        if (Op.SUBTRACT, b, a) in self._known:
+            return self.negate(self._known[Op.SUBTRACT, b, a])
+        return self._value(Instruction(Op.SUBTRACT, (a, b)))
+
+    def multiply(self, a: int, b: int) -> int:
+        """A b."""
+        inner = self._negated(a)
+        if inner is not None:
+            return self.negate(self.multiply(inner, b))
+        inner = self._negated(b)
+        if inner is not None:
+            return self.negate(self.multiply(a, inner))
+        x, y = self._number(a), self._number(b)
+        if x is not None and y is not None:
+            return self.constant(x * y)
+        if y is not None:
+            a, b, x, y = b, a, y, x
+        if x is not None:
+            if x == 0.0:
+                return a
+            if abs(x) == 1.0:
+                return b if x > 0 else self.negate(b)
+            if x < 0:
+                return self.negate(self.multiply(self.constant(-x), b))
+            return self._value(Instruction(Op.MULTIPLY, (a, b)))
+        return self._value(Instruction(Op.MULTIPLY, (min(a, b), max(a, b))))
+
+    def divide(self, a: int, b: int) -> int:
+        """A / b."""
+        x, y = self._number(a), self._number(b)
+        if x is not None and y:
+            return self.constant(x / y)
+        if y == 1.0 or x == 0.0:
+            return a
+        inner = self._negated(a)
+        if inner is not None:
+            return self.negate(self.divide(inner, b))
+        inner = self._negated(b)
+        if inner is not None:
+            return self.negate(self.divide(a, inner))
+        return self._value(Instruction(Op.DIVIDE, (a, b)))
+
+    def negate(self, a: int) -> int:
+        """-a."""
+        inner = self._negated(a)
+        if inner is not None:
+            return inner
+        x = self._number(a)
+        if x is not None:
+            return self.constant(-x)
+        return self._value(Instruction(Op.NEGATE, (a,)))
+
+    def function(self, op: Op, a: int) -> int:
+        """Square root, sine or cosine of a."""
+        inner = self._negated(a)
+        if inner is not None and op is Op.SIN:
+            return self.negate(self.function(op, inner))
+        if inner is not None and op is Op.COS:
+            return self.function(op, inner)
+        x = self._number(a)
+        if x is not None:
+            return self.constant({Op.SQRT: math.sqrt, Op.SIN: math.sin, Op.COS: math.cos}[op](x))
+        return self._value(Instruction(op, (a,)))
+
+    def _number(self, value: int) -> float | None:
+        instruction = self._instructions[value]
+        return instruction.number if instruction.op is Op.CONSTANT else None
+
+    def _negated(self, value: int) -> int | None:
+        instruction = self._instructions[value]
+        return instruction.operands[0] if instruction.op is Op.NEGATE else None
+
+    def _value(self, instruction: Instruction) -> int:
+        key: tuple[object, ...]
+        if instruction.op is Op.CONSTANT:
+            key = (Op.CONSTANT, instruction.number)
+        elif instruction.op is Op.INPUT:
+            key = (Op.INPUT, instruction.array, instruction.index)
+        else:
+            key = (instruction.op, *instruction.operands)
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = super()._value(instruction)
+        return known
