@@ -1,0 +1,51 @@
+"""Times kanegen and its peers on the standard models, and writes docs/benchmarks.md and docs/benchmarks.svg.
+
+python -m benchmarks [--models NAME ...] [--rounds R] [--seconds S] [--states B] [--docs FOLDER]
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import sys
+from pathlib import Path
+
+from benchmarks import models
+from benchmarks.document import document, section
+from kanegen.bench import Outcome, Terms, compete
+from kanegen.bench.plot import svg
+from kanegen.files import write_whole
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+def main() -> None:
+    options = _options()
+    terms = Terms(options.states, options.rounds, options.seconds)
+    options.docs.mkdir(parents=True, exist_ok=True)
+    outcomes: list[Outcome] = []
+    for name in options.models:
+        outcomes.append(compete(models.system(name), terms, functools.partial(_say, name)))
+        print(section(outcomes[-1]), flush=True)
+        write_whole(options.docs / "benchmarks.md", document(outcomes, terms))
+        write_whole(options.docs / "benchmarks.svg", svg(outcomes))
+    if not all(outcome.agrees for outcome in outcomes):
+        sys.exit("some results do not agree; the tables say which")
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.splitlines()[0])
+    parser.add_argument("--models", nargs="+", default=models.NAMES, choices=models.NAMES)
+    parser.add_argument("--rounds", type=int, default=Terms.rounds)
+    parser.add_argument("--seconds", type=float, default=Terms.seconds, help="of every task in every round")
+    parser.add_argument("--states", type=int, default=Terms.states)
+    parser.add_argument("--docs", type=Path, default=DOCS)
+    return parser.parse_args()
+
+
+def _say(model: str, stage: str) -> None:
+    print(f"{model}: {stage}", file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()

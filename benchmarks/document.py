@@ -1,0 +1,118 @@
+"""All of docs/benchmarks.md."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from string import Template
+
+from kanegen.bench import Entry, Outcome, Terms, machine, table
+from kanegen.bench.outcome import KANEGEN, PYTHON
+from kanegen.bench.peers.casadi_peer import CASADI
+from kanegen.bench.peers.mujoco_peer import MUJOCO
+from kanegen.bench.peers.pinocchio_peer import FREE_FLYER, PINOCCHIO
+from kanegen.bench.peers.pydy_peer import MOST, PATIENCE, PYDY
+from kanegen.bench.results import QUANTITIES, TOLERANCE
+from kanegen.bench.settings import EXACT, NATIVE, RELAXED, SETTINGS, Setting
+
+PEERS = (PINOCCHIO, FREE_FLYER, MUJOCO, CASADI, PYDY)
+
+_INTRODUCTION = """\
+Written by `make bench` (`python -m benchmarks`); nobody edits it by hand. `kanegen bench MODEL` does the same
+for one model. A ratio is the time of kanegen over that of the peer: 1/8 is an eighth of its time."""
+
+_SHARED = """\
+The machine was shared with other work while the times were taken. The contestants took turns, so ratios carry
+over; nanoseconds are those of this machine under that load."""
+
+_CALLS = f"""\
+One state a call, `library.evaluate(x, y)` and `library.forward_dynamics(x, y, tau)` with arrays of doubles.
+The C is the same, compiled as *{EXACT.name}*; *beyond* is what Python and NumPy add to it."""
+
+_METHOD = Path(__file__).with_name("method.md")
+
+
+def document(outcomes: Sequence[Outcome], terms: Terms) -> str:
+    """Markdown with summaries first, then how it was done, then every number."""
+    parts = [
+        "# kanegen beside its peers",
+        _INTRODUCTION,
+        "![Times of everybody on every model](benchmarks.svg)",
+        f"## One state, compiler setting *{NATIVE.name}*",
+        *_summaries(outcomes, NATIVE),
+        f"## Many states at once, compiler setting *{NATIVE.name}*",
+        *_summaries(outcomes, NATIVE, batch=True),
+        f"## The default, *{EXACT.name}*",
+        *_summaries(outcomes, EXACT),
+        f"## Compiler setting *{RELAXED.name}*",
+        *_summaries(outcomes, RELAXED),
+        *_summaries(outcomes, RELAXED, batch=True),
+        "## Calls from Python",
+        _CALLS,
+        _calls(outcomes),
+        "## What is compared",
+        _method(terms),
+        "Settings of the compilers:",
+        "\n".join(f"- *{setting.name}*: `{' '.join(setting.flags)}`" for setting in SETTINGS),
+        "## Machine",
+        "\n".join(f"- {line}" for line in machine.description()),
+        _SHARED,
+        "## Every number",
+        *(section(outcome) for outcome in outcomes),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def section(outcome: Outcome) -> str:
+    """Every number of one model."""
+    parts = [f"### {outcome.model}, {outcome.n} freedoms"]
+    for quantity in QUANTITIES:
+        parts.append(_markdown(table.head(outcome, quantity), table.TEXTS, table.rows(outcome, quantity)))
+    return "\n\n".join([*parts, *table.notes(outcome), *table.left_out(outcome)])
+
+
+def _summaries(outcomes: Sequence[Outcome], setting: Setting, batch: bool = False) -> Iterator[str]:
+    """A table a quantity, a line a model: kanegen compiled in one setting over its peers."""
+    for quantity in QUANTITIES:
+        title = f"{table.TITLES[quantity]}{', batch' if batch else ''}, ns a state"
+        rows = []
+        for outcome in outcomes:
+            own = outcome.best(KANEGEN, quantity, setting, batch)
+            shares = [table.ratio(own, outcome.best(peer, quantity)) for peer in PEERS]
+            rows.append([outcome.model, str(outcome.n), _ns(own), *shares])
+        yield _markdown(["", "freedoms", title, *(f"over {peer}" for peer in PEERS)], 1, rows)
+
+
+def _calls(outcomes: Sequence[Outcome]) -> str:
+    """A line a model: from C, from Python, and the difference."""
+    head, rows = [""], [[outcome.model] for outcome in outcomes]
+    for quantity in QUANTITIES:
+        head += [f"{table.TITLES[quantity]} from C, ns", "from Python", "beyond"]
+        for outcome, row in zip(outcomes, rows, strict=True):
+            own, call = outcome.best(KANEGEN, quantity, EXACT), outcome.best(PYTHON, quantity)
+            beyond = table.ns(outcome.overhead(quantity))
+            row += [_ns(own), _ns(call), beyond]
+    return _markdown(head, 1, rows)
+
+
+def _ns(entry: Entry | None) -> str:
+    return table.ns(None if entry is None else entry.median)
+
+
+def _markdown(head: Sequence[str], texts: int, rows: Sequence[Sequence[str]]) -> str:
+    """A table whose first `texts` columns are text, the others numbers."""
+    rule = ["---"] * texts + ["---:"] * (len(head) - texts)
+    return "\n".join(f"| {' | '.join(row)} |" for row in (head, rule, *rows))
+
+
+def _method(terms: Terms) -> str:
+    template = Template(_METHOD.read_text(encoding="utf-8"))
+    numbers = {
+        "states": terms.states,
+        "rounds": terms.rounds,
+        "seconds": f"{terms.seconds:g}",
+        "tolerance": f"{TOLERANCE:.0e}",
+        "most": MOST,
+        "patience": PATIENCE,
+    }
+    return template.substitute(numbers).strip()

@@ -1,0 +1,98 @@
+"""Compile the files of a case one by one, and run one state of it."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.growth.cases import Case
+from kanegen.native import compilers
+from kanegen.native.build import FLAGS
+
+DRIVER = Path(__file__).with_name("driver.c")
+ARGUMENTS = {
+    "forcing": "x, y, out",
+    "forward_dynamics": "x, y, tau, out",
+    "mass_matrix": "x, out",
+}
+
+
+KINDS = ("", " batch")
+"""Of files: those of one state, those of many states at once. Ends of the names of measures."""
+
+
+class ExceededError(Exception):
+    """A compiler that took too long."""
+
+
+def compiled(folder: Path, kind: str, patience: float) -> dict[str, float]:
+    """Compile every file of a kind with kanegen's default flags, one after the other.
+
+    Returns:
+        Seconds, and bytes of instructions where binutils tell them.
+
+    Raises:
+        ExceededError: If a file takes more than `patience` seconds.
+    """
+    files = [path.name for path in sorted(folder.glob("*.c")) if path.name != "main.c"]
+    chosen = [file for file in files if ("_batch" in file) == bool(kind)]
+    start = time.perf_counter()
+    for file in chosen:
+        _run([*_compiler(), *FLAGS, "-c", file, "-o", f"{file}.o"], folder, patience)
+    seconds = time.perf_counter() - start
+    can_tell = platform.system() == "Linux" and shutil.which("size")
+    sizes = [_text_bytes(folder / f"{file}.o") for file in chosen] if can_tell else []
+    return {f"compile{kind}": seconds} | ({f"text{kind}": sum(sizes)} if sizes else {})
+
+
+def _text_bytes(file: Path) -> float:
+    """Size of the instructions in an object file."""
+    command = ["size", "-A", "-d", str(file)]
+    printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    return float(sum(map(int, re.findall(r"^\.text\S*\s+(\d+)", printed, flags=re.MULTILINE))))
+
+
+def link(case: Case, folder: Path, freedoms: int) -> Path:
+    """The program that times one state, from the objects of that kind of file."""
+    output, name = case.curve.output, f"{case.curve.family}{case.bodies}"
+    definitions = [
+        f'-DHEADER="{name}.h"',
+        f"-DFREEDOMS={freedoms}",
+        f"-DRESULTS={freedoms**2 if output == 'mass_matrix' else freedoms}",
+        f"-DCALL={name}_{output}({ARGUMENTS[output]})",
+    ]
+    program = folder / "timing"
+    objects = [path.name for path in sorted(folder.glob("*.c.o")) if "_batch" not in path.name]
+    command = [*_compiler(), "-O2", f"-I{folder}", *definitions, str(DRIVER), *objects, "-lm"]
+    _run([*command, "-o", str(program)], folder, None)
+    return program
+
+
+def run_time(program: Path, seconds: float) -> float:
+    """Nanoseconds of one state, over about `seconds`."""
+    return float(subprocess.run([program, str(seconds)], check=True, capture_output=True, text=True).stdout)
+
+
+def _compiler() -> tuple[str, ...]:
+    return (*compilers.find().command, "-std=c99")
+
+
+def _run(command: Sequence[str], folder: Path, patience: float | None) -> None:
+    """Run a compiler; one that is stopped takes the processes that it has started with it."""
+    with subprocess.Popen(
+        command, cwd=folder, start_new_session=True, stderr=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            _, errors = process.communicate(timeout=patience)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise ExceededError(f"more than {patience:g} s for a file") from None
+    if process.returncode:
+        raise RuntimeError(f"{' '.join(command)}\n{errors}")

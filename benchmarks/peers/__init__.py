@@ -1,1 +1,0 @@
-"""kanegen's C beside other programs that compute the same: `python -m benchmarks.peers`."""

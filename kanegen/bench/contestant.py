@@ -1,0 +1,64 @@
+"""A program that takes part: it gives its results, and it gives its times."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from kanegen.bench.results import Results, Task, read
+from kanegen.bench.settings import Setting
+from kanegen.errors import MissingError
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """A driver with its states; drivers/contest.h says how drivers are called.
+
+    Attributes:
+        name: Program and coordinates.
+        setting: Of the compiler.
+        command: The driver.
+        states: Its file of states.
+        tasks: What it computes, in its order.
+        arguments: Further arguments of the driver.
+        convert: From its coordinates to those of kanegen.
+    """
+
+    name: str
+    setting: Setting
+    command: tuple[str, ...]
+    states: Path
+    tasks: tuple[Task, ...]
+    arguments: tuple[str, ...] = ()
+    convert: Callable[[Results], Results] = lambda results: results
+
+    def results(self, n: int) -> Results:
+        """What it computes, in kanegen's coordinates.
+
+        Raises:
+            MissingError: If the driver cannot compute the model.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            out = Path(folder) / "results"
+            self._run("results", str(out))
+            return self.convert(read(out, self.tasks, n))
+
+    def times(self, seconds: float) -> dict[str, float]:
+        """Nanoseconds of an evaluation by task, each over about `seconds`, in a process of its own.
+
+        Raises:
+            MissingError: If the driver fails.
+        """
+        pairs = (line.rsplit(" ", 1) for line in self._run("times", repr(seconds)).splitlines())
+        return {task: float(value) for task, value in pairs}
+
+    def _run(self, mode: str, last: str) -> str:
+        command = [*self.command, mode, str(self.states), last, *self.arguments]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            lines = done.stderr.strip().splitlines() or [f"status {done.returncode}"]
+            raise MissingError(f"its driver failed: {lines[-1]}")
+        return done.stdout

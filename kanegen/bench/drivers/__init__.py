@@ -1,0 +1,1 @@
+"""Programs that call a contestant's code, give results and take the time; compiled when they are needed."""

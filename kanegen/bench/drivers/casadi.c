@@ -1,0 +1,86 @@
+/* The functions `equations` and `dynamics` that CasADi wrote. */
+#include "contest.h"
+
+#include <stdlib.h>
+
+typedef int Function(const double **arguments, double **results, long long *integers, double *work, int memory);
+Function equations, dynamics;
+int equations_work(long long *arguments, long long *results, long long *integers, long long *work);
+int dynamics_work(long long *arguments, long long *results, long long *integers, long long *work);
+
+typedef struct {
+    const double **arguments;
+    double **results;
+    long long *integers;
+    double *work;
+} Room;
+
+static States pool;
+static double *A, *f, *ydot;
+static Room of_equations, of_dynamics;
+
+static Room room(int (*sizes)(long long *, long long *, long long *, long long *))
+{
+    long long arguments, results, integers, work;
+    sizes(&arguments, &results, &integers, &work);
+    return (Room){calloc(arguments, sizeof(double *)), calloc(results, sizeof(double *)),
+                  calloc(integers + 1, sizeof(long long)), calloc(work + 1, sizeof(double))};
+}
+
+static void run_equations(size_t state)
+{
+    Room r = of_equations;
+    r.arguments[0] = pool.x + state * pool.n;
+    r.arguments[1] = pool.y + state * pool.n;
+    r.results[0] = A;
+    r.results[1] = f;
+    equations(r.arguments, r.results, r.integers, r.work, 0);
+}
+
+static void run_dynamics(size_t state)
+{
+    Room r = of_dynamics;
+    r.arguments[0] = pool.x + state * pool.n;
+    r.arguments[1] = pool.y + state * pool.n;
+    r.arguments[2] = pool.tau + state * pool.n;
+    r.results[0] = ydot;
+    dynamics(r.arguments, r.results, r.integers, r.work, 0);
+}
+
+static void give_equations(size_t state, double *values)
+{
+    const size_t n = pool.n;
+    (void)state;
+    for (size_t i = 0; i < n * n; i++) values[i] = A[i];
+    for (size_t i = 0; i < n; i++) values[n * n + i] = f[i];
+}
+
+static void give_dynamics(size_t state, double *values)
+{
+    (void)state;
+    for (size_t i = 0; i < pool.n; i++) values[i] = ydot[i];
+}
+
+void contest_setup(const States *states, int argc, char **argv)
+{
+    (void)argc;
+    (void)argv;
+    pool = *states;
+    A = calloc(pool.n * pool.n, sizeof *A);
+    f = calloc(pool.n, sizeof *f);
+    ydot = calloc(pool.n, sizeof *ydot);
+    of_equations = room(equations_work);
+    of_dynamics = room(dynamics_work);
+}
+
+size_t contest_tasks(const Task **tasks)
+{
+    static Task every[] = {
+        {"equations", run_equations, give_equations, 0, 1},
+        {"dynamics", run_dynamics, give_dynamics, 0, 1},
+    };
+    every[0].size = pool.n * pool.n + pool.n;
+    every[1].size = pool.n;
+    *tasks = every;
+    return sizeof every / sizeof *every;
+}

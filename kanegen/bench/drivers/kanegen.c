@@ -1,0 +1,103 @@
+/* kanegen's C of a model without loads and parameters; compile with -DMODEL=<its name>. */
+#include "contest.h"
+
+#include <stdlib.h>
+
+#define JOINED(model, name) model##_##name
+#define NAMED(model, name) JOINED(model, name)
+#define FUNCTION(name) NAMED(MODEL, name)
+
+void FUNCTION(evaluate)(const double *x, const double *y, double *A, double *f);
+void FUNCTION(evaluate_batch)(size_t count, const double *x, const double *y, double *A, double *f);
+int FUNCTION(forward_dynamics)(const double *x, const double *y, const double *tau, double *ydot);
+size_t FUNCTION(forward_dynamics_batch)(
+    size_t count, const double *x, const double *y, const double *tau, double *ydot);
+
+/* States of a batch. Its results go to memory that the next batch reuses, as a consumer that works block by
+ * block would have it. */
+enum { BLOCK = 32 };
+
+static States pool;
+static double *A, *f, *ydot; /* of BLOCK states, the first one serving for single states too */
+
+static void equations(size_t state)
+{
+    const size_t row = state * pool.n;
+    FUNCTION(evaluate)(pool.x + row, pool.y + row, A, f);
+}
+
+static void dynamics(size_t state)
+{
+    const size_t row = state * pool.n;
+    FUNCTION(forward_dynamics)(pool.x + row, pool.y + row, pool.tau + row, ydot);
+}
+
+static size_t block(size_t first)
+{
+    return pool.count - first < BLOCK ? pool.count - first : BLOCK;
+}
+
+static void equations_batch(size_t state)
+{
+    const size_t first = state - state % BLOCK, row = first * pool.n;
+    FUNCTION(evaluate_batch)(block(first), pool.x + row, pool.y + row, A, f);
+}
+
+static void dynamics_batch(size_t state)
+{
+    const size_t first = state - state % BLOCK, row = first * pool.n;
+    FUNCTION(forward_dynamics_batch)(block(first), pool.x + row, pool.y + row, pool.tau + row, ydot);
+}
+
+static double *copied(double *to, const double *from, size_t count)
+{
+    while (count--) *to++ = *from++;
+    return to;
+}
+
+static void give_equations(size_t state, double *values)
+{
+    (void)state;
+    copied(copied(values, A, pool.n * pool.n), f, pool.n);
+}
+
+static void give_dynamics(size_t state, double *values)
+{
+    (void)state;
+    copied(values, ydot, pool.n);
+}
+
+static void give_equations_batch(size_t state, double *values)
+{
+    const size_t n = pool.n, at = state % BLOCK;
+    copied(copied(values, A + at * n * n, n * n), f + at * n, n);
+}
+
+static void give_dynamics_batch(size_t state, double *values)
+{
+    copied(values, ydot + state % BLOCK * pool.n, pool.n);
+}
+
+void contest_setup(const States *states, int argc, char **argv)
+{
+    (void)argc;
+    (void)argv;
+    pool = *states;
+    A = calloc(BLOCK * pool.n * pool.n, sizeof *A);
+    f = calloc(BLOCK * pool.n, sizeof *f);
+    ydot = calloc(BLOCK * pool.n, sizeof *ydot);
+}
+
+size_t contest_tasks(const Task **tasks)
+{
+    static Task every[] = {
+        {"equations", equations, give_equations, 0, 1},
+        {"dynamics", dynamics, give_dynamics, 0, 1},
+        {"equations batch", equations_batch, give_equations_batch, 0, BLOCK},
+        {"dynamics batch", dynamics_batch, give_dynamics_batch, 0, BLOCK},
+    };
+    every[0].size = every[2].size = pool.n * pool.n + pool.n;
+    every[1].size = every[3].size = pool.n;
+    *tasks = every;
+    return sizeof every / sizeof *every;
+}

@@ -1,0 +1,41 @@
+"""What every contestant is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from kanegen.bench.contestant import Contestant
+from kanegen.bench.results import DYNAMICS, EQUATIONS, Task
+from kanegen.bench.states import States
+from kanegen.system import System
+
+ONE = (Task("equations", EQUATIONS), Task("dynamics", DYNAMICS))
+"""Both quantities, one state a call."""
+
+Makers = Iterator[tuple[str, Callable[[], list[Contestant]]]]
+"""Names, and functions that take as long as a compiler takes; they raise MissingError."""
+
+
+@dataclass(frozen=True)
+class Arena:
+    """A model and its states.
+
+    Attributes:
+        system: Without loads and parameters.
+        states: What is computed.
+        file: The states as drivers read them.
+        folder: For other files of the drivers.
+    """
+
+    system: System
+    states: States
+    file: Path
+    folder: Path
+
+    def written(self, name: str, text: str) -> str:
+        """The path of a new file with `text` in it."""
+        path = self.folder / name
+        path.write_text(text, encoding="utf-8")
+        return str(path)

@@ -1,0 +1,31 @@
+"""CasADi's C for a system; needs CasADi to be imported at all."""
+
+from __future__ import annotations
+
+import casadi
+
+from kanegen.bench.peers.casadi_dynamics import articulated, factorised
+from kanegen.bench.peers.casadi_equations import forcing, mass_matrix
+from kanegen.bench.peers.casadi_joints import moved
+from kanegen.bench.peers.joints import single_joints
+from kanegen.system import System
+
+
+def code(system: System) -> dict[str, str]:
+    """C of [A] and {f}, and of forward dynamics in the cheaper of two ways."""
+    gravity, n = system.values().gravity, len(system.freedoms)
+    x, y, tau = (casadi.SX.sym(name, n) for name in ("x", "y", "tau"))
+    tree = moved(single_joints(system), x)
+    matrix, vector = mass_matrix(tree), forcing(tree, gravity, y)
+    equations = casadi.Function("equations", [x, y], [casadi.densify(matrix), casadi.densify(vector)])
+    ways = [articulated(tree, gravity, y, tau), factorised(tree, matrix, vector + tau)]
+    dynamics = [casadi.Function("dynamics", [x, y, tau], [casadi.densify(way)]) for way in ways]
+    cheapest = min(dynamics, key=lambda function: function.n_instructions())
+    return {f"{function.name()}.c": _text(function) for function in (equations, cheapest)}
+
+
+def _text(function: casadi.Function) -> str:
+    generator = casadi.CodeGenerator(f"{function.name()}.c")
+    generator.add(function)
+    text: str = generator.dump()
+    return text

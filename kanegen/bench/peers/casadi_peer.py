@@ -1,0 +1,30 @@
+"""C that CasADi generates for the same quantities of the same joints."""
+
+from __future__ import annotations
+
+import functools
+
+from kanegen.bench.building import compiled, driver
+from kanegen.bench.contestant import Contestant
+from kanegen.bench.optional import module
+from kanegen.bench.peers.arena import ONE, Arena, Makers
+from kanegen.bench.settings import EXACT, NATIVE, Setting
+
+CASADI = "CasADi"
+
+
+def makers(arena: Arena) -> Makers:
+    """One contestant a setting of the compiler."""
+    yield CASADI, functools.partial(_contestants, arena)
+
+
+def _contestants(arena: Arena) -> list[Contestant]:
+    module("casadi")
+    files = module("kanegen.bench.peers.casadi_code").code(arena.system)
+    texts = {"casadi.c": driver("casadi.c"), **files}
+    return [_contestant(arena, texts, setting) for setting in (EXACT, NATIVE)]
+
+
+def _contestant(arena: Arena, texts: dict[str, str], setting: Setting) -> Contestant:
+    program = compiled("casadi", texts, setting.flags)
+    return Contestant(CASADI, setting, (str(program),), arena.file, ONE)

@@ -1,0 +1,53 @@
+"""kanegen's own C in three settings of the compiler, and called from Python."""
+
+from __future__ import annotations
+
+import functools
+import pickle
+import sys
+from collections.abc import Mapping
+
+from kanegen import compiler
+from kanegen.bench.building import compiled, driver
+from kanegen.bench.contestant import Contestant
+from kanegen.bench.outcome import KANEGEN, PYTHON
+from kanegen.bench.peers.arena import ONE, Arena, Makers
+from kanegen.bench.results import DYNAMICS, EQUATIONS, Task
+from kanegen.bench.settings import EXACT, NATIVE, RELAXED, Setting
+from kanegen.c import Source
+from kanegen.library import load
+from kanegen.signature import EQUATIONS as BOTH
+
+MANY = (Task("equations batch", EQUATIONS, batch=True), Task("dynamics batch", DYNAMICS, batch=True))
+OUTPUTS = {EQUATIONS: BOTH, DYNAMICS: ("forward_dynamics",)}
+
+
+def makers(arena: Arena) -> Makers:
+    """One contestant a setting, and one that is a Python process."""
+    sources = {quantity: compiler.generate(arena.system, outputs) for quantity, outputs in OUTPUTS.items()}
+    for setting in (EXACT, NATIVE, RELAXED):
+        yield f"{KANEGEN} {setting.name}", functools.partial(_contestant, arena, _files(sources), setting)
+    yield PYTHON, functools.partial(_from_python, arena, sources)
+
+
+def _files(sources: Mapping[str, Source]) -> dict[str, str]:
+    """The C, a folder a quantity: both have files of the same names."""
+    return {
+        f"{folder}/{name}": text
+        for folder, source in sources.items()
+        for name, text in source.files.items()
+        if name.endswith((".c", ".h")) and name != "main.c"
+    }
+
+
+def _contestant(arena: Arena, files: Mapping[str, str], setting: Setting) -> list[Contestant]:
+    flags = (*setting.flags, f"-DMODEL={arena.system.name}")
+    program = compiled(KANEGEN, {"driver.c": driver("kanegen.c"), **files}, flags)
+    return [Contestant(KANEGEN, setting, (str(program),), arena.file, (*ONE, *MANY))]
+
+
+def _from_python(arena: Arena, sources: Mapping[str, Source]) -> list[Contestant]:
+    path = arena.folder / "libraries"
+    path.write_bytes(pickle.dumps({quantity: load(source) for quantity, source in sources.items()}))
+    command = (sys.executable, "-m", "kanegen.bench.calls")
+    return [Contestant(PYTHON, EXACT, command, arena.file, ONE, (str(path),))]

@@ -1,0 +1,63 @@
+"""The model and the states that everybody computes, and the file in which drivers find the states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from kanegen.arrays import Floats
+from kanegen.numbers import map_numbers, value_of
+from kanegen.system import System
+
+
+@dataclass(frozen=True)
+class States:
+    """B states: coordinates, speeds and generalized forces, (B, n) each, SI units."""
+
+    x: Floats
+    y: Floats
+    tau: Floats
+
+    def write(self, path: Path) -> Path:
+        """As drivers/contest.h describes it."""
+        with path.open("wb") as file:
+            np.array(self.x.shape, dtype=np.int64).tofile(file)
+            for values in (self.x, self.y, self.tau):
+                np.ascontiguousarray(values).tofile(file)
+        return path
+
+    @classmethod
+    def read(cls, path: Path) -> States:
+        """What `write` wrote."""
+        count, n = np.fromfile(path, dtype=np.int64, count=2)
+        x, y, tau = np.fromfile(path, offset=16).reshape(3, count, n)
+        return cls(x, y, tau)
+
+
+def random_states(system: System, count: int, seed: int = 0) -> States:
+    """`count` random states.
+
+    Hinges take any angle. Where a body has three angles these stay below 1 rad: [A] is singular at a second
+    angle of a quarter turn, and the accelerations of different programs could not be compared near there.
+    """
+    rng = np.random.default_rng(seed)
+    x, y, tau = rng.uniform(-1, 1, (3, count, len(system.freedoms)))
+    hinges = [f.is_angle and not all(system.bodies[f.body - 1].joint.free[:3]) for f in system.freedoms]
+    return States(np.where(hinges, np.pi * x, x), y, tau)
+
+
+def plain(system: System) -> tuple[System, tuple[str, ...]]:
+    """The system as everybody can take it, and what had to be left out of it.
+
+    Not every peer takes loads, and none takes run-time parameters as kanegen does.
+    """
+    notes = []
+    if any(body.loads for body in system.bodies):
+        notes.append("loads are switched off: not every peer takes them")
+    if system.parameters:
+        names = ", ".join(parameter.name for parameter in system.parameters)
+        notes.append(f"run-time parameters are constants, at their defaults: {names}")
+    bodies = tuple(replace(body.changed(value_of), loads=False) for body in system.bodies)
+    return replace(system, bodies=bodies, gravity=map_numbers(system.gravity, value_of)), tuple(notes)
