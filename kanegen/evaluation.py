@@ -14,7 +14,7 @@ class Evaluation(tuple[Floats, ...]):
 
     def __new__(cls, names: tuple[str, ...], values: Sequence[Floats]) -> Evaluation:
         """`values` with their names."""
-        self = super().__new__(cls, values)
+        self = tuple.__new__(cls, values)
         self._names = names
         return self
 

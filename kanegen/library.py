@@ -15,6 +15,7 @@ from kanegen.native.arguments import Floats
 from kanegen.native.build import build
 from kanegen.native.calls import Call, Native
 from kanegen.numbers import finite
+from kanegen.precision import named
 from kanegen.program.ir import EVALUATE
 from kanegen.suggest import did_you_mean
 
@@ -45,10 +46,11 @@ class Library:
     """The functions of a model, with values of its parameters.
 
     A state is an array of shape (n,); many at once are (B, n), and every result then has B rows, also where B
-    is 0. Arrays of contiguous doubles are passed to C as they are; lists, integers, other floats and other
-    orders of memory are converted first. NaN and infinity pass through. A result does not depend on its
-    place in a batch or on what else is there; it may differ from that of the state alone in the last places,
-    because batches have their own sine and cosine (`kanegen_lanes.h`). Objects are immutable and may be
+    is 0. Contiguous arrays of its `precision` are passed to C as they are; lists, integers, other floats and
+    other orders of memory are converted first. So a library in single precision rounds doubles; its results
+    are arrays of float32. NaN and infinity pass through. A result does not depend on its place in a batch or
+    on what else is there; it may differ from that of the state alone in the last places, because batches have
+    their own sine and cosine (`kanegen_lanes.h`). Objects are immutable and may be
     shared by threads; C runs without the interpreter's lock. They can be pickled: another process of the
     machine loads the same compiled file.
     """
@@ -93,6 +95,11 @@ class Library:
         return self.source.outputs
 
     @property
+    def precision(self) -> str:
+        """Type of its numbers in C: "double", which is float64 in NumPy, or "float", which is float32."""
+        return self.source.precision
+
+    @property
     def parameters(self) -> dict[str, float]:
         """Values of the run-time parameters; a copy."""
         return dict(self._parameters)
@@ -105,12 +112,14 @@ class Library:
                 that they are finite is checked; `System.with_parameters` also checks what they mean.
 
         Raises:
-            ModelError: If a name is unknown or a value is not a finite number.
+            ModelError: If a name is unknown, or a value is not a finite number of the library's precision.
         """
         for name in values:
             if name not in self._parameters:
                 raise ModelError(f"unknown parameter {name!r}. {did_you_mean(name, self._parameters)}")
         checked = {name: finite(value, f"parameter {name!r}") for name, value in values.items()}
+        for name, value in checked.items():
+            named(self.precision).rounded(value, f"parameter {name!r}")
         return Library(self._native, {**self._parameters, **checked})
 
     def mass_matrix(self, x: ArrayLike) -> Floats:

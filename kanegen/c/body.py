@@ -14,6 +14,8 @@ from kanegen.c import usage
 from kanegen.c.dialect import SCALAR, Dialect
 from kanegen.c.expression import Expression, Level, apply, literal
 from kanegen.c.layout import BREAK, WIDTH, comment, wrap
+from kanegen.c.waves import NAMES, waves
+from kanegen.program.cut import WORKSPACE
 from kanegen.program.ir import Instruction, Op, Program
 
 LONGEST = 16
@@ -40,7 +42,10 @@ class _Body:
         self._instructions = program.instructions
         self._live = usage.live(program)
         self._uses = Counter(j for i in self._live for j in program.instructions[i].operands)
-        self._places = usage.places(program)
+        self._waves = waves(program) if dialect.has_waves else None
+        self._only_waves = self._waves.only(program) if self._waves else frozenset()
+        self._zeros = usage.zero_runs(program)
+        self._places = usage.places(program, self._zeros)
         self._conditions = usage.conditions(program)
         self._uniform = usage.uniform(program, shared)
         self._partners = {} if dialect.is_scalar else usage.partners(program)
@@ -54,13 +59,18 @@ class _Body:
         self._last_note = ""
 
     def lines(self) -> list[str]:
-        loads = {i for i in self._live if i in self._names and self._instructions[i].op is Op.INPUT}
         self._mark_unused_inputs()
         spoilt = [output.array for output in self._program.outputs if output.positive]
         if spoilt:
             self._lines.append(self._dialect.opening)
-        for i in sorted(loads):
-            self._define(i)
+        zero = self._dialect.everywhere(str(literal(0.0, self._dialect.arithmetic)))
+        self._lines += [f"    {run.loop(zero)}" for run in self._zeros]
+        if self._waves:
+            self._lines += self._waves.lines(self._dialect.number)
+        # Inputs come first, but for the workspace, which is as near as a local.
+        for i in self._live:
+            if i in self._names and self._instructions[i].array not in ("", WORKSPACE):
+                self._define(i)
         for i in self._live:
             if i not in self._expressions:
                 self._define(i)
@@ -82,7 +92,7 @@ class _Body:
             return
         expression = self._expression(i, self._instructions[i])
         needs = self._uses[i] + (i in self._places) + (i in self._conditions)
-        if i in self._names:
+        if i in self._names and i not in self._only_waves:
             expression = self._local(i, self._names[i], expression)
         elif needs > 1 and expression.operations:
             expression = self._local(i, self._next_name(), expression)
@@ -102,11 +112,16 @@ class _Body:
 
     def _expression(self, i: int, instruction: Instruction) -> Expression:
         if instruction.op is Op.CONSTANT:
-            return literal(instruction.number)
+            return literal(instruction.number, self._dialect.arithmetic)
         if instruction.op is Op.INPUT:
-            return Expression(usage.element(self._arrays[instruction.array], instruction.index))
-        prefix = "" if i in self._uniform else self._dialect.prefix
-        return apply(instruction.op, self._operands(instruction.operands), prefix)
+            return self._dialect.read(usage.element(self._arrays[instruction.array], instruction.index))
+        if self._waves and instruction.op in NAMES:
+            angle = self._instructions[instruction.operands[0]]
+            wave = self._waves.element(instruction.op, angle.array, angle.index)
+            if wave:
+                return Expression(wave)
+        function = self._dialect.function(instruction.op, i in self._uniform)
+        return apply(instruction.op, self._operands(instruction.operands), function)
 
     def _operands(self, values: Sequence[int]) -> tuple[Expression, ...]:
         """Their expressions, cut so that one more operation keeps within `LONGEST`."""
@@ -117,7 +132,7 @@ class _Body:
 
     def _local(self, i: int, name: str, expression: Expression) -> Expression:
         """Value i as a local of this name."""
-        number = "double" if i in self._uniform else self._dialect.number
+        number = self._dialect.common if i in self._uniform else self._dialect.number
         self._lines += wrap(f"const {number} {name} = {expression};")
         return Expression(name)
 
@@ -150,7 +165,7 @@ class _Body:
         """Fill the outputs that hold value i, several on a line: `A[1] = A[3] = value;`."""
         if i not in self._places:
             return
-        expression = self._result(i)
+        expression = self._dialect.written(self._result(i))
         chain: list[str] = []
         for place in self._places[i]:
             width = len(f"    {' = '.join([*chain, place])} = {expression};")

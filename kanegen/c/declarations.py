@@ -2,34 +2,33 @@
 
 from __future__ import annotations
 
-from kanegen.c.dialect import LANES
 from kanegen.c.interface import Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
 from kanegen.program.ir import Array
 
 
-def prototype(model: str, function: Function) -> list[str]:
+def prototype(model: str, function: Function, number: str) -> list[str]:
     """`void model_forcing(const double x[2], ..., double f[2])`, without a semicolon; int with a status."""
-    arguments = [f"const double {declarator(array)}" for array in function.inputs]
-    arguments += [f"double {declarator(array)}" for array in function.outputs]
+    arguments = [f"const {number} {declarator(array)}" for array in function.inputs]
+    arguments += [f"{number} {declarator(array)}" for array in function.outputs]
     return _prototype("int" if function.spoilt else "void", f"{model}_{function.name}", arguments)
 
 
-def batch_prototype(model: str, function: Function) -> list[str]:
+def batch_prototype(model: str, function: Function, number: str) -> list[str]:
     """`void model_forcing_batch(size_t count, const double *x, ..., double *f)`, without a semicolon."""
     arguments = ["size_t count"]
-    arguments += [f"const double *{array.name}" for array in function.inputs]
-    arguments += [f"double *{array.name}" for array in function.outputs]
+    arguments += [f"const {number} *{array.name}" for array in function.inputs]
+    arguments += [f"{number} *{array.name}" for array in function.outputs]
     return _prototype("size_t" if function.spoilt else "void", f"{model}_{function.name}_batch", arguments)
 
 
-def lanes_prototype(model: str, function: Function) -> list[str]:
+def lanes_prototype(model: str, function: Function, number: str) -> list[str]:
     """`static void model_forcing_lanes(const lanes *x, ..., lanes *f)`, without a semicolon."""
     arguments = [
-        f"const {'double' if array.name in function.shared else LANES.number} *{array.name}"
+        f"const {number if array.name in function.shared else 'lanes'} *{array.name}"
         for array in function.inputs
     ]
-    arguments += [f"{LANES.number} *{array.name}" for array in function.outputs]
+    arguments += [f"lanes *{array.name}" for array in function.outputs]
     kind = "static lanes_bits" if function.spoilt else "static void"
     return _prototype(kind, f"{model}_{function.name}_lanes", arguments)
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from kanegen.c.declarations import declarator
+from kanegen.c.expression import literal
 from kanegen.c.interface import PREPARE, Function, ModelFacts
+from kanegen.c.lanes import Lanes
 from kanegen.c.layout import columns
+from kanegen.precision import Precision
 from kanegen.program.ir import Array
 
 OPERATIONS = {
@@ -18,9 +21,6 @@ OPERATIONS = {
     "prepare": "operations of the parameter-only step",
 }
 """What the counts of `Source.operations` count."""
-
-WIDEST = 8
-"""States that a batch function works on at once, at most."""
 
 
 def operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:
@@ -44,10 +44,10 @@ def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, i
     return rows
 
 
-def batch_stack(functions: Sequence[Function]) -> int:
+def batch_stack(functions: Sequence[Function], lanes: Lanes) -> int:
     """KiB that the arrays of a batch function take on the stack with the widest instructions, at most."""
     numbers = max((f.numbers for f in functions if f.has_batch and f.in_lanes), default=0)
-    return -(-numbers * WIDEST * 8 // 1024)
+    return -(-numbers * lanes.widths[-1] * lanes.precision.bytes // 1024)
 
 
 def parameter_indices(model: ModelFacts) -> list[tuple[str, int, str]]:
@@ -83,13 +83,15 @@ def loads(model: ModelFacts) -> list[tuple[int, str]]:
     return [(row, name) for row, (name, is_loaded) in enumerate(pairs) if is_loaded]
 
 
-def example_inputs(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, list[str]]]:
+def example_inputs(
+    model: ModelFacts, functions: Sequence[Function], precision: Precision
+) -> list[tuple[str, list[str]]]:
     """Inputs of the example: the declarator of each array, and a line for each element."""
     found: dict[str, list[str]] = {}
     for function in functions:
         for array in function.inputs:
             if array.name not in function.shared:
-                found[declarator(array)] = _initializer(_elements(model, function, array))
+                found[declarator(array)] = _initializer(_elements(model, function, array), precision)
     return list(found.items())
 
 
@@ -98,17 +100,20 @@ def example_results(functions: Sequence[Function]) -> list[str]:
     return list(dict.fromkeys(declarator(array) for function in functions for array in function.outputs))
 
 
-def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple[str, str]]:
+def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple[float, str]]:
     """An initial value and a label for every element; parameters have their defaults."""
     if function.name == PREPARE:
-        return [(repr(default), name) for name, default in model.parameters]
+        return [(default, name) for name, default in model.parameters]
     if len(array.shape) == 1:
         labels = list(model.freedom_names)
     else:
         labels = [f"{body}, {axis}" for body in model.body_names for axis in "xyz"]
-    return [(str((1 + i % 7) / 10), label) for i, label in enumerate(labels)]
+    return [((1 + i % 7) / 10, label) for i, label in enumerate(labels)]
 
 
-def _initializer(elements: Sequence[tuple[str, str]]) -> list[str]:
+def _initializer(elements: Sequence[tuple[float, str]], precision: Precision) -> list[str]:
     last = len(elements) - 1
-    return [f"{value}{',' if i < last else ''} /* {label} */" for i, (value, label) in enumerate(elements)]
+    return [
+        f"{literal(value, precision)}{',' if i < last else ''} /* {label} */"
+        for i, (value, label) in enumerate(elements)
+    ]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from enum import IntEnum
 
 from kanegen.c.layout import BREAK, HINGE
+from kanegen.precision import DOUBLE, Precision
 from kanegen.program.ir import Op
 
 
@@ -25,7 +26,7 @@ class Level(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A C expression of type double.
+    """A C expression.
 
     Attributes:
         text: The expression without its sign.
@@ -46,18 +47,23 @@ class Expression:
         return f"-{_bracketed(self, Level.PRODUCT)}" if self.negative else self.text
 
 
-def literal(number: float) -> Expression:
-    """A finite number; reading it back gives the same bits."""
-    return Expression(repr(abs(number)), negative=math.copysign(1.0, number) < 0)
+def literal(number: float, precision: Precision = DOUBLE) -> Expression:
+    """A finite number; reading it back gives the same bits, or the nearest of a lower precision."""
+    return Expression(precision.literal(abs(number)), negative=math.copysign(1.0, number) < 0)
 
 
-def apply(op: Op, operands: tuple[Expression, ...], prefix: str = "") -> Expression:
+def cast(kind: str, expression: Expression) -> Expression:
+    """`expression` converted to the type `kind`."""
+    return Expression(f"({kind}){_bracketed(expression, Level.ATOM)}", negative=expression.negative)
+
+
+def apply(op: Op, operands: tuple[Expression, ...], function: str = "") -> Expression:
     """The operation `op`, any but an input or a constant, on `operands`.
 
     Args:
         op: What to compute.
         operands: As many as it takes.
-        prefix: Start of the name of a C function for it.
+        function: Name of the C function for it, where it is one.
     """
     match op, operands:
         case Op.NEGATE, (a,):
@@ -71,7 +77,7 @@ def apply(op: Op, operands: tuple[Expression, ...], prefix: str = "") -> Express
         case Op.DIVIDE, (a, b):
             return _product(a, "/", b)
         case ((Op.SQRT | Op.SIN | Op.COS), (a,)):
-            return Expression(f"{prefix}{op.value}({a})", operations=a.operations + 1)
+            return Expression(f"{function}({a})", operations=a.operations + 1)
     raise ValueError(f"{op} is no operation on {len(operands)} operands")
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from kanegen.c import describe
-from kanegen.c.body import statements
 from kanegen.c.declarations import (
     argument_list,
     batch_notes,
@@ -16,12 +15,16 @@ from kanegen.c.declarations import (
     prototype,
     row_call,
 )
-from kanegen.c.dialect import LANES
-from kanegen.c.interface import Function, ModelFacts, requested, signatures
+from kanegen.c.dialect import lanes, scalar
+from kanegen.c.interface import PREPARE, Function, ModelFacts, requested, signatures
+from kanegen.c.lanes import LANES
+from kanegen.c.pieces import Code, code
+from kanegen.c.ranges import require_range
 from kanegen.c.source import Source
 from kanegen.c.stamp import stamped
 from kanegen.c.templates import fill
 from kanegen.errors import ModelError
+from kanegen.precision import DOUBLE, Precision
 from kanegen.program.ir import Module, Program
 from kanegen.version import __version__
 
@@ -29,34 +32,38 @@ FILES = {
     "{name}.h": "model.h",
     "{name}.c": "model.c",
     "{name}_batch.c": "model_batch.c",
-    "kanegen_lanes.h": "kanegen_lanes.h",
+    "kanegen_lanes{f}.h": "kanegen_lanes.h",
     "main.c": "main.c",
     "CMakeLists.txt": "CMakeLists.txt",
     "{name}.pc.in": "model.pc.in",
     "README.md": "README.md",
 }
-"""Every generated file and its template."""
+"""Every generated file and its template; {f} is empty, or f in single precision."""
 
 TAKEN_HEADERS = frozenset(
     """
-    assert complex ctype errno fenv features float inttypes iso646 kanegen_lanes limits locale main malloc
-    math memory pthread sched setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef
-    stdint stdio stdlib stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
+    assert complex ctype errno fenv features float inttypes iso646 kanegen_lanes kanegen_lanesf limits locale
+    main malloc math memory pthread sched setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint
+    stddef stdint stdio stdlib stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
     """.split()
 )
 """Model names whose header would hide one of the C library, or whose source the example."""
 
 
-def render(model: ModelFacts, module: Module, operations: Mapping[str, int]) -> Source:
+def render(
+    model: ModelFacts, module: Module, operations: Mapping[str, int], precision: Precision = DOUBLE
+) -> Source:
     """C code for the programs of `module`.
 
     Args:
         model: Names and sizes that the code and its documentation mention.
         module: What to compute.
         operations: Operation counts, for the documentation and `Source.operations`.
+        precision: Of all numbers in C.
 
     Raises:
-        ModelError: If the model has the name of a header of the C library.
+        ModelError: If the model has the name of a header of the C library, or a number that `precision`
+            cannot hold.
     """
     if model.name.lower() in TAKEN_HEADERS:
         raise ModelError(
@@ -64,6 +71,7 @@ def render(model: ModelFacts, module: Module, operations: Mapping[str, int]) -> 
             "Choose another name."
         )
     programs = signatures(module)
+    require_range(model, programs, precision)
     functions = tuple(programs)
     outputs = requested(module)
     context = {
@@ -71,21 +79,23 @@ def render(model: ModelFacts, module: Module, operations: Mapping[str, int]) -> 
         "model": model,
         "prefix": model.name.upper(),
         "outputs": outputs,
-        "functions": [_text(model.name, *item) for item in programs.items()],
+        "precision": precision,
+        "lanes": LANES[precision],
+        "functions": [_text(model.name, *item, precision) for item in programs.items()],
         "sizes": describe.enumeration(describe.sizes(model, functions)),
         "parameter_indices": describe.enumeration(describe.parameter_indices(model)),
         "spoilt": [f"`{model.name}_{function.name}`" for function in functions if function.spoilt],
         "freedoms": describe.freedoms(model),
         "loads": describe.loads(model),
         "operations": describe.operations(operations),
-        "stack": describe.batch_stack(functions),
-        "inputs": describe.example_inputs(model, functions),
+        "stack": describe.batch_stack(functions, LANES[precision]),
+        "inputs": describe.example_inputs(model, functions, precision),
         "results": describe.example_results(functions),
     }
     context["declarations"] = cdef = fill("declarations.h", **context)
-    named = {pattern.format(name=model.name): template for pattern, template in FILES.items()}
-    files = {name: stamped(name, fill(template, **context)) for name, template in named.items()}
-    return Source(model, outputs, functions, dict(operations), files, cdef)
+    names = {pattern: pattern.format(name=model.name, f=precision.suffix) for pattern in FILES}
+    files = {names[p]: stamped(names[p], fill(template, **context)) for p, template in FILES.items()}
+    return Source(model, outputs, functions, dict(operations), files, cdef, precision.name)
 
 
 @dataclass(frozen=True)
@@ -96,26 +106,29 @@ class FunctionText:
     signature: Function
     arguments: list[str]
     prototype: list[str]
-    body: list[str]
+    code: Code
     batch_prototype: list[str]
     batch_notes: list[str]
     lanes_prototype: list[str]
-    lanes_body: list[str]
+    lanes_code: Code
     lanes_call: list[str]
     row_call: list[str]
 
 
-def _text(model: str, function: Function, program: Program) -> FunctionText:
+def _text(model: str, function: Function, program: Program, precision: Precision) -> FunctionText:
+    arithmetic = DOUBLE if function.name == PREPARE else precision
+    name = f"{model}_{function.name}"
+    in_lanes = code(f"{name}_lanes", program, lanes(precision), function.shared)
     return FunctionText(
-        name=f"{model}_{function.name}",
+        name=name,
         signature=function,
         arguments=argument_list(function),
-        prototype=prototype(model, function),
-        body=statements(program),
-        batch_prototype=batch_prototype(model, function),
+        prototype=prototype(model, function, precision.name),
+        code=code(name, program, scalar(precision, arithmetic)),
+        batch_prototype=batch_prototype(model, function, precision.name),
         batch_notes=batch_notes(function),
-        lanes_prototype=lanes_prototype(model, function),
-        lanes_body=statements(program, LANES, function.shared) if function.in_lanes else [],
+        lanes_prototype=lanes_prototype(model, function, precision.name),
+        lanes_code=in_lanes if function.in_lanes else Code([]),
         lanes_call=lanes_call(model, function),
         row_call=row_call(model, function),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kanegen.program.cut import cut, workspace
 from kanegen.program.ir import EVALUATE, Array, Module, Program
 
 PREPARE = "prepare"
@@ -54,6 +55,7 @@ class Function:
         shared: Names of inputs that all states of a batch have in common.
         spoilt: Names of outputs that hold only where some values are positive; the function then returns
             an int.
+        workspace: Numbers that its pieces leave for each other, 0 if it is in one piece.
     """
 
     name: str
@@ -62,6 +64,7 @@ class Function:
     outputs: tuple[Array, ...]
     shared: tuple[str, ...] = ()
     spoilt: tuple[str, ...] = ()
+    workspace: int = 0
 
     @property
     def has_batch(self) -> bool:
@@ -75,9 +78,9 @@ class Function:
 
     @property
     def numbers(self) -> int:
-        """How many numbers it reads and fills for one state."""
+        """How many numbers it reads, fills and keeps between its pieces for one state."""
         arrays = (*self.inputs, *self.outputs)
-        return sum(array.size for array in arrays if array.name not in self.shared)
+        return self.workspace + sum(array.size for array in arrays if array.name not in self.shared)
 
 
 def signatures(module: Module) -> dict[Function, Program]:
@@ -95,7 +98,8 @@ def signatures(module: Module) -> dict[Function, Program]:
         doc = f"{arrays[0].doc}."
         if len(arrays) > 1:
             doc = f"{_listed([array.name for array in arrays])} together, every intermediate shared."
-        found[Function(name, doc, program.inputs, arrays, shared, _spoilt(program))] = program
+        between = workspace(cut(program))
+        found[Function(name, doc, program.inputs, arrays, shared, _spoilt(program), between)] = program
     return found
 
 

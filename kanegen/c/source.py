@@ -8,6 +8,7 @@ from pathlib import Path
 
 from kanegen.c.folder import write
 from kanegen.c.interface import Function, ModelFacts
+from kanegen.precision import DOUBLE
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class Source:
             and "prepare", the operations of the parameter-only step.
         files: Text of every file by its name: header, source, example, build files, README.
         cdef: The declarations of the header, as cffi reads them.
+        precision: Type of all numbers in C, "double" or "float".
     """
 
     model: ModelFacts
@@ -30,6 +32,7 @@ class Source:
     operations: Mapping[str, int]
     files: Mapping[str, str]
     cdef: str
+    precision: str = DOUBLE.name
 
     def write(self, folder: str | Path, force: bool = False) -> Path:
         """Write every file into `folder`, which is made where it is missing.

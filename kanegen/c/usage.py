@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import groupby
 
 from kanegen.program.ir import Array, Op, Program
+
+LOOPED = 8
+"""Neighbouring zeros from which a loop, of a few wide stores, beats one store each."""
 
 
 def element(array: Array, index: int) -> str:
@@ -27,13 +32,51 @@ def live(program: Program) -> list[int]:
     return [i for i, is_needed in enumerate(needed) if is_needed]
 
 
-def places(program: Program) -> dict[int, list[str]]:
-    """For every result the output elements that hold it."""
+def places(program: Program, filled: Iterable[Run] = ()) -> dict[int, list[str]]:
+    """For every result the output elements that hold it, without those of the runs `filled`."""
+    done = {(run.array, index) for run in filled for index in range(run.start, run.stop)}
     found: dict[int, list[str]] = {}
     for output in program.outputs:
-        for index, value in enumerate(output.values):
-            found.setdefault(value, []).append(element(output.array, index))
+        for index, value in output.elements():
+            if (output.array, index) not in done:
+                found.setdefault(value, []).append(element(output.array, index))
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Elements `start` to before `stop` of a row of an output."""
+
+    array: Array
+    start: int
+    stop: int
+
+    def loop(self, value: str) -> str:
+        """A C loop that fills them."""
+        width = self.array.shape[1] if len(self.array.shape) == 2 else self.array.size
+        row, start = divmod(self.start, width)
+        stop = start + self.stop - self.start
+        place = f"{width}*{row} + i" if len(self.array.shape) == 2 else "i"
+        return f"for (int i = {start}; i < {stop}; ++i) {self.array.name}[{place}] = {value};"
+
+
+def zero_runs(program: Program) -> list[Run]:
+    """Neighbouring zeros in a row of an output, where they are enough to make a loop worth it."""
+    runs: list[Run] = []
+    for output in program.outputs:
+        width = output.array.shape[-1]
+        zeros = [index for index, value in output.elements() if _is_zero(program, value)]
+        # Neighbours in a row have the same distance from their place in the list.
+        for _, group in groupby(enumerate(zeros), key=lambda item: (item[1] - item[0], item[1] // width)):
+            indices = [index for _, index in group]
+            if len(indices) >= LOOPED:
+                runs.append(Run(output.array, indices[0], indices[-1] + 1))
+    return runs
+
+
+def _is_zero(program: Program, value: int) -> bool:
+    instruction = program.instructions[value]
+    return instruction.op is Op.CONSTANT and instruction.number == 0.0
 
 
 def conditions(program: Program) -> dict[int, int]:

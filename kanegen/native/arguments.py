@@ -1,28 +1,31 @@
-"""What a user passes, as arrays that C can read: contiguous doubles of exactly the right shape."""
+"""What a user passes, as arrays that C can read: contiguous, of its type, and of exactly the right shape."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kanegen.errors import ArrayError
 
-Floats = NDArray[np.float64]
+Floats = NDArray[np.floating[Any]]
+"""Numbers of the precision of a library: double or single."""
+
 Shape = tuple[int, ...]
 
 
-def doubles(name: str, value: object) -> Floats:
-    """`value` as a contiguous array of doubles, itself if it is one.
+def floats(name: str, value: object, dtype: np.dtype[Any]) -> Floats:
+    """`value` as a contiguous array of the type `dtype`, itself if it is one.
 
-    Integers and other floats are converted, and so are lists and arrays in any order of memory; NaN and
+    Integers and other floats are rounded to it, and so are lists and arrays in any order of memory; NaN and
     infinity pass.
 
     Raises:
-        ArrayError: If it is ragged, masked, or holds anything but real numbers.
+        ArrayError: If it is ragged, masked, holds anything but real numbers, or one that is too large.
     """
-    if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.carray:
+    if type(value) is np.ndarray and value.dtype == dtype and value.flags.carray:
         return value
     if isinstance(value, np.ma.MaskedArray):
         raise ArrayError(f"{name}: masked arrays have no meaning here; fill it first.")
@@ -32,35 +35,43 @@ def doubles(name: str, value: object) -> Floats:
         raise ArrayError(f"{name}: the rows have different lengths.") from None
     if array.dtype.kind not in "iuf":
         raise ArrayError(f"{name}: expected real numbers, got {_kind(value, array)}.")
-    return np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
+    try:
+        with np.errstate(over="raise", under="ignore"):
+            return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
+    except FloatingPointError:
+        raise ArrayError(f"{name}: a number leaves the range of {dtype}.") from None
 
 
-def state(name: str, value: object, shape: Shape) -> Floats:
+def state(name: str, value: object, shape: Shape, dtype: np.dtype[Any]) -> Floats:
     """One state, `shape`, or a batch of them, `(B, *shape)`.
 
     Raises:
         ArrayError: If it is neither.
     """
-    array = doubles(name, value)
+    array = floats(name, value, dtype)
     if array.shape != shape and array.shape[1:] != shape:
         batch = f"({', '.join(['B', *map(str, shape)])})"
         raise ArrayError(f"{name}: expected shape {shape} or {batch}, got {array.shape}.")
     return array
 
 
-def companion(name: str, value: object, shape: Shape, batch: Shape, first: str) -> Floats:
+def companion(
+    name: str, value: object, shape: Shape, batch: Shape, dtype: np.dtype[Any], first: str
+) -> Floats:
     """What goes with the states of the argument `first`, which is a batch of shape `batch`.
 
     Raises:
         ArrayError: If the shape is not `(*batch, *shape)`.
     """
-    array = doubles(name, value)
+    array = floats(name, value, dtype)
     if array.shape != (*batch, *shape):
         raise ArrayError(f"{name}: expected shape {(*batch, *shape)} to go with {first}, got {array.shape}.")
     return array
 
 
-def load(name: str, value: object, shape: Shape, batch: Shape, unloaded: Mapping[int, str]) -> Floats:
+def load(
+    name: str, value: object, shape: Shape, batch: Shape, dtype: np.dtype[Any], unloaded: Mapping[int, str]
+) -> Floats:
     """Loads: None for none, `shape` for the same in every state, or `(*batch, *shape)`.
 
     Args:
@@ -68,6 +79,7 @@ def load(name: str, value: object, shape: Shape, batch: Shape, unloaded: Mapping
         value: What was passed.
         shape: (N, 3) for loads on bodies.
         batch: `()` or `(B,)`.
+        dtype: Of the numbers.
         unloaded: Rows of bodies that take no loads, with their names.
 
     Raises:
@@ -75,8 +87,8 @@ def load(name: str, value: object, shape: Shape, batch: Shape, unloaded: Mapping
     """
     full = (*batch, *shape)
     if value is None:
-        return np.zeros(full)
-    array = doubles(name, value)
+        return np.zeros(full, dtype)
+    array = floats(name, value, dtype)
     if array.shape not in (shape, full):
         either = f"{shape} or {full}" if batch else f"{shape}"
         raise ArrayError(f"{name}: expected shape {either}, got {array.shape}.")

@@ -9,9 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
+import _cffi_backend
 import cffi
 import numpy as np
 
+from kanegen import precision as precisions
 from kanegen.c import ModelFacts, Source
 from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import BuildError, KanegenWarning, SingularError
@@ -32,8 +34,6 @@ _CALLER = 4
 Pointers = tuple[Any, ...]
 """C pointers; each keeps its array alive."""
 
-_DOUBLE = np.dtype(np.float64)
-
 
 class Native:
     """A shared library in memory.
@@ -49,10 +49,14 @@ class Native:
         self.path = path
         ffi = cffi.FFI()
         ffi.cdef(source.cdef)
-        self._pointer = partial(ffi.from_buffer, ffi.typeof("double[]"))
+        self._dtype = precisions.named(source.precision).dtype
+        # The function behind `ffi.from_buffer`, which takes twice as long.
+        self._pointer = partial(_cffi_backend.from_buffer, ffi.typeof(f"{source.precision}[]"))
         try:
             library = ffi.dlopen(str(path), ffi.RTLD_NOW | _STAY)
-            self.calls = {f.name: Call(library, self._pointer, source.model, f) for f in source.functions}
+            self.calls = {
+                f.name: Call(library, self._pointer, self._dtype, source.model, f) for f in source.functions
+            }
         except (OSError, AttributeError) as error:
             raise BuildError(
                 f"{path}: the compiled library cannot be loaded: {error}. Does the compiler make code for "
@@ -75,7 +79,12 @@ class Call:
     """
 
     def __init__(
-        self, library: Any, pointer: Callable[[Floats], Any], model: ModelFacts, f: Function
+        self,
+        library: Any,
+        pointer: Callable[[Floats], Any],
+        dtype: np.dtype[Any],
+        model: ModelFacts,
+        f: Function,
     ) -> None:
         self._name = f.name
         self._freedoms = model.freedom_names
@@ -83,9 +92,10 @@ class Call:
         self._single = getattr(library, name)
         self._batch = getattr(library, f"{name}_batch") if f.has_batch else None
         self._pointer = pointer
+        self._dtype = dtype
         self._inputs = [(array.name, array.shape) for array in f.inputs if array.name not in f.shared]
         self._outputs = [array.shape for array in f.outputs]
-        self._zeros = {n: pointer(np.zeros(shape)) for n, shape in self._inputs if n in OPTIONAL}
+        self._zeros = {n: pointer(np.zeros(shape, dtype)) for n, shape in self._inputs if n in OPTIONAL}
         bodies = enumerate(zip(model.body_names, model.loaded, strict=True))
         self._unloaded = {row: name for row, (name, is_loaded) in bodies if not is_loaded}
         self._checked = LOADS if self._unloaded else frozenset()
@@ -113,7 +123,7 @@ class Call:
             elif (
                 type(value) is np.ndarray
                 and value.shape == shape
-                and value.dtype is _DOUBLE
+                and value.dtype is self._dtype
                 and value.flags.carray
                 and name not in self._checked
             ):
@@ -122,7 +132,7 @@ class Call:
                 return self._general(constants, values)
         results = []
         for shape in self._outputs:
-            array = np.empty(shape)
+            array = np.empty(shape, self._dtype)
             results.append(array)
             pointers.append(self._pointer(array))
         place = self._single(*pointers)
@@ -133,7 +143,7 @@ class Call:
     def _general(self, constants: Pointers, values: Mapping[str, object]) -> list[Floats]:
         """The same after conversion and with every check."""
         arrays, batch = self._converted(values)
-        results = [np.empty((*batch, *shape)) for shape in self._outputs]
+        results = [np.empty((*batch, *shape), self._dtype) for shape in self._outputs]
         pointers = [*constants, *map(self._pointer, [*arrays, *results])]
         if not batch or self._batch is None:
             place = self._single(*pointers)
@@ -159,12 +169,12 @@ class Call:
     def _converted(self, values: Mapping[str, object]) -> tuple[list[Floats], tuple[int, ...]]:
         """The inputs as C takes them, and `()` for one state or `(B,)` for a batch."""
         (first, shape), *others = self._inputs
-        arrays = [state(first, values[first], shape)]
+        arrays = [state(first, values[first], shape, self._dtype)]
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
         for name, shape in others:
             if name in OPTIONAL:
                 unloaded = self._unloaded if name in LOADS else {}
-                arrays.append(load(name, values[name], shape, batch, unloaded))
+                arrays.append(load(name, values[name], shape, batch, self._dtype, unloaded))
             else:
-                arrays.append(companion(name, values[name], shape, batch, first))
+                arrays.append(companion(name, values[name], shape, batch, self._dtype, first))
         return arrays, batch

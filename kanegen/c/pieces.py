@@ -1,0 +1,70 @@
+"""The statements of a C function; those of a long one in functions of their own, which it calls in turn.
+
+Compilers need more than twice the time for twice the statements, so a long function goes in pieces. What one
+piece leaves for later ones is in an array of the caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from kanegen.c.body import statements
+from kanegen.c.dialect import Dialect
+from kanegen.c.layout import BREAK, wrap
+from kanegen.c.waves import waves
+from kanegen.program.cut import WORKSPACE, cut, workspace
+from kanegen.program.ir import Program
+
+
+@dataclass(frozen=True)
+class Code:
+    """What stands between the braces of a C function.
+
+    Attributes:
+        body: Its lines.
+        pieces: The functions that it calls: the lines of the prototype and of the body of each.
+        waves: Whether it takes angles side by side, with a function of kanegen_lanes.h.
+    """
+
+    body: list[str]
+    pieces: tuple[tuple[list[str], list[str]], ...] = ()
+    waves: bool = False
+
+
+def code(name: str, program: Program, dialect: Dialect, shared: Collection[str] = ()) -> Code:
+    """C that evaluates `program`.
+
+    Args:
+        name: Of the function; its pieces are called after it.
+        program: What to compute.
+        dialect: For one state or for several at once.
+        shared: Inputs that all states have in common.
+    """
+    # Where arrays are less precise than the arithmetic, so would be a workspace.
+    programs = cut(program) if dialect.arrays is dialect.arithmetic else (program,)
+    side_by_side = dialect.has_waves and any(waves(piece) for piece in programs)
+    if len(programs) == 1:
+        return Code(statements(program, dialect, shared), waves=side_by_side)
+    pieces = []
+    calls = [f"    {dialect.number} {WORKSPACE}[{workspace(programs)}];"]
+    for number, piece in enumerate(programs, start=1):
+        is_spoilt = any(output.positive for output in piece.outputs)
+        own = f"{name}_{number}"
+        head = f"static APART {dialect.status if is_spoilt else 'void'} {own}"
+        arguments = _arguments(piece, dialect, shared)
+        prototype = wrap(f"{head}({f',{BREAK}'.join(arguments.values())})", indent="", hanging="    ")
+        pieces.append((prototype, statements(piece, dialect, shared)))
+        calls += wrap(f"{'return ' if is_spoilt else ''}{own}({f',{BREAK}'.join(arguments)});")
+    return Code(calls, tuple(pieces), side_by_side)
+
+
+def _arguments(piece: Program, dialect: Dialect, shared: Collection[str]) -> dict[str, str]:
+    """By name how a piece declares what it reads and fills."""
+    # Results that do not hold become NaN where the lanes of a batch come apart again, not here.
+    filled = [output.array.name for output in piece.outputs if output.values or dialect.is_scalar]
+    read = [array.name for array in piece.inputs if array.name not in filled]
+    common = dialect.arrays.name
+    differing = common if dialect.is_scalar else dialect.number
+    found = {name: f"const {common if name in shared else differing} *{name}" for name in read}
+    return {**found, **{name: f"{differing} *{name}" for name in filled}}
