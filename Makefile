@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test lint generated bench clean
+.PHONY: demo test lint generated bench growth clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -26,7 +26,11 @@ generated: $(VENV)/.tests
 
 # Time kanegen and its peers and rewrite docs/benchmarks.md; the first time Pinocchio takes minutes to compile.
 bench: $(VENV)/.bench
-	$(BIN)/python -m benchmarks.peers
+	$(BIN)/python -m benchmarks
+
+# Generate, compile and run trees of 1 to 256 bodies and rewrite docs/growth.md; takes about an hour.
+growth: $(VENV)/.bench
+	$(BIN)/python -m benchmarks.growth
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

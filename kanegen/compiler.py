@@ -24,6 +24,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from kanegen import library as libraries
+from kanegen import precision as precisions
 from kanegen import symbolic
 from kanegen.c import ModelFacts, Source, render
 from kanegen.check import regularity
@@ -74,17 +75,20 @@ def derive(system: System, progress: Progress = quiet) -> symbolic.Equations:
 
 
 def compile_module(
-    system: System, outputs: Iterable[str] = EQUATIONS, progress: Progress = quiet
+    system: System,
+    outputs: Iterable[str] = EQUATIONS,
+    progress: Progress = quiet,
+    without: Iterable[str] = (),
 ) -> Compiled:
     """Straight-line programs for `outputs`, every intermediate shared, by the cheapest methods.
 
     Raises:
-        OptionError: If an output is unknown.
+        OptionError: If an output or a pass is unknown.
         SingularError: If [A] is singular in every state.
     """
-    names = chosen(outputs)
+    names, kept = chosen(outputs), passes.all_but(without)
     _require_usable(system)
-    ways = [_compiled(system, way, progress) for way in methods(system, names)]
+    ways = [_compiled(system, way, kept, progress) for way in methods(system, names)]
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
 
 
@@ -94,7 +98,7 @@ def _require_usable(system: System) -> None:
     regularity.require_regular(system)
 
 
-def _compiled(system: System, way: Methods, progress: Progress) -> Compiled:
+def _compiled(system: System, way: Methods, kept: Sequence[passes.Pass], progress: Progress) -> Compiled:
     """The programs of one way to derive the outputs."""
     progress("deriving")
     form = recursive_form(system, way)
@@ -102,25 +106,37 @@ def _compiled(system: System, way: Methods, progress: Progress) -> Compiled:
     arrays = {output_array(system, name, form.methods): form.outputs[name] for name in way}
     program = lower(input_arrays(system), form.definitions, arrays)
     progress("optimising")
-    program, stages = passes.run(program)
+    program, stages = passes.run(program, kept)
     return Compiled(split(program, functions(system, tuple(way)), PARAMETERS), way, stages)
 
 
-def generate(system: System, outputs: Iterable[str] = EQUATIONS, progress: Progress = quiet) -> Source:
+def generate(
+    system: System,
+    outputs: Iterable[str] = EQUATIONS,
+    progress: Progress = quiet,
+    without: Iterable[str] = (),
+    precision: str = "double",
+) -> Source:
     """C for `outputs`, specialised to `system`.
 
     Args:
         system: The tree.
         outputs: Names among `OUTPUTS`; the code for several shares its intermediates.
         progress: Told the name of each stage.
+        without: Passes to leave out, among "fold", "prune" and "factor": the C computes the same by more
+            operations.
+        precision: Type of all numbers in C, "double" or "float". For float, too, constants are computed in
+            double; they are rounded once.
 
     Raises:
-        OptionError: If an output is unknown.
+        OptionError: If an output, a pass or the precision is unknown.
+        ModelError: If a constant leaves the range of the precision.
         SingularError: If [A] is singular in every state; names the body and the freedom.
     """
-    compiled = compile_module(system, outputs, progress)
+    numbers = precisions.named(precision)
+    compiled = compile_module(system, outputs, progress, without)
     progress("printing")
-    return render(facts(system), compiled.module, compiled.operations)
+    return render(facts(system), compiled.module, compiled.operations, numbers)
 
 
 def build(
@@ -130,6 +146,8 @@ def build(
     flags: str | Sequence[str] | None = None,
     progress: Progress = quiet,
     threads: bool = False,
+    without: Iterable[str] = (),
+    precision: str = "double",
 ) -> libraries.Library:
     """Generate, compile and load.
 
@@ -140,17 +158,25 @@ def build(
         flags: Its flags; by default optimised with IEEE semantics kept.
         progress: Told the name of each stage.
         threads: Let OpenMP share batches of 1024 states and more among threads; see `library.load`.
+        without: Passes to leave out, as in `generate`.
+        precision: As in `generate`.
 
     Raises:
-        OptionError, SingularError: As `generate`.
+        OptionError, ModelError, SingularError: As `generate`.
         BuildError: If there is no compiler, or it fails.
     """
-    source = generate(system, outputs, progress)
+    source = generate(system, outputs, progress, without, precision)
     progress("compiling")
     return libraries.load(source, compiler, flags, threads)
 
 
-def compare(system: System, states: int = 1000, seed: int = 0, progress: Progress = quiet) -> Report:
+def compare(
+    system: System,
+    states: int = 1000,
+    seed: int = 0,
+    progress: Progress = quiet,
+    precision: str = "double",
+) -> Report:
     """The compiled C of `system` against the NumPy reference over random states.
 
     Args:
@@ -158,10 +184,11 @@ def compare(system: System, states: int = 1000, seed: int = 0, progress: Progres
         states: How many.
         seed: Of the random states.
         progress: Told the name of each stage.
+        precision: As in `generate`; the reference computes in double.
     """
-    built = build(system, progress=progress)
+    built = build(system, progress=progress, precision=precision)
     progress("comparing")
-    return compare_with_reference(system, built, states=states, seed=seed)
+    return compare_with_reference(system, built, states, seed, precisions.named(precision))
 
 
 def facts(system: System) -> ModelFacts:

@@ -37,5 +37,9 @@ class BuildError(KanegenError):
     """No C compiler, or one that failed; the message holds its command and its output."""
 
 
+class MissingError(KanegenError):
+    """Something optional that is not installed, or a program beside kanegen that cannot do what is asked."""
+
+
 class KanegenWarning(UserWarning):
     """Something unusual that kanegen accepts, such as a violated triangle inequality."""

@@ -6,6 +6,7 @@ import struct
 import numpy as np
 
 from kanegen.c import ModelFacts, render
+from kanegen.precision import DOUBLE
 from kanegen.program.ir import Array, Instruction, Module, Op, Output, Program
 
 OPERATIONS = {"add": 8, "multiply": 9, "divide": 1, "sqrt": 1, "sincos": 3}
@@ -107,13 +108,15 @@ def facts(name="handmade", parameters=True, loads=True):
     )
 
 
-def source(name="handmade", outputs=("mass_matrix", "forcing"), parameters=True, loads=True):
+def source(
+    name="handmade", outputs=("mass_matrix", "forcing"), parameters=True, loads=True, precision=DOUBLE
+):
     operations = {**OPERATIONS, "prepare": 2 if parameters else 0}
-    return render(facts(name, parameters, loads), module(outputs, parameters, loads), operations)
+    return render(facts(name, parameters, loads), module(outputs, parameters, loads), operations, precision)
 
 
-def evaluate(program, **inputs):
-    """Outputs by name, flat, with every operation rounded on its own."""
+def evaluate(program, number=np.float64, **inputs):
+    """Outputs by name, flat, with every operation rounded on its own to the type `number`."""
     compute = {
         Op.ADD: lambda a, b: a + b,
         Op.SUBTRACT: lambda a, b: a - b,
@@ -128,11 +131,11 @@ def evaluate(program, **inputs):
     with np.errstate(all="ignore"):
         for i in program.instructions:
             if i.op is Op.INPUT:
-                values.append(np.float64(np.ravel(inputs[i.array])[i.index]))
+                values.append(number(np.ravel(inputs[i.array])[i.index]))
             elif i.op is Op.CONSTANT:
-                values.append(np.float64(i.number))
+                values.append(number(i.number))
             else:
-                values.append(np.float64(compute[i.op](*(values[j] for j in i.operands))))
+                values.append(number(compute[i.op](*(values[j] for j in i.operands))))
     return {o.array.name: np.array([values[j] for j in o.values]) for o in program.outputs}
 
 

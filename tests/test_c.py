@@ -194,15 +194,15 @@ def test_a_model_must_not_hide_a_header(name):
 SPECIAL = [0.0, -0.0, 1.0, -2.5, 1e300, -1e-300, 5e-324, math.inf, -math.inf, math.nan]
 BINARY = [Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.DIVIDE]
 UNARY = [Op.NEGATE, Op.SQRT, Op.SIN, Op.COS]
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @st.composite
-def programs(draw, unary=UNARY):
+def programs(draw, unary=UNARY, numbers=NUMBERS):
     """Random programs with repeats, names, notes, constants and several outputs."""
     code = Listing()
     for i in range(3):
         code.read("x", i, draw(st.sampled_from(["", f"theta_{i}"])))
-    numbers = st.floats(allow_nan=False, allow_infinity=False)
     constants = {code.number(draw(numbers)) for _ in range(draw(st.integers(0, 3)))}
     for i in range(draw(st.integers(1, 60))):
         size = len(code.instructions)

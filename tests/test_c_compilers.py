@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import kanegen as kg
+from kanegen.signature import OUTPUTS
 from tests.handmade import bits, evaluate, module, source
 
 WARNINGS = """-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Wmissing-prototypes
@@ -16,6 +18,7 @@ WARNINGS = """-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion 
 ZIG = (sys.executable, "-m", "ziglang")
 """clang as a package; stands in where the machine has none of its own."""
 
+MODELS = Path(__file__).parent.parent / "models"
 GENERATED = sorted((Path(__file__).parent.parent / "generated").iterdir())
 SANITIZERS = "-g -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all".split()
 C = {"gcc": ("gcc",), "clang": ("clang",) if shutil.which("clang") else (*ZIG, "cc")}
@@ -52,6 +55,17 @@ def test_the_c_of_every_model_is_clean(compiler, folder, tmp_path):
     for file in (f"{folder.name}.c", f"{folder.name}_batch.c", "main.c"):
         output = tmp_path / "object.o"
         run(*C[compiler], "-std=c99", "-O1", *WARNINGS, "-c", file, "-o", output, folder=folder)
+
+
+@pytest.mark.parametrize("compiler", C)
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_long_functions_in_pieces_are_clean(precision, compiler, tmp_path):
+    system = kg.load(MODELS / "eight_body.toml")
+    folder = kg.generate(system, OUTPUTS, precision=precision).write(tmp_path / "out")
+    for file in ("eight_body.c", "eight_body_batch.c"):
+        assert "eight_body_evaluate" in (folder / file).read_text()
+        assert "APART int" in (folder / file).read_text() or "APART lanes_bits" in (folder / file).read_text()
+        run(*C[compiler], "-std=c99", "-O0", *WARNINGS, "-c", file, folder=folder)
 
 
 def test_the_example_of_eight_body_runs_under_sanitizers(tmp_path):

@@ -31,11 +31,11 @@ def kanegen(*arguments: str, status: int = 0, **environment: str) -> subprocess.
 
 def test_help_names_every_command() -> None:
     text = kanegen("--help").stdout
-    for command in ("generate", "check", "equations", "info", "--version", "Exit status"):
+    for command in ("generate", "check", "equations", "info", "bench", "--version", "Exit status"):
         assert command in text
 
 
-@pytest.mark.parametrize("command", ["generate", "check", "equations", "info"])
+@pytest.mark.parametrize("command", ["generate", "check", "equations", "info", "bench"])
 def test_every_command_has_help(command: str) -> None:
     assert "MODEL" in kanegen(command, "--help").stdout
 
@@ -124,6 +124,17 @@ def test_info_draws_the_tree() -> None:
         assert part in text
 
 
+def test_info_says_what_passes_save_and_leaves_them_out() -> None:
+    assert "passes saved: fold " in kanegen("info", PENDULUM).stdout
+    text = kanegen("info", PENDULUM, "--without", "fold", "--without", "prune").stdout
+    assert "this after factor" in text
+    assert "this after fold" not in text
+    facts = json.loads(kanegen("info", PENDULUM, "--without", "factor", "--json").stdout)
+    assert set(facts["saved"]) == {"fold", "prune"}
+    totals = [sum(stage["operations"].values()) for stage in facts["passes"]]
+    assert totals[0] - totals[-1] == sum(facts["saved"].values())
+
+
 def test_info_as_json() -> None:
     facts = json.loads(kanegen("info", str(MODELS / "eight_body.toml"), "--json").stdout)
     assert [body["connection"] for body in facts["bodies"]] == [0, 1, 2, 2, 1, 1, 1, 7]
@@ -140,6 +151,7 @@ def test_info_as_json() -> None:
         (("equations", PENDULUM, "--format", "word"), "format"),
         (("generate", PENDULUM, "-o", "x", "--output", "forces"), "Did you mean 'forcing'"),
         (("generate", PENDULUM, "-o", "/proc/nowhere/x"), "/proc/nowhere"),
+        (("generate", PENDULUM, "-o", "x", "--without", "factr"), "There are fold, prune, factor"),
         (("check", PENDULUM, "--floating-base"), "floating_base"),
     ],
 )

@@ -58,8 +58,13 @@ def test_the_wheel_holds_exactly_the_tree(wheel):
     templates = {
         f"kanegen/templates/{path.name}" for path in (ROOT / "templates").iterdir() if path.is_file()
     }
-    assert members == tree | templates | {"kanegen/py.typed"}
-    assert {"kanegen/templates/__init__.py", "kanegen/templates/model.c.jinja"} <= members
+    drivers = {
+        str(path.relative_to(ROOT))
+        for path in (ROOT / "kanegen" / "bench" / "drivers").iterdir()
+        if path.suffix in {".c", ".cpp", ".h"}
+    }
+    assert members == tree | templates | drivers | {"kanegen/py.typed"}
+    assert {"kanegen/templates/model.c.jinja", "kanegen/bench/drivers/kanegen.c"} <= members
 
 
 def test_the_installed_wheel_generates(wheel, tmp_path):

@@ -26,13 +26,14 @@ from kanegen.check.measure import StateErrors, joined, state_errors
 from kanegen.check.report import Accuracy, Evaluation, Report
 from kanegen.check.states import States, random_states
 from kanegen.errors import OptionError
+from kanegen.precision import DOUBLE, Precision
 from kanegen.system import System
 
 __all__ = ["Accuracy", "ComparedLibrary", "Evaluation", "Report", "compare"]
 
 BOUND_REASON = (
-    "The bound is 8 (N + 8) 2^-53 for N bodies, relative to the magnitudes of an entry's terms: rounding "
-    "grows at most linearly along the tree, and the constants are calibrated."
+    "The bound is 8 (N + 8) 2^-{digits} for N bodies, relative to the magnitudes of an entry's terms: "
+    "rounding grows at most linearly along the tree, and the constants are calibrated."
 )
 
 OUTPUTS = ("mass_matrix", "forcing")
@@ -58,7 +59,13 @@ class ComparedLibrary(Protocol):
         """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3)."""
 
 
-def compare(system: System, library: ComparedLibrary, states: int = 1000, seed: int = 0) -> Report:
+def compare(
+    system: System,
+    library: ComparedLibrary,
+    states: int = 1000,
+    seed: int = 0,
+    precision: Precision = DOUBLE,
+) -> Report:
     """The outputs of `library` against the reference; parameters stand at their defaults.
 
     Args:
@@ -66,6 +73,7 @@ def compare(system: System, library: ComparedLibrary, states: int = 1000, seed: 
         library: It.
         states: How many random states.
         seed: Of the random states.
+        precision: Of the library; the states are rounded to it, and the bound is for it.
 
     Raises:
         OptionError: If there is no state, the seed is negative, or no output has a reference.
@@ -78,12 +86,14 @@ def compare(system: System, library: ComparedLibrary, states: int = 1000, seed: 
     if not outputs:
         raise OptionError(f"the library has none of the outputs {', '.join(OUTPUTS)}: nothing to compare.")
     arrays = system.values()
-    sample = random_states(arrays, states, seed)
-    batches = [_batch_errors(arrays, library, outputs, part) for part in _batches(sample, len(arrays.mass))]
+    sample = random_states(arrays, states, seed).rounded(precision)
+    limit = rounding_bound(system.number_of_bodies, precision)
+    parts = _batches(sample, system.number_of_bodies)
+    batches = [_batch_errors(arrays, library, outputs, part, limit) for part in parts]
     accuracies = (
-        _accuracy(system, sample, name, joined([batch[name] for batch in batches])) for name in outputs
+        _accuracy(system, sample, name, joined([batch[name] for batch in batches]), limit) for name in outputs
     )
-    return Report(system.name, states, seed, tuple(accuracies), BOUND_REASON)
+    return Report(system.name, states, seed, tuple(accuracies), BOUND_REASON.format(digits=precision.digits))
 
 
 def _batches(sample: States, bodies: int) -> Iterator[States]:
@@ -93,10 +103,9 @@ def _batches(sample: States, bodies: int) -> Iterator[States]:
 
 
 def _batch_errors(
-    arrays: SystemArrays, library: ComparedLibrary, outputs: list[str], states: States
+    arrays: SystemArrays, library: ComparedLibrary, outputs: list[str], states: States, limit: float
 ) -> dict[str, StateErrors]:
     x, y, force, torque = states.x, states.y, states.force, states.torque
-    limit = rounding_bound(len(arrays.mass))
     reach = reaches(arrays, kinematics(arrays, x, y), y)
     matrix_size = mass_matrix_magnitude(arrays, reach)
     diagonal = np.einsum("bii->bi", matrix_size)
@@ -114,7 +123,7 @@ def _batch_errors(
     return errors
 
 
-def _accuracy(system: System, sample: States, output: str, errors: StateErrors) -> Accuracy:
+def _accuracy(system: System, sample: States, output: str, errors: StateErrors, bound: float) -> Accuracy:
     worst = int(errors.componentwise.argmax())
     names = system.freedom_names
     shape = (len(names),) * (2 if output == "mass_matrix" else 1)
@@ -126,7 +135,7 @@ def _accuracy(system: System, sample: States, output: str, errors: StateErrors) 
         componentwise=float(errors.componentwise.max()),
         componentwise_median=float(np.median(errors.componentwise)),
         cancellation=float(errors.cancellation.max()),
-        bound=rounding_bound(system.number_of_bodies),
+        bound=bound,
         not_finite=int(np.count_nonzero(~errors.finite)),
         worst=Evaluation(
             state=worst,

@@ -16,6 +16,7 @@ import numpy as np
 from kanegen.arrays import Floats, SystemArrays
 from kanegen.check.kinematics import BodyKinematics, free_columns, full_order
 from kanegen.check.matrices import Numbers, apply, length, transposed
+from kanegen.precision import DOUBLE, Precision
 
 
 @dataclass(frozen=True)
@@ -111,15 +112,16 @@ def forcing_magnitude(
     return apply(transposed(center_y), linear) + apply(transposed(omega_y), angular)
 
 
-def rounding_bound(bodies: int) -> float:
-    """How far two programs may differ in a tree of N bodies, relative to the magnitudes: 8 (N + 8) 2^-53.
+def rounding_bound(bodies: int, precision: Precision = DOUBLE) -> float:
+    """How far two programs may differ in a tree of N bodies, relative to the magnitudes: 8 (N + 8) u.
 
     Every rotation, cross product and sum along the tree adds a few roundings, so the error grows at most
     linearly with N; the second 8 stands for sines, products and inertias within a body. The first is 2 for
     two programs times 4, because a program that sums inward can have partial sums twice as long as the
     outward ones that are measured here, in both factors of a product. See docs/accuracy.md for the test.
+    In single precision u is that of the less precise program.
     """
-    return 8 * (bodies + 8) * 2.0**-53
+    return 8 * (bodies + 8) * precision.roundoff
 
 
 def _columns(system: SystemArrays, reach: tuple[Reach, ...]) -> tuple[Floats, Floats]:

@@ -14,6 +14,7 @@ import numpy as np
 from kanegen.arrays import Floats, SystemArrays
 from kanegen.check.kinematics import free_columns
 from kanegen.check.matrices import length
+from kanegen.precision import Precision
 from kanegen.system import System
 
 STANDARD_GRAVITY = 9.80665
@@ -47,6 +48,12 @@ class States:
         torque = None if self.torque is None else self.torque[rows]
         return States(self.x[rows], self.y[rows], force, torque)
 
+    def rounded(self, precision: Precision) -> States:
+        """The nearest states that `precision` can hold, so that rounding them is no error of a program."""
+        force = None if self.force is None else _rounded(self.force, precision)
+        torque = None if self.torque is None else _rounded(self.torque, precision)
+        return States(_rounded(self.x, precision), _rounded(self.y, precision), force, torque)
+
 
 def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:
     """`count` random states.
@@ -75,6 +82,10 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
     force = _uniform(rng, count, np.repeat(weight, 3)).reshape(count, bodies, 3)
     torque = _uniform(rng, count, np.repeat(weight * size, 3)).reshape(count, bodies, 3)
     return States(x, y, force, torque)
+
+
+def _rounded(values: Floats, precision: Precision) -> Floats:
+    return values.astype(precision.dtype).astype(np.float64)
 
 
 def _uniform(rng: np.random.Generator, count: int, scale: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The command line: `kanegen generate`, `check`, `equations` and `info`."""
+"""The command line: `kanegen generate`, `check`, `equations`, `info` and `bench`."""
 
 from kanegen.cli.app import main
 

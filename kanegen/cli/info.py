@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from rich import box
@@ -17,7 +17,7 @@ from rich.tree import Tree
 from kanegen import compiler
 from kanegen.body import FREEDOMS, Body
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
-from kanegen.program.passes import Stage
+from kanegen.program.passes import Stage, savings
 from kanegen.signature import EQUATIONS, OUTPUTS
 from kanegen.system import System
 
@@ -67,14 +67,15 @@ class Facts:
             "parameters": {parameter.name: parameter.value for parameter in system.parameters},
             "operations": self.operations,
             "methods": self.methods,
-            "passes": [{"name": stage.name, "operations": stage.operations} for stage in self.stages],
+            "passes": [asdict(stage) for stage in self.stages],
+            "saved": savings(self.stages),
         }
 
 
-def gather(system: System, progress: Callable[[str], None]) -> Facts:
-    """Count what every output costs alone and all together."""
-    alone = {name: compiler.compile_module(system, (name,), progress) for name in OUTPUTS}
-    together = compiler.compile_module(system, EQUATIONS, progress)
+def gather(system: System, progress: Callable[[str], None], without: Iterable[str] = ()) -> Facts:
+    """Count what every output costs alone and all together, without some passes if so wished."""
+    alone = {name: compiler.compile_module(system, (name,), progress, without) for name in OUTPUTS}
+    together = compiler.compile_module(system, EQUATIONS, progress, without)
     operations = {name: compiled.operations for name, compiled in alone.items()}
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}
     return Facts(system, {**operations, TOGETHER: together.operations}, methods, together.stages)
@@ -95,6 +96,8 @@ def show(facts: Facts, console: Console) -> None:
         console.print(_parameters(system))
     console.print("\n[bold]Operations[/] of one evaluation")
     console.print(_costs(facts))
+    saved = ", ".join(f"{name} {number}" for name, number in savings(facts.stages).items())
+    console.print(f"passes saved: {saved or 'none was run'}")
     console.print(", ".join(f"{name} by {method}" for name, method in facts.methods.items()))
 
 
