@@ -156,7 +156,8 @@ class Library:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If this output was not generated.
         """
-        self._check_loads(force, torque)
+        if force is not None or torque is not None:
+            self._require_loads(force)
         values = {"x": x, "y": y, "force": force, "torque": torque}
         return self._call("forcing")(self._constants, values)[0]
 
@@ -184,7 +185,8 @@ class Library:
             ArrayError: As in `forcing`.
             OptionError: If this output was not generated.
         """
-        self._check_loads(force, torque)
+        if force is not None or torque is not None:
+            self._require_loads(force)
         values = {"x": x, "y": y, "ydot": ydot, "force": force, "torque": torque}
         return self._call("inverse_dynamics")(self._constants, values)[0]
 
@@ -215,7 +217,8 @@ class Library:
             OptionError: If this output was not generated.
             SingularError: If [A] is singular in the one state, or the state is not finite; names the freedom.
         """
-        self._check_loads(force, torque)
+        if force is not None or torque is not None:
+            self._require_loads(force)
         values = {"x": x, "y": y, "tau": tau, "force": force, "torque": torque}
         return self._call("forward_dynamics")(self._constants, values)[0]
 
@@ -245,7 +248,8 @@ class Library:
         Raises:
             ArrayError, SingularError: As the functions of the outputs.
         """
-        self._check_loads(force, torque)
+        if force is not None or torque is not None:
+            self._require_loads(force)
         values = {"x": x, "y": y, "ydot": ydot, "tau": tau, "force": force, "torque": torque}
         return Evaluation(self.outputs, self._together(self._constants, values))
 
@@ -258,8 +262,8 @@ class Library:
             )
         return call
 
-    def _check_loads(self, force: object, torque: object) -> None:
-        if not self._takes_loads and (force is not None or torque is not None):
+    def _require_loads(self, force: object) -> None:
+        if not self._takes_loads:
             name = "torque" if force is None else "force"
             raise ArrayError(
                 f"{name}: no body of system {self.name!r} takes loads. Say which do in the model's loads."

@@ -118,7 +118,6 @@ class FunctionText:
 def _text(model: str, function: Function, program: Program, precision: Precision) -> FunctionText:
     arithmetic = DOUBLE if function.name == PREPARE else precision
     name = f"{model}_{function.name}"
-    in_lanes = code(f"{name}_lanes", program, lanes(precision), function.shared)
     return FunctionText(
         name=name,
         signature=function,
@@ -128,7 +127,9 @@ def _text(model: str, function: Function, program: Program, precision: Precision
         batch_prototype=batch_prototype(model, function, precision.name),
         batch_notes=batch_notes(function),
         lanes_prototype=lanes_prototype(model, function, precision.name),
-        lanes_code=in_lanes if function.in_lanes else Code([]),
+        lanes_code=code(f"{name}_lanes", program, lanes(precision), function.shared)
+        if function.in_lanes
+        else Code([]),
         lanes_call=lanes_call(model, function),
         row_call=row_call(model, function),
     )

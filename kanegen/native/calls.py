@@ -95,10 +95,13 @@ class Call:
         self._dtype = dtype
         self._inputs = [(array.name, array.shape) for array in f.inputs if array.name not in f.shared]
         self._outputs = [array.shape for array in f.outputs]
-        self._zeros = {n: pointer(np.zeros(shape, dtype)) for n, shape in self._inputs if n in OPTIONAL}
         bodies = enumerate(zip(model.body_names, model.loaded, strict=True))
         self._unloaded = {row: name for row, (name, is_loaded) in bodies if not is_loaded}
-        self._checked = LOADS if self._unloaded else frozenset()
+        checked = LOADS if self._unloaded else frozenset()
+        self._plan = [
+            (n, shape, pointer(np.zeros(shape, dtype)) if n in OPTIONAL else None, n not in checked)
+            for n, shape in self._inputs
+        ]
 
     def __call__(self, constants: Pointers, values: Mapping[str, object]) -> list[Floats]:
         """Call C for one state or many.
@@ -115,27 +118,24 @@ class Call:
             SingularError: If a result of the one state does not exist. In a batch its row is NaN, with a
                 warning.
         """
+        pointer, dtype = self._pointer, self._dtype
         pointers = [*constants]
-        for name, shape in self._inputs:
+        for name, shape, zeros, is_plain in self._plan:
             value = values[name]
-            if value is None and name in self._zeros:
-                pointers.append(self._zeros[name])
-            elif (
-                type(value) is np.ndarray
+            if (
+                is_plain
+                and type(value) is np.ndarray
                 and value.shape == shape
-                and value.dtype is self._dtype
+                and value.dtype is dtype
                 and value.flags.carray
-                and name not in self._checked
             ):
-                pointers.append(self._pointer(value))
+                pointers.append(pointer(value))
+            elif value is None and zeros is not None:
+                pointers.append(zeros)
             else:
                 return self._general(constants, values)
-        results = []
-        for shape in self._outputs:
-            array = np.empty(shape, self._dtype)
-            results.append(array)
-            pointers.append(self._pointer(array))
-        place = self._single(*pointers)
+        results = [np.empty(shape, dtype) for shape in self._outputs]
+        place = self._single(*pointers, *map(pointer, results))
         if place:
             self._refuse(place)
         return results
