@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import re
 import shutil
-import signal
 import subprocess
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.growth.cases import Case
+from kanegen.bench import patient
 from kanegen.native import compilers
 from kanegen.native.build import FLAGS
 
@@ -85,14 +84,9 @@ def _compiler() -> tuple[str, ...]:
 
 
 def _run(command: Sequence[str], folder: Path, patience: float | None) -> None:
-    """Run a compiler; one that is stopped takes the processes that it has started with it."""
-    with subprocess.Popen(
-        command, cwd=folder, start_new_session=True, stderr=subprocess.PIPE, text=True
-    ) as process:
-        try:
-            _, errors = process.communicate(timeout=patience)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            raise ExceededError(f"more than {patience:g} s for a file") from None
-    if process.returncode:
-        raise RuntimeError(f"{' '.join(command)}\n{errors}")
+    try:
+        done = patient.run(command, folder, patience)
+    except subprocess.TimeoutExpired:
+        raise ExceededError(f"more than {patience:g} s for a file") from None
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
+from kanegen.bench import patient
 from kanegen.errors import MissingError
 from kanegen.native import cache, compilers
 
@@ -111,9 +112,7 @@ def _machine() -> tuple[str, ...]:
 
 def _run(command: Sequence[str], folder: Path) -> None:
     try:
-        result = subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=False
-        )
+        result = patient.run(command, folder, PATIENCE)
     except subprocess.TimeoutExpired:
         raise MissingError(f"the compiler took more than {PATIENCE} s") from None
     if result.returncode:
