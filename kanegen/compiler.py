@@ -8,9 +8,9 @@ System
     |  lowering     every definition becomes a few instructions
 Program
     |  passes       Program -> Program, counted
-    |  split        the parameter-only part goes into `prepare`
+    |  split        the parameter-only part goes into `prepare`; long functions are arranged by rows
 Module
-    |  c            Jinja templates write header, source and what goes with them
+    |  c            long functions are cut; Jinja templates write header, source and what goes with them
 Source
     |  build        a C compiler, behind a cache
 Library             NumPy in, NumPy out

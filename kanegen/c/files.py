@@ -23,6 +23,7 @@ from kanegen.c.ranges import require_range
 from kanegen.c.source import Source
 from kanegen.c.stamp import stamped
 from kanegen.c.templates import fill
+from kanegen.c.waves import FEW
 from kanegen.errors import ModelError
 from kanegen.precision import DOUBLE, Precision
 from kanegen.program.ir import Module, Program
@@ -73,6 +74,7 @@ def render(
     programs = signatures(module)
     require_range(model, programs, precision)
     functions = tuple(programs)
+    texts = [_text(model.name, *item, precision) for item in programs.items()]
     outputs = requested(module)
     context = {
         "version": __version__,
@@ -81,7 +83,9 @@ def render(
         "outputs": outputs,
         "precision": precision,
         "lanes": LANES[precision],
-        "functions": [_text(model.name, *item, precision) for item in programs.items()],
+        "functions": texts,
+        "waves": max(text.code.waves for text in texts),
+        "few": FEW,
         "sizes": describe.enumeration(describe.sizes(model, functions)),
         "parameter_indices": describe.enumeration(describe.parameter_indices(model)),
         "spoilt": [f"`{model.name}_{function.name}`" for function in functions if function.spoilt],

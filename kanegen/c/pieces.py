@@ -24,12 +24,12 @@ class Code:
     Attributes:
         body: Its lines.
         pieces: The functions that it calls: the lines of the prototype and of the body of each.
-        waves: Whether it takes angles side by side, with a function of kanegen_lanes.h.
+        waves: How many angles it takes side by side, with a function of kanegen_lanes.h.
     """
 
     body: list[str]
     pieces: tuple[tuple[list[str], list[str]], ...] = ()
-    waves: bool = False
+    waves: int = 0
 
 
 def code(name: str, program: Program, dialect: Dialect, shared: Collection[str] = ()) -> Code:
@@ -43,7 +43,8 @@ def code(name: str, program: Program, dialect: Dialect, shared: Collection[str] 
     """
     # Where arrays are less precise than the arithmetic, so would be a workspace.
     programs = cut(program) if dialect.arrays is dialect.arithmetic else (program,)
-    side_by_side = dialect.has_waves and any(waves(piece) for piece in programs)
+    found = [waves(piece) for piece in programs] if dialect.has_waves else []
+    side_by_side = max((wave.stop - wave.start for wave in found if wave), default=0)
     if len(programs) == 1:
         return Code(statements(program, dialect, shared), waves=side_by_side)
     pieces = []

@@ -12,8 +12,11 @@ from kanegen.c.usage import live
 from kanegen.program.cut import WORKSPACE
 from kanegen.program.ir import Op, Program
 
-FEWEST = 8
+FEWEST = 6
 """Angles from which it pays."""
+
+FEW = 8
+"""Angles up to which vectors of four answer sooner than wider ones."""
 
 NAMES = {Op.SIN: "sines", Op.COS: "cosines"}
 """The arrays that hold them."""
