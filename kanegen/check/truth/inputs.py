@@ -1,0 +1,48 @@
+"""What a user passes to `truth`, as one state."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kanegen.arrays import Floats
+from kanegen.check.truth.tree import State
+from kanegen.errors import ArrayError
+from kanegen.system import System
+
+
+def checked_state(
+    system: System,
+    x: ArrayLike,
+    y: ArrayLike,
+    tau: ArrayLike | None,
+    force: ArrayLike | None,
+    torque: ArrayLike | None,
+    ydot: ArrayLike | None,
+) -> State:
+    """One state of `system`; what is None is zero.
+
+    Raises:
+        ArrayError: If an array has another shape than it must, or is not finite.
+    """
+    n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
+    return State(
+        x=_floats(x, n, "x"),
+        y=_floats(y, n, "y"),
+        force=_floats(force, loads, "force"),
+        torque=_floats(torque, loads, "torque"),
+        tau=_floats(tau, n, "tau"),
+        ydot=_floats(ydot, n, "ydot"),
+    )
+
+
+def _floats(value: ArrayLike | None, shape: tuple[int, ...], what: str) -> Floats:
+    if value is None:
+        return np.zeros(shape)
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf" or array.shape != shape:
+        found = f"{array.dtype} of shape {array.shape}"
+        raise ArrayError(f"{what}: expected real numbers of shape {shape}, got {found}.")
+    if not np.isfinite(array).all():
+        raise ArrayError(f"{what}: every number must be finite.")
+    return array.astype(np.float64)
