@@ -135,7 +135,7 @@ class Library:
             ArrayError: If an argument has the wrong shape or type.
             OptionError: If this output was not generated.
         """
-        return self._call("mass_matrix")(self._constants, {"x": x})[0]
+        return self._call("mass_matrix")(self._constants, (x,))[0]
 
     def forcing(
         self, x: ArrayLike, y: ArrayLike, force: ArrayLike | None = None, torque: ArrayLike | None = None
@@ -158,8 +158,7 @@ class Library:
         """
         if force is not None or torque is not None:
             self._require_loads(force)
-        values = {"x": x, "y": y, "force": force, "torque": torque}
-        return self._call("forcing")(self._constants, values)[0]
+        return self._call("forcing")(self._constants, (x, y, None, None, force, torque))[0]
 
     def inverse_dynamics(
         self,
@@ -187,7 +186,7 @@ class Library:
         """
         if force is not None or torque is not None:
             self._require_loads(force)
-        values = {"x": x, "y": y, "ydot": ydot, "force": force, "torque": torque}
+        values = (x, y, ydot, None, force, torque)
         return self._call("inverse_dynamics")(self._constants, values)[0]
 
     def forward_dynamics(
@@ -219,13 +218,97 @@ class Library:
         """
         if force is not None or torque is not None:
             self._require_loads(force)
-        values = {"x": x, "y": y, "tau": tau, "force": force, "torque": torque}
+        values = (x, y, None, tau, force, torque)
         return self._call("forward_dynamics")(self._constants, values)[0]
+
+    def kinetic_energy(self, x: ArrayLike, y: ArrayLike) -> Floats:
+        """Kinetic energy of all bodies in inertial space, {y}^T [A] {y} / 2.
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+            y: Generalized speeds, of the same shape, rad/s and m/s.
+
+        Returns:
+            () or (B,), in J.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If this output was not generated.
+        """
+        return self._call("kinetic_energy")(self._constants, (x, y))[0]
+
+    def potential_energy(self, x: ArrayLike) -> Floats:
+        """Potential energy of gravity: minus the sum of m g . p_G over the bodies.
+
+        It is zero where all mass centres are at the inertial origin, and everywhere without gravity.
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+
+        Returns:
+            () or (B,), in J.
+
+        Raises:
+            ArrayError: If `x` has the wrong shape or type.
+            OptionError: If this output was not generated.
+        """
+        return self._call("potential_energy")(self._constants, (x,))[0]
+
+    def momentum(self, x: ArrayLike, y: ArrayLike) -> Floats:
+        """Linear momentum of all bodies, then their angular momentum about their common mass centre.
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+            y: Generalized speeds, of the same shape, rad/s and m/s.
+
+        Returns:
+            (6,) or (B, 6), inertial components: three in kg m/s, then three in kg m^2/s.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If this output was not generated.
+        """
+        return self._call("momentum")(self._constants, (x, y))[0]
+
+    def mass_center(self, x: ArrayLike) -> Floats:
+        """Position of the mass centre of all bodies from the inertial origin.
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+
+        Returns:
+            (3,) or (B, 3), inertial components, in m; NaN where parameters make all masses 0.
+
+        Raises:
+            ArrayError: If `x` has the wrong shape or type.
+            OptionError: If this output was not generated.
+        """
+        return self._call("mass_center")(self._constants, (x,))[0]
+
+    def body_poses(self, x: ArrayLike) -> Floats:
+        """Rotation and origin of every body: Eqs. (3) and (22).
+
+        Body K has `poses[..., K - 1, :, :]`. Its rows 0 to 2 are [R_K], which takes inertial components to
+        body components, so they are the basis vectors of K in inertial components; row 3 is the position of
+        O_K from the inertial origin, in inertial components (m). A point {r'} of K is at
+        [R_K]^T {r'} + {p_O_K}.
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+
+        Returns:
+            (N, 4, 3) or (B, N, 4, 3).
+
+        Raises:
+            ArrayError: If `x` has the wrong shape or type.
+            OptionError: If this output was not generated.
+        """
+        return self._call("body_poses")(self._constants, (x,))[0]
 
     def evaluate(
         self,
         x: ArrayLike,
-        y: ArrayLike,
+        y: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
         *,
@@ -236,7 +319,7 @@ class Library:
 
         Args:
             x: As in `forcing`.
-            y: As in `forcing`.
+            y: As in `forcing`; needed where an output depends on it.
             force: As in `forcing`.
             torque: As in `forcing`.
             ydot: As in `inverse_dynamics`; needed where that is among the outputs.
@@ -250,7 +333,7 @@ class Library:
         """
         if force is not None or torque is not None:
             self._require_loads(force)
-        values = {"x": x, "y": y, "ydot": ydot, "tau": tau, "force": force, "torque": torque}
+        values = (x, y, ydot, tau, force, torque)
         return Evaluation(self.outputs, self._together(self._constants, values))
 
     def _call(self, name: str) -> Call:

@@ -52,6 +52,38 @@ def _acceleration(system: System) -> Array:
     return Array("acceleration", (len(system.freedoms),), "rad/s^2, m/s^2", doc)
 
 
+def _kinetic_energy(system: System) -> Array:
+    return Array(
+        "kinetic_energy", (), "J", "the sum of m v_G^2 / 2 + {omega}^T [I_G] {omega} / 2, Eqs. (18), (31)"
+    )
+
+
+def _potential_energy(system: System) -> Array:
+    doc = "of gravity, minus the sum of m g . p_G, zero where all mass centres are at the inertial origin"
+    return Array("potential_energy", (), "J", doc)
+
+
+def _momentum(system: System) -> Array:
+    doc = (
+        "the sum of m {v_G}, then the sum of [I_G] {omega} + ({p_G} - {p_C}) x m {v_G} about the mass centre "
+        "C of all bodies, inertial components"
+    )
+    return Array("momentum", (6,), "kg m/s, kg m^2/s", doc)
+
+
+def _mass_center(system: System) -> Array:
+    doc = "{p_C}, the sum of m {p_G}, Eq. (23), over the sum of m, inertial components"
+    return Array("mass_center", (3,), "m", doc)
+
+
+def _body_poses(system: System) -> Array:
+    doc = (
+        "for each body the rows of [R_K], Eq. (3), which takes inertial to body components, then its origin "
+        "{p_O_K}, Eq. (22), inertial components"
+    )
+    return Array("body_poses", (system.number_of_bodies, 4, 3), "1, m", doc)
+
+
 LOADS = ("force", "torque")
 
 OUTPUTS: dict[str, OutputKind] = {
@@ -59,6 +91,11 @@ OUTPUTS: dict[str, OutputKind] = {
     "forcing": OutputKind(_forcing, ("x", "y", *LOADS)),
     "inverse_dynamics": OutputKind(_generalized_force, ("x", "y", "ydot", *LOADS)),
     "forward_dynamics": OutputKind(_acceleration, ("x", "y", "tau", *LOADS)),
+    "kinetic_energy": OutputKind(_kinetic_energy, ("x", "y")),
+    "potential_energy": OutputKind(_potential_energy, ("x",)),
+    "momentum": OutputKind(_momentum, ("x", "y")),
+    "mass_center": OutputKind(_mass_center, ("x",)),
+    "body_poses": OutputKind(_body_poses, ("x",)),
 }
 
 EQUATIONS = ("mass_matrix", "forcing")

@@ -88,7 +88,7 @@ def _holds(function: Function) -> str:
 
 
 def _lengths(array: Array) -> str:
-    return f"[{' * '.join(map(str, array.shape))}]"
+    return f"[{' * '.join(map(str, array.shape or (1,)))}]"
 
 
 def _argument(direction: str, array: Array) -> tuple[str, str, str, str]:

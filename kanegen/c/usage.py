@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
+from math import prod
 
 from kanegen.program.ir import Array, Op, Program
 
@@ -13,11 +14,13 @@ LOOPED = 8
 
 
 def element(array: Array, index: int) -> str:
-    """One element of an array in C; in a matrix as `48*row + column`."""
-    if len(array.shape) != 2:
-        return f"{array.name}[{index}]"
-    row, column = divmod(index, array.shape[1])
-    return f"{array.name}[{array.shape[1]}*{row} + {column}]"
+    """One element of an array in C; in a matrix as `48*row + column`, and so on."""
+    terms: list[str] = []
+    for axis in range(1, len(array.shape)):
+        stride = prod(array.shape[axis:])
+        place, index = divmod(index, stride)
+        terms.append(f"{stride}*{place}")
+    return f"{array.name}[{' + '.join([*terms, str(index)])}]"
 
 
 def live(program: Program) -> list[int]:
@@ -53,10 +56,10 @@ class Run:
 
     def loop(self, value: str) -> str:
         """A C loop that fills them."""
-        width = self.array.shape[1] if len(self.array.shape) == 2 else self.array.size
+        width = self.array.row
         row, start = divmod(self.start, width)
         stop = start + self.stop - self.start
-        place = f"{width}*{row} + i" if len(self.array.shape) == 2 else "i"
+        place = "i" if width == self.array.size else f"{width}*{row} + i"
         return f"for (int i = {start}; i < {stop}; ++i) {self.array.name}[{place}] = {value};"
 
 
@@ -64,7 +67,7 @@ def zero_runs(program: Program) -> list[Run]:
     """Neighbouring zeros in a row of an output, where they are enough to make a loop worth it."""
     runs: list[Run] = []
     for output in program.outputs:
-        width = output.array.shape[-1]
+        width = output.array.row
         zeros = [index for index, value in output.elements() if _is_zero(program, value)]
         # Neighbours in a row have the same distance from their place in the list.
         for _, group in groupby(enumerate(zeros), key=lambda item: (item[1] - item[0], item[1] // width)):

@@ -34,6 +34,12 @@ _CALLER = 4
 Pointers = tuple[Any, ...]
 """C pointers; each keeps its array alive."""
 
+ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque")
+"""What a user may pass, in the order in which `Call` takes it."""
+
+Values = tuple[object, ...]
+"""One for each of `ARGUMENTS`, None where there is none."""
+
 
 class Native:
     """A shared library in memory.
@@ -68,7 +74,7 @@ class Native:
         prepare = self.calls.get(PREPARE)
         if prepare is None:
             return ()
-        prepared = prepare((), {"parameters": np.array(list(parameters.values()))})
+        prepared = prepare((), (np.array(list(parameters.values())),))
         return tuple(map(self._pointer, prepared))
 
 
@@ -93,22 +99,24 @@ class Call:
         self._batch = getattr(library, f"{name}_batch") if f.has_batch else None
         self._pointer = pointer
         self._dtype = dtype
-        self._inputs = [(array.name, array.shape) for array in f.inputs if array.name not in f.shared]
+        places = {n: k for k, n in enumerate(ARGUMENTS)}
+        own = [array for array in f.inputs if array.name not in f.shared]
+        self._inputs = [(array.name, places.get(array.name, 0), array.shape) for array in own]
         self._outputs = [array.shape for array in f.outputs]
         bodies = enumerate(zip(model.body_names, model.loaded, strict=True))
         self._unloaded = {row: name for row, (name, is_loaded) in bodies if not is_loaded}
         checked = LOADS if self._unloaded else frozenset()
         self._plan = [
-            (n, shape, pointer(np.zeros(shape, dtype)) if n in OPTIONAL else None, n not in checked)
-            for n, shape in self._inputs
+            (k, shape, pointer(np.zeros(shape, dtype)) if n in OPTIONAL else None, n not in checked)
+            for n, k, shape in self._inputs
         ]
 
-    def __call__(self, constants: Pointers, values: Mapping[str, object]) -> list[Floats]:
+    def __call__(self, constants: Pointers, values: Values) -> list[Floats]:
         """Call C for one state or many.
 
         Args:
             constants: From `Native.constants`.
-            values: By argument name what the user passed; more names than needed do no harm.
+            values: What the user passed, in the order of `ARGUMENTS`; the parameters, for `prepare`.
 
         Returns:
             One array for each output.
@@ -120,27 +128,31 @@ class Call:
         """
         pointer, dtype = self._pointer, self._dtype
         pointers = [*constants]
-        for name, shape, zeros, is_plain in self._plan:
-            value = values[name]
+        for k, shape, zeros, is_plain in self._plan:
+            value = values[k]
             if (
-                is_plain
-                and type(value) is np.ndarray
+                type(value) is np.ndarray
                 and value.shape == shape
                 and value.dtype is dtype
                 and value.flags.carray
+                and is_plain
             ):
                 pointers.append(pointer(value))
             elif value is None and zeros is not None:
                 pointers.append(zeros)
             else:
                 return self._general(constants, values)
-        results = [np.empty(shape, dtype) for shape in self._outputs]
-        place = self._single(*pointers, *map(pointer, results))
+        results = []
+        for shape in self._outputs:
+            result = np.empty(shape, dtype)
+            results.append(result)
+            pointers.append(pointer(result))
+        place = self._single(*pointers)
         if place:
             self._refuse(place)
         return results
 
-    def _general(self, constants: Pointers, values: Mapping[str, object]) -> list[Floats]:
+    def _general(self, constants: Pointers, values: Values) -> list[Floats]:
         """The same after conversion and with every check."""
         arrays, batch = self._converted(values)
         results = [np.empty((*batch, *shape), self._dtype) for shape in self._outputs]
@@ -166,15 +178,15 @@ class Call:
             "NaN: [A] is singular in this state, or the state is not finite."
         )
 
-    def _converted(self, values: Mapping[str, object]) -> tuple[list[Floats], tuple[int, ...]]:
+    def _converted(self, values: Values) -> tuple[list[Floats], tuple[int, ...]]:
         """The inputs as C takes them, and `()` for one state or `(B,)` for a batch."""
-        (first, shape), *others = self._inputs
-        arrays = [state(first, values[first], shape, self._dtype)]
+        (first, k, shape), *others = self._inputs
+        arrays = [state(first, values[k], shape, self._dtype)]
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
-        for name, shape in others:
+        for name, k, shape in others:
             if name in OPTIONAL:
                 unloaded = self._unloaded if name in LOADS else {}
-                arrays.append(load(name, values[name], shape, batch, self._dtype, unloaded))
+                arrays.append(load(name, values[k], shape, batch, self._dtype, unloaded))
             else:
-                arrays.append(companion(name, values[name], shape, batch, self._dtype, first))
+                arrays.append(companion(name, values[k], shape, batch, self._dtype, first))
         return arrays, batch

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from math import prod
 
 
 class Op(StrEnum):
@@ -69,7 +70,7 @@ class Array:
 
     Attributes:
         name: Name in C, such as `x`.
-        shape: Lengths, row-major.
+        shape: Lengths, row-major; () for a scalar, which C has in an array of one element.
         unit: SI unit or units.
         doc: One line: what it holds, with its equation.
     """
@@ -82,10 +83,12 @@ class Array:
     @property
     def size(self) -> int:
         """Number of elements."""
-        size = 1
-        for length in self.shape:
-            size *= length
-        return size
+        return prod(self.shape)
+
+    @property
+    def row(self) -> int:
+        """Elements along the last axis."""
+        return self.shape[-1] if self.shape else 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 from kanegen.recursion import factorisation, forward_dynamics
 from kanegen.recursion.derived import Derived
+from kanegen.recursion.first_moment import mass_center, potential_energy
 from kanegen.recursion.forcing import forcing, inverse_dynamics
 from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.recursion.momentum import kinetic_energy, momentum
+from kanegen.recursion.poses import body_poses
 from kanegen.recursion.tree import Tree, tree
 from kanegen.symbolic.definitions import Definition
 from kanegen.system import System
@@ -23,6 +26,11 @@ RECURSIONS: dict[str, dict[str, Recursion]] = {
         "articulated bodies": forward_dynamics.forward_dynamics,
         "factorisation": factorisation.forward_dynamics,
     },
+    "kinetic_energy": {"velocities of the bodies": kinetic_energy},
+    "potential_energy": {"first moments of mass": potential_energy},
+    "momentum": {"velocities of the bodies": momentum},
+    "mass_center": {"first moments of mass": mass_center},
+    "body_poses": {"turns of the joints": body_poses},
 }
 """The ways to derive each output, by name."""
 

@@ -70,7 +70,8 @@ class JointMotion:
     Attributes:
         body: K.
         lower: J, 0 for the ground.
-        offset: From the origin of J to that of K, in J (m): {q'_K} + [C_K]^T {s'_K} and what `origin` adds.
+        arm: From O_J to O_K, in J (m): {q'_K} + [C_K]^T {s'_K}.
+        offset: From the origin of J to that of K, in J (m): `arm` and what the `origin` of both adds.
         origin: From O_K to the point of K that serves as its origin, in K (m); see `_origin`.
         slides: The free translations.
         constant: The turns of [C_K], from J to the joint frame.
@@ -79,6 +80,7 @@ class JointMotion:
 
     body: int
     lower: int
+    arm: Vector
     offset: Vector
     origin: Vector
     slides: tuple[Slide, ...]
@@ -106,6 +108,10 @@ class JointMotion:
         """Operations that it takes to turn a vector through all of them."""
         return sum(step.turn.cost for step in self.steps)
 
+    def above(self, step: Step) -> str:
+        """Suffix for the names of quantities seen above one of the turns."""
+        return f"{self.body}" if step is self.steps[-1] else f"{step.frame}u"
+
     def below(self, step: Step, v: Vector) -> Vector:
         """A vector from the frame below one of the turns to the lower body's frame."""
         inner = self.steps[: self.steps.index(step)]
@@ -131,18 +137,19 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     definitions.about(f"Body {k} ({body.name}): the joint, Eqs. (4), (22)")
     constant = _orientation(body, k, definitions)
     directions = [definitions.vector(f"u_{k}_{i + 1}", _down(constant, unit(i))) for i in range(3)]
-    offset = subtract(Vector(*(exact(value) for value in body.joint.position)), below)
+    arm = Vector(*(exact(value) for value in body.joint.position))
     slides: list[Slide] = []
     for axis in range(3):
         free = body.joint.free[3 + axis]
         s = coordinate(k, 3 + axis) if free else exact(body.joint.locked[3 + axis])
-        offset = add(offset, Vector(*(s * component for component in directions[axis])))
+        arm = add(arm, scale(s, directions[axis]))
         if free:
             place = number[Freedom(k, 3 + axis)]
             slides.append(Slide(place, axis, directions[axis], speed(k, 3 + axis), acceleration(k, 3 + axis)))
     fixed = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
     angles = [_angle_step(body, k, axis, number, definitions) for axis in range(3)]
-    motion = JointMotion(k, body.lower, offset, ZERO, tuple(slides), _moving(fixed), _moving(angles))
+    offset = subtract(arm, below)
+    motion = JointMotion(k, body.lower, arm, offset, ZERO, tuple(slides), _moving(fixed), _moving(angles))
     return _with_origin(motion, body, definitions)
 
 
@@ -167,6 +174,7 @@ def _with_origin(motion: JointMotion, body: Body, definitions: Definitions) -> J
         motion,
         origin=definitions.vector(f"o_{motion.body}", origin),
         offset=definitions.vector(f"d_{motion.body}", offset),
+        arm=definitions.vector(f"q_{motion.body}", motion.arm),
     )
 
 

@@ -18,6 +18,9 @@ LEGEND = (
     ("SI, SH, SM, pF, pN", "articulated body: force and moment by acceleration, and what remains"),
     ("D, g, e, n, L, b", "pivots, gains and solutions of an elimination; factors of [A]"),
     ("T, q", "torques and accelerations on the way to {ydot}"),
+    ("vo, vr, vv, hv", "velocity of the origin, that past the origin of J; vo squared, h x vo"),
+    ("KE, P, L; mass, c_0", "kinetic energy; momentum, linear and angular; mass and mass centre of all"),
+    ("NX, NY, NZ; pO", "inertial basis vectors seen from K; O_K from the inertial origin"),
     ("p_name", "a run-time parameter"),
 )
 """Names and meanings; x, y, z are components."""

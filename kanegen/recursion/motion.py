@@ -78,9 +78,8 @@ def _move(lower: Motion, motion: JointMotion, definitions: Definitions, accelera
     twice = definitions.vector(f"w_{motion.lower}", scale(exact(2.0), omega))
     sliding = definitions.vector(f"v_{k}", sliding)
     acceleration = definitions.vector(f"a_{k}j", add(carried, cross(twice, sliding)))
-    last = motion.steps[-1] if motion.steps else None
     for step in motion.steps:
-        above = f"{k}" if step is last else f"{step.frame}u"
+        above = motion.above(step)
         turned = step.turn.up(omega)
         rate = scale(step.rate, unit(step.axis))
         alpha = add(step.turn.up(alpha), cross(turned, rate))

@@ -29,12 +29,14 @@ class Tree:
         system: What it was made from.
         motions: The joint of each body.
         inertias: What each body keeps, about its origin.
+        ground: What they pass to the ground, about the inertial origin; it never moves.
         definitions: Take the intermediates.
     """
 
     system: System
     motions: tuple[JointMotion, ...]
     inertias: tuple[Inertia, ...]
+    ground: Inertia
     definitions: Definitions
 
     def inward(self, motion: JointMotion) -> Iterator[JointMotion]:
@@ -56,13 +58,13 @@ def tree(system: System) -> Tree:
     for k, body in enumerate(system.bodies, start=1):
         below = motions[body.lower - 1].origin if body.lower else ZERO
         motions.append(joint_motion(system, k, below, definitions))
-    own = [body_inertia(system, motion.body, motion.origin, definitions) for motion in motions]
+    own = [Inertia(), *(body_inertia(system, m.body, m.origin, definitions) for m in motions)]
     for motion in reversed(motions):
         k, j = motion.body, motion.lower
-        own[k - 1], passed = _regrouped(own[k - 1], motion, definitions)
-        if j:
-            own[j - 1] = own[j - 1].plus(passed, f"{j}r{k}", definitions)
-    return Tree(system, tuple(motions), tuple(own), definitions)
+        own[k], passed = _regrouped(own[k], motion, definitions)
+        own[j] = own[j].plus(passed, f"{j}r{k}", definitions)
+    ground, *kept = own
+    return Tree(system, tuple(motions), tuple(kept), ground, definitions)
 
 
 def _regrouped(own: Inertia, motion: JointMotion, definitions: Definitions) -> tuple[Inertia, Inertia]:
