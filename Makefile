@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test lint generated bench growth clean
+.PHONY: demo test lint generated bench growth extremes clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -31,6 +31,10 @@ bench: $(VENV)/.bench
 # Generate, compile and run trees of 1 to 256 bodies and rewrite docs/growth.md; takes about an hour.
 growth: $(VENV)/.bench
 	$(BIN)/python -m benchmarks.growth
+
+# Try the C where arithmetic is hardest and rewrite docs/extremes.md; takes about ten minutes.
+extremes: $(VENV)/.tests $(VENV)/.bench
+	$(BIN)/python -m benchmarks.extremes
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,52 @@
+"""Tries generated code where arithmetic is hardest, and writes docs/extremes.md and docs/extremes.svg.
+
+python -m benchmarks.extremes [--quick] [--only X1 ...] [--docs FOLDER]
+
+Needs the extras `truth` and `bench`. The whole takes some minutes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from benchmarks.extremes.battery import subjects
+from benchmarks.extremes.document import document
+from benchmarks.extremes.plot import PANELS, svg
+from benchmarks.extremes.rows import Row, Size
+from kanegen.bench.optional import require
+from kanegen.files import write_whole
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def main() -> None:
+    options = _options()
+    require("matplotlib")
+    results: dict[str, list[Row]] = {}
+    for subject in subjects():
+        if subject.number in (options.only or [subject.number]):
+            print(f"{subject.number} {subject.title}", file=sys.stderr, flush=True)
+            results[subject.number] = list(subject.rows(Size(full=not options.quick)))
+    options.docs.mkdir(parents=True, exist_ok=True)
+    write_whole(options.docs / "extremes.md", document(results))
+    if results.keys() >= PANELS.keys():
+        write_whole(options.docs / "extremes.svg", svg(results))
+    unexplained = [row for rows in results.values() for row in rows if not row.holds and not row.cause]
+    if unexplained:
+        sys.exit("rows miss their limits for unknown causes; the report says which")
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.extremes", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("--quick", action="store_true", help="the size that the tests run")
+    parser.add_argument("--only", nargs="+", help="numbers of subjects, such as X1")
+    parser.add_argument("--docs", type=Path, default=DOCS)
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()

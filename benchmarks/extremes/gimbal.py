@@ -1,0 +1,89 @@
+"""Next to gimbal lock, where the angle rates of a body with three angles lose their meaning: X7 and X8."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+
+import numpy as np
+
+import kanegen as kg
+from benchmarks.extremes import scenes
+from benchmarks.extremes.measuring import (
+    LINEAR,
+    PRECISIONS,
+    Floats,
+    built,
+    efforts,
+    forward,
+    linear,
+    points,
+    worst,
+)
+from benchmarks.extremes.rows import Point, Row, Size, subject
+from kanegen.check import truth
+from kanegen.check.states import States, random_states
+from kanegen.precision import Precision
+
+
+def _scene(bodies: int) -> kg.System:
+    rng = np.random.default_rng(bodies)
+    return scenes.tree(rng, range(bodies), np.ones((bodies, 6), dtype=bool))
+
+
+def _locked(system: kg.System, distance: float, precision: Precision) -> States:
+    """All bodies at theta2 = +-pi/2 -+ distance, as floats of the precision."""
+    states = random_states(system, 4, 7)
+    sign = np.array([1.0, -1.0, 1.0, -1.0])[:, None]
+    states.x[:, _of(system, 1)] = sign * (np.pi / 2 - distance)
+    return states.rounded(precision)
+
+
+def _of(system: kg.System, *indices: int) -> np.ndarray:
+    """Places in {x} of these kinds of freedom."""
+    return np.array([i for i, freedom in enumerate(system.freedoms) if freedom.index in indices])
+
+
+def _distances(size: Size) -> list[float]:
+    return [0.0, *size.pick([1e-1, 1e-6, 1e-12], [10.0**-k for k in range(12, 0, -1)])]
+
+
+@subject("X7", "Gimbal lock, speeds that are angle rates")
+def angle_rates(size: Size) -> Iterator[Row]:
+    """A solution in angle rates may lose 1/cos(theta2)^2; the recursion over bodies must not."""
+    for bodies in (1, 4):
+        system = _scene(bodies)
+        for precision in PRECISIONS:
+            found: list[Point] = []
+            for distance in _distances(size):
+                states = _locked(system, distance, precision)
+                tau = efforts(system, states, np.random.default_rng(7))
+                measured = forward(system, precision, states, tau)
+                found += points(distance, measured, linear(measured, bodies, precision))
+            over = f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body"
+            yield worst(f"N = {bodies}, {precision.name}", found, LINEAR, over)
+
+
+@subject("X8", "Gimbal lock, what stays regular there")
+def regular_part(size: Size) -> Iterator[Row]:
+    """Without efforts the accelerations of theta2 and of the translations have no pole."""
+    for bodies in (1, 4):
+        system = _scene(bodies)
+        for precision in PRECISIONS:
+            found = [p for d in _distances(size) for p in _regular(system, d, precision)]
+            over = f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body, tau = 0"
+            yield worst(f"N = {bodies}, {precision.name}", found, "80 N u", over)
+
+
+def _regular(system: kg.System, distance: float, precision: Precision) -> list[Point]:
+    states = _locked(system, distance, precision)
+    with warnings.catch_warnings(action="ignore", category=kg.KanegenWarning):
+        found = built(system, precision).forward_dynamics(states.x, states.y)
+    part = _of(system, 1, 3, 4, 5)
+    result = []
+    for x, y, value in zip(states.x, states.y, found, strict=True):
+        exact = truth.truth(system, x, y, outputs=("forward_dynamics",), unit_roundoff=precision.roundoff)
+        right: Floats = exact["forward_dynamics"].value[part]
+        error = float(np.linalg.norm(value[part] - right) / np.linalg.norm(right))
+        result.append(Point(distance, error, 80 * system.number_of_bodies * precision.roundoff))
+    return result

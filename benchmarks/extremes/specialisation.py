@@ -1,0 +1,56 @@
+"""Code made for numbers against code that reads them: X29."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count as counting
+
+import numpy as np
+
+import kanegen as kg
+from benchmarks.extremes import scenes
+from benchmarks.extremes.measuring import PRECISIONS, built, promise, rounded, worst
+from benchmarks.extremes.rows import Point, Row, Size, subject
+from kanegen.check.states import random_states
+from kanegen.check.truth import truth
+from kanegen.numbers import Number, value_of
+
+
+def opened(system: kg.System) -> kg.System:
+    """The same system with a parameter for every mass, mass centre and joint position, zeros included."""
+    number = counting()
+
+    def open_(value: Number) -> Number:
+        return kg.Parameter(f"p{next(number)}", value_of(value))
+
+    numbers = system.values()
+    return kg.System.from_arrays(
+        connection=numbers.connection,
+        mass=[open_(value) for value in numbers.mass],
+        inertia=numbers.inertia,
+        mass_center=[[open_(value) for value in row] for row in numbers.mass_center],
+        joint_position=[[open_(value) for value in row] for row in numbers.joint_position],
+        joint_orientation=numbers.joint_orientation,
+        free=numbers.free,
+        gravity=numbers.gravity,
+        name=f"{system.name}_opened",
+    )
+
+
+@subject("X29", "Zeros that the code knows, and zeros that it reads")
+def specialisation(size: Size) -> Iterator[Row]:
+    """What is left out because a number is zero must be what the general code adds as nothing."""
+    straight, crooked = scenes.planar([1.0, 2.0, 0.5]), scenes.mixed(3)
+    for precision in PRECISIONS:
+        for name, system in (("many zeros", straight), ("no zeros", crooked)):
+            states = random_states(system, size.pick(4, 64), 29).rounded(precision)
+            special = built(system, precision).forward_dynamics(states.x, states.y)
+            general = built(opened(system), precision).forward_dynamics(states.x, states.y)
+            found: list[Point] = []
+            for x, y, one, other in zip(states.x, states.y, special, general, strict=True):
+                exact = truth(system, x, y, unit_roundoff=precision.roundoff)
+                scale = exact.units.of("forward_dynamics")
+                difference = np.linalg.norm((rounded(one, precision) - other) * scale)
+                whole = np.linalg.norm(exact["forward_dynamics"].value * scale)
+                found.append(Point(0.0, float(difference / whole), 2 * promise(exact, precision)))
+            yield worst(f"{name}, {precision.name}", found, "2 T(u)", f"{len(found)} states; 3 bodies")
