@@ -66,9 +66,9 @@ void contest_setup(const States *states, int argc, char **argv)
     (void)argc;
     (void)argv;
     pool = *states;
-    A = calloc(pool.n * pool.n, sizeof *A);
-    f = calloc(pool.n, sizeof *f);
-    ydot = calloc(pool.n, sizeof *ydot);
+    A = aligned_numbers(pool.n * pool.n);
+    f = aligned_numbers(pool.n);
+    ydot = aligned_numbers(pool.n);
     of_equations = room(equations_work);
     of_dynamics = room(dynamics_work);
 }

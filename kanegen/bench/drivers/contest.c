@@ -13,6 +13,13 @@ static void fail(const char *what)
     exit(2);
 }
 
+double *aligned_numbers(size_t count)
+{
+    char *memory = calloc(count + 8, sizeof(double));
+    if (!memory) fail("no memory");
+    return (double *)(memory + (64 - (uintptr_t)memory % 64) % 64);
+}
+
 static double *numbers(FILE *file, size_t count)
 {
     double *values = malloc(count * sizeof *values);

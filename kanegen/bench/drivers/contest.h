@@ -32,6 +32,9 @@ typedef struct {
 void contest_setup(const States *states, int argc, char **argv);
 size_t contest_tasks(const Task **tasks);
 
+/* `count` zeros at the beginning of a cache line, where results are written fastest. */
+double *aligned_numbers(size_t count);
+
 #ifdef __cplusplus
 }
 #endif

@@ -83,9 +83,9 @@ void contest_setup(const States *states, int argc, char **argv)
     (void)argc;
     (void)argv;
     pool = *states;
-    A = calloc(BLOCK * pool.n * pool.n, sizeof *A);
-    f = calloc(BLOCK * pool.n, sizeof *f);
-    ydot = calloc(BLOCK * pool.n, sizeof *ydot);
+    A = aligned_numbers(BLOCK * pool.n * pool.n);
+    f = aligned_numbers(BLOCK * pool.n);
+    ydot = aligned_numbers(BLOCK * pool.n);
 }
 
 size_t contest_tasks(const Task **tasks)

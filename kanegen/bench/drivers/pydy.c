@@ -27,8 +27,8 @@ void contest_setup(const States *states, int argc, char **argv)
     (void)argc;
     (void)argv;
     pool = *states;
-    A = calloc(pool.n * pool.n, sizeof *A);
-    f = calloc(pool.n, sizeof *f);
+    A = aligned_numbers(pool.n * pool.n);
+    f = aligned_numbers(pool.n);
 }
 
 size_t contest_tasks(const Task **tasks)
