@@ -73,7 +73,7 @@ def test_prepare_computes_in_double_and_rounds_once(library):
     once = 0
     for mass in np.linspace(0.1, 3.0, 50):
         parameters = np.array([mass, 0.7]).astype(np.float32)
-        found = library._native.calls["prepare"]((), {"parameters": parameters})[0]
+        found = library._native.calls["prepare"]((), (parameters,))[0]
         expected = evaluate(prepare, parameters=parameters)["prepared"].astype(np.float32)
         assert bits(found) == bits(expected)
         once += bits(expected) != bits(evaluate(prepare, np.float32, parameters=parameters)["prepared"])
@@ -123,8 +123,8 @@ def test_one_state_and_a_batch_are_the_instructions_one_by_one(program, width, s
     made = render(facts(parameters=False, loads=False), Module(None, {"forcing": program}), {}, FLOAT)
     call = load(made, flags=wide(width))._native.calls["forcing"]
     expected = [evaluate(program, np.float32, x=np.array(state))["f"] for state in states]
-    assert bits(call._general((), {"x": np.array(states)})[0]) == bits(expected)
-    assert bits([call._general((), {"x": np.array(state)})[0] for state in states]) == bits(expected)
+    assert bits(call._general((), (np.array(states),))[0]) == bits(expected)
+    assert bits([call._general((), (np.array(state),))[0] for state in states]) == bits(expected)
 
 
 def angles():

@@ -96,7 +96,7 @@ SPECIAL = [0.0, -0.0, 1e300, 5e-324, np.inf, np.nan]
 def test_a_batch_computes_the_same_bits_as_the_instructions_one_by_one(program, width, states):
     made = render(facts(parameters=False, loads=False), Module(None, {"forcing": program}), {})
     library = load(made, flags=wide(width))
-    found = library._native.calls["forcing"]._general((), {"x": np.array(states)})[0]
+    found = library._native.calls["forcing"]._general((), (np.array(states),))[0]
     assert bits(found) == bits([evaluate(program, x=np.array(state))["f"] for state in states])
 
 
