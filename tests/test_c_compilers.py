@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,15 @@ def test_the_c_of_every_model_is_clean(compiler, folder, tmp_path):
     for file in (f"{folder.name}.c", f"{folder.name}_batch.c", "main.c"):
         output = tmp_path / "object.o"
         run(*C[compiler], "-std=c99", "-O1", *WARNINGS, "-c", file, "-o", output, folder=folder)
+
+
+@pytest.mark.parametrize("compiler", C)
+def test_a_function_in_pieces_is_clean_where_none_of_them_reads_an_input(compiler, tmp_path):
+    whole = kg.load(MODELS / "eight_body.toml")
+    system = replace(whole, gravity=(0.0, 0.0, kg.Parameter("g", -9.81)))
+    folder = kg.generate(system, ("mass_matrix", "forcing")).write(tmp_path / "out")  # [A] needs no gravity
+    for file in ("eight_body.c", "eight_body_batch.c"):
+        run(*C[compiler], "-std=c99", *WARNINGS, "-c", file, "-o", tmp_path / "object.o", folder=folder)
 
 
 @pytest.mark.parametrize("compiler", C)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.c import describe
@@ -119,7 +119,7 @@ class FunctionText:
     row_call: list[str]
 
 
-def _text(model: str, function: Function, program: Program, precision: Precision) -> FunctionText:
+def _text(model: str, function: Function, pieces: Sequence[Program], precision: Precision) -> FunctionText:
     arithmetic = DOUBLE if function.name == PREPARE else precision
     name = f"{model}_{function.name}"
     return FunctionText(
@@ -127,11 +127,11 @@ def _text(model: str, function: Function, program: Program, precision: Precision
         signature=function,
         arguments=argument_list(function),
         prototype=prototype(model, function, precision.name),
-        code=code(name, program, scalar(precision, arithmetic)),
+        code=code(name, function, pieces, scalar(precision, arithmetic)),
         batch_prototype=batch_prototype(model, function, precision.name),
         batch_notes=batch_notes(function),
         lanes_prototype=lanes_prototype(model, function, precision.name),
-        lanes_code=code(f"{name}_lanes", program, lanes(precision), function.shared)
+        lanes_code=code(f"{name}_lanes", function, pieces, lanes(precision))
         if function.in_lanes
         else Code([]),
         lanes_call=lanes_call(model, function),

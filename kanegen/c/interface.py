@@ -83,23 +83,27 @@ class Function:
         return self.workspace + sum(array.size for array in arrays if array.name not in self.shared)
 
 
-def signatures(module: Module) -> dict[Function, Program]:
-    """Every function of a module with its program: `prepare` first, then the others in their order."""
-    found: dict[Function, Program] = {}
+def signatures(module: Module) -> dict[Function, tuple[Program, ...]]:
+    """Every function of a module with its programs: `prepare` first, then the others in their order.
+
+    A long function has several, its pieces; `prepare`, which runs once, always has one.
+    """
+    found: dict[Function, tuple[Program, ...]] = {}
     shared: tuple[str, ...] = ()
     if module.prepare is not None:
         arrays = _outputs(module.prepare)
         shared = tuple(array.name for array in arrays)
         doc = "Everything that depends on parameters alone. Call it again whenever a parameter changes."
         spoilt = _spoilt(module.prepare)
-        found[Function(PREPARE, doc, module.prepare.inputs, arrays, spoilt=spoilt)] = module.prepare
+        found[Function(PREPARE, doc, module.prepare.inputs, arrays, spoilt=spoilt)] = (module.prepare,)
     for name, program in module.functions.items():
         arrays = _outputs(program)
         doc = f"{arrays[0].doc}."
         if len(arrays) > 1:
             doc = f"{_listed([array.name for array in arrays])} together, every intermediate shared."
-        between = workspace(cut(program))
-        found[Function(name, doc, program.inputs, arrays, shared, _spoilt(program), between)] = program
+        pieces = cut(program)
+        between = workspace(pieces)
+        found[Function(name, doc, program.inputs, arrays, shared, _spoilt(program), between)] = pieces
     return found
 
 

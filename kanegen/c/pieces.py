@@ -6,14 +6,15 @@ piece leaves for later ones is in an array of the caller.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from kanegen.c.body import statements
 from kanegen.c.dialect import Dialect
+from kanegen.c.interface import Function
 from kanegen.c.layout import BREAK, wrap
 from kanegen.c.waves import waves
-from kanegen.program.cut import WORKSPACE, cut, workspace
+from kanegen.program.cut import WORKSPACE
 from kanegen.program.ir import Program
 
 
@@ -32,30 +33,30 @@ class Code:
     waves: int = 0
 
 
-def code(name: str, program: Program, dialect: Dialect, shared: Collection[str] = ()) -> Code:
-    """C that evaluates `program`.
+def code(name: str, function: Function, programs: Sequence[Program], dialect: Dialect) -> Code:
+    """C that evaluates a function.
 
     Args:
-        name: Of the function; its pieces are called after it.
-        program: What to compute.
+        name: In C; its pieces are called after it.
+        function: What it reads and fills.
+        programs: What to compute, one after the other.
         dialect: For one state or for several at once.
-        shared: Inputs that all states have in common.
     """
-    # Where arrays are less precise than the arithmetic, so would be a workspace.
-    programs = cut(program) if dialect.arrays is dialect.arithmetic else (program,)
     found = [waves(piece) for piece in programs] if dialect.has_waves else []
     side_by_side = max((wave.stop - wave.start for wave in found if wave), default=0)
     if len(programs) == 1:
-        return Code(statements(program, dialect, shared), waves=side_by_side)
+        return Code(statements(programs[0], dialect, function.shared), waves=side_by_side)
     pieces = []
-    calls = [f"    {dialect.number} {WORKSPACE}[{workspace(programs)}];"]
+    read = {array.name for piece in programs for array in piece.inputs}
+    calls = [f"    (void){array.name};" for array in function.inputs if array.name not in read]
+    calls.append(f"    {dialect.number} {WORKSPACE}[{function.workspace}];")
     for number, piece in enumerate(programs, start=1):
         is_spoilt = any(output.positive for output in piece.outputs)
         own = f"{name}_{number}"
         head = f"static APART {dialect.status if is_spoilt else 'void'} {own}"
-        arguments = _arguments(piece, dialect, shared)
+        arguments = _arguments(piece, dialect, function.shared)
         prototype = wrap(f"{head}({f',{BREAK}'.join(arguments.values())})", indent="", hanging="    ")
-        pieces.append((prototype, statements(piece, dialect, shared)))
+        pieces.append((prototype, statements(piece, dialect, function.shared)))
         calls += wrap(f"{'return ' if is_spoilt else ''}{own}({f',{BREAK}'.join(arguments)});")
     return Code(calls, tuple(pieces), side_by_side)
 

@@ -8,7 +8,7 @@ results hold only if it is positive.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from kanegen.c.interface import PREPARE, Function, ModelFacts
 from kanegen.errors import ModelError
@@ -16,7 +16,9 @@ from kanegen.precision import DOUBLE, Precision
 from kanegen.program.ir import Op, Program
 
 
-def require_range(model: ModelFacts, programs: Mapping[Function, Program], precision: Precision) -> None:
+def require_range(
+    model: ModelFacts, programs: Mapping[Function, Sequence[Program]], precision: Precision
+) -> None:
     """Refuse what `precision` cannot hold; `prepare` computes in double precision whatever it is.
 
     Raises:
@@ -26,9 +28,9 @@ def require_range(model: ModelFacts, programs: Mapping[Function, Program], preci
         return
     for name, default in model.parameters:
         precision.rounded(default, f"system {model.name!r}: parameter {name!r}")
-    for function, program in programs.items():
-        if function.name != PREPARE:
-            _require_constants(program, precision, f"system {model.name!r}: a constant")
+    for function, pieces in programs.items():
+        for piece in pieces if function.name != PREPARE else ():
+            _require_constants(piece, precision, f"system {model.name!r}: a constant")
 
 
 def _require_constants(program: Program, precision: Precision, what: str) -> None:

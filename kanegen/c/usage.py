@@ -8,6 +8,7 @@ from itertools import groupby
 from math import prod
 
 from kanegen.program.ir import Array, Op, Program
+from kanegen.program.selection import needed
 
 LOOPED = 8
 """Neighbouring zeros from which a loop, of a few wide stores, beats one store each."""
@@ -25,14 +26,7 @@ def element(array: Array, index: int) -> str:
 
 def live(program: Program) -> list[int]:
     """Instructions that an output needs, in order."""
-    needed = [False] * len(program.instructions)
-    for value in program.results():
-        needed[value] = True
-    for i in range(len(needed) - 1, -1, -1):
-        if needed[i]:
-            for operand in program.instructions[i].operands:
-                needed[operand] = True
-    return [i for i, is_needed in enumerate(needed) if is_needed]
+    return needed(program, program.results())
 
 
 def places(program: Program, filled: Iterable[Run] = ()) -> dict[int, list[str]]:

@@ -8,9 +8,9 @@ matrix are finished, with all they need, before the next begin.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from kanegen.program.ir import Program
+from kanegen.program.selection import needed, selected
 
 LONG = 4000
 """Instructions from which the order matters; in shorter programs it costs more overlap than it saves."""
@@ -26,13 +26,10 @@ def arrange(program: Program) -> Program:
     done: set[int] = set()
     order: list[int] = []
     for wanted in _groups(program):
-        needed = _needed(program, wanted, done)
-        done.update(needed)
-        order += sorted(needed)
-    moved = {i: place for place, i in enumerate(order)}
-    instructions = (program.instructions[i] for i in order)
-    arranged = tuple(replace(x, operands=tuple(moved[j] for j in x.operands)) for x in instructions)
-    return Program(program.inputs, arranged, tuple(output.renumbered(moved) for output in program.outputs))
+        missing = needed(program, wanted, done)
+        done.update(missing)
+        order += missing
+    return selected(program, order)
 
 
 def _groups(program: Program) -> Iterator[list[int]]:
@@ -49,15 +46,3 @@ def _groups(program: Program) -> Iterator[list[int]]:
                 output.values[width * row + column] for row in chosen for column in range(min(row + 1, width))
             ]
     yield list(program.results())
-
-
-def _needed(program: Program, wanted: list[int], done: set[int]) -> set[int]:
-    """What has to be computed for the values `wanted` when the values `done` are known."""
-    found: set[int] = set()
-    waiting = list(wanted)
-    while waiting:
-        i = waiting.pop()
-        if i not in found and i not in done:
-            found.add(i)
-            waiting += program.instructions[i].operands
-    return found
