@@ -30,6 +30,7 @@ from kanegen.numbers import Parameter
 from kanegen.readers import load
 from kanegen.symbolic import Equations
 from kanegen.system import System
+from kanegen.variant import Variant
 from kanegen.version import __version__
 
 __all__ = [
@@ -49,6 +50,7 @@ __all__ = [
     "SingularError",
     "Source",
     "System",
+    "Variant",
     "WriteError",
     "__version__",
     "build",

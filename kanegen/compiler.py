@@ -26,6 +26,7 @@ from dataclasses import dataclass
 from kanegen import library as libraries
 from kanegen import precision as precisions
 from kanegen import symbolic
+from kanegen import variant as variants
 from kanegen.c import ModelFacts, Source, render
 from kanegen.check import regularity
 from kanegen.check.compare import Report
@@ -40,6 +41,7 @@ from kanegen.recursion import Methods, methods, recursive_form
 from kanegen.recursion.legend import LEGEND
 from kanegen.signature import EQUATIONS, PARAMETERS, chosen, functions, input_arrays, output_array
 from kanegen.system import System
+from kanegen.variant import STRICT, Variant
 
 Progress = Callable[[str], None]
 """Told the name of each stage as it begins."""
@@ -78,17 +80,17 @@ def compile_module(
     system: System,
     outputs: Iterable[str] = EQUATIONS,
     progress: Progress = quiet,
-    without: Iterable[str] = (),
+    variant: Variant = STRICT,
 ) -> Compiled:
     """Straight-line programs for `outputs`, every intermediate shared, by the cheapest methods.
 
     Raises:
-        OptionError: If an output or a pass is unknown.
+        OptionError: If an output is unknown.
         SingularError: If [A] is singular in every state.
     """
-    names, kept = chosen(outputs), passes.all_but(without)
+    names, kept = chosen(outputs), passes.all_but(variant.without)
     _require_usable(system)
-    ways = [_compiled(system, way, kept, progress) for way in methods(system, names)]
+    ways = [_compiled(system, way, kept, progress) for way in methods(system, names, variant.solver)]
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
 
 
@@ -114,8 +116,9 @@ def generate(
     system: System,
     outputs: Iterable[str] = EQUATIONS,
     progress: Progress = quiet,
-    without: Iterable[str] = (),
-    precision: str = "double",
+    without: Iterable[str] | None = None,
+    precision: str | None = None,
+    tier: Variant | str = STRICT,
 ) -> Source:
     """C for `outputs`, specialised to `system`.
 
@@ -127,16 +130,18 @@ def generate(
             operations.
         precision: Type of all numbers in C, "double" or "float". For float, too, constants are computed in
             double; they are rounded once.
+        tier: The other choices: a name of `variant.TIERS`, or a `Variant` of one's own, where `without` and
+            `precision` stand as well.
 
     Raises:
-        OptionError: If an output, a pass or the precision is unknown.
+        OptionError: If an output, a tier or a choice is unknown.
         ModelError: If a constant leaves the range of the precision.
         SingularError: If [A] is singular in every state; names the body and the freedom.
     """
-    numbers = precisions.named(precision)
-    compiled = compile_module(system, outputs, progress, without)
+    variant = variants.chosen(tier, precision=precision, without=without)
+    compiled = compile_module(system, outputs, progress, variant)
     progress("printing")
-    return render(facts(system), compiled.module, compiled.operations, numbers)
+    return render(facts(system), compiled.module, compiled.operations, variant)
 
 
 def build(
@@ -146,8 +151,9 @@ def build(
     flags: str | Sequence[str] | None = None,
     progress: Progress = quiet,
     threads: bool = False,
-    without: Iterable[str] = (),
-    precision: str = "double",
+    without: Iterable[str] | None = None,
+    precision: str | None = None,
+    tier: Variant | str = STRICT,
 ) -> libraries.Library:
     """Generate, compile and load.
 
@@ -160,12 +166,13 @@ def build(
         threads: Let OpenMP share batches of 1024 states and more among threads; see `library.load`.
         without: Passes to leave out, as in `generate`.
         precision: As in `generate`.
+        tier: As in `generate`.
 
     Raises:
         OptionError, ModelError, SingularError: As `generate`.
         BuildError: If there is no compiler, or it fails.
     """
-    source = generate(system, outputs, progress, without, precision)
+    source = generate(system, outputs, progress, without, precision, tier)
     progress("compiling")
     return libraries.load(source, compiler, flags, threads)
 
@@ -175,7 +182,8 @@ def compare(
     states: int = 1000,
     seed: int = 0,
     progress: Progress = quiet,
-    precision: str = "double",
+    precision: str | None = None,
+    tier: Variant | str = STRICT,
 ) -> Report:
     """The compiled C of `system` against the NumPy reference over random states.
 
@@ -185,10 +193,11 @@ def compare(
         seed: Of the random states.
         progress: Told the name of each stage.
         precision: As in `generate`; the reference computes in double.
+        tier: As in `generate`.
     """
-    built = build(system, progress=progress, precision=precision)
+    built = build(system, progress=progress, precision=precision, tier=tier)
     progress("comparing")
-    return compare_with_reference(system, built, states, seed, precisions.named(precision))
+    return compare_with_reference(system, built, states, seed, precisions.named(built.precision))
 
 
 def facts(system: System) -> ModelFacts:

@@ -8,6 +8,7 @@ import numpy as np
 from kanegen.c import ModelFacts, render
 from kanegen.precision import DOUBLE
 from kanegen.program.ir import Array, Instruction, Module, Op, Output, Program
+from kanegen.variant import Variant
 
 OPERATIONS = {"add": 8, "multiply": 9, "divide": 1, "sqrt": 1, "sincos": 3}
 
@@ -112,7 +113,12 @@ def source(
     name="handmade", outputs=("mass_matrix", "forcing"), parameters=True, loads=True, precision=DOUBLE
 ):
     operations = {**OPERATIONS, "prepare": 2 if parameters else 0}
-    return render(facts(name, parameters, loads), module(outputs, parameters, loads), operations, precision)
+    return render(
+        facts(name, parameters, loads),
+        module(outputs, parameters, loads),
+        operations,
+        Variant(precision.name),
+    )
 
 
 def evaluate(program, number=np.float64, **inputs):

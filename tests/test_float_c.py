@@ -10,6 +10,7 @@ from kanegen.library import load
 from kanegen.native import cache
 from kanegen.precision import DOUBLE, FLOAT
 from kanegen.program.ir import Module
+from kanegen.variant import TIERS
 from tests.handmade import bits, evaluate, facts, module, source
 from tests.systems import random_system
 from tests.test_c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
@@ -46,7 +47,7 @@ def test_c_is_clean_and_needs_only_libm(compiler, width, tmp_path):
     tree = random_system(np.random.default_rng(4), 2, loads=True)
     sources = [
         source(precision=FLOAT),
-        render(facts(parameters=False, loads=False), Module(None, status), {}, FLOAT),
+        render(facts(parameters=False, loads=False), Module(None, status), {}, TIERS["single"]),
         *([] if width else [kg.generate(tree, ALL, precision="float")]),
     ]
     for number, made in enumerate(sources):

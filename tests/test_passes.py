@@ -26,6 +26,7 @@ from kanegen.program.passes.factor import factor
 from kanegen.program.passes.fold import FoldingBuilder, fold
 from kanegen.program.passes.prune import prune
 from kanegen.signature import OUTPUTS
+from kanegen.variant import Variant, chosen
 from tests import systems
 
 MODELS = Path(__file__).parent.parent / "models"
@@ -226,7 +227,7 @@ def numbers(array: Array) -> list[Any]:
 
 def values(system: kg.System, without: tuple[str, ...]) -> dict[str, list[Any]]:
     """Every output in one state, to 40 digits."""
-    module = compile_module(system, OUTPUTS, without=without).module
+    module = compile_module(system, OUTPUTS, variant=Variant(without=without)).module
     program = module.functions[EVALUATE]
     inputs = {array.name: numbers(array) for array in program.inputs}
     if module.prepare:
@@ -264,7 +265,7 @@ def test_c_without_passes_computes_the_same(without: tuple[str, ...]) -> None:
 
 def test_passes_are_left_out_by_name() -> None:
     system = kg.load(MODELS / "double_pendulum.toml")
-    compiled = compile_module(system, without=["factor", "factor"])
+    compiled = compile_module(system, variant=chosen(without=["factor", "factor"]))
     assert [stage.name for stage in compiled.stages] == ["lower", "fold", "prune", "fold"]
     assert kg.generate(system, without="factor").operations == compiled.operations
     assert passes.all_but(()) == passes.PASSES

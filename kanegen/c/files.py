@@ -25,8 +25,9 @@ from kanegen.c.stamp import stamped
 from kanegen.c.templates import fill
 from kanegen.c.waves import FEW
 from kanegen.errors import ModelError
-from kanegen.precision import DOUBLE, Precision
+from kanegen.precision import DOUBLE, Precision, named
 from kanegen.program.ir import Module, Program
+from kanegen.variant import STRICT, Variant
 from kanegen.version import __version__
 
 FILES = {
@@ -52,7 +53,7 @@ TAKEN_HEADERS = frozenset(
 
 
 def render(
-    model: ModelFacts, module: Module, operations: Mapping[str, int], precision: Precision = DOUBLE
+    model: ModelFacts, module: Module, operations: Mapping[str, int], variant: Variant = STRICT
 ) -> Source:
     """C code for the programs of `module`.
 
@@ -60,17 +61,18 @@ def render(
         model: Names and sizes that the code and its documentation mention.
         module: What to compute.
         operations: Operation counts, for the documentation and `Source.operations`.
-        precision: Of all numbers in C.
+        variant: The choices that shape it; the programs follow theirs already.
 
     Raises:
-        ModelError: If the model has the name of a header of the C library, or a number that `precision`
-            cannot hold.
+        ModelError: If the model has the name of a header of the C library, or a number that its
+            precision cannot hold.
     """
     if model.name.lower() in TAKEN_HEADERS:
         raise ModelError(
             f"system name {model.name!r}: the file {model.name}.h or {model.name}.c would hide another. "
             "Choose another name."
         )
+    precision = named(variant.precision)
     programs = signatures(module)
     require_range(model, programs, precision)
     functions = tuple(programs)
@@ -82,6 +84,7 @@ def render(
         "prefix": model.name.upper(),
         "outputs": outputs,
         "precision": precision,
+        "choices": variant.described(),
         "lanes": LANES[precision],
         "functions": texts,
         "waves": max(text.code.waves for text in texts),
@@ -99,7 +102,7 @@ def render(
     context["declarations"] = cdef = fill("declarations.h", **context)
     names = {pattern: pattern.format(name=model.name, f=precision.suffix) for pattern in FILES}
     files = {names[p]: stamped(names[p], fill(template, **context)) for p, template in FILES.items()}
-    return Source(model, outputs, functions, dict(operations), files, cdef, precision.name)
+    return Source(model, outputs, functions, dict(operations), files, cdef, variant)
 
 
 @dataclass(frozen=True)

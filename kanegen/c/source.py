@@ -8,7 +8,7 @@ from pathlib import Path
 
 from kanegen.c.folder import write
 from kanegen.c.interface import Function, ModelFacts
-from kanegen.precision import DOUBLE
+from kanegen.variant import STRICT, Variant
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Source:
             and "prepare", the operations of the parameter-only step.
         files: Text of every file by its name: header, source, example, build files, README.
         cdef: The declarations of the header, as cffi reads them.
-        precision: Type of all numbers in C, "double" or "float".
+        variant: The choices that shaped it.
     """
 
     model: ModelFacts
@@ -32,7 +32,12 @@ class Source:
     operations: Mapping[str, int]
     files: Mapping[str, str]
     cdef: str
-    precision: str = DOUBLE.name
+    variant: Variant = STRICT
+
+    @property
+    def precision(self) -> str:
+        """Type of all numbers in C, "double" or "float"."""
+        return self.variant.precision
 
     def write(self, folder: str | Path, force: bool = False) -> Path:
         """Write every file into `folder`, which is made where it is missing.

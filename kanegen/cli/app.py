@@ -24,6 +24,7 @@ from kanegen.printing import FORMATS, render
 from kanegen.program.passes import NAMES
 from kanegen.readers import load
 from kanegen.signature import EQUATIONS, OUTPUTS
+from kanegen.variant import TIERS
 from kanegen.version import __version__
 
 app = typer.Typer(
@@ -46,11 +47,15 @@ Outputs = Annotated[
     typer.Option("--output", metavar="NAME", help=f"What to compute, repeatable: {', '.join(OUTPUTS)}."),
 ]
 Without = Annotated[
-    list[str],
+    list[str] | None,
     typer.Option("--without", metavar="PASS", help=f"Leave a pass out, repeatable: {', '.join(NAMES)}."),
 ]
 Numbers = Annotated[
-    str, typer.Option("--precision", metavar="NAME", help=f"Type of numbers in C: {' or '.join(PRECISIONS)}.")
+    str | None,
+    typer.Option("--precision", metavar="NAME", help=f"Type of numbers in C: {' or '.join(PRECISIONS)}."),
+]
+Tier = Annotated[
+    str, typer.Option("--tier", metavar="NAME", help=f"Speed against accuracy: {' or '.join(TIERS)}.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
@@ -81,14 +86,15 @@ def generate(
     force: Annotated[
         bool, typer.Option("--force", help="Write also where the folder holds files of another origin.")
     ] = False,
-    without: Without = [],  # noqa: B006  (as above)
-    precision: Numbers = "double",
+    without: Without = None,
+    precision: Numbers = None,
+    tier: Tier = "strict",
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README."""
     system = load(model, floating_base=floating_base)
     with progress() as report:
         source = compiler.generate(
-            system, outputs=output, progress=report, without=without, precision=precision
+            system, outputs=output, progress=report, without=without, precision=precision, tier=tier
         )
     source.write(output_dir, force=force)
     cost = ", ".join(f"{kind} {number}" for kind, number in source.operations.items())
@@ -103,13 +109,16 @@ def check(
     states: Annotated[int, typer.Option(min=1, help="Number of random states.")] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 0,
     floating_base: FloatingBase = False,
-    precision: Numbers = "double",
+    precision: Numbers = None,
+    tier: Tier = "strict",
     as_json: AsJson = False,
 ) -> None:
     """Compile the C for MODEL and compare it with the NumPy reference; status 1 if it does not pass."""
     system = load(model, floating_base=floating_base)
     with progress() as report:
-        result = compiler.compare(system, states=states, seed=seed, progress=report, precision=precision)
+        result = compiler.compare(
+            system, states=states, seed=seed, progress=report, precision=precision, tier=tier
+        )
     typer.echo(json.dumps(result.as_dict(), indent=2) if as_json else str(result))
     if not result.passed:
         raise typer.Exit(FAILED)
@@ -136,7 +145,7 @@ def equations(
 def info(
     model: Model,
     floating_base: FloatingBase = False,
-    without: Without = [],  # noqa: B006  (as above)
+    without: Without = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the tree of MODEL, its freedoms and parameters, and what its equations cost."""

@@ -15,6 +15,7 @@ from rich.table import Table
 from rich.tree import Tree
 
 from kanegen import compiler
+from kanegen import variant as variants
 from kanegen.body import FREEDOMS, Body
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.program.passes import Stage, savings
@@ -72,10 +73,11 @@ class Facts:
         }
 
 
-def gather(system: System, progress: Callable[[str], None], without: Iterable[str] = ()) -> Facts:
+def gather(system: System, progress: Callable[[str], None], without: Iterable[str] | None = None) -> Facts:
     """Count what every output costs alone and all together, without some passes if so wished."""
-    alone = {name: compiler.compile_module(system, (name,), progress, without) for name in OUTPUTS}
-    together = compiler.compile_module(system, EQUATIONS, progress, without)
+    variant = variants.chosen(without=without)
+    alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in OUTPUTS}
+    together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}
     return Facts(system, {**operations, TOGETHER: together.operations}, methods, together.stages)

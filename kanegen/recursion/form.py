@@ -55,10 +55,20 @@ class RecursiveForm:
     outputs: dict[str, Derived]
 
 
-def methods(system: System, outputs: Sequence[str]) -> tuple[Methods, ...]:
-    """The ways to derive `outputs` among which the operation count may choose."""
+def methods(system: System, outputs: Sequence[str], solver: str = "cheapest") -> tuple[Methods, ...]:
+    """The ways to derive `outputs` among which the operation count may choose.
+
+    Args:
+        system: The tree.
+        outputs: Names of outputs.
+        solver: The way to {ydot}, or "cheapest" for any that loses no accuracy.
+    """
     first = {name: next(iter(RECURSIONS[name])) for name in outputs}
-    if "forward_dynamics" in outputs and factorisation.worth_trying(system):
+    if "forward_dynamics" not in outputs:
+        return (first,)
+    if solver in RECURSIONS["forward_dynamics"]:
+        return ({**first, "forward_dynamics": solver},)
+    if factorisation.worth_trying(system):
         return first, {**first, "forward_dynamics": "factorisation"}
     return (first,)
 

@@ -34,19 +34,29 @@ class Stage:
     operations: dict[str, int]
 
 
-def all_but(without: Iterable[str] | str = ()) -> tuple[Pass, ...]:
-    """`PASSES` less those of these names.
+def names(without: Iterable[str] | str = ()) -> tuple[str, ...]:
+    """Names of passes checked, each once, in the order of `NAMES`.
 
     Raises:
         OptionError: If there is no pass of such a name.
     """
     if not isinstance(without, Iterable):
         raise OptionError(f"without: expected names, got {without!r}. There are {', '.join(NAMES)}.")
-    names = (without,) if isinstance(without, str) else tuple(without)
-    for name in names:
+    asked = (without,) if isinstance(without, str) else tuple(without)
+    for name in asked:
         if name not in NAMES:
             raise OptionError(f"without: there is no pass {name!r}. There are {', '.join(NAMES)}.")
-    return tuple(apply for apply in PASSES if apply.__name__ not in names)
+    return tuple(name for name in NAMES if name in asked)
+
+
+def all_but(without: Iterable[str] | str = ()) -> tuple[Pass, ...]:
+    """`PASSES` less those of these names.
+
+    Raises:
+        OptionError: If there is no pass of such a name.
+    """
+    left_out = names(without)
+    return tuple(apply for apply in PASSES if apply.__name__ not in left_out)
 
 
 def run(program: Program, passes: Sequence[Pass] = PASSES) -> tuple[Program, tuple[Stage, ...]]:
