@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 
 from kanegen import precision as precisions
+from kanegen import semantics as rules
 from kanegen.errors import OptionError
 from kanegen.program import passes
 from kanegen.suggest import did_you_mean
@@ -18,9 +19,9 @@ SOLVERS = ("cheapest", "articulated bodies", "factorisation")
 """Ways to {ydot}: the cheapest by operation count among those that lose no accuracy, or one by name."""
 
 
-def _one_of(what: str, value: object, known: tuple[str, ...]) -> None:
-    if value not in known:
-        raise OptionError(f"unknown {what} {value!r}. {did_you_mean(value, known)}")
+def _one_of(what: str, value: object, known: tuple[object, ...]) -> None:
+    if isinstance(value, bool) or value not in known:
+        raise OptionError(f"unknown {what} {value!r}. {did_you_mean(value, map(str, known))}")
 
 
 def _words(value: object) -> str:
@@ -37,11 +38,17 @@ class Variant:
         precision: Type of all numbers in C, a name of `precision.PRECISIONS`.
         solver: Way to {ydot}, one of `SOLVERS`.
         without: Passes of the optimiser that are left out.
+        semantics: What the compiler may do to arithmetic, names of `semantics.SEMANTICS`.
+        machine: What the code may run on, one of `semantics.MACHINES`.
+        optimisation: The compiler's level, one of `semantics.OPTIMISATIONS`.
     """
 
     precision: str = "double"
     solver: str = "cheapest"
     without: tuple[str, ...] = ()
+    semantics: tuple[str, ...] = (rules.STRICT,)
+    machine: str = "portable"
+    optimisation: int = 2
 
     def __post_init__(self) -> None:
         """Check every choice.
@@ -51,7 +58,20 @@ class Variant:
         """
         precisions.named(self.precision)
         _one_of("solver", self.solver, SOLVERS)
+        _one_of("machine", self.machine, tuple(rules.MACHINES))
+        _one_of("optimisation", self.optimisation, rules.OPTIMISATIONS)
         object.__setattr__(self, "without", passes.names(self.without))
+        object.__setattr__(self, "semantics", rules.names(self.semantics))
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """Flags by which gcc and clang honour it."""
+        return rules.flags(self.semantics, self.machine, self.optimisation)
+
+    @property
+    def is_strict(self) -> bool:
+        """Whether no bit depends on the compiler."""
+        return self.semantics == (rules.STRICT,)
 
     def described(self) -> tuple[tuple[str, str], ...]:
         """Every choice as a pair of words, in the order of the fields."""
@@ -61,6 +81,7 @@ class Variant:
 
 TIERS = {
     "strict": Variant(),
+    "fast": Variant(semantics=rules.RELAXED, machine="native", optimisation=3),
     "single": Variant(precision="float"),
 }
 """Variants by the name of the promise that they keep."""

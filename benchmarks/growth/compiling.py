@@ -13,7 +13,7 @@ from pathlib import Path
 from benchmarks.growth.cases import Case
 from kanegen.bench import patient
 from kanegen.native import compilers
-from kanegen.native.build import FLAGS
+from kanegen.variant import STRICT
 
 DRIVER = Path(__file__).with_name("driver.c")
 ARGUMENTS = {
@@ -44,7 +44,7 @@ def compiled(folder: Path, kind: str, patience: float) -> dict[str, float]:
     chosen = [file for file in files if ("_batch" in file) == bool(kind)]
     start = time.perf_counter()
     for file in chosen:
-        _run([*_compiler(), *FLAGS, "-c", file, "-o", f"{file}.o"], folder, patience)
+        _run([*_compiler(), *STRICT.flags, "-c", file, "-o", f"{file}.o"], folder, patience)
     seconds = time.perf_counter() - start
     can_tell = platform.system() == "Linux" and shutil.which("size")
     sizes = [_text_bytes(folder / f"{file}.o") for file in chosen] if can_tell else []

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from benchmarks.growth.cases import CURVES, LARGEST
 from benchmarks.growth.results import FROM, MEASURES, Measure, Point, Study, exponent, series
 from kanegen.bench import machine
-from kanegen.native.build import FLAGS
+from kanegen.variant import STRICT
 
 _INTRODUCTION = f"""\
 Written by `make growth` (`python -m benchmarks.growth`); nobody edits it by hand. *chain*: hinges about
@@ -80,7 +80,7 @@ def _method(terms: Terms) -> str:
 - *operations*: of one evaluation, as `kanegen info` counts them.
 - *derivation*: the recursive form in SymPy, part of *generation*: all of `kg.generate`, in a new process.
 - *memory*: peak of that process beyond what it had with kanegen and the tree loaded.
-- *C*, *compile*, *.text*: size of the C file, the compiler's time for it with `{" ".join(FLAGS)}`, and
+- *C*, *compile*, *.text*: size of the C file, the compiler's time for it with `{" ".join(STRICT.flags)}`, and
   size of the instructions; *batch* is the same of the file for many states at once.
 - *one state*: one call of the function; {terms.turns} processes of {terms.seconds:g} s each, in turns."""
 

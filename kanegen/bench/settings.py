@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kanegen.native.build import FLAGS
+from kanegen.variant import STRICT
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Setting:
     flags: tuple[str, ...]
 
 
-EXACT = Setting("exact", FLAGS)
+EXACT = Setting("exact", STRICT.flags)
 """kanegen's default."""
 
 NATIVE = Setting("native", ("-O3", "-march=native"))

@@ -85,6 +85,8 @@ def render(
         "outputs": outputs,
         "precision": precision,
         "choices": variant.described(),
+        "flags": variant.flags,
+        "is_strict": variant.is_strict,
         "lanes": LANES[precision],
         "functions": texts,
         "waves": max(text.code.waves for text in texts),

@@ -10,12 +10,10 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from kanegen import semantics
 from kanegen.c import Source
-from kanegen.errors import BuildError, KanegenWarning
-from kanegen.native import cache, compilers
-
-FLAGS = ("-O2", "-ffp-contract=off")
-"""Default flags: optimised, with the same bits as the operations of the program one by one."""
+from kanegen.errors import KanegenWarning
+from kanegen.native import cache, compilers, selftest
 
 _CALLER = 5
 """Frames from a warning here to the line that called `kanegen.build`."""
@@ -36,7 +34,7 @@ def build(
         source: From `kanegen.generate`.
         compiler: Command of a compiler that takes gcc's options; default `$KANEGEN_CC`, `$CC`, cc, gcc,
             clang, or that of the package ziglang.
-        flags: Instead of `FLAGS`, one by one or as a shell would have them.
+        flags: Instead of those of its variant, one by one or as a shell would have them.
         threads: Let OpenMP share large batches among threads. A compiler without it brings a
             `KanegenWarning`, and one thread.
 
@@ -44,10 +42,11 @@ def build(
         The shared library.
 
     Raises:
-        BuildError: If there is no compiler, it fails, or the cache folder cannot be used.
+        BuildError: If there is no compiler, it fails or does not keep what the variant promises, or the
+            cache folder cannot be used.
     """
     found = compilers.find(compiler)
-    chosen = FLAGS if flags is None else _split(flags)
+    chosen = selftest.honest(found, source) if flags is None else _split(flags)
     if threads:
         chosen += _openmp(found)
     texts = {file: text for file, text in source.files.items() if _is_code(file)}
@@ -55,14 +54,14 @@ def build(
     start = (*found.command, *_ALWAYS, *chosen)
     objects = {file: f"{file}.o" for file in texts if file.endswith(".c")}
     compile_ = [[*start, "-c", file, "-o", object_] for file, object_ in objects.items()]
-    link = [*start, "-shared", "-o", library, *objects.values(), "-lm"]
+    link = [*semantics.linking(start), "-shared", "-o", library, *objects.values(), "-lm"]
 
     def fill(folder: Path) -> None:
         for file, text in texts.items():
             (folder / file).write_text(text, encoding="utf-8", newline="\n")
         with ThreadPoolExecutor() as pool:
-            list(pool.map(lambda command: _run(command, command[-1], folder), compile_))
-        _run(link, library, folder)
+            list(pool.map(lambda command: compilers.make(command, command[-1], folder), compile_))
+        compilers.make(link, library, folder)
         for object_ in objects.values():
             (folder / object_).unlink()
 
@@ -85,15 +84,6 @@ def _openmp(compiler: compilers.Compiler) -> tuple[str, ...]:
 
 def _split(flags: str | Sequence[str]) -> tuple[str, ...]:
     return tuple(shlex.split(flags) if isinstance(flags, str) else flags)
-
-
-def _run(command: list[str], output: str, folder: Path) -> None:
-    result = compilers.run(command, str(folder))
-    if result.returncode != 0 or not (folder / output).is_file():
-        raise BuildError(
-            f"the C compiler failed with status {result.returncode} and made no {output}.\n"
-            f"command: {shlex.join(command)}\n{result.stdout}"
-        )
 
 
 def _is_code(file: str) -> bool:

@@ -17,6 +17,7 @@ from kanegen import precision as precisions
 from kanegen.c import ModelFacts, Source
 from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import BuildError, KanegenWarning, SingularError
+from kanegen.native import environment
 from kanegen.native.arguments import Floats, companion, load, state
 
 LOADS = frozenset({"force", "torque"})
@@ -59,7 +60,8 @@ class Native:
         # The function behind `ffi.from_buffer`, which takes twice as long.
         self._pointer = partial(_cffi_backend.from_buffer, ffi.typeof(f"{source.precision}[]"))
         try:
-            library = ffi.dlopen(str(path), ffi.RTLD_NOW | _STAY)
+            with environment.unchanged(path):
+                library = ffi.dlopen(str(path), ffi.RTLD_NOW | _STAY)
             self.calls = {
                 f.name: Call(library, self._pointer, self._dtype, source.model, f) for f in source.functions
             }

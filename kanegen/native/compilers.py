@@ -109,3 +109,17 @@ def run(command: list[str], folder: str | None = None) -> subprocess.CompletedPr
         )
     except OSError as error:
         raise BuildError(f"{shlex.join(command)}: cannot be run: {error.strerror}.") from error
+
+
+def make(command: list[str], output: str, folder: Path) -> None:
+    """Run a compiler in `folder`, where it makes the file `output`.
+
+    Raises:
+        BuildError: If it does not.
+    """
+    result = run(command, str(folder))
+    if result.returncode != 0 or not (folder / output).is_file():
+        raise BuildError(
+            f"the C compiler failed with status {result.returncode} and made no {output}.\n"
+            f"command: {shlex.join(command)}\n{result.stdout}"
+        )
