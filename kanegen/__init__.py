@@ -28,6 +28,7 @@ from kanegen.errors import (
 from kanegen.library import Library
 from kanegen.numbers import Parameter
 from kanegen.readers import load
+from kanegen.reanchoring import reanchored
 from kanegen.symbolic import Equations
 from kanegen.system import System
 from kanegen.variant import Variant
@@ -58,4 +59,5 @@ __all__ = [
     "derive",
     "generate",
     "load",
+    "reanchored",
 ]

@@ -32,10 +32,19 @@ class SystemArrays:
     locked: Floats  # (N, 6)
     gravity: Floats  # (3,)
     loads: Flags  # (N,)
+    sequence: tuple[str, ...]  # (N,)
+    speeds: tuple[str, ...]  # (N,)
 
 
 def system_arrays(
-    *, connection: Sequence[int], joint_orientation: Sequence[Any], free: Any, loads: Any, **floats: Any
+    *,
+    connection: Sequence[int],
+    joint_orientation: Sequence[Any],
+    free: Any,
+    loads: Any,
+    sequence: tuple[str, ...],
+    speeds: tuple[str, ...],
+    **floats: Any,
 ) -> SystemArrays:
     """`SystemArrays` from nested tuples; orientations given as 1-2-3 angles become matrices."""
     return SystemArrays(
@@ -43,6 +52,8 @@ def system_arrays(
         joint_orientation=np.array([_matrix(value) for value in joint_orientation]),
         free=np.array(free, dtype=np.bool_),
         loads=np.array(loads, dtype=np.bool_),
+        sequence=sequence,
+        speeds=speeds,
         **{name: np.array(value, dtype=np.float64) for name, value in floats.items()},
     )
 
@@ -76,6 +87,12 @@ class Rows:
             return ((default,) * length,) * self.count
         rows = validation.sequence(value, self.count, what)
         return tuple(validation.flags(row, length, f"{what}[{k}]") for k, row in enumerate(rows))
+
+    def names(self, value: Any, what: str) -> Sequence[Any]:
+        """(count,) names from one name for all or one a body."""
+        if isinstance(value, str):
+            return (value,) * self.count
+        return validation.sequence(value, self.count, what)
 
     def loads(self, value: Any) -> tuple[bool, ...]:
         """(count,) bools from None, one bool or one a body."""

@@ -1,8 +1,9 @@
 """A rigid body and the joint by which it hangs on its lower body J.
 
 Seen from J, the point Q_K stands at `position`; there the joint frame has the constant orientation [C_K]; in
-it the origin O_K is displaced by s'_K; and body K is turned by the 1-2-3 body-fixed angles, so that
-[^J R_K] = [R_123] [C_K]. Any of the six freedoms can be locked at a value.
+it the origin O_K is displaced by s'_K; and body K is turned by three body-fixed angles, by default in the
+sequence 1-2-3 of the notes, so that [^J R_K] = [R_123] [C_K]. Any of the six freedoms can be locked at a
+value.
 """
 
 from __future__ import annotations
@@ -11,13 +12,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from kanegen import validation
+from kanegen import sequences, validation
 from kanegen.errors import ModelError
 from kanegen.names import check_label
 from kanegen.numbers import Matrix, Number, Vector, map_numbers, number, numbers, word
+from kanegen.suggest import did_you_mean
 
 FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
 """The six relative freedoms of a body, in the order of `Joint.free`: angles in rad, translations in m."""
+
+SPEEDS = ("angle_rates", "angular_velocity")
+"""What the speeds of a joint's angles can be: their rates, or the relative angular velocity in the body."""
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -34,6 +39,11 @@ class Joint:
         free: Which of `FREEDOMS` are free.
         locked: Values of those that are not (rad, m); 0 at the free ones.
         name: Name of the joint in a robot file; names the freedom where there is only one.
+        speeds: One of `SPEEDS`. The components of `omega_hat'_K`, Eq. (8), keep [A] regular where the rates
+            of the angles lose their meaning; they need three free angles.
+        sequence: About which axes the angles turn, one of `sequences.SEQUENCES`: "3-1-3" has theta1 turn
+            about axis 3 of the joint frame, theta2 about axis 1 of the frame it finds, theta3 about axis 3
+            of body K.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
@@ -41,6 +51,8 @@ class Joint:
     free: tuple[bool, ...] = (True,) * 6
     locked: tuple[Number, ...] = (0.0,) * 6
     name: str = ""
+    speeds: str = SPEEDS[0]
+    sequence: str = sequences.NOTES
 
     def __post_init__(self) -> None:
         if self.name != "":
@@ -51,6 +63,37 @@ class Joint:
         orientation = validation.orientation(self.orientation)
         locked = tuple(0.0 if is_free else value for is_free, value in zip(free, locked, strict=True))
         validation.store(self, position=position, orientation=orientation, free=free, locked=locked)
+        sequences.check(self.sequence)
+        self._check_speeds()
+
+    def _check_speeds(self) -> None:
+        if self.speeds not in SPEEDS:
+            raise ModelError(f"joint speeds: {self.speeds!r} is unknown. {did_you_mean(self.speeds, SPEEDS)}")
+        if self.spins and not self.turns_freely:
+            raise ModelError(
+                'joint speeds: "angular_velocity" needs three free angles, because with fewer its components '
+                'depend on each other. Free theta1, theta2 and theta3, or keep "angle_rates".'
+            )
+
+    @property
+    def turns_freely(self) -> bool:
+        """Whether all three angles are free."""
+        return all(self.free[:3])
+
+    @property
+    def spins(self) -> bool:
+        """Whether the three speeds of the angles are components of the relative angular velocity."""
+        return self.speeds == "angular_velocity"
+
+    @property
+    def axes(self) -> sequences.Axes:
+        """Basis vectors about which theta1, theta2, theta3 turn, from 0."""
+        return sequences.SEQUENCES[self.sequence]
+
+    @property
+    def ends_alike(self) -> bool:
+        """Whether the last angle turns about the axis of the first, as in 3-1-3."""
+        return self.axes[0] == self.axes[2]
 
     def changed(self, change: Callable[[Number], Number]) -> Joint:
         """The same joint with `change` applied to every number."""
@@ -69,10 +112,14 @@ class Joint:
         if self.orientation != IDENTITY:
             key = "orientation" if isinstance(self.orientation[0], tuple) else "orientation_angles"
             table[key] = map_numbers(self.orientation, word)
+        if self.sequence != sequences.NOTES:
+            table["sequence"] = self.sequence
         free = tuple(name for name, is_free in zip(FREEDOMS, self.free, strict=True) if is_free)
         table["free"] = "all" if all(self.free) else free or "none"
         locked = zip(FREEDOMS, self.locked, strict=True)
         table["locked"] = {name: word(value) for name, value in locked if value}
+        if self.spins:
+            table["speeds"] = self.speeds
         return table
 
 

@@ -27,20 +27,25 @@ from kanegen import library as libraries
 from kanegen import precision as precisions
 from kanegen import symbolic
 from kanegen import variant as variants
+from kanegen.anchors import anchors
 from kanegen.c import ModelFacts, Source, render
+from kanegen.c.anchors import with_anchors
 from kanegen.check import regularity
 from kanegen.check.compare import Report
 from kanegen.check.compare import compare as compare_with_reference
+from kanegen.constants import Constants
 from kanegen.errors import OptionError
 from kanegen.lowering import lower
 from kanegen.program import passes
 from kanegen.program.count import operations
 from kanegen.program.ir import Module
-from kanegen.program.split import split
+from kanegen.program.split import PARAMETERS, split
 from kanegen.recursion import Methods, methods, recursive_form
-from kanegen.recursion.legend import LEGEND
-from kanegen.signature import EQUATIONS, PARAMETERS, chosen, functions, input_arrays, output_array
-from kanegen.system import System
+from kanegen.recursion.legend import legend
+from kanegen.refining import Decision, decisions
+from kanegen.sequences import NOTES
+from kanegen.signature import EQUATIONS, chosen, functions, input_arrays, output_array
+from kanegen.system import Freedom, System
 from kanegen.variant import STRICT, Variant
 
 Progress = Callable[[str], None]
@@ -58,6 +63,7 @@ class Compiled:
     module: Module
     methods: Methods
     stages: tuple[passes.Stage, ...]
+    refinement: str
 
     @property
     def operations(self) -> dict[str, int]:
@@ -65,12 +71,19 @@ class Compiled:
         return operations(self.module)
 
 
-def derive(system: System, progress: Progress = quiet) -> symbolic.Equations:
+def derive(system: System, progress: Progress = quiet, speeds: str | None = None) -> symbolic.Equations:
     """The equations of motion in SymPy, literally as the notes derive them.
 
+    Args:
+        system: The tree.
+        progress: Told the name of each stage.
+        speeds: Generalized speeds, as in `System.with_speeds`; default those of the system.
+
     Raises:
+        OptionError: If there are no such speeds.
         SingularError: If [A] is singular in every state.
     """
+    system = _with_speeds(system, speeds)
     progress("deriving")
     _require_usable(system)
     return symbolic.derive(system)
@@ -90,26 +103,41 @@ def compile_module(
     """
     names, kept = chosen(outputs), passes.all_but(variant.without)
     _require_usable(system)
-    ways = [_compiled(system, way, kept, progress) for way in methods(system, names, variant.solver)]
+    constants = precisions.named(variant.precision).constants
+    choices = decisions(system, methods(system, names, variant.solver), variant)
+    ways = [_compiled(system, choice, kept, progress, constants) for choice in choices]
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
 
 
-def _require_usable(system: System) -> None:
+def _with_speeds(system: System, speeds: str | None) -> System:
+    _require_system(system)
+    return system if speeds is None else system.with_speeds(speeds)
+
+
+def _require_system(system: object) -> None:
     if not isinstance(system, System):
         raise OptionError(f"{system!r} is no System. Make one with kg.load or kg.System.from_arrays.")
+
+
+def _require_usable(system: System) -> None:
+    _require_system(system)
     regularity.require_regular(system)
 
 
-def _compiled(system: System, way: Methods, kept: Sequence[passes.Pass], progress: Progress) -> Compiled:
+def _compiled(
+    system: System, choice: Decision, kept: Sequence[passes.Pass], progress: Progress, constants: Constants
+) -> Compiled:
     """The programs of one way to derive the outputs."""
     progress("deriving")
-    form = recursive_form(system, way)
+    way = choice.methods
+    form = recursive_form(system, way, constants, choice.refinement)
     progress("lowering")
     arrays = {output_array(system, name, form.methods): form.outputs[name] for name in way}
-    program = lower(input_arrays(system), form.definitions, arrays)
+    program = lower(input_arrays(system), form.definitions, arrays, constants)
     progress("optimising")
     program, stages = passes.run(program, kept)
-    return Compiled(split(program, functions(system, tuple(way)), PARAMETERS), way, stages)
+    module = split(program, functions(system, tuple(way)), PARAMETERS)
+    return Compiled(module, way, stages, choice.words)
 
 
 def generate(
@@ -119,6 +147,8 @@ def generate(
     without: Iterable[str] | None = None,
     precision: str | None = None,
     tier: Variant | str = STRICT,
+    speeds: str | None = None,
+    reanchoring: bool = False,
 ) -> Source:
     """C for `outputs`, specialised to `system`.
 
@@ -128,20 +158,27 @@ def generate(
         progress: Told the name of each stage.
         without: Passes to leave out, among "fold", "prune" and "factor": the C computes the same by more
             operations.
-        precision: Type of all numbers in C, "double" or "float". For float, too, constants are computed in
-            double; they are rounded once.
+        precision: Arithmetic in C, "double", "float", "long double" or "double-double". For float, too,
+            constants are computed in double, for the last two in 96 digits; they are rounded once.
         tier: The other choices: a name of `variant.TIERS`, or a `Variant` of one's own, where `without` and
             `precision` stand as well.
+        speeds: Generalized speeds, as in `System.with_speeds`; default those of the system. With
+            "angular_velocity" [A] is regular everywhere; the output "coordinate_rates" then gives {xdot}.
+        reanchoring: Add the header `<model>_reanchor.h`, which does in C what `kanegen.reanchored` does, for
+            joints whose orientation is three parameters.
 
     Raises:
-        OptionError: If an output, a tier or a choice is unknown.
+        OptionError: If an output, a tier or a choice is unknown, or there is nothing to re-anchor.
         ModelError: If a constant leaves the range of the precision.
         SingularError: If [A] is singular in every state; names the body and the freedom.
     """
+    system = _with_speeds(system, speeds)
     variant = variants.chosen(tier, precision=precision, without=without)
     compiled = compile_module(system, outputs, progress, variant)
     progress("printing")
-    return render(facts(system), compiled.module, compiled.operations, variant)
+    decided = {"refinement": compiled.refinement}
+    source = render(facts(system), compiled.module, compiled.operations, variant, decided)
+    return with_anchors(source, anchors(system)) if reanchoring else source
 
 
 def build(
@@ -154,6 +191,7 @@ def build(
     without: Iterable[str] | None = None,
     precision: str | None = None,
     tier: Variant | str = STRICT,
+    speeds: str | None = None,
 ) -> libraries.Library:
     """Generate, compile and load.
 
@@ -167,12 +205,13 @@ def build(
         without: Passes to leave out, as in `generate`.
         precision: As in `generate`.
         tier: As in `generate`.
+        speeds: As in `generate`.
 
     Raises:
         OptionError, ModelError, SingularError: As `generate`.
         BuildError: If there is no compiler, or it fails.
     """
-    source = generate(system, outputs, progress, without, precision, tier)
+    source = generate(system, outputs, progress, without, precision, tier, speeds)
     progress("compiling")
     return libraries.load(source, compiler, flags, threads)
 
@@ -184,6 +223,7 @@ def compare(
     progress: Progress = quiet,
     precision: str | None = None,
     tier: Variant | str = STRICT,
+    speeds: str | None = None,
 ) -> Report:
     """The compiled C of `system` against the NumPy reference over random states.
 
@@ -194,10 +234,13 @@ def compare(
         progress: Told the name of each stage.
         precision: As in `generate`; the reference computes in double.
         tier: As in `generate`.
+        speeds: As in `generate`.
     """
+    system = _with_speeds(system, speeds)
     built = build(system, progress=progress, precision=precision, tier=tier)
     progress("comparing")
-    return compare_with_reference(system, built, states, seed, precisions.named(built.precision))
+    arithmetic, storage = precisions.named(built.precision), precisions.named(built.storage)
+    return compare_with_reference(system, built, states, seed, arithmetic, storage)
 
 
 def facts(system: System) -> ModelFacts:
@@ -209,5 +252,24 @@ def facts(system: System) -> ModelFacts:
         body_names=tuple(body.name for body in system.bodies),
         loaded=tuple(body.loads for body in system.bodies),
         parameters=tuple((parameter.name, parameter.value) for parameter in system.parameters),
-        legend=LEGEND,
+        legend=legend(system),
+        freedom_bodies=tuple(system.bodies[freedom.body - 1].name for freedom in system.freedoms),
+        planar=_planar(system),
+        sequences=_sequences(system),
+        speed_names=system.speed_names,
     )
+
+
+def _sequences(system: System) -> tuple[tuple[str, str], ...]:
+    """`ModelFacts.sequences`."""
+    turning = [body for body in system.bodies if any(body.joint.free[:3])]
+    return tuple((b.name, b.joint.sequence) for b in turning if b.joint.sequence != NOTES)
+
+
+def _planar(system: System) -> tuple[tuple[int, str], ...]:
+    """`ModelFacts.planar`: cos(theta2) for three different axes, sin(theta2) where first and third agree."""
+    found = []
+    for k, body in enumerate(system.bodies, start=1):
+        if body.joint.turns_freely and not body.joint.spins:
+            found.append((system.places[Freedom(k, 1)], "sin" if body.joint.ends_alike else "cos"))
+    return tuple(found)

@@ -41,5 +41,13 @@ class MissingError(KanegenError):
     """Something optional that is not installed, or a program beside kanegen that cannot do what is asked."""
 
 
+class BudgetError(KanegenError):
+    """A budget of error or time that no variant keeps; says how far one gets, and with which."""
+
+
+class CertificateError(KanegenError):
+    """A certificate that cannot be read, was edited, or belongs to another model or version."""
+
+
 class KanegenWarning(UserWarning):
     """Something unusual that kanegen accepts, such as a violated triangle inequality."""

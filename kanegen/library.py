@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.c import Source
-from kanegen.errors import ArrayError, ModelError, OptionError
+from kanegen.diagnosis import Diagnosis, diagnosis
+from kanegen.errors import ArrayError, KanegenWarning, ModelError, OptionError
 from kanegen.evaluation import Evaluation
 from kanegen.native.arguments import Floats
 from kanegen.native.build import build
@@ -46,13 +49,13 @@ class Library:
     """The functions of a model, with values of its parameters.
 
     A state is an array of shape (n,); many at once are (B, n), and every result then has B rows, also where B
-    is 0. Contiguous arrays of its `precision` are passed to C as they are; lists, integers, other floats and
+    is 0. Contiguous arrays of its `storage` are passed to C as they are; lists, integers, other floats and
     other orders of memory are converted first. So a library in single precision rounds doubles; its results
     are arrays of float32. NaN and infinity pass through. A result does not depend on its place in a batch or
-    on what else is there; it may differ from that of the state alone in the last places, because batches have
-    their own sine and cosine (`kanegen_lanes.h`). Objects are immutable and may be
-    shared by threads; C runs without the interpreter's lock. They can be pickled: another process of the
-    machine loads the same compiled file.
+    on what else is there, and is that of the state alone: with strict semantics it is the same bits from
+    every compiler at every level, since sine and cosine are kanegen's own unless the variant says otherwise.
+    Objects are immutable and may be shared by threads; C runs without the interpreter's lock. They can be
+    pickled: another process of the machine loads the same compiled file.
     """
 
     def __init__(self, native: Native, parameters: Mapping[str, float]) -> None:
@@ -75,6 +78,11 @@ class Library:
         return self._native.source
 
     @property
+    def path(self) -> Path:
+        """File of the shared library."""
+        return self._native.path
+
+    @property
     def name(self) -> str:
         """Name of the system."""
         return self.source.model.name
@@ -90,14 +98,28 @@ class Library:
         return self.source.model.freedom_names
 
     @property
+    def speed_names(self) -> tuple[str, ...]:
+        """n names in the order of {y}: of the coordinate whose rate it is, or of the component."""
+        return self.source.model.speed_names or self.freedom_names
+
+    @property
     def outputs(self) -> tuple[str, ...]:
         """What it can compute."""
         return self.source.outputs
 
     @property
     def precision(self) -> str:
-        """Type of its numbers in C: "double", which is float64 in NumPy, or "float", which is float32."""
+        """The arithmetic of its C: "double", "float", "long double" or "double-double"."""
         return self.source.precision
+
+    @property
+    def storage(self) -> str:
+        """What its arrays hold: "double" is float64 in NumPy, "float" float32, "long double" longdouble.
+
+        For "double-double" they are float64 with a last axis of 2 behind the documented ones: every number is
+        the exact sum of two doubles, of which the first is that sum rounded. Arguments have that axis too.
+        """
+        return self.source.storage
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -209,7 +231,8 @@ class Library:
 
         Returns:
             (n,) or (B, n), in rad/s^2 and m/s^2. States of a batch in which [A] is singular have NaN, and a
-            `KanegenWarning` counts them.
+            `KanegenWarning` counts them. Where the result is refined and still not accurate to 1e-12 (5e-4
+            in single precision), a `KanegenWarning` says so.
 
         Raises:
             ArrayError: As in `forcing`.
@@ -220,6 +243,89 @@ class Library:
             self._require_loads(force)
         values = (x, y, None, tau, force, torque)
         return self._call("forward_dynamics")(self._constants, values)[0]
+
+    def error_estimate(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        tau: ArrayLike | None = None,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+    ) -> Floats:
+        """How much a first step of refinement changes each entry of {ydot}: about its error without any.
+
+        It does not see what is lost where loads, gravity, speeds and {tau} cancel.
+
+        Args:
+            x: As in `forward_dynamics`, like everything else.
+            y: Generalized speeds.
+            tau: Generalized forces.
+            force: Forces on the bodies.
+            torque: Torques on the bodies.
+
+        Returns:
+            (n,) or (B, n), in rad/s^2 and m/s^2, not negative.
+
+        Raises:
+            ArrayError, OptionError, SingularError: As `forward_dynamics`.
+        """
+        if force is not None or torque is not None:
+            self._require_loads(force)
+        values = (x, y, None, tau, force, torque)
+        return self._call("error_estimate")(self._constants, values)[0]
+
+    def regularity(self, x: ArrayLike) -> Floats:
+        """For each freedom its pivot in the elimination over its inertia, the entry on the diagonal of [A].
+
+        That is the share that is left where the freedoms eliminated before it may move: 1 where they do not
+        matter, 0 where [A] is singular. A joint whose three angles have their rates as speeds is eliminated
+        in the body's frame; there the share of theta1 holds the square of the distance to the state where
+        the angles fail, cos^2(theta2).
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+
+        Returns:
+            (n,) or (B, n).
+
+        Raises:
+            ArrayError: If `x` has the wrong shape or type.
+            OptionError: If this output was not generated.
+        """
+        return self._call("regularity")(self._constants, (x,))[0]
+
+    def diagnose(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        tau: ArrayLike | None = None,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+    ) -> Diagnosis:
+        """How far `forward_dynamics` can be trusted in these states, and which freedom is the worst.
+
+        Singular states are counted, not refused.
+
+        Args:
+            x: As in `forward_dynamics`, like everything else.
+            y: Generalized speeds.
+            tau: Generalized forces.
+            force: Forces on the bodies.
+            torque: Torques on the bodies.
+
+        Raises:
+            ArrayError: As `forward_dynamics`, and if there is no state.
+            OptionError: If "forward_dynamics", "error_estimate" and "regularity" were not all generated.
+        """
+        for name in ("forward_dynamics", "error_estimate", "regularity"):
+            self._call(name)
+        x, y = np.atleast_2d(np.asarray(x)), np.atleast_2d(np.asarray(y))
+        if not len(x):
+            raise ArrayError("diagnose: there is no state, the batch is empty.")
+        with warnings.catch_warnings(action="ignore", category=KanegenWarning):
+            acceleration = self.forward_dynamics(x, y, tau, force, torque)
+            estimate = self.error_estimate(x, y, tau, force, torque)
+        return diagnosis(self.source.model, x, acceleration, estimate, self.regularity(x))
 
     def kinetic_energy(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """Kinetic energy of all bodies in inertial space, {y}^T [A] {y} / 2.
@@ -304,6 +410,24 @@ class Library:
             OptionError: If this output was not generated.
         """
         return self._call("body_poses")(self._constants, (x,))[0]
+
+    def coordinate_rates(self, x: ArrayLike, y: ArrayLike) -> Floats:
+        """{xdot}: Eq. (9) where speeds are components of angular velocities, else {y}.
+
+        Args:
+            x: (n,) or (B, n) coordinates, rad and m.
+            y: Generalized speeds, of the same shape, rad/s and m/s.
+
+        Returns:
+            (n,) or (B, n), in rad/s and m/s. States of a batch in which the angles of a body have no rates
+            have NaN, and a `KanegenWarning` counts them.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If this output was not generated.
+            SingularError: If the axes of three angles lie in a plane in the one state; names the middle one.
+        """
+        return self._call("coordinate_rates")(self._constants, (x, y))[0]
 
     def evaluate(
         self,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import reduce
+from functools import cmp_to_key, reduce
 
 import sympy
-from sympy import Expr, Symbol
+from sympy import Basic, Expr, Symbol
 
-from kanegen.errors import ModelError
+from kanegen.constants import DOUBLES, Constants
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
 from kanegen.program.ir import Array, Op, Output, Program
@@ -17,14 +17,15 @@ from kanegen.symbolic.definitions import Definition
 
 FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
 
-POWERS = (2, -1)
-"""Squares and reciprocals are all that a recursion makes of powers."""
+POWERS = (2, -1, sympy.S.Half)
+"""Squares, reciprocals and square roots are all that a recursion makes of powers."""
 
 
 def lower(
     inputs: Mapping[Array, Sequence[tuple[Symbol, str]]],
     definitions: Sequence[Definition],
     outputs: Mapping[Array, Derived],
+    constants: Constants = DOUBLES,
 ) -> Program:
     """A program that evaluates `definitions` and stores `outputs`.
 
@@ -32,9 +33,10 @@ def lower(
         inputs: For every input array the symbol that each element stands for, and its name in C.
         definitions: In order of evaluation.
         outputs: What fills every output array.
+        constants: How exact its numbers are.
     """
     builder = Builder(tuple(inputs))
-    lowering = _Lowering(builder)
+    lowering = _Lowering(builder, constants)
     for array, elements in inputs.items():
         for index, (symbol, name) in enumerate(elements):
             lowering.values[symbol] = builder.input(array.name, index, name)
@@ -42,7 +44,12 @@ def lower(
         value = lowering.value(definition.value)
         lowering.values[definition.symbol] = builder.name(value, definition.symbol.name, definition.note)
     filled = [
-        Output(array, lowering.all(derived.entries), lowering.all(derived.positive))
+        Output(
+            array,
+            lowering.all(derived.entries),
+            lowering.all(derived.positive),
+            margins=lowering.all(derived.margins),
+        )
         for array, derived in outputs.items()
     ]
     return check(builder.program(filled))
@@ -51,8 +58,9 @@ def lower(
 class _Lowering:
     """Turns small expressions into values of a builder."""
 
-    def __init__(self, builder: Builder) -> None:
+    def __init__(self, builder: Builder, constants: Constants) -> None:
         self.builder = builder
+        self.constants = constants
         self.values: dict[Expr, int] = {}
 
     def all(self, expressions: Sequence[Expr]) -> tuple[int, ...]:
@@ -63,7 +71,7 @@ class _Lowering:
         if known is not None:
             return known
         if expression.is_Rational:
-            return self.builder.constant(_rounded(expression.p, expression.q))
+            return self.builder.constant(self.constants.number(expression.p, expression.q))
         if expression.is_Float:
             return self.builder.constant(float(expression))
         arguments = expression.args
@@ -74,7 +82,9 @@ class _Lowering:
         if expression.is_Pow and arguments[1] in POWERS:
             base = self.value(arguments[0])
             if arguments[1] == -1:
-                return self.builder.divide(self.builder.constant(1.0), base)
+                return self.builder.divide(self.builder.constant(self.constants.number(1, 1)), base)
+            if arguments[1] == sympy.S.Half:
+                return self.builder.function(Op.SQRT, base)
             return self.builder.multiply(base, base)
         function = FUNCTIONS.get(type(expression))
         if function is not None:
@@ -82,15 +92,18 @@ class _Lowering:
         raise TypeError(f"no instruction for {type(expression).__name__}: {expression}")
 
     def _sum(self, terms: Sequence[Expr]) -> int:
-        """Left to right; a number last, where SymPy puts it first."""
-        ordered = sorted(terms, key=lambda term: bool(term.is_Number))
-        return reduce(self.builder.add, (self.value(term) for term in ordered))
+        """Left to right; a number last, where SymPy puts it first.
+
+        The order does not depend on numbers in front of the terms, as SymPy's does: so the same system in
+        units that are smaller by powers of two has the same program, and every result the same bits.
+        """
+        return reduce(self.builder.add, (self.value(term) for term in sorted(terms, key=_without_number)))
 
 
-def _rounded(numerator: int, denominator: int) -> float:
-    try:
-        return numerator / denominator
-    except OverflowError:
-        raise ModelError(
-            "a constant leaves the range of double precision; choose units nearer to 1."
-        ) from None
+def _without_number(term: Expr) -> tuple[bool, object]:
+    """A place among the terms of a sum: that of its factors in SymPy's order, numbers after everything."""
+    _, factors = term.as_coeff_Mul()
+    return bool(term.is_Number), _SYMPY_ORDER(factors)
+
+
+_SYMPY_ORDER = cmp_to_key(Basic.compare)

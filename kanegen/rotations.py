@@ -52,8 +52,12 @@ def nearest_rotation(m: Square) -> Square:
 
 
 def turn(axis: int, angle: float) -> Square:
-    """From a frame to the one turned by `angle` (rad) about basis vector `axis` (0, 1 or 2)."""
-    sine, cosine = sine_cosine(angle)
+    """From a frame to the one turned by a constant `angle` (rad) about basis vector `axis` (0, 1 or 2)."""
+    return planar(axis, *sine_cosine(angle))
+
+
+def planar(axis: int, sine: float, cosine: float) -> Square:
+    """From a frame to the one turned about basis vector `axis` by the angle of this sine and cosine."""
     j, k = (axis + 1) % 3, (axis + 2) % 3
     return _with_entries({(axis, axis): 1.0, (j, j): cosine, (j, k): sine, (k, j): -sine, (k, k): cosine})
 
@@ -61,6 +65,19 @@ def turn(axis: int, angle: float) -> Square:
 def rotation_123(angles: Triple) -> Square:
     """[R_123] of Eq. (4): from the frame before three body-fixed turns (rad) to the one after them."""
     return product(turn(2, angles[2]), product(turn(1, angles[1]), turn(0, angles[0])))
+
+
+def angles_123(m: Square) -> Triple:
+    """Angles (rad) of `rotation_123` with a middle one from -pi/2 to pi/2.
+
+    The last is read from the rotation that the first leaves, so that together they stay accurate where
+    neither is well defined.
+    """
+    first = math.atan2(-m[2][1], m[2][2])
+    middle = math.atan2(m[2][0], math.hypot(m[2][1], m[2][2]))
+    sine, cosine = math.sin(first), math.cos(first)
+    last = math.atan2(cosine * m[0][1] + sine * m[0][2], cosine * m[1][1] + sine * m[1][2])
+    return first, middle, last
 
 
 def rotation_rpy(angles: Triple) -> Square:

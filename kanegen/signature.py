@@ -8,14 +8,11 @@ from dataclasses import dataclass, replace
 from sympy import Symbol
 
 from kanegen.errors import OptionError
-from kanegen.program.ir import EVALUATE, Array
-from kanegen.program.split import Signature
+from kanegen.program.ir import EVALUATE, Array, Condition
+from kanegen.program.split import PARAMETERS, Signature
 from kanegen.suggest import did_you_mean
 from kanegen.symbolic import symbols
 from kanegen.system import System
-
-PARAMETERS = "parameters"
-"""Name of the input array that holds the run-time parameters."""
 
 Elements = tuple[tuple[Symbol, str], ...]
 
@@ -84,6 +81,25 @@ def _body_poses(system: System) -> Array:
     return Array("body_poses", (system.number_of_bodies, 4, 3), "1, m", doc)
 
 
+def _coordinate_rates(system: System) -> Array:
+    doc = "{xdot}, the rates of the coordinates, Eqs. (9), (45)"
+    condition = Condition("squared divisor of Eq. (9)", "the angles have no rates")
+    return Array("xdot", (len(system.freedoms),), "rad/s, m/s", doc, condition)
+
+
+def _error_estimate(system: System) -> Array:
+    doc = "about the error of each entry of {ydot} before refinement: how much a first step changes it"
+    return Array("error_estimate", (len(system.freedoms),), "rad/s^2, m/s^2", doc)
+
+
+def _regularity(system: System) -> Array:
+    doc = (
+        "for each freedom what is left of its inertia where freedoms that are eliminated before it may move; "
+        "1 is all, 0 singular"
+    )
+    return Array("regularity", (len(system.freedoms),), "1", doc)
+
+
 LOADS = ("force", "torque")
 
 OUTPUTS: dict[str, OutputKind] = {
@@ -91,11 +107,14 @@ OUTPUTS: dict[str, OutputKind] = {
     "forcing": OutputKind(_forcing, ("x", "y", *LOADS)),
     "inverse_dynamics": OutputKind(_generalized_force, ("x", "y", "ydot", *LOADS)),
     "forward_dynamics": OutputKind(_acceleration, ("x", "y", "tau", *LOADS)),
+    "error_estimate": OutputKind(_error_estimate, ("x", "y", "tau", *LOADS)),
+    "regularity": OutputKind(_regularity, ("x",)),
     "kinetic_energy": OutputKind(_kinetic_energy, ("x", "y")),
     "potential_energy": OutputKind(_potential_energy, ("x",)),
     "momentum": OutputKind(_momentum, ("x", "y")),
     "mass_center": OutputKind(_mass_center, ("x",)),
     "body_poses": OutputKind(_body_poses, ("x",)),
+    "coordinate_rates": OutputKind(_coordinate_rates, ("x", "y")),
 }
 
 EQUATIONS = ("mass_matrix", "forcing")
@@ -123,15 +142,16 @@ def input_arrays(system: System) -> dict[Array, Elements]:
     """Every input array of a system and the symbols of its elements, in the order of the C arguments."""
     n, bodies = len(system.freedoms), system.number_of_bodies
     x = [symbols.coordinate(freedom.body, freedom.index) for freedom in system.freedoms]
-    y = [symbols.speed(freedom.body, freedom.index) for freedom in system.freedoms]
     arrays = {
         Array("x", (n,), "rad, m", "{x}, the coordinates: angles, then translations, Eq. (1)"): _named(x),
-        Array("y", (n,), "rad/s, m/s", "{y}, the generalized speeds in the same order, Eq. (1)"): _named(y),
+        Array("y", (n,), "rad/s, m/s", "{y}, the generalized speeds in the same order, Eq. (1)"): _named(
+            symbols.speeds(system)
+        ),
     }
-    given = [symbols.acceleration(freedom.body, freedom.index) for freedom in system.freedoms]
+    given = symbols.accelerations(system)
     forces = [symbols.generalized_force(freedom.body, freedom.index) for freedom in system.freedoms]
     arrays |= {
-        Array("ydot", (n,), "rad/s^2, m/s^2", "{ydot}, accelerations of the coordinates"): _named(given),
+        Array("ydot", (n,), "rad/s^2, m/s^2", "{ydot}, derivatives of the generalized speeds"): _named(given),
         Array("tau", (n,), "N m, N", "generalized forces beside loads and gravity"): _named(forces),
     }
     if system.parameters:

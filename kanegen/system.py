@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from kanegen import arrays, validation
-from kanegen.body import FREEDOMS, IDENTITY, Body, Joint
-from kanegen.errors import ModelError, WriteError
+from kanegen.body import FREEDOMS, IDENTITY, SPEEDS, Body, Joint
+from kanegen.errors import ModelError, OptionError, WriteError
 from kanegen.files import write_whole
 from kanegen.names import check_identifier
 from kanegen.numbers import Number, Parameter, Vector, map_numbers, numbers, value_of, word
+from kanegen.sequences import NOTES
 from kanegen.suggest import did_you_mean
 from kanegen.toml_text import toml_text
 
@@ -72,6 +73,7 @@ class System:
         if not self.freedoms:
             raise ModelError(f"system {self.name!r} has no free freedom: every joint is locked.")
         validation.unique("freedom name", self.freedom_names)
+        validation.unique("speed name", self.speed_names)
         validation.parameter_names(self.parameters, self.number_of_bodies)
 
     @classmethod
@@ -88,6 +90,8 @@ class System:
         gravity: Any = GRAVITY,
         loads: Any = None,
         name: str = "system",
+        sequence: Any = NOTES,
+        speeds: Any = SPEEDS[0],
     ) -> _S:
         """A system from one array a quantity; body K is row K - 1 and is called `bodyK`.
 
@@ -105,6 +109,8 @@ class System:
             gravity: (3,) inertial components, m/s^2.
             loads: None, True or (N,) bool: bodies that take force and torque inputs.
             name: A C identifier; prefix of everything in the generated code.
+            sequence: One name or (N,) names of `sequences.SEQUENCES`: about which axes the angles turn.
+            speeds: One name or (N,) names of `body.SPEEDS`: what the speeds of the angles are.
 
         Raises:
             ModelError: If a shape, a number, the tree or the name is not usable.
@@ -120,10 +126,13 @@ class System:
         frees = rows.flags(free, 6, True, "free")
         lockeds = rows.numbers(locked, (6,), (0.0,) * 6, "locked")
         loaded = rows.loads(loads)
+        kinds = rows.names(speeds, "speeds")
+        order = rows.names(sequence, "sequence")
         bodies = []
         for k in range(count):
             try:
-                joint = Joint(positions[k], orientations[k], frees[k], lockeds[k])
+                turning = {"sequence": order[k], "speeds": kinds[k]}
+                joint = Joint(positions[k], orientations[k], frees[k], lockeds[k], **turning)
             except ModelError as error:
                 raise ModelError(f"body {k + 1}: {error}") from None
             label = f"body{k + 1}"
@@ -160,6 +169,46 @@ class System:
     def freedom_names(self) -> tuple[str, ...]:
         """n unique names in the order of {x}: the joint's name, or `<body>.theta1` ... `<body>.s3`."""
         return tuple(self._freedom_name(freedom) for freedom in self.freedoms)
+
+    @cached_property
+    def speed_names(self) -> tuple[str, ...]:
+        """n unique names in the order of {y}: of the coordinate whose rate it is, or of the component.
+
+        The components of a relative angular velocity, Eq. (8), are `<body>.omega1`, `omega2`, `omega3`.
+        """
+        return tuple(
+            f"{self.bodies[freedom.body - 1].name}.omega{freedom.axis + 1}" if self.spins(freedom) else name
+            for freedom, name in zip(self.freedoms, self.freedom_names, strict=True)
+        )
+
+    def spins(self, freedom: Freedom) -> bool:
+        """Whether the speed at the place of `freedom` is a component of a relative angular velocity."""
+        return freedom.is_angle and self.bodies[freedom.body - 1].joint.spins
+
+    @property
+    def speeds_are_rates(self) -> bool:
+        """Whether {xdot} = {y}, Eq. (45)."""
+        return not any(body.joint.spins for body in self.bodies)
+
+    def with_speeds(self: _S, speeds: str) -> _S:
+        """The same system with other generalized speeds at every joint that has three free angles.
+
+        Args:
+            speeds: One of `body.SPEEDS`: "angle_rates", or "angular_velocity" for the components of
+                `omega_hat'_K`, Eq. (8), with which [A] is regular everywhere. Other joints stay as they are.
+
+        Raises:
+            OptionError: If there are no such speeds.
+        """
+        if speeds not in SPEEDS:
+            raise OptionError(f"unknown speeds {speeds!r}. {did_you_mean(speeds, SPEEDS)}")
+        return replace(
+            self,
+            bodies=tuple(
+                replace(body, joint=replace(body.joint, speeds=speeds)) if body.joint.turns_freely else body
+                for body in self.bodies
+            ),
+        )
 
     def _freedom_name(self, freedom: Freedom) -> str:
         body = self.bodies[freedom.body - 1]
@@ -219,6 +268,8 @@ class System:
             locked=map_numbers(tuple(joint.locked for joint in joints), value_of),
             gravity=map_numbers(self.gravity, value_of),
             loads=tuple(body.loads for body in self.bodies),
+            sequence=tuple(joint.sequence for joint in joints),
+            speeds=tuple(joint.speeds for joint in joints),
         )
 
     def as_table(self) -> dict[str, Any]:

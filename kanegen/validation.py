@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from collections.abc import Sequence
@@ -93,10 +94,9 @@ def mass(value: Number) -> Number:
 def inertia(value: Matrix, body: str) -> Matrix:
     """A symmetric, positive semidefinite inertia; warns where the triangle inequality fails."""
     matrix = np.array(map_numbers(value, value_of))
+    unit = _power_of_two(float(np.abs(matrix).max()))
+    matrix = matrix / unit
     size = float(np.abs(matrix).max())
-    with np.errstate(over="ignore"):
-        if not np.isfinite(np.linalg.norm(matrix)):
-            raise ModelError("inertia is too large for double precision.")
     for i, j in ((0, 1), (0, 2), (1, 2)):
         pair = (value[i][j], value[j][i])
         if abs(matrix[i, j] - matrix[j, i]) > INERTIA_ROUNDING * size or _differ(*pair):
@@ -104,17 +104,22 @@ def inertia(value: Matrix, body: str) -> Matrix:
     moments = np.linalg.eigvalsh((matrix + matrix.T) / 2)
     if moments[0] < -INERTIA_ROUNDING * size:
         raise ModelError(
-            f"inertia is not positive semidefinite: principal moments {moments.tolist()} kg m^2. "
+            f"inertia is not positive semidefinite: principal moments {(moments * unit).tolist()} kg m^2. "
             "Check the signs of the products of inertia."
         )
     if moments[2] > (moments[0] + moments[1]) * (1 + INERTIA_ROUNDING) + INERTIA_ROUNDING * size:
         warnings.warn(
-            f"body {body!r}: principal moments {moments.tolist()} kg m^2 violate the triangle inequality; "
-            "no real body has them.",
+            f"body {body!r}: principal moments {(moments * unit).tolist()} kg m^2 violate the triangle "
+            "inequality; no real body has them.",
             KanegenWarning,
             stacklevel=2,
         )
     return _symmetric(value)
+
+
+def _power_of_two(size: float) -> float:
+    """The one next to `size`: what is divided by it neither overflows nor loses a bit when squared."""
+    return 2.0 ** (math.frexp(size)[1] - 1) if size else 1.0
 
 
 def _differ(a: Number, b: Number) -> bool:
@@ -164,7 +169,7 @@ def unique(what: str, names: Sequence[str]) -> None:
         seen.add(name)
 
 
-_SYMBOL = re.compile(r"(?:theta|thetadot|thetaddot|s|sdot|sddot|F|M|tau)_(\d+)_[1-6]")
+_SYMBOL = re.compile(r"(?:theta|thetadot|thetaddot|omegahat|omegahatdot|s|sdot|sddot|F|M|tau)_(\d+)_[1-6]")
 
 
 def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int) -> None:

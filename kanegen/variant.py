@@ -6,8 +6,9 @@ choice costs and what error it has is measured, never assumed.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
 
 from kanegen import precision as precisions
 from kanegen import semantics as rules
@@ -18,6 +19,19 @@ from kanegen.suggest import did_you_mean
 SOLVERS = ("cheapest", "articulated bodies", "factorisation")
 """Ways to {ydot}: the cheapest by operation count among those that lose no accuracy, or one by name."""
 
+SINCOS = ("shared", "libm", *(f"polynomial-{degree}" for degree in range(5, 16, 2)))
+"""Sine and cosine: kanegen's own, with the same bits everywhere; those of the C library; or polynomials of
+this degree and the next, whose errors the C states."""
+
+
+NOTHING: Mapping[str, str] = MappingProxyType({})
+
+AUTO = "auto"
+"""Refinement where the model needs it."""
+
+REFINEMENTS = (0, 1, 2, AUTO)
+"""Steps of iterative refinement in forward dynamics."""
+
 
 def _one_of(what: str, value: object, known: tuple[object, ...]) -> None:
     if isinstance(value, bool) or value not in known:
@@ -27,7 +41,7 @@ def _one_of(what: str, value: object, known: tuple[object, ...]) -> None:
 def _words(value: object) -> str:
     if isinstance(value, tuple):
         return ", ".join(map(str, value)) or "none"
-    return str(value)
+    return str(value) or "own"
 
 
 @dataclass(frozen=True)
@@ -35,12 +49,15 @@ class Variant:
     """One way to compute the equations of a tree.
 
     Attributes:
-        precision: Type of all numbers in C, a name of `precision.PRECISIONS`.
+        precision: Arithmetic, a name of `precision.PRECISIONS`.
         solver: Way to {ydot}, one of `SOLVERS`.
         without: Passes of the optimiser that are left out.
         semantics: What the compiler may do to arithmetic, names of `semantics.SEMANTICS`.
         machine: What the code may run on, one of `semantics.MACHINES`.
         optimisation: The compiler's level, one of `semantics.OPTIMISATIONS`.
+        sincos: Sine and cosine, one of `SINCOS`.
+        refinement: Steps of iterative refinement in forward dynamics, one of `REFINEMENTS`.
+        storage: Type of the arrays, a name of `precision.PRECISIONS`; "" for the own one of `precision`.
     """
 
     precision: str = "double"
@@ -49,6 +66,9 @@ class Variant:
     semantics: tuple[str, ...] = (rules.STRICT,)
     machine: str = "portable"
     optimisation: int = 2
+    sincos: str = "shared"
+    storage: str = ""
+    refinement: int | str = AUTO
 
     def __post_init__(self) -> None:
         """Check every choice.
@@ -56,12 +76,33 @@ class Variant:
         Raises:
             OptionError: If one does not exist.
         """
-        precisions.named(self.precision)
+        precisions.storage(self.precision, self.storage)
         _one_of("solver", self.solver, SOLVERS)
+        _one_of("refinement", self.refinement, REFINEMENTS)
         _one_of("machine", self.machine, tuple(rules.MACHINES))
+        _one_of("sincos", self.sincos, SINCOS)
+        self._require_sincos()
         _one_of("optimisation", self.optimisation, rules.OPTIMISATIONS)
         object.__setattr__(self, "without", passes.names(self.without))
         object.__setattr__(self, "semantics", rules.names(self.semantics))
+        self._require_properties()
+
+    def _require_properties(self) -> None:
+        missing = precisions.named(self.precision).needs.difference(rules.promised(self.semantics))
+        if missing:
+            raise OptionError(
+                f"precision {self.precision!r} needs {', '.join(sorted(missing))}, which semantics "
+                f"{', '.join(self.semantics)} give up. Take strict semantics."
+            )
+
+    def _require_sincos(self) -> None:
+        """Other precisions have one accurate way, and none of the C library has pairs."""
+        known = {"long double": ("shared", "libm"), "double-double": ("shared",)}.get(self.precision, SINCOS)
+        if self.sincos not in known:
+            raise OptionError(
+                f"sincos {self.sincos!r} does not go with precision {self.precision!r}, "
+                f"which takes {' or '.join(known)}."
+            )
 
     @property
     def flags(self) -> tuple[str, ...]:
@@ -73,16 +114,17 @@ class Variant:
         """Whether no bit depends on the compiler."""
         return self.semantics == (rules.STRICT,)
 
-    def described(self) -> tuple[tuple[str, str], ...]:
-        """Every choice as a pair of words, in the order of the fields."""
+    def described(self, decided: Mapping[str, str] = NOTHING) -> tuple[tuple[str, str], ...]:
+        """Every choice as a pair of words, in the order of the fields; some of them as `decided`."""
         values = ((field.name, getattr(self, field.name)) for field in fields(self))
-        return tuple((name, _words(value)) for name, value in values)
+        return tuple((name, decided.get(name, _words(value))) for name, value in values)
 
 
 TIERS = {
     "strict": Variant(),
     "fast": Variant(semantics=rules.RELAXED, machine="native", optimisation=3),
     "single": Variant(precision="float"),
+    "exact": Variant(precision="double-double", refinement=1),
 }
 """Variants by the name of the promise that they keep."""
 
@@ -95,6 +137,8 @@ def chosen(
     *,
     precision: str | None = None,
     without: Iterable[str] | None = None,
+    storage: str | None = None,
+    sincos: str | None = None,
 ) -> Variant:
     """A variant, or the tier of that name, with some choices changed.
 
@@ -107,6 +151,10 @@ def chosen(
         tier = TIERS[tier]
     if precision is not None:
         tier = replace(tier, precision=precision)
+    if storage is not None:
+        tier = replace(tier, storage=storage)
+    if sincos is not None:
+        tier = replace(tier, sincos=sincos)
     if without is not None:
         tier = replace(tier, without=passes.names(without))
     return tier

@@ -110,14 +110,20 @@ def facts(name="handmade", parameters=True, loads=True):
 
 
 def source(
-    name="handmade", outputs=("mass_matrix", "forcing"), parameters=True, loads=True, precision=DOUBLE
+    name="handmade",
+    outputs=("mass_matrix", "forcing"),
+    parameters=True,
+    loads=True,
+    precision=DOUBLE,
+    sincos="shared",
+    storage="",
 ):
     operations = {**OPERATIONS, "prepare": 2 if parameters else 0}
     return render(
         facts(name, parameters, loads),
         module(outputs, parameters, loads),
         operations,
-        Variant(precision.name),
+        Variant(precision.name, sincos=sincos, storage=storage),
     )
 
 

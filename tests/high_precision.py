@@ -33,7 +33,8 @@ def exact(values: NDArray[np.float64] | None) -> Any:
 
 def exact_system(system: SystemArrays) -> SystemArrays:
     """The same system for high-precision states."""
-    floats = [field.name for field in fields(system) if getattr(system, field.name).dtype == np.float64]
+    arrays = {field.name: np.asarray(getattr(system, field.name)) for field in fields(system)}
+    floats = [name for name, values in arrays.items() if values.dtype == np.float64]
     return replace(system, **{name: exact(getattr(system, name)) for name in floats})
 
 

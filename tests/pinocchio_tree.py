@@ -1,7 +1,7 @@
 """The same tree as a Pinocchio model: an implementation of rigid-body dynamics that shares no code with ours.
 
-Every free freedom becomes one prismatic or revolute joint, in the order translations 1, 2, 3, angles 1, 2,
-3; locked ones become part of the next placement.
+Every free freedom becomes one prismatic or revolute joint, in the order translations 1, 2, 3, then angles in
+their sequence; locked ones become part of the next placement.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from kanegen.arrays import SystemArrays
+from kanegen.sequences import SEQUENCES
 from kanegen.system import System
 
 Floats = NDArray[np.float64]
@@ -45,13 +46,14 @@ class PinocchioTree:
         a = self.arrays
         joint, lower = self.carrier[int(a.connection[k])]
         placement = lower * pin.SE3(a.joint_orientation[k].T, a.joint_position[k])
+        axes = (*SEQUENCES[a.sequence[k]], 3, 4, 5)
         for freedom in (3, 4, 5, 0, 1, 2):
             if a.free[k, freedom]:
-                joint = self.model.addJoint(joint, _joint(freedom), placement, f"{k}.{freedom}")
+                joint = self.model.addJoint(joint, _joint(axes[freedom]), placement, f"{k}.{freedom}")
                 self.joint_of[k, freedom] = joint
                 placement = pin.SE3.Identity()
             else:
-                placement = placement * _displacement(freedom, a.locked[k, freedom])
+                placement = placement * _displacement(axes[freedom], a.locked[k, freedom])
         self.model.appendBodyToJoint(joint, pin.Inertia(a.mass[k], a.mass_center[k], a.inertia[k]), placement)
         self.carrier[k + 1] = joint, placement
 
@@ -97,14 +99,14 @@ def _depth_first(connection: list[int]) -> list[int]:
     return order
 
 
-def _joint(freedom: int) -> Any:
-    kind = "P" if freedom >= 3 else "R"
-    return getattr(pin, f"JointModel{kind}{'XYZ'[freedom % 3]}")()
+def _joint(kind: int) -> Any:
+    """Turns about the axes 0, 1, 2, or slides along them as 3, 4, 5."""
+    return getattr(pin, f"JointModel{'P' if kind >= 3 else 'R'}{'XYZ'[kind % 3]}")()
 
 
-def _displacement(freedom: int, value: float) -> Any:
+def _displacement(kind: int, value: float) -> Any:
     """Placement of a joint locked at `value`."""
-    axis = np.eye(3)[freedom % 3]
-    if freedom >= 3:
+    axis = np.eye(3)[kind % 3]
+    if kind >= 3:
         return pin.SE3(np.eye(3), value * axis)
     return pin.SE3(pin.AngleAxis(value, axis).matrix(), np.zeros(3))

@@ -107,7 +107,7 @@ def test_loads_and_parameters_are_left_out_and_said() -> None:
     assert not any(body.loads for body in changed.bodies)
     np.testing.assert_array_equal(changed.values().mass, crane.values().mass)
     assert notes == (
-        "loads are switched off: not every peer takes them",
+        "loads are switched off: not everything that is timed takes them",
         "run-time parameters are constants, at their defaults: bridge_mass, trolley_mass, load_mass",
     )
     assert plain(changed) == (changed, ())
@@ -275,6 +275,9 @@ def test_the_command(tmp_path: Path) -> None:
     [
         (("--peer", "drake"), "unknown peer 'drake'."),
         (("--plot", "a.png"), "--plot: a.png does not end in .svg."),
+        (("--json", "nowhere/a.json"), "nowhere/a.json: cannot be written: No such file or directory."),
+        (("--plot", "nowhere/a.svg"), "nowhere/a.svg: cannot be written: No such file or directory."),
+        (("--json", "."), ".: cannot be written: "),
     ],
 )
 def test_the_command_with_wrong_options(options: tuple[str, ...], message: str, tmp_path: Path) -> None:

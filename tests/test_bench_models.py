@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from xml.etree import ElementTree as xml
 
 import numpy as np
@@ -9,10 +10,11 @@ import pytest
 from numpy.typing import NDArray
 
 import kanegen as kg
-from kanegen.bench.peers.joints import KINDS, Placement, single_joints
+from kanegen.bench.peers.joints import KINDS, Placement, floating_joints, single_joints
 from kanegen.bench.peers.mjcf import links, mjcf
 from kanegen.check.kinematics import kinematics
 from kanegen.errors import MissingError
+from kanegen.sequences import SEQUENCES
 from tests import systems
 
 Floats = NDArray[np.float64]
@@ -20,11 +22,13 @@ SEEDS = range(6)
 
 
 def tree(seed: int) -> kg.System:
-    """A random tree in which no body is welded to the ground."""
+    """A random tree in which no body is welded to the ground; with odd seeds, in random sequences of axes."""
     rng = np.random.default_rng(seed)
     free = systems.random_free(rng, 6)
     free[:, seed % 6] = True
-    return systems.random_system(rng, 6, free=free)
+    system = systems.random_system(rng, 6, free=free)
+    names = tuple(str(name) for name in rng.permutation(list(SEQUENCES))[:6])
+    return systems.from_values(replace(system.values(), sequence=names)) if seed % 2 else system
 
 
 def screw(axis: Floats, anchor: Floats, value: float, turns: bool) -> Placement:
@@ -123,6 +127,14 @@ def test_joints_with_nothing_between_them_share_a_body() -> None:
     assert [[joint.kind for joint in link.joints] for link in found] == [
         ["PX", "PY", "PZ", "RX", "RY", "RZ"]
     ] * 2
+
+
+def test_free_flyers_have_the_angles_of_the_notes() -> None:
+    """Drivers make a free-flyer's quaternion from 1-2-3; another sequence stays six joints."""
+    one, two = systems.chain(2, systems.FREEDOMS).bodies
+    turned = replace(two, joint=replace(two.joint, sequence="3-1-3"))
+    found = floating_joints(kg.System("two", (one, turned)))
+    assert [joint.kind for joint in found] == ["free-flyer", "PX", "PY", "PZ", "RZ", "RX", "RZ"]
 
 
 def test_a_fork_without_mass() -> None:

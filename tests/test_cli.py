@@ -31,11 +31,12 @@ def kanegen(*arguments: str, status: int = 0, **environment: str) -> subprocess.
 
 def test_help_names_every_command() -> None:
     text = kanegen("--help").stdout
-    for command in ("generate", "check", "equations", "info", "bench", "--version", "Exit status"):
+    for command in ("generate", "verify", "check", "equations", "info", "bench", "tradeoff", "--version"):
         assert command in text
+    assert "Exit status" in text
 
 
-@pytest.mark.parametrize("command", ["generate", "check", "equations", "info", "bench"])
+@pytest.mark.parametrize("command", ["generate", "check", "equations", "info", "bench", "tradeoff"])
 def test_every_command_has_help(command: str) -> None:
     assert "MODEL" in kanegen(command, "--help").stdout
 

@@ -156,7 +156,7 @@ def test_sine_and_cosine_are_right_to_the_last_place(width):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_large_angles_are_left_to_libm_and_harm_no_neighbour(width):
+def test_large_angles_harm_no_neighbour(width):
     function = of_one(waves(), wide(width))
     x = np.array(
         [0.3, 1.5e6, 2.0, np.inf, -1e30, np.nan, 1.0, np.nextafter(np.float32(1e4), np.float32(2e4)), -0.1]
@@ -165,7 +165,7 @@ def test_large_angles_are_left_to_libm_and_harm_no_neighbour(width):
     assert bits(found) == bits([function([[v, v]])[0] for v in x])
     x = x.astype(np.float32).astype(float)
     exact = [[f(v) if math.isfinite(v) else math.nan for f in (math.sin, math.cos)] for v in x]
-    np.testing.assert_allclose(found, exact, rtol=2e-7)
+    np.testing.assert_allclose(found, exact, rtol=1e-7)
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -288,6 +288,6 @@ def test_status(width):
 @pytest.mark.parametrize("name", ["single", "Float", "", 32])
 @pytest.mark.parametrize("function", [kg.generate, kg.build, kg.compare])
 def test_unknown_precisions(function, name):
-    known = r"(Known are 'double', 'float'|Did you mean 'float')"
+    known = r"(Known are 'double', 'float', 'long double', 'double-double'|Did you mean 'float')"
     with pytest.raises(OptionError, match=rf"^unknown precision {name!r}\. {known}"):
         function(chain(2), precision=name)

@@ -1,5 +1,7 @@
 """The C in single precision: its text, what compilers and sanitizers say of it, and how it is used."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -28,11 +30,11 @@ def test_the_c_has_doubles_only_where_parameters_are_prepared():
     assert "prepared[0] = (float)" in prepare
     assert "sqrtf(" in rest
     assert "3.0f" in rest
-    code = rest + files["handmade_batch.c"] + files["kanegen_lanesf.h"]
-    assert "double" not in code.replace("sinf", "").replace("cosf", "")
+    code = rest + files["handmade_batch.c"] + files["kanegen_lanesf.h"] + files["kanegen_sincosf.h"]
+    assert "double" not in code
     assert "type float" in files["handmade.h"]
     assert "in single precision" in files["handmade.pc.in"]
-    assert "kanegen_lanes.h" not in "".join(files.values())
+    assert not re.search(r"kanegen_(lanes|sincos)\.h", "".join(files.values()))
     stamps = [
         {text.partition("\n")[0] for text in source(precision=p).files.values()} for p in (DOUBLE, FLOAT)
     ]
@@ -59,7 +61,7 @@ def test_c_is_clean_and_needs_only_libm(compiler, width, tmp_path):
         undefined = {
             line.split()[-1] for line in run("nm", "-u", f"{name}_batch.o", folder=folder).splitlines()
         }
-        assert undefined <= {"sinf", "cosf", "sincosf", "sqrtf", "memcpy"}
+        assert undefined <= {"sqrtf", "memcpy"}
 
 
 @pytest.mark.parametrize("compiler", CPP)
@@ -111,12 +113,15 @@ def test_every_width_and_compiler_gives_the_same_bits(compiler, flags, tmp_path,
         assert bits(found.forcing) == bits(expected.forcing), width
 
 
-def test_files_of_one_precision_are_not_mixed_with_those_of_the_other(tmp_path):
+def test_files_of_one_precision_replace_those_of_the_other_unless_they_were_changed(tmp_path):
     folder = source().write(tmp_path / "out")
+    source(precision=FLOAT).write(folder)
+    assert "type float" in (folder / "handmade.h").read_text()
+    assert (folder / "kanegen_lanesf.h").is_file()
+    with (folder / "kanegen_lanes.h").open("a") as file:
+        file.write("int mine;\n")
     with pytest.raises(WriteError, match=r"holds kanegen_lanes\.h, which are not this model's files"):
         source(precision=FLOAT).write(folder)
-    source(precision=FLOAT).write(tmp_path / "float")
-    source(precision=FLOAT).write(tmp_path / "float")
 
 
 def test_the_command_line(tmp_path):
@@ -124,4 +129,5 @@ def test_the_command_line(tmp_path):
     assert "float x[2]" in (tmp_path / "out" / "double_pendulum.h").read_text()
     assert "2^-24" in kanegen("check", PENDULUM, "--states", "20", "--precision", "float").stdout
     error = kanegen("check", PENDULUM, "--precision", "quad", status=2).stderr
-    assert error == "error: unknown precision 'quad'. Known are 'double', 'float'.\n"
+    known = "'double', 'float', 'long double', 'double-double'"
+    assert error == f"error: unknown precision 'quad'. Known are {known}.\n"

@@ -29,7 +29,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def library():
-    return load(source())
+    return load(source(sincos="libm"))  # whose bits Python has as well
 
 
 @pytest.fixture(scope="module")

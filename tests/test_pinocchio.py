@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,6 +12,7 @@ import kanegen as kg
 from kanegen.check import reference
 from kanegen.check.compare import compare
 from kanegen.check.states import random_states
+from kanegen.sequences import SEQUENCES
 from tests import systems
 from tests.pinocchio_tree import PinocchioTree
 
@@ -39,6 +42,17 @@ def test_eight_body_tree() -> None:
 @given(systems.systems())
 def test_any_tree(system: kg.System) -> None:
     """Any topology, any free and locked freedoms, any joint orientations, loads and gravity."""
+    report = compare(system, PinocchioTree(system), states=10)
+    assert report.passed, str(report)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_any_sequences(seed: int) -> None:
+    """Of the axes of the angles, each body with its own; some angles locked."""
+    rng = np.random.default_rng(seed)
+    arrays = systems.random_system(rng, 6).values()
+    drawn = rng.permutation(list(SEQUENCES))[:6]
+    system = systems.from_values(replace(arrays, sequence=tuple(str(name) for name in drawn)))
     report = compare(system, PinocchioTree(system), states=10)
     assert report.passed, str(report)
 

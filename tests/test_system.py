@@ -181,6 +181,19 @@ def test_a_violated_triangle_inequality_is_a_warning() -> None:
         kg.System.from_arrays(**arrays(inertia=inertia))
 
 
+@pytest.mark.parametrize("unit", [5e-324, 1e-300, 1e200, 7e307])
+def test_inertias_of_every_size_are_judged(unit: float) -> None:
+    """No square of them overflows or is lost."""
+    inertia = EYES * unit
+    assert kg.System.from_arrays(**arrays(inertia=inertia)).bodies[0].inertia[0][0] == unit
+    inertia[1] = np.diag([0.0, unit, 2 * unit])
+    with pytest.warns(kg.KanegenWarning, match="body 'body2'.*triangle inequality"):
+        kg.System.from_arrays(**arrays(inertia=inertia))
+    inertia[1] = np.diag([unit, -unit, unit])
+    with pytest.raises(kg.ModelError, match="not positive semidefinite"):
+        kg.System.from_arrays(**arrays(inertia=inertia))
+
+
 @pytest.mark.parametrize("name", [*HOSTILE, "", "while", "class", "a-b"])
 def test_hostile_system_and_parameter_names(name: str) -> None:
     with pytest.raises(kg.ModelError, match="system name"):

@@ -206,7 +206,7 @@ class Refusing:
     """A library that computes nothing but NaN."""
 
     outputs = ("inverse_dynamics", "forward_dynamics")
-    precision = "double"
+    precision = storage = "double"
 
     @property
     def parameters(self) -> dict[str, float]:

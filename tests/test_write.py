@@ -12,8 +12,8 @@ from kanegen.c.stamp import is_unchanged, stamped
 from kanegen.errors import WriteError
 from tests.handmade import source
 
-NAMES = """handmade.h handmade.c handmade_batch.c kanegen_lanes.h main.c CMakeLists.txt handmade.pc.in
-README.md""".split()
+NAMES = """handmade.h handmade.c handmade_batch.c kanegen_lanes.h kanegen_sincos.h main.c CMakeLists.txt
+handmade.pc.in README.md""".split()
 
 
 @pytest.fixture(scope="module")

@@ -1,8 +1,9 @@
 """Tries generated code where arithmetic is hardest, and writes docs/extremes.md and docs/extremes.svg.
 
-python -m benchmarks.extremes [--quick] [--only X1 ...] [--docs FOLDER]
+python -m benchmarks.extremes [--quick | --nightly] [--only X1 ...] [--docs FOLDER]
 
-Needs the extras `truth` and `bench`. The whole takes some minutes.
+Needs the extras `truth`, `bench`, `study` and `test`. The whole takes about ten
+minutes, the nightly size hours.
 """
 
 from __future__ import annotations
@@ -25,10 +26,11 @@ def main() -> None:
     options = _options()
     require("matplotlib")
     results: dict[str, list[Row]] = {}
+    size = Size(full=not options.quick, nightly=options.nightly)
     for subject in subjects():
         if subject.number in (options.only or [subject.number]):
             print(f"{subject.number} {subject.title}", file=sys.stderr, flush=True)
-            results[subject.number] = list(subject.rows(Size(full=not options.quick)))
+            results[subject.number] = list(subject.rows(size))
     options.docs.mkdir(parents=True, exist_ok=True)
     write_whole(options.docs / "extremes.md", document(results))
     if results.keys() >= PANELS.keys():
@@ -42,7 +44,9 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.extremes", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("--quick", action="store_true", help="the size that the tests run")
+    sizes = parser.add_mutually_exclusive_group()
+    sizes.add_argument("--quick", action="store_true", help="the size that the tests run")
+    sizes.add_argument("--nightly", action="store_true", help="with many more random examples")
     parser.add_argument("--only", nargs="+", help="numbers of subjects, such as X1")
     parser.add_argument("--docs", type=Path, default=DOCS)
     return parser.parse_args()

@@ -49,12 +49,10 @@ def subnormals(size: Size) -> Iterator[Row]:
             [not _keeps_subnormals(options)],
             "a fresh process: half of 1e-310 before and after",
             "subnormals stay",
-            CAUSE if "fast" in options and not _keeps_subnormals(options) else "",
         )
 
 
 FLAGS = {"default flags": "", "flags -O3 -ffast-math": "-O3 -ffast-math"}
-CAUSE = "with these flags gcc before 13 links start-up code that turns subnormals off in the whole process"
 
 _SCRIPT = """
 import sys

@@ -27,7 +27,7 @@ from kanegen.precision import Precision
 @subject("X1", "Straight chain")
 def straight_chain(size: Size) -> Iterator[Row]:
     """Its condition number grows like N^4; recursion over the bodies does not lose by it."""
-    lengths = size.pick([1, 8, 64], [1, 2, 4, 8, 16, 32, 64, 128])
+    lengths = size.pick([1, 8, 32], [1, 2, 4, 8, 16, 32, 64, 128, 256])
     for precision in PRECISIONS:
         found: list[Point] = []
         for bodies in lengths:

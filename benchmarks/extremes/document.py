@@ -22,7 +22,7 @@ and {f}. T(u) = 4 u chi formation (4 N + kappa_s) is what `kanegen.check.truth.b
 ends where formation kappa_s u reaches 0.01. 16 N u chi is stricter: no condition number appears in it.
 *figure* is the error that comes nearest to its limit, or how many cases failed; *limit* is the limit there.
 
-![Errors over the length of a straight chain, the mass ratio and the distance to gimbal lock](extremes.svg)"""
+![Errors over the length of a chain, the mass ratio, the distance to gimbal lock and time](extremes.svg)"""
 
 
 def document(results: Results) -> str:

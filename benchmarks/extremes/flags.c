@@ -1,4 +1,6 @@
-/* Counts the states in which floating-point flags go up: invalid, division by zero, overflow. */
+/* Counts the states in which floating-point flags go up: invalid, division by zero, overflow; with TRAP such a
+   flag ends the program. */
+#define _GNU_SOURCE
 #include <fenv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,6 +30,9 @@ int main(int argc, char **argv)
     REAL *found = malloc(count * N * sizeof *found);
     long one[3] = {0, 0, 0}, many[3] = {0, 0, 0};
     if (!found) return 1;
+#ifdef TRAP
+    feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
+#endif
     for (size_t i = 0; i < count; ++i) {
         feclearexcept(FE_ALL_EXCEPT);
         if (ONE(x + N*i, y + N*i, tau + N*i, found + N*i)) return 1;

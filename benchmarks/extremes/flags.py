@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+import platform
 import subprocess
-import tempfile
 import warnings
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import numpy as np
 
 import kanegen as kg
 from benchmarks.extremes import scenes
-from benchmarks.extremes.measuring import FLAGS, FORWARD, PRECISIONS, Floats, built, efforts
+from benchmarks.extremes.drivers import efforts_for, printed
+from benchmarks.extremes.measuring import FLAGS, PRECISIONS, Floats, built, efforts
 from benchmarks.extremes.rows import Row, Size, count, subject
 from kanegen.check.states import random_states
 from kanegen.library import Library
-from kanegen.native import compilers
 from kanegen.precision import Precision
 
-DRIVER = Path(__file__).with_name("flags.c")
 RAISED = ("FE_INVALID", "FE_DIVBYZERO", "FE_OVERFLOW")
 
 
@@ -35,6 +33,21 @@ def exceptions(size: Size) -> Iterator[Row]:
             for way, raised in _raised(system, precision, amount).items():
                 over = f"{amount} states: {', '.join(RAISED)}"
                 yield count(f"{name}, {way}, {precision.name}", raised, over, "0 flags in 0 states")
+    if platform.system() == "Linux":
+        ended = [_trapped(precision, amount) for precision in PRECISIONS]
+        over = f"{amount} states each, feenableexcept: {', '.join(RAISED)}"
+        yield count("8 hinges, every flag a trap", ended, over, "no trap")
+
+
+def _trapped(precision: Precision, amount: int) -> bool:
+    """Whether a program ends in which these flags are signals."""
+    system = scenes.tree(np.random.default_rng(20), [k // 2 for k in range(1, 9)])
+    states = random_states(system, amount, 20).rounded(precision)
+    try:
+        printed("flags.c", system, precision, states, efforts_for(states, 20), (*FLAGS, "-DTRAP"))
+    except subprocess.CalledProcessError:
+        return True
+    return False
 
 
 def _free_and_slide() -> np.ndarray:
@@ -46,21 +59,8 @@ def _free_and_slide() -> np.ndarray:
 def _raised(system: kg.System, precision: Precision, amount: int) -> dict[str, Sequence[int]]:
     """How often each flag was up, by way of calling: one after the other, or as a batch."""
     states = random_states(system, amount, 20).rounded(precision)
-    tau = np.random.default_rng(20).uniform(-10, 10, states.x.shape)
-    source = kg.generate(system, FORWARD, precision=precision.name)
-    n, kind = len(system.freedoms), precision.dtype
-    with tempfile.TemporaryDirectory() as name:
-        folder = source.write(Path(name) / "c")
-        for array, values in (("x", states.x), ("y", states.y), ("tau", tau)):
-            (folder / array).write_bytes(values.astype(kind).tobytes())
-        code = [f"{system.name}.c", f"{system.name}_batch.c", str(DRIVER)]
-        defined = [f"-DN={n}", f"-DREAL={precision.name}", f'-DHEADER="{system.name}.h"', "-I."]
-        calls = [f"-DONE={system.name}_forward_dynamics", f"-DMANY={system.name}_forward_dynamics_batch"]
-        command = [*compilers.find().command, "-std=c99", *FLAGS, *defined, *calls]
-        subprocess.run([*command, *code, "-lm", "-o", "driver"], cwd=folder, check=True)
-        driver = [str(folder / "driver"), str(amount)]
-        printed = subprocess.run(driver, cwd=folder, check=True, capture_output=True, text=True).stdout
-    one, many = ([int(word) for word in line.split()] for line in printed.splitlines())
+    lines = printed("flags.c", system, precision, states, efforts_for(states, 20), FLAGS)
+    one, many = ([int(word) for word in line.split()] for line in lines.splitlines())
     return {"state by state": one, "batch": many}
 
 

@@ -20,10 +20,10 @@ from benchmarks.extremes.measuring import (
     points,
     worst,
 )
-from benchmarks.extremes.rows import Point, Row, Size, subject
+from benchmarks.extremes.rows import Point, Row, Size, count, subject
 from kanegen.check import truth
 from kanegen.check.states import States, random_states
-from kanegen.precision import Precision
+from kanegen.precision import DOUBLE, Precision
 
 
 def _scene(bodies: int) -> kg.System:
@@ -62,17 +62,43 @@ def angle_rates(size: Size) -> Iterator[Row]:
                 found += points(distance, measured, linear(measured, bodies, precision))
             over = f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body"
             yield worst(f"N = {bodies}, {precision.name}", found, LINEAR, over)
+    yield _told(size)
 
 
-@subject("X8", "Gimbal lock, what stays regular there")
-def regular_part(size: Size) -> Iterator[Row]:
-    """Without efforts the accelerations of theta2 and of the translations have no pole."""
+def _told(size: Size) -> Row:
+    """Whether `diagnose` names the distance."""
+    system = _scene(4)
+    library = built(system, outputs=("forward_dynamics", "error_estimate", "regularity"))
+    silent = []
+    for distance in _distances(size):
+        states = _locked(system, distance, DOUBLE)
+        for x, y in zip(states.x, states.y, strict=True):
+            told = library.diagnose(x, y).singularity
+            silent.append(told is None or told.value > 1.001 * distance + DOUBLE.roundoff)
+    return count("distance that diagnose does not tell", silent, f"{len(silent)} states", "none")
+
+
+@subject("X8", "Gimbal lock, speeds that are angular velocities")
+def angular_velocities(size: Size) -> Iterator[Row]:
+    """They have no pole, so forward dynamics loses nothing, at pi/2 itself too.
+
+    With angle rates, and without efforts, the accelerations of theta2 and of the translations have none.
+    """
+    over = f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body"
     for bodies in (1, 4):
         system = _scene(bodies)
+        regular = system.with_speeds("angular_velocity")
         for precision in PRECISIONS:
-            found = [p for d in _distances(size) for p in _regular(system, d, precision)]
-            over = f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body, tau = 0"
-            yield worst(f"N = {bodies}, {precision.name}", found, "80 N u", over)
+            found: list[Point] = []
+            for distance in _distances(size):
+                states = _locked(regular, distance, precision)
+                tau = efforts(regular, states, np.random.default_rng(8))
+                measured = forward(regular, precision, states, tau)
+                found += points(distance, measured, linear(measured, bodies, precision))
+            yield worst(f"N = {bodies}, {precision.name}", found, LINEAR, over)
+            part = [p for d in _distances(size) for p in _regular(system, d, precision)]
+            rule = "80 N u"
+            yield worst(f"regular part of angle rates, N = {bodies}, {precision.name}", part, rule, over)
 
 
 def _regular(system: kg.System, distance: float, precision: Precision) -> list[Point]:

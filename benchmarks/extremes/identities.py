@@ -52,17 +52,17 @@ def _residual(
     exact = truth.truth(system, x, y, tau, unit_roundoff=precision.roundoff)
     with ctx.workprec(BITS):
         speed = column(y)
-        rate = _rate(system, x, y)
+        change = rate(system, x, y)
         parts = [
             (speed.transpose() * exact.equations.A * column(ydot))[0, 0],
-            (speed.transpose() * rate * speed)[0, 0] / 2,
+            (speed.transpose() * change * speed)[0, 0] / 2,
             -(speed.transpose() * column(tau))[0, 0],
         ]
         error, scale = abs(float(parts[0] + parts[1] + parts[2])), sum(abs(float(part)) for part in parts)
     return Point(0.0, error / scale, promise(exact, precision))
 
 
-def _rate(system: kg.System, x: Floats, y: Floats) -> arb_mat:
+def rate(system: kg.System, x: Floats, y: Floats) -> arb_mat:
     """(n, n) rate of [A] along `y`: a central difference over STEPS steps of 2^-9 s to either side."""
     step = 2.0**-9
     n = len(x)

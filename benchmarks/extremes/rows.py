@@ -11,13 +11,19 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True)
 class Size:
-    """How much is tried: the quick size is part of the tests, the full one makes the report."""
+    """How much is tried: the quick size is part of the tests, the full one makes the report.
+
+    The nightly size is the full one with many more random examples.
+    """
 
     full: bool = False
+    nightly: bool = False
 
-    def pick(self, quick: _T, full: _T) -> _T:
-        """One of two amounts of work."""
-        return full if self.full else quick
+    def pick(self, quick: _T, full: _T, nightly: _T | None = None) -> _T:
+        """One of two or three amounts of work."""
+        if self.nightly and nightly is not None:
+            return nightly
+        return full if self.full or self.nightly else quick
 
 
 @dataclass(frozen=True)

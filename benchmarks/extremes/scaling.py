@@ -48,28 +48,47 @@ def _arm(system: kg.System, length: float) -> Floats:
     return np.array([1.0 if freedom.is_angle else length for freedom in system.freedoms])
 
 
-def _scaled(
-    system: kg.System, units: tuple[float, float, float], states: States, tau: Floats, precision: Precision
-) -> NDArray[np.floating]:
-    """Accelerations computed in other units, brought back."""
-    mass, length, time = units
+Units = tuple[int, int, int]
+"""Exponents of two: by how much the units of mass, length and time are smaller."""
+
+OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
+
+
+def _results(
+    system: kg.System, units: Units, states: States, tau: Floats, precision: Precision
+) -> dict[str, NDArray[np.floating]]:
+    """Every output computed in other units; {tau} and states come in those of `system`."""
+    mass, length, time = (2.0**unit for unit in units)
     arm = _arm(system, length)
-    library = built(rescaled(system, mass, length, time), precision)
-    effort = tau * mass * length / time / time * (length / arm)
-    found = library.forward_dynamics(states.x * arm, states.y * arm / time, effort)
-    kind = precision.dtype.type
-    back: NDArray[np.floating] = found / arm.astype(kind) * kind(time) * kind(time)
-    return back
+    x, y = states.x * arm, states.y * arm / time
+    effort = tau * (mass * length / time / time) * (length / arm)
+    library = built(rescaled(system, mass, length, time), precision, OUTPUTS)
+    found = (library.mass_matrix(x), library.forcing(x, y), library.forward_dynamics(x, y, effort))
+    return dict(zip(OUTPUTS, found, strict=True))
 
 
-def windows(precision: Precision) -> dict[str, list[tuple[float, float, float]]]:
-    """Powers of two that keep every product of three lengths, a mass and two rates in range."""
-    most = 480 if precision is DOUBLE else 64
-    length, time = most // 2, most // 4
+def _exponents(system: kg.System, units: Units) -> dict[str, NDArray[np.int64]]:
+    """By how many powers of two each number of an output is larger in other units."""
+    mass, length, time = units
+    arm = np.array([0 if freedom.is_angle else length for freedom in system.freedoms])
+    lever = length - arm
     return {
-        "mass": [(2.0**k, 1.0, 1.0) for k in (-most, -7, 9, most)],
-        "length": [(1.0, 2.0**k, 1.0) for k in (-length, -5, 3, length)],
-        "time": [(1.0, 1.0, 2.0**k) for k in (-time, -5, 3, time)],
+        "mass_matrix": mass + lever[:, None] + lever,
+        "forcing": mass + length - 2 * time + lever,
+        "forward_dynamics": arm - 2 * time,
+    }
+
+
+def windows(precision: Precision) -> dict[str, list[Units]]:
+    """In double 1e-300 to 1e300 kg, 1e-150 to 1e150 m and s; an eighth of the exponents in float.
+
+    Less what states, [A] and {f} need beside: in float their numbers begin at 2^-126.
+    """
+    mass, length = (996, 498) if precision is DOUBLE else (112, 50)
+    return {
+        "mass": [(k, 0, 0) for k in (-mass, -7, 9, mass)],
+        "length": [(0, k, 0) for k in (-length, -5, 3, length)],
+        "time": [(0, 0, k) for k in (-length, -5, 3, length)],
     }
 
 
@@ -80,22 +99,19 @@ def powers_of_two(size: Size) -> Iterator[Row]:
     states = random_states(system, 16, 13)
     tau = efforts(system, states, np.random.default_rng(13))
     for precision in PRECISIONS:
-        sample = states.rounded(precision)
-        effort = rounded(tau, precision)
-        right = bits(built(system, precision).forward_dynamics(sample.x, sample.y, effort))
-        for quantity, units in windows(precision).items():
-            chosen = size.pick([units[0], units[-1]], units)
-            other = [bits(_scaled(system, unit, sample, effort, precision)) != right for unit in chosen]
-            exponents = [round(np.log2(np.prod(unit))) for unit in chosen]
-            over = f"factors 2^{', 2^'.join(map(str, exponents))}, 16 states each"
-            cause = ORDER if any(other) else ""
-            yield count(f"{quantity}, {precision.name}", other, over, "same bits", cause)
-
-
-ORDER = (
-    "SymPy orders the terms of a sum by their constants as exact fractions; where large units make these "
-    "whole numbers, the order is another, and so are the last places"
-)
+        sample, effort = states.rounded(precision), rounded(tau, precision)
+        right = _results(system, (0, 0, 0), sample, effort, precision)
+        for quantity, window in windows(precision).items():
+            chosen = size.pick([window[0], window[-1]], window)
+            different = []
+            for units in chosen:
+                found, larger = _results(system, units, sample, effort, precision), _exponents(system, units)
+                different += [
+                    bits(found[name]) != bits(np.ldexp(right[name], larger[name])) for name in OUTPUTS
+                ]
+            factors = ", ".join(f"2^{sum(units)}" for units in chosen)
+            over = f"factors {factors}; [A], {{f}} and accelerations in 16 states each"
+            yield count(f"{quantity}, {precision.name}", different, over, "same bits")
 
 
 @subject("X14", "Units changed by powers of ten")

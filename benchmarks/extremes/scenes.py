@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -12,6 +13,9 @@ import kanegen as kg
 from kanegen.body import FREEDOMS
 
 Floats = NDArray[np.float64]
+
+NUMBER = re.compile(r"(?<![\w.\"])(-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)(?![\w.\"])")
+"""A number in the text of a model."""
 
 
 def flags(bodies: int, *names: str) -> NDArray[np.bool_]:

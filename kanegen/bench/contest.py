@@ -13,7 +13,7 @@ from kanegen.bench.outcome import Absence, Entry, Outcome, Terms
 from kanegen.bench.peers.field import PEERS, contestants
 from kanegen.bench.results import Results, difference
 from kanegen.bench.states import plain, random_states
-from kanegen.errors import MissingError
+from kanegen.errors import MissingError, OptionError
 from kanegen.system import System
 
 Progress = Callable[[str], None]
@@ -33,9 +33,15 @@ def compete(
     Raises:
         BuildError: If there is no C compiler.
         MissingError: If nobody can compute the model.
-        OptionError: If a peer is unknown.
+        OptionError: If a peer is unknown, or the generalized speeds are not the rates of the coordinates,
+            which are all that the peers know.
         SingularError: If [A] is singular in every state.
     """
+    if not system.speeds_are_rates:
+        raise OptionError(
+            f"system {system.name!r}: its generalized speeds are components of angular velocities, and a "
+            'contest needs the rates of the coordinates. Take system.with_speeds("angle_rates").'
+        )
     model, notes = plain(system)
     progress("building the contestants; Pinocchio takes minutes the first time")
     with tempfile.TemporaryDirectory() as folder:
@@ -71,16 +77,28 @@ def judge(
         for task in contestant.tasks
     }
     agreeing = dict.fromkeys(contestant for (contestant, _), entry in entries.items() if entry.agrees)
-    times: defaultdict[tuple[Contestant, str], list[float]] = defaultdict(list)
-    for turn in range(terms.rounds):
-        progress(f"timing, round {turn + 1} of {terms.rounds}")
-        for contestant in agreeing:
-            for name, value in contestant.times(terms.seconds).items():
-                times[contestant, name].append(value)
+    times = take_turns(agreeing, terms, progress)
     timed = [
         replace(entry, times=tuple(times[key])) if entry.agrees else entry for key, entry in entries.items()
     ]
     return timed, absences
+
+
+def take_turns(
+    contestants: Iterable[Contestant], terms: Terms, progress: Progress
+) -> defaultdict[tuple[Contestant, str], list[float]]:
+    """Nanoseconds by contestant and task, a number a round, in each of which everybody has one turn.
+
+    Raises:
+        MissingError: If a driver fails.
+    """
+    times: defaultdict[tuple[Contestant, str], list[float]] = defaultdict(list)
+    for turn in range(terms.rounds):
+        progress(f"timing, round {turn + 1} of {terms.rounds}")
+        for contestant in contestants:
+            for name, value in contestant.times(terms.seconds).items():
+                times[contestant, name].append(value)
+    return times
 
 
 def _results(contestants: Sequence[Contestant], n: int) -> tuple[dict[Contestant, Results], list[Absence]]:

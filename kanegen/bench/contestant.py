@@ -26,6 +26,7 @@ class Contestant:
         tasks: What it computes, in its order.
         arguments: Further arguments of the driver.
         convert: From its coordinates to those of kanegen.
+        loads: Compiled code that the driver opens; named before the further arguments.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Contestant:
     tasks: tuple[Task, ...]
     arguments: tuple[str, ...] = ()
     convert: Callable[[Results], Results] = lambda results: results
+    loads: tuple[Path, ...] = ()
 
     def results(self, n: int) -> Results:
         """What it computes, in kanegen's coordinates.
@@ -44,14 +46,14 @@ class Contestant:
         """
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "results"
-            self._run("results", str(out))
+            self._run(self.command[0], "results", str(out), self.loads)
             return self.convert(read(out, self.tasks, n))
 
     def times(self, seconds: float) -> dict[str, float]:
         """Nanoseconds of an evaluation by task, each over about `seconds`, in a process of its own.
 
-        A compiled driver runs from a fresh copy: where its file happens to lie in memory can change its times
-        by half, and stays the same as long as the file does.
+        Compiled code runs from a fresh copy: where its file happens to lie in memory can change its times by
+        half, and stays the same as long as the file does.
 
         Raises:
             MissingError: If the driver fails.
@@ -59,13 +61,14 @@ class Contestant:
         driver, *others = self.command
         with tempfile.TemporaryDirectory() as folder:
             fresh = driver if others else shutil.copy2(driver, folder)
-            printed = self._run("times", repr(seconds), fresh)
+            loads = tuple(Path(shutil.copy2(file, folder)) for file in self.loads)
+            printed = self._run(fresh, "times", repr(seconds), loads)
         pairs = (line.rsplit(" ", 1) for line in printed.splitlines())
         return {task: float(value) for task, value in pairs}
 
-    def _run(self, mode: str, last: str, driver: str | None = None) -> str:
-        first, *others = self.command
-        command = [driver or first, *others, mode, str(self.states), last, *self.arguments]
+    def _run(self, driver: str, mode: str, last: str, loads: tuple[Path, ...]) -> str:
+        between = (mode, str(self.states), last, *map(str, loads))
+        command = [driver, *self.command[1:], *between, *self.arguments]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
             lines = done.stderr.strip().splitlines() or [f"status {done.returncode}"]

@@ -1,4 +1,4 @@
-"""What comes from the extra `bench`, imported or looked for only when it is needed."""
+"""What comes from an extra, mostly `bench`, imported or looked for only when it is needed."""
 
 from __future__ import annotations
 
@@ -10,28 +10,35 @@ from types import ModuleType
 
 from kanegen.errors import MissingError
 
-INSTALL = "pip install 'kanegen[bench]'"
+BENCH = "bench"
+"""The extra that brings peers."""
 
 
-def module(name: str) -> ModuleType:
+def module(name: str, *needs: str, extra: str = BENCH) -> ModuleType:
     """The module `name`.
 
+    Args:
+        name: Of the module.
+        needs: Packages without which it could not be imported, beside its own.
+        extra: What brings them all.
+
     Raises:
-        MissingError: If its package is not installed.
+        MissingError: If a package is not installed.
     """
-    require(name.partition(".")[0])
+    for package in (name.partition(".")[0], *needs):
+        require(package, extra)
     return importlib.import_module(name)
 
 
-def require(package: str) -> Path:
+def require(package: str, extra: str = BENCH) -> Path:
     """The folder of the importable `package`, which is not imported.
 
     Raises:
-        MissingError: If it is not installed.
+        MissingError: If it is not installed; names the `extra` that brings it.
     """
     spec = importlib.util.find_spec(package)
     if spec is None or spec.origin is None:
-        raise _missing(package)
+        raise _missing(package, extra)
     return Path(spec.origin).parent
 
 
@@ -44,12 +51,12 @@ def headers(distribution: str, header: str) -> Path:
     try:
         files = metadata.files(distribution) or []
     except metadata.PackageNotFoundError:
-        raise _missing(distribution) from None
+        raise _missing(distribution, BENCH) from None
     for file in files:
         if file.as_posix().endswith(f"include/{header}"):
             return Path(str(file.locate())).parents[len(Path(header).parts) - 1]
     raise MissingError(f"the Python package {distribution} has no {header}")
 
 
-def _missing(package: str) -> MissingError:
-    return MissingError(f"the Python package {package} is not installed ({INSTALL})")
+def _missing(package: str, extra: str) -> MissingError:
+    return MissingError(f"the Python package {package} is not installed (pip install 'kanegen[{extra}]')")

@@ -39,13 +39,17 @@ class States:
 def random_states(system: System, count: int, seed: int = 0) -> States:
     """`count` random states.
 
-    Hinges take any angle. Where a body has three angles these stay below 1 rad: [A] is singular at a second
-    angle of a quarter turn, and the accelerations of different programs could not be compared near there.
+    Hinges take any angle. Where a body has three angles they stay near where their axes are apart:
+    [A] is singular where these lie in a plane, and the accelerations of different programs could not be
+    compared near there.
     """
     rng = np.random.default_rng(seed)
     x, y, tau = rng.uniform(-1, 1, (3, count, len(system.freedoms)))
-    hinges = [f.is_angle and not all(system.bodies[f.body - 1].joint.free[:3]) for f in system.freedoms]
-    return States(np.where(hinges, np.pi * x, x), y, tau)
+    joints = [system.bodies[f.body - 1].joint for f in system.freedoms]
+    pairs = list(zip(system.freedoms, joints, strict=True))
+    hinges = [f.is_angle and not joint.turns_freely for f, joint in pairs]
+    bent = [f.index == 1 and joint.turns_freely and joint.ends_alike for f, joint in pairs]
+    return States(np.where(hinges, np.pi * x, x) + np.pi / 2 * np.array(bent), y, tau)
 
 
 def plain(system: System) -> tuple[System, tuple[str, ...]]:
@@ -55,7 +59,7 @@ def plain(system: System) -> tuple[System, tuple[str, ...]]:
     """
     notes = []
     if any(body.loads for body in system.bodies):
-        notes.append("loads are switched off: not every peer takes them")
+        notes.append("loads are switched off: not everything that is timed takes them")
     if system.parameters:
         names = ", ".join(parameter.name for parameter in system.parameters)
         notes.append(f"run-time parameters are constants, at their defaults: {names}")

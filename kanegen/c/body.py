@@ -15,6 +15,7 @@ from kanegen.c.dialect import SCALAR, Dialect
 from kanegen.c.expression import Expression, Level, apply, literal
 from kanegen.c.layout import BREAK, WIDTH, comment, wrap
 from kanegen.c.waves import NAMES, waves
+from kanegen.precision import Precision
 from kanegen.program.cut import WORKSPACE
 from kanegen.program.ir import Instruction, Op, Program
 
@@ -47,8 +48,10 @@ class _Body:
         self._zeros = usage.zero_runs(program)
         self._places = usage.places(program, self._zeros)
         self._conditions = usage.conditions(program)
+        self._margins = usage.margins(program)
         self._uniform = usage.uniform(program, shared)
-        self._partners = {} if dialect.is_scalar else usage.partners(program)
+        partners = usage.partners(program) if dialect.has_pairs else {}
+        self._partners = {i: j for i, j in partners.items() if not self._wave(i)}
         self._arrays = {array.name: array for array in program.inputs}
         reserved = dialect.reserved | {array.name for array in usage.arrays(program)}
         self._names = usage.names(program, reserved)
@@ -62,9 +65,9 @@ class _Body:
         self._mark_unused_inputs()
         spoilt = [output.array for output in self._program.outputs if output.positive]
         if spoilt:
-            self._lines.append(self._dialect.opening)
-        zero = self._dialect.everywhere(str(literal(0.0, self._dialect.arithmetic)))
-        self._lines += [f"    {run.loop(zero)}" for run in self._zeros]
+            self._lines += self._dialect.opening(bool(self._margins))
+        for run in self._zeros:
+            self._lines.append(f"    {run.loop(self._dialect.number_in(run.array.name, 0.0))}")
         if self._waves:
             self._lines += self._waves.lines(self._dialect.number)
         # Inputs come first, but for the workspace, which is as near as a local.
@@ -77,7 +80,7 @@ class _Body:
             self._watch(i)
             self._store(i)
         if spoilt:
-            self._lines += self._dialect.closing(spoilt)
+            self._lines += self._dialect.closing(spoilt, bool(self._margins))
         return self._lines
 
     def _mark_unused_inputs(self) -> None:
@@ -102,11 +105,11 @@ class _Body:
         """Sine and cosine of an angle in one call."""
         wave = {self._instructions[k].op: self._names.get(k) or self._next_name() for k in (i, j)}
         (angle,) = self._operands(self._instructions[i].operands)
-        number, prefix = self._dialect.number, self._dialect.prefix
+        number = self._dialect.number
         if angle.level is not Level.ATOM or angle.negative or not angle.text.isidentifier():
             angle = self._local(self._instructions[i].operands[0], self._next_name(), angle)
         self._lines += wrap(f"{number} {wave[Op.SIN]}, {wave[Op.COS]};")
-        self._lines += wrap(f"{prefix}sincos(&{angle}, &{wave[Op.SIN]}, &{wave[Op.COS]});")
+        self._lines += wrap(self._dialect.pair(str(angle), wave[Op.SIN], wave[Op.COS]))
         for k in (i, j):
             self._expressions[k] = Expression(wave[self._instructions[k].op])
 
@@ -114,14 +117,22 @@ class _Body:
         if instruction.op is Op.CONSTANT:
             return literal(instruction.number, self._dialect.arithmetic)
         if instruction.op is Op.INPUT:
-            return self._dialect.read(usage.element(self._arrays[instruction.array], instruction.index))
-        if self._waves and instruction.op in NAMES:
-            angle = self._instructions[instruction.operands[0]]
-            wave = self._waves.element(instruction.op, angle.array, angle.index)
-            if wave:
-                return Expression(wave)
+            element = usage.element(self._arrays[instruction.array], instruction.index)
+            return self._dialect.read(instruction.array, element)
+        wave = self._wave(i)
+        if wave:
+            return Expression(wave)
         function = self._dialect.function(instruction.op, i in self._uniform)
-        return apply(instruction.op, self._operands(instruction.operands), function)
+        operands = self._operands(instruction.operands)
+        return apply(instruction.op, operands, function, self._dialect.notation)
+
+    def _wave(self, i: int) -> str | None:
+        """Value i in the arrays of sines and cosines, if it is there."""
+        instruction = self._instructions[i]
+        if self._waves is None or instruction.op not in NAMES:
+            return None
+        angle = self._instructions[instruction.operands[0]]
+        return self._waves.element(instruction.op, angle.array, angle.index)
 
     def _operands(self, values: Sequence[int]) -> tuple[Expression, ...]:
         """Their expressions, cut so that one more operation keeps within `LONGEST`."""
@@ -133,7 +144,7 @@ class _Body:
     def _local(self, i: int, name: str, expression: Expression) -> Expression:
         """Value i as a local of this name."""
         number = self._dialect.common if i in self._uniform else self._dialect.number
-        self._lines += wrap(f"const {number} {name} = {expression};")
+        self._lines += wrap(f"const {number} {name} = {self._dialect.notation.text(expression)};")
         return Expression(name)
 
     def _next_name(self) -> str:
@@ -153,21 +164,39 @@ class _Body:
         expression = self._expressions[i]
         if i not in self._uniform:
             return expression
-        everywhere = self._dialect.everywhere(str(expression))
-        return expression if everywhere == str(expression) else Expression(everywhere)
+        if self._dialect.is_scalar:
+            return expression
+        return Expression(self._dialect.everywhere(str(expression)))
 
     def _watch(self, i: int) -> None:
         """Notice where value i must be positive and is not."""
         if i in self._conditions:
-            self._lines += wrap(self._dialect.condition(str(self._result(i)), self._conditions[i]))
+            text = self._dialect.notation.text(self._result(i))
+            self._lines += wrap(self._dialect.condition(text, self._conditions[i]))
+        if i in self._margins:
+            if self._expressions[i].level is not Level.ATOM or self._expressions[i].negative:
+                self._expressions[i] = self._local(i, self._next_name(), self._expressions[i])
+            self._lines += wrap(self._dialect.margin(self._result(i), self._margins[i]))
 
     def _store(self, i: int) -> None:
         """Fill the outputs that hold value i, several on a line: `A[1] = A[3] = value;`."""
-        if i not in self._places:
-            return
-        expression = self._dialect.written(self._result(i))
+        groups: dict[Precision, list[tuple[str, str]]] = {}
+        for place in self._places.get(i, ()):
+            groups.setdefault(self._dialect.formats.of(place[0]), []).append(place)
+        for group in groups.values():
+            (array, _), *_ = group
+            self._fill([element for _, element in group], self._stored(i, array))
+
+    def _stored(self, i: int, array: str) -> Expression:
+        """Value i as an output array holds it."""
+        instruction = self._instructions[i]
+        if instruction.op is Op.CONSTANT:
+            return Expression(self._dialect.number_in(array, instruction.number))
+        return self._dialect.written(array, self._result(i))
+
+    def _fill(self, places: Sequence[str], expression: Expression) -> None:
         chain: list[str] = []
-        for place in self._places[i]:
+        for place in places:
             width = len(f"    {' = '.join([*chain, place])} = {expression};")
             if chain and width > WIDTH and expression.level is Level.ATOM:
                 self._lines += wrap(_assignment(chain, expression))

@@ -2,33 +2,37 @@
 
 from __future__ import annotations
 
+import textwrap
+
+from kanegen.c.formats import Formats
 from kanegen.c.interface import Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
 from kanegen.program.ir import Array
 
 
-def prototype(model: str, function: Function, number: str) -> list[str]:
+def prototype(model: str, function: Function, formats: Formats) -> list[str]:
     """`void model_forcing(const double x[2], ..., double f[2])`, without a semicolon; int with a status."""
-    arguments = [f"const {number} {declarator(array)}" for array in function.inputs]
-    arguments += [f"{number} {declarator(array)}" for array in function.outputs]
+    arguments = [f"const {formats.of(array.name).type} {declarator(array)}" for array in function.inputs]
+    arguments += [f"{formats.of(array.name).type} {declarator(array)}" for array in function.outputs]
     return _prototype("int" if function.spoilt else "void", f"{model}_{function.name}", arguments)
 
 
-def batch_prototype(model: str, function: Function, number: str) -> list[str]:
+def batch_prototype(model: str, function: Function, formats: Formats) -> list[str]:
     """`void model_forcing_batch(size_t count, const double *x, ..., double *f)`, without a semicolon."""
     arguments = ["size_t count"]
-    arguments += [f"const {number} *{array.name}" for array in function.inputs]
-    arguments += [f"{number} *{array.name}" for array in function.outputs]
+    arguments += [f"const {formats.of(array.name).type} *{array.name}" for array in function.inputs]
+    arguments += [f"{formats.of(array.name).type} *{array.name}" for array in function.outputs]
     return _prototype("size_t" if function.spoilt else "void", f"{model}_{function.name}_batch", arguments)
 
 
-def lanes_prototype(model: str, function: Function, number: str) -> list[str]:
+def lanes_prototype(model: str, function: Function, formats: Formats) -> list[str]:
     """`static void model_forcing_lanes(const lanes *x, ..., lanes *f)`, without a semicolon."""
     arguments = [
-        f"const {number if array.name in function.shared else 'lanes'} *{array.name}"
+        f"const {formats.of(array.name).type if array.name in function.shared else 'lanes'} *{array.name}"
         for array in function.inputs
     ]
     arguments += [f"lanes *{array.name}" for array in function.outputs]
+    arguments += ["lanes_bits *accurate"] if function.judged else []
     kind = "static lanes_bits" if function.spoilt else "static void"
     return _prototype(kind, f"{model}_{function.name}_lanes", arguments)
 
@@ -39,6 +43,7 @@ def lanes_call(model: str, function: Function) -> list[str]:
         array.name if array.name in function.shared else f"{array.name}_lanes"
         for array in (*function.inputs, *function.outputs)
     ]
+    arguments += ["&accurate"] if function.judged else []
     text = f"{model}_{function.name}_lanes({f',{BREAK}'.join(arguments)});"
     if function.spoilt:
         text = f"const lanes_bits good = {text}"
@@ -62,9 +67,16 @@ def argument_list(function: Function) -> list[str]:
     rows += [_argument("[out]", array) for array in function.outputs]
     lines = columns(rows, width=WIDTH - len(" * "))
     if function.spoilt:
+        quantity = " or ".join(condition.quantity for condition in function.conditions)
+        status = (
+            f"@return 0, or the place in x, from 1, of a freedom whose {quantity} is not positive or NaN;"
+        )
+        lines += textwrap.wrap(status, WIDTH - len(" * "), subsequent_indent="    ")
+        lines.append(f"    {' and '.join(function.spoilt)} then {_holds(function)} NaN")
+    if function.judged:
         lines += [
-            "@return 0, or the place in x, from 1, of a freedom whose pivot of [A] is not positive or NaN;",
-            f"    {' and '.join(function.spoilt)} then {_holds(function)} NaN",
+            "    -1 and below: minus such a place where nothing failed, but the error may be large, with the",
+            f"    largest correction at that freedom; {' and '.join(function.judged)} is filled all the same",
         ]
     return lines
 
@@ -75,6 +87,8 @@ def batch_notes(function: Function) -> list[str]:
     if function.spoilt:
         names = " and ".join(function.spoilt)
         lines += ["", f"@return how many states failed; their rows of {names} hold NaN"]
+    if function.judged:
+        lines[-1] = f"@return how many states failed, their rows of {names} hold NaN, or are not accurate"
     return lines
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from kanegen.c.declarations import declarator
-from kanegen.c.expression import literal
+from kanegen.c.formats import Formats, uniform
 from kanegen.c.interface import PREPARE, Function, ModelFacts
 from kanegen.c.lanes import Lanes
 from kanegen.c.layout import columns
-from kanegen.precision import Precision
+from kanegen.c.sincos import Sincos
+from kanegen.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
 from kanegen.program.ir import Array
 
 OPERATIONS = {
@@ -44,10 +46,11 @@ def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, i
     return rows
 
 
-def batch_stack(functions: Sequence[Function], lanes: Lanes) -> int:
+def batch_stack(functions: Sequence[Function], lanes: Lanes, formats: Formats) -> int:
     """KiB that the arrays of a batch function take on the stack with the widest instructions, at most."""
     numbers = max((f.numbers for f in functions if f.has_batch and f.in_lanes), default=0)
-    return -(-numbers * lanes.widths[-1] * lanes.precision.bytes // 1024)
+    copies = 2 if formats.is_mixed else 1
+    return -(-copies * numbers * lanes.widths[-1] * lanes.precision.bytes // 1024)
 
 
 def parameter_indices(model: ModelFacts) -> list[tuple[str, int, str]]:
@@ -71,10 +74,10 @@ def enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
     )
 
 
-def freedoms(model: ModelFacts) -> list[tuple[int, str, str]]:
-    """Index in {x} and {y}, name, unit in {x}."""
-    pairs = zip(model.freedom_names, model.freedom_units, strict=True)
-    return [(index, name, unit) for index, (name, unit) in enumerate(pairs)]
+def freedoms(model: ModelFacts) -> list[tuple[int, str, str, str]]:
+    """Index in {x} and {y}, name, unit in {x}, and the name in {y} where that is not the rate."""
+    rows = zip(model.freedom_names, model.freedom_units, model.speeds, strict=True)
+    return [(index, name, unit, speed) for index, (name, unit, speed) in enumerate(rows)]
 
 
 def loads(model: ModelFacts) -> list[tuple[int, str]]:
@@ -84,20 +87,23 @@ def loads(model: ModelFacts) -> list[tuple[int, str]]:
 
 
 def example_inputs(
-    model: ModelFacts, functions: Sequence[Function], precision: Precision
+    model: ModelFacts, functions: Sequence[Function], formats: Formats
 ) -> list[tuple[str, list[str]]]:
-    """Inputs of the example: the declarator of each array, and a line for each element."""
+    """Inputs of the example: the declaration of each array, and a line for each element."""
     found: dict[str, list[str]] = {}
     for function in functions:
         for array in function.inputs:
             if array.name not in function.shared:
-                found[declarator(array)] = _initializer(_elements(model, function, array), precision)
+                held = formats.of(array.name)
+                lines = _initializer(_elements(model, function, array), held)
+                found[f"{held.type} {declarator(array)}"] = lines
     return list(found.items())
 
 
-def example_results(functions: Sequence[Function]) -> list[str]:
-    """Declarators of the arrays that the example fills."""
-    return list(dict.fromkeys(declarator(array) for function in functions for array in function.outputs))
+def example_results(functions: Sequence[Function], formats: Formats) -> list[str]:
+    """Declarations of the arrays that the example fills."""
+    arrays = (array for function in functions for array in function.outputs)
+    return list(dict.fromkeys(f"{formats.of(array.name).type} {declarator(array)}" for array in arrays))
 
 
 def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple[float, str]]:
@@ -106,6 +112,8 @@ def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple
         return [(default, name) for name, default in model.parameters]
     if len(array.shape) == 1:
         labels = list(model.freedom_names)
+        if array.name != "x":
+            labels = [speed or name for speed, name in zip(model.speeds, labels, strict=True)]
     else:
         labels = [f"{body}, {axis}" for body in model.body_names for axis in "xyz"]
     return [((1 + i % 7) / 10, label) for i, label in enumerate(labels)]
@@ -114,6 +122,95 @@ def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple
 def _initializer(elements: Sequence[tuple[float, str]], precision: Precision) -> list[str]:
     last = len(elements) - 1
     return [
-        f"{literal(value, precision)}{',' if i < last else ''} /* {label} */"
+        f"{_initial(value, precision)}{',' if i < last else ''} /* {label} */"
         for i, (value, label) in enumerate(elements)
     ]
+
+
+def _initial(value: float, precision: Precision) -> str:
+    """A number as C has it in an initialiser, where there are no calls."""
+    if precision.tail:
+        return f"{{{value!r}, 0.0}}"
+    return f"{'-' if value < 0 else ''}{precision.literal(abs(value))}"
+
+
+@dataclass(frozen=True)
+class Printer:
+    """A function of the example that prints an array.
+
+    Attributes:
+        name: Of the function.
+        type: Of the elements.
+        format: For printf, of one element.
+        value: Element i.
+    """
+
+    name: str
+    type: str
+    format: str
+    value: str
+
+
+def printers(functions: Sequence[Function], formats: Formats) -> dict[str, Printer]:
+    """By name of every result what prints it."""
+    arrays = [array for function in functions for array in function.outputs]
+    kinds = list(dict.fromkeys([formats.storage, *(formats.of(array.name) for array in arrays)]))
+    made = {kind: _printer(kind, f"_{number}" if number else "") for number, kind in enumerate(kinds)}
+    return {array.name: made[formats.of(array.name)] for array in arrays}
+
+
+def _printer(precision: Precision, ending: str) -> Printer:
+    digits, element = f"%.{precision.decimals}", "values[i]"
+    if precision.tail:
+        return Printer(f"print{ending}", precision.type, "%.17g + %.17g", f"{element}.high, {element}.low")
+    if precision.bytes > DOUBLE.bytes:
+        return Printer(f"print{ending}", precision.type, f"{digits}Lg", element)
+    narrow = "(double)" if precision.bytes < DOUBLE.bytes else ""
+    return Printer(f"print{ending}", precision.type, f"{digits}g", narrow + element)
+
+
+def arithmetic(formats: Formats, has_parameters: bool) -> str:
+    """What a user has to know of the precisions; nothing where all is double."""
+    if formats == uniform(FLOAT):
+        prepared = ", by _prepare too" if has_parameters else ""
+        return (
+            "Single precision: all numbers are of type float. Constants are computed in double and rounded "
+            f"once{prepared}; below 1.2e-38 they lose digits or become 0. {_NAMES}"
+        )
+    if formats == uniform(DOUBLE):
+        return ""
+    kinds = f"States, loads and results are of type {formats.storage.type}"
+    kinds += f", parameters of type {formats.parameters.type}." if has_parameters else "."
+    return f"{_ARITHMETICS[formats.arithmetic]} {kinds} {_NAMES}"
+
+
+def sines(sincos: Sincos | None, arithmetic: Precision) -> str:
+    """What is said of sine and cosine."""
+    if sincos is None:
+        where = "kanegen_pairs.h" if arithmetic is DOUBLE_DOUBLE else "the C library"
+        return f"Sine and cosine are those of {where}, for one state and in batches."
+    if sincos.plain:
+        degrees = f"{sincos.degree} and {sincos.degree + 1}"
+        return (
+            f"Sine and cosine are polynomials of degree {degrees} ({sincos.header}.h), for angles of every "
+            f"size. Their largest errors are {sincos.error}."
+        )
+    return (
+        f"Sine and cosine are kanegen's own ({sincos.header}.h), for angles of every size, and off by at "
+        f"most {sincos.error}. Compiled with -ffp-contract=off and without -ffast-math they have the same "
+        "bits everywhere, whatever the C library."
+    )
+
+
+_NAMES = (
+    "The functions have the names of those in double precision, so a program can use only one of the two."
+)
+
+_ARITHMETICS = {
+    DOUBLE: "All is computed in double precision.",
+    FLOAT: "All is computed in single precision.",
+    LONG_DOUBLE: "All is computed in long double, which has 64 bits or more; platforms where it is no wider "
+    "than double are refused.",
+    DOUBLE_DOUBLE: "All is computed in pairs of doubles, about 32 digits (kanegen_pairs.h); what is stored "
+    "as double is rounded once. Angles beyond 1e6 rad give NaN, and so does what overflows.",
+}

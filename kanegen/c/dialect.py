@@ -1,4 +1,4 @@
-"""How C functions differ: for one state or for several side by side, in double or in single precision.
+"""How C functions differ: for one state or for several side by side, and in their precision.
 
 The statements are the same; types, literals, functions, and how a value that must be positive is watched are
 not.
@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from kanegen.c.expression import Expression, cast
+from kanegen.c.expression import Expression, Notation, converted, literal, notation
+from kanegen.c.formats import Formats, uniform
 from kanegen.precision import DOUBLE, Precision
 from kanegen.program.ir import Array, Op
 
@@ -22,20 +24,20 @@ class Dialect:
     """Words of the C functions of one kind.
 
     Attributes:
-        arrays: Precision of the numbers that come in and go out.
+        formats: Precision of the arrays.
         arithmetic: Precision of everything between.
         number: Type of a value that differs between states.
         prefix: Start of the names of functions of such values.
         reserved: Names that no local may take.
-        opening: Begins a function that watches values.
+        own: Whether sine and cosine are those of kanegen_sincos.h, else those of libm.
     """
 
-    arrays: Precision
+    formats: Formats
     arithmetic: Precision
     number: str
     prefix: str
     reserved: frozenset[str]
-    opening: str
+    own: bool = False
 
     @property
     def is_scalar(self) -> bool:
@@ -45,12 +47,23 @@ class Dialect:
     @property
     def common(self) -> str:
         """Type of a value that is the same in all states."""
-        return self.arithmetic.name
+        return self.arithmetic.type
+
+    @property
+    def notation(self) -> Notation:
+        """How operations are written."""
+        return notation(self.arithmetic)
 
     @property
     def has_waves(self) -> bool:
         """Whether the angles of one state may be taken side by side."""
-        return self.is_scalar and self.arrays is self.arithmetic
+        alike = self.formats.every == (self.arithmetic,)
+        return self.own and self.is_scalar and alike
+
+    @property
+    def has_pairs(self) -> bool:
+        """Whether sine and cosine of an angle come from one call."""
+        return self.own or self.arithmetic.takes_together or not self.is_scalar
 
     @property
     def status(self) -> str:
@@ -59,18 +72,34 @@ class Dialect:
 
     def function(self, op: Op, everywhere: bool) -> str:
         """Name of the function for `op`, of values that are the same everywhere or of those that differ."""
+        if self.own and op is not Op.SQRT and (self.is_scalar or everywhere):
+            return f"kanegen_{op.value}{self.arithmetic.suffix}"
         if self.is_scalar or everywhere:
-            return f"{op.value}{self.arithmetic.suffix}"
+            return self.arithmetic.function(op.value)
         return f"{self.prefix}{op.value}"
 
-    def read(self, element: str) -> Expression:
-        """An element of an input array, for computing with it."""
-        whole = Expression(element)
-        return whole if self.arrays is self.arithmetic else cast(self.common, whole)
+    def pair(self, angle: str, sine: str, cosine: str) -> str:
+        """A call that sets both of the angle, the name of a local."""
+        if self.own and self.is_scalar:
+            return f"kanegen_sincos{self.arithmetic.suffix}({angle}, &{sine}, &{cosine});"
+        name = self.arithmetic.function("sincos") if self.is_scalar else f"{self.prefix}sincos"
+        return f"{name}(&{angle}, &{sine}, &{cosine});"
 
-    def written(self, expression: Expression) -> Expression:
+    def read(self, array: str, element: str) -> Expression:
+        """An element of an input array, for computing with it."""
+        return converted(Expression(element), self.formats.of(array), self.arithmetic)
+
+    def written(self, array: str, expression: Expression) -> Expression:
         """A value as an output array holds it."""
-        return expression if self.arrays is self.arithmetic else cast(self.arrays.name, expression)
+        held = self.formats.of(array)
+        return notation(held).whole(converted(expression, self.arithmetic, held))
+
+    def number_in(self, array: str, number: Any) -> str:
+        """A number as an output array holds it, rounded once: as the arithmetic has it, if that has less."""
+        held = self.formats.of(array)
+        coarser = min(self.arithmetic, held, key=lambda precision: precision.digits)
+        text = notation(held).text(converted(literal(number, coarser), coarser, held))
+        return self.everywhere(text)
 
     def everywhere(self, text: str) -> str:
         """An expression that is the same in all states, as one of type `number`."""
@@ -79,46 +108,73 @@ class Dialect:
     def condition(self, text: str, place: int) -> str:
         """Watch the value `text`; the first to be computed that is not positive decides."""
         if self.is_scalar:
-            return f"if (!failed && !({text} > {self.arithmetic.literal(0.0)})) failed = {place};"
+            return f"if (!failed && !({self.notation.positive(text)})) failed = {place};"
         return f"good &= {self.prefix}positive({text});"
 
-    def closing(self, spoilt: Sequence[Array]) -> list[str]:
-        """End a function that watches values; `spoilt` are the outputs that may not hold."""
+    def margin(self, value: Expression, place: int) -> str:
+        """Watch a value that must be positive for accuracy; the least of them decides, or the first NaN."""
         if not self.is_scalar:
-            return ["    return good;"]
+            return f"fine &= {self.prefix}positive({value});"
+        rounded = converted(value, self.arithmetic, self.arithmetic if self._is_ordered else DOUBLE)
+        return f"if (!({rounded} > least) && least == least) least = {rounded}, doubtful = -{place};"
+
+    @property
+    def _is_ordered(self) -> bool:
+        """Whether < is an operator on its numbers."""
+        return type(self.notation) is Notation
+
+    def opening(self, has_margins: bool) -> list[str]:
+        """Begin a function that watches values, also such that accuracy needs if `has_margins`."""
+        if not self.is_scalar:
+            lines = ["    lanes_bits good = ~(lanes_bits){0};"]
+            return [*lines, "    lanes_bits fine = ~(lanes_bits){0};"] if has_margins else lines
+        if not has_margins:
+            return ["    int failed = 0;"]
+        kind = self.arithmetic if self._is_ordered else DOUBLE
+        return ["    int failed = 0, doubtful = 0;", f"    {kind.type} least = {kind.literal(0.0)};"]
+
+    def closing(self, spoilt: Sequence[Array], has_margins: bool) -> list[str]:
+        """End a function that watches values.
+
+        Args:
+            spoilt: The outputs that may not hold.
+            has_margins: As for `opening`.
+        """
+        if not self.is_scalar:
+            return [*(["    *accurate = fine;"] if has_margins else []), "    return good;"]
         lines = []
         for array in spoilt:
             lines += [
                 f"    for (int i = 0; failed && i < {array.size}; ++i) {{",
-                f"        {array.name}[i] = ({self.arrays.name})NAN;",
+                f"        {array.name}[i] = {notation(self.formats.of(array.name)).nothing};",
                 "    }",
             ]
-        return [*lines, "    return failed;"]
+        return [*lines, f"    return {'failed ? failed : doubtful' if has_margins else 'failed'};"]
 
 
-def scalar(arrays: Precision = DOUBLE, arithmetic: Precision | None = None) -> Dialect:
-    """One state: numbers of C and the functions of libm; computes in `arrays` unless told otherwise."""
-    inner = arithmetic or arrays
-    reserved = {f"{op.value}{inner.suffix}" for op in FUNCTIONS} | {
+def scalar(formats: Formats, arithmetic: Precision | None = None, own: bool = False) -> Dialect:
+    """One state: numbers of C; computes in the arithmetic of `formats` unless told otherwise."""
+    inner = arithmetic or formats.arithmetic
+    reserved = {inner.function(op.value) for op in FUNCTIONS} | {
         "failed",
+        "doubtful",
+        "least",
         "i",
         "sines",
         "cosines",
         "lanes_waves",
     }
-    return Dialect(arrays, inner, inner.name, "", frozenset(reserved), "    int failed = 0;")
+    return Dialect(formats, inner, inner.type, "", frozenset(reserved), own)
 
 
-def lanes(precision: Precision = DOUBLE) -> Dialect:
+def lanes(precision: Precision = DOUBLE, own: bool = False) -> Dialect:
     """Several states: the types and functions of kanegen_lanes.h."""
-    own = {f"lanes_{name}" for name in (*FUNCTIONS, "sincos", "of", "positive")}
-    reserved = scalar(precision).reserved | own | {"lanes", "good"}
-    return Dialect(
-        precision, precision, "lanes", "lanes_", reserved, "    lanes_bits good = ~(lanes_bits){0};"
-    )
+    functions = {f"lanes_{name}" for name in (*FUNCTIONS, "sincos", "of", "positive")}
+    reserved = scalar(uniform(precision)).reserved | functions | {"lanes", "good", "fine", "accurate"}
+    return Dialect(uniform(precision), precision, "lanes", "lanes_", reserved, own)
 
 
-SCALAR = scalar()
+SCALAR = scalar(uniform(DOUBLE))
 """One state in double precision."""
 
 LANES = lanes()

@@ -7,12 +7,14 @@ IEEE arithmetic that changes no bit, because `a + (-b)` is `a - b` and `(-a) b` 
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import Any
 
 from kanegen.c.layout import BREAK, HINGE
-from kanegen.precision import DOUBLE, Precision
+from kanegen.precision import DOUBLE, DOUBLE_DOUBLE, Precision
 from kanegen.program.ir import Op
 
 
@@ -47,7 +49,7 @@ class Expression:
         return f"-{_bracketed(self, Level.PRODUCT)}" if self.negative else self.text
 
 
-def literal(number: float, precision: Precision = DOUBLE) -> Expression:
+def literal(number: Any, precision: Precision = DOUBLE) -> Expression:
     """A finite number; reading it back gives the same bits, or the nearest of a lower precision."""
     return Expression(precision.literal(abs(number)), negative=math.copysign(1.0, number) < 0)
 
@@ -57,44 +59,123 @@ def cast(kind: str, expression: Expression) -> Expression:
     return Expression(f"({kind}){_bracketed(expression, Level.ATOM)}", negative=expression.negative)
 
 
-def apply(op: Op, operands: tuple[Expression, ...], function: str = "") -> Expression:
+def converted(expression: Expression, source: Precision, target: Precision) -> Expression:
+    """`expression` from one precision to another."""
+    if source is target:
+        return expression
+    if target is DOUBLE_DOUBLE:
+        return replace(expression, text=f"pair_of({expression.text})", level=Level.ATOM)
+    if source is DOUBLE_DOUBLE:
+        return replace(expression, text=f"pair_rounded({expression.text})", level=Level.ATOM)
+    return cast(target.type, expression)
+
+
+class Notation:
+    """How C writes operations on its own numbers: with operators."""
+
+    def __init__(self, precision: Precision) -> None:
+        self._precision = precision
+
+    @property
+    def nothing(self) -> str:
+        """NaN."""
+        return f"({self._precision.type})NAN"
+
+    def text(self, expression: Expression) -> str:
+        """With its sign."""
+        return str(self.whole(expression))
+
+    def whole(self, expression: Expression) -> Expression:
+        """With a sign that C can read."""
+        return expression
+
+    def positive(self, text: str) -> str:
+        """The condition that a value is positive."""
+        return f"{text} > {self._precision.literal(0.0)}"
+
+    def sum(self, a: Expression, b: Expression) -> Expression:
+        """a + b, where a has a sign only if b has one."""
+        text = f"{a}{BREAK}{'-' if b.negative else '+'} {_bracketed(b, Level.PRODUCT)}"
+        return Expression(text, Level.SUM, operations=a.operations + b.operations + 1)
+
+    def product(self, op: Op, a: Expression, b: Expression) -> Expression:
+        """A b or a / b."""
+        operator = "*" if op is Op.MULTIPLY else "/"
+        return Expression(
+            f"{_bracketed(a, Level.PRODUCT)}{HINGE}{operator}{_bracketed(b, Level.ATOM)}",
+            Level.PRODUCT,
+            negative=a.negative != b.negative,
+            operations=a.operations + b.operations + 1,
+        )
+
+
+class Calls(Notation):
+    """How operations on pairs of doubles are written: as calls of kanegen_pairs.h."""
+
+    @property
+    def nothing(self) -> str:
+        """NaN."""
+        return "pair_of((double)NAN)"
+
+    def whole(self, expression: Expression) -> Expression:
+        """With a sign that C can read."""
+        if not expression.negative:
+            return expression
+        return replace(expression, text=f"pair_negate({expression.text})", negative=False)
+
+    def positive(self, text: str) -> str:
+        """The condition that a value is positive."""
+        return f"pair_positive({text})"
+
+    def sum(self, a: Expression, b: Expression) -> Expression:
+        """a + b, where a has a sign only if b has one."""
+        if a.negative:
+            return -self.sum(-a, -b)
+        return self._call("subtract" if b.negative else "add", a, b)
+
+    def product(self, op: Op, a: Expression, b: Expression) -> Expression:
+        """A b or a / b."""
+        return replace(self._call(op.value, a, b), negative=a.negative != b.negative)
+
+    def _call(self, name: str, a: Expression, b: Expression) -> Expression:
+        text = f"{self._precision.function(name)}({a.text},{BREAK}{b.text})"
+        return Expression(text, operations=a.operations + b.operations + 1)
+
+
+@functools.cache
+def notation(precision: Precision) -> Notation:
+    """How operations in a precision are written."""
+    return Calls(precision) if precision is DOUBLE_DOUBLE else Notation(precision)
+
+
+def apply(
+    op: Op, operands: tuple[Expression, ...], function: str = "", written: Notation | None = None
+) -> Expression:
     """The operation `op`, any but an input or a constant, on `operands`.
 
     Args:
         op: What to compute.
         operands: As many as it takes.
         function: Name of the C function for it, where it is one.
+        written: How; with operators unless told otherwise.
     """
+    written = written or notation(DOUBLE)
     match op, operands:
         case Op.NEGATE, (a,):
             return -a
         case Op.ADD, (a, b):
-            return _sum(a, b)
+            return _sum(a, b, written)
         case Op.SUBTRACT, (a, b):
-            return _sum(a, -b)
-        case Op.MULTIPLY, (a, b):
-            return _product(a, "*", b)
-        case Op.DIVIDE, (a, b):
-            return _product(a, "/", b)
+            return _sum(a, -b, written)
+        case ((Op.MULTIPLY | Op.DIVIDE), (a, b)):
+            return written.product(op, a, b)
         case ((Op.SQRT | Op.SIN | Op.COS), (a,)):
-            return Expression(f"{function}({a})", operations=a.operations + 1)
+            return Expression(f"{function}({written.text(a)})", operations=a.operations + 1)
     raise ValueError(f"{op} is no operation on {len(operands)} operands")
 
 
-def _sum(a: Expression, b: Expression) -> Expression:
-    if a.negative and not b.negative:
-        a, b = b, a
-    text = f"{a}{BREAK}{'-' if b.negative else '+'} {_bracketed(b, Level.PRODUCT)}"
-    return Expression(text, Level.SUM, operations=a.operations + b.operations + 1)
-
-
-def _product(a: Expression, operator: str, b: Expression) -> Expression:
-    return Expression(
-        f"{_bracketed(a, Level.PRODUCT)}{HINGE}{operator}{_bracketed(b, Level.ATOM)}",
-        Level.PRODUCT,
-        negative=a.negative != b.negative,
-        operations=a.operations + b.operations + 1,
-    )
+def _sum(a: Expression, b: Expression, written: Notation) -> Expression:
+    return written.sum(b, a) if a.negative and not b.negative else written.sum(a, b)
 
 
 def _bracketed(expression: Expression, level: Level) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,6 +14,9 @@ from kanegen.errors import WriteError
 
 _STAGING = ".kanegen-"
 """Start of the names of folders in which files wait until all of them are written."""
+
+_COMMON = "kanegen_"
+"""Start of the names of headers that do not depend on the model; which of them there are may."""
 
 
 def write(files: Mapping[str, str], folder: Path, force: bool = False) -> Path:
@@ -37,7 +40,24 @@ def write(files: Mapping[str, str], folder: Path, force: bool = False) -> Path:
     return folder
 
 
-def _refuse_foreign(folder: Path, files: Mapping[str, str], force: bool) -> None:
+def require_room(names: Collection[str], folder: Path, force: bool = False) -> None:
+    """See that `write` will find room for files of these names, before long work whose results they take.
+
+    Raises:
+        WriteError: If it will not.
+    """
+    try:
+        if folder.is_dir():
+            _refuse_foreign(folder, names, force)
+        else:
+            folder.parent.mkdir(parents=True, exist_ok=True)
+        with _staging(folder if folder.is_dir() else folder.parent):
+            pass
+    except OSError as error:
+        raise WriteError(f"{folder}: cannot be written: {error.strerror}. Choose another folder.") from error
+
+
+def _refuse_foreign(folder: Path, files: Collection[str], force: bool) -> None:
     """No file may be there but those that are replaced."""
     foreign = sorted(path.name for path in folder.iterdir() if not _is_replaceable(path, files))
     if foreign and not force:
@@ -47,10 +67,11 @@ def _refuse_foreign(folder: Path, files: Mapping[str, str], force: bool) -> None
         )
 
 
-def _is_replaceable(path: Path, files: Mapping[str, str]) -> bool:
+def _is_replaceable(path: Path, files: Collection[str]) -> bool:
+    """Whether it is one of the files, or goes with every model, and is as kanegen wrote it."""
     if path.is_dir():
         return path.name.startswith(_STAGING)
-    if path.name not in files:
+    if path.name not in files and not path.name.startswith(_COMMON):
         return False
     try:
         return is_unchanged(path.read_text(encoding="utf-8"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kanegen.program.cut import cut, workspace
-from kanegen.program.ir import EVALUATE, Array, Module, Program
+from kanegen.program.ir import EVALUATE, Array, Condition, Module, Program
 
 PREPARE = "prepare"
 """The function that turns parameters into prepared constants."""
@@ -23,10 +23,15 @@ class ModelFacts:
         name: A C identifier; the prefix of everything.
         freedom_names: n names in the order of {x}.
         freedom_units: Unit of each coordinate, "rad" or "m".
+        speed_names: n names in the order of {y}; those of the coordinates whose rates they are, or others.
         body_names: N names.
         loaded: For each body whether it takes a force and a torque.
+        freedom_bodies: n names of the bodies that the freedoms belong to.
+        planar: By place in {x} of the middle angle of every joint whose three angles can come to lie in a
+            plane, the function of it that is 0 there: "cos" or "sin".
         parameters: Name and default of each run-time parameter, in the order of the C array.
         legend: Names in the code and what they mean.
+        sequences: Of the bodies whose angles do not turn about the axes 1-2-3, name and sequence.
     """
 
     name: str
@@ -36,6 +41,18 @@ class ModelFacts:
     loaded: tuple[bool, ...]
     parameters: tuple[tuple[str, float], ...] = ()
     legend: tuple[tuple[str, str], ...] = ()
+    freedom_bodies: tuple[str, ...] = ()
+    planar: tuple[tuple[int, str], ...] = ()
+    sequences: tuple[tuple[str, str], ...] = ()
+    speed_names: tuple[str, ...] = ()
+
+    @property
+    def speeds(self) -> tuple[str, ...]:
+        """For every place in {y} the name of a component of a velocity, or "" where it is the rate of {x}."""
+        if not self.speed_names:
+            return ("",) * len(self.freedom_names)
+        pairs = zip(self.freedom_names, self.speed_names, strict=True)
+        return tuple("" if speed == name else speed for name, speed in pairs)
 
     @property
     def takes_loads(self) -> bool:
@@ -56,6 +73,7 @@ class Function:
         spoilt: Names of outputs that hold only where some values are positive; the function then returns
             an int.
         workspace: Numbers that its pieces leave for each other, 0 if it is in one piece.
+        judged: Names of outputs that may hold and not be accurate; the int that is returned then says so.
     """
 
     name: str
@@ -65,6 +83,12 @@ class Function:
     shared: tuple[str, ...] = ()
     spoilt: tuple[str, ...] = ()
     workspace: int = 0
+    judged: tuple[str, ...] = ()
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """What must be positive for `spoilt`."""
+        return tuple(dict.fromkeys(array.condition for array in self.outputs if array.name in self.spoilt))
 
     @property
     def has_batch(self) -> bool:
@@ -103,7 +127,8 @@ def signatures(module: Module) -> dict[Function, tuple[Program, ...]]:
             doc = f"{_listed([array.name for array in arrays])} together, every intermediate shared."
         pieces = cut(program)
         between = workspace(pieces)
-        found[Function(name, doc, program.inputs, arrays, shared, _spoilt(program), between)] = pieces
+        watched = _spoilt(program), between, _judged(program)
+        found[Function(name, doc, program.inputs, arrays, shared, *watched)] = pieces
     return found
 
 
@@ -118,6 +143,10 @@ def _outputs(program: Program) -> tuple[Array, ...]:
 
 def _spoilt(program: Program) -> tuple[str, ...]:
     return tuple(output.array.name for output in program.outputs if output.positive)
+
+
+def _judged(program: Program) -> tuple[str, ...]:
+    return tuple(output.array.name for output in program.outputs if output.margins)
 
 
 def _listed(names: list[str]) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+from kanegen.c import usage
 from kanegen.c.body import statements
 from kanegen.c.dialect import Dialect
 from kanegen.c.interface import Function
@@ -26,11 +27,13 @@ class Code:
         body: Its lines.
         pieces: The functions that it calls: the lines of the prototype and of the body of each.
         waves: How many angles it takes side by side, with a function of kanegen_lanes.h.
+        has_sines: Whether it takes sines or cosines by functions of kanegen_sincos.h.
     """
 
     body: list[str]
     pieces: tuple[tuple[list[str], list[str]], ...] = ()
     waves: int = 0
+    has_sines: bool = False
 
 
 def code(name: str, function: Function, programs: Sequence[Program], dialect: Dialect) -> Code:
@@ -43,22 +46,25 @@ def code(name: str, function: Function, programs: Sequence[Program], dialect: Di
         dialect: For one state or for several at once.
     """
     found = [waves(piece) for piece in programs] if dialect.has_waves else []
+    has_sines = dialect.own and any(map(usage.has_sines, programs))
     side_by_side = max((wave.stop - wave.start for wave in found if wave), default=0)
     if len(programs) == 1:
-        return Code(statements(programs[0], dialect, function.shared), waves=side_by_side)
+        return Code(statements(programs[0], dialect, function.shared), (), side_by_side, has_sines)
     pieces = []
     read = {array.name for piece in programs for array in piece.inputs}
     calls = [f"    (void){array.name};" for array in function.inputs if array.name not in read]
     calls.append(f"    {dialect.number} {WORKSPACE}[{function.workspace}];")
     for number, piece in enumerate(programs, start=1):
         is_spoilt = any(output.positive for output in piece.outputs)
+        is_judged = any(output.margins for output in piece.outputs) and not dialect.is_scalar
         own = f"{name}_{number}"
         head = f"static APART {dialect.status if is_spoilt else 'void'} {own}"
         arguments = _arguments(piece, dialect, function.shared)
+        arguments |= {"accurate": "lanes_bits *accurate"} if is_judged else {}
         prototype = wrap(f"{head}({f',{BREAK}'.join(arguments.values())})", indent="", hanging="    ")
         pieces.append((prototype, statements(piece, dialect, function.shared)))
         calls += wrap(f"{'return ' if is_spoilt else ''}{own}({f',{BREAK}'.join(arguments)});")
-    return Code(calls, tuple(pieces), side_by_side)
+    return Code(calls, tuple(pieces), side_by_side, has_sines)
 
 
 def _arguments(piece: Program, dialect: Dialect, shared: Collection[str]) -> dict[str, str]:
@@ -66,7 +72,9 @@ def _arguments(piece: Program, dialect: Dialect, shared: Collection[str]) -> dic
     # Results that do not hold become NaN where the lanes of a batch come apart again, not here.
     filled = [output.array.name for output in piece.outputs if output.values or dialect.is_scalar]
     read = [array.name for array in piece.inputs if array.name not in filled]
-    common = dialect.arrays.name
-    differing = common if dialect.is_scalar else dialect.number
-    found = {name: f"const {common if name in shared else differing} *{name}" for name in read}
-    return {**found, **{name: f"{differing} *{name}" for name in filled}}
+
+    def declared(name: str) -> str:
+        alone = dialect.is_scalar or name in shared
+        return f"{dialect.formats.of(name).type if alone else dialect.number} *{name}"
+
+    return {**{name: f"const {declared(name)}" for name in read}, **{name: declared(name) for name in filled}}

@@ -10,42 +10,49 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from kanegen.c.formats import Formats
 from kanegen.c.interface import PREPARE, Function, ModelFacts
 from kanegen.errors import ModelError
-from kanegen.precision import DOUBLE, Precision
+from kanegen.precision import Precision
 from kanegen.program.ir import Op, Program
 
 
 def require_range(
-    model: ModelFacts, programs: Mapping[Function, Sequence[Program]], precision: Precision
+    model: ModelFacts, programs: Mapping[Function, Sequence[Program]], formats: Formats
 ) -> None:
-    """Refuse what `precision` cannot hold; `prepare` computes in double precision whatever it is.
+    """Refuse what the precisions cannot hold; `prepare` computes at least in double precision.
 
     Raises:
         ModelError: If a parameter or a constant is too large, or a divisor too small.
     """
-    if precision is DOUBLE:
-        return
     for name, default in model.parameters:
-        precision.rounded(default, f"system {model.name!r}: parameter {name!r}")
+        formats.parameters.rounded(default, f"system {model.name!r}: parameter {name!r}")
     for function, pieces in programs.items():
         for piece in pieces if function.name != PREPARE else ():
-            _require_constants(piece, precision, f"system {model.name!r}: a constant")
+            _require_constants(piece, formats.arithmetic, f"system {model.name!r}: a constant")
+            _require_results(piece, formats.storage, f"system {model.name!r}: a result")
 
 
 def _require_constants(program: Program, precision: Precision, what: str) -> None:
     vanished = set()
     for i, instruction in enumerate(program.instructions):
         if instruction.op is Op.CONSTANT:
-            number = instruction.number
+            number = float(instruction.number)
             if precision.rounded(number, what) == 0.0 and number != 0.0:
                 vanished.add(i)
     refused = vanished.intersection(_not_zero(program))
     if refused:
+        number = float(program.instructions[min(refused)].number)
         raise ModelError(
-            f"{what}: {program.instructions[min(refused)].number!r} is 0 in {precision.words} precision, "
+            f"{what}: {number!r} is 0 in {precision.words} precision, "
             "but something is divided by it; choose units nearer to 1, or double precision."
         )
+
+
+def _require_results(program: Program, precision: Precision, what: str) -> None:
+    for value in program.results():
+        if program.instructions[value].op is Op.CONSTANT:
+            precision.rounded(program.instructions[value].number, what)
 
 
 def _not_zero(program: Program) -> Iterator[int]:

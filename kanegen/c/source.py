@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from kanegen import precision as precisions
 from kanegen.c.folder import write
 from kanegen.c.interface import Function, ModelFacts
 from kanegen.variant import STRICT, Variant
@@ -36,8 +37,13 @@ class Source:
 
     @property
     def precision(self) -> str:
-        """Type of all numbers in C, "double" or "float"."""
+        """The arithmetic, a name of `precision.PRECISIONS`."""
         return self.variant.precision
+
+    @property
+    def storage(self) -> str:
+        """The precision of states, loads and results, likewise."""
+        return precisions.storage(self.variant.precision, self.variant.storage).name
 
     def write(self, folder: str | Path, force: bool = False) -> Path:
         """Write every file into `folder`, which is made where it is missing.

@@ -29,14 +29,18 @@ def live(program: Program) -> list[int]:
     return needed(program, program.results())
 
 
-def places(program: Program, filled: Iterable[Run] = ()) -> dict[int, list[str]]:
-    """For every result the output elements that hold it, without those of the runs `filled`."""
+def places(program: Program, filled: Iterable[Run] = ()) -> dict[int, list[tuple[str, str]]]:
+    """For every result the output elements that hold it, without those of the runs `filled`.
+
+    Each is the name of its array and the element in C.
+    """
     done = {(run.array, index) for run in filled for index in range(run.start, run.stop)}
-    found: dict[int, list[str]] = {}
+    found: dict[int, list[tuple[str, str]]] = {}
     for output in program.outputs:
         for index, value in output.elements():
             if (output.array, index) not in done:
-                found.setdefault(value, []).append(element(output.array, index))
+                place = output.array.name, element(output.array, index)
+                found.setdefault(value, []).append(place)
     return found
 
 
@@ -89,6 +93,15 @@ def conditions(program: Program) -> dict[int, int]:
     return found
 
 
+def margins(program: Program) -> dict[int, int]:
+    """For every value that accuracy needs to be positive its place, from 1; the first of several."""
+    found: dict[int, int] = {}
+    for output in program.outputs:
+        for place, value in enumerate(output.margins, start=1):
+            found.setdefault(value, place)
+    return found
+
+
 def uniform(program: Program, shared: Iterable[str]) -> frozenset[int]:
     """Values that are the same in every state: numbers, elements of `shared` arrays, and what follows."""
     common = set(shared)
@@ -109,6 +122,11 @@ def partners(program: Program) -> dict[int, int]:
     }
     other = {Op.SIN: Op.COS, Op.COS: Op.SIN}
     return {i: waves[key] for (op, angle), i in waves.items() if (key := (other[op], angle)) in waves}
+
+
+def has_sines(program: Program) -> bool:
+    """Whether an output needs a sine or a cosine."""
+    return any(program.instructions[i].op in (Op.SIN, Op.COS) for i in live(program))
 
 
 def names(program: Program, taken: Iterable[str]) -> dict[int, str]:

@@ -1,7 +1,7 @@
 """Sines and cosines of many coordinates at once.
 
 Where a function needs those of many elements of one array, it computes them side by side before anything
-else. One by one they cost as much as a good part of the equations; for few of them the C library is as fast.
+else. One by one they cost as much as a good part of the equations; few of them are as fast that way.
 """
 
 from __future__ import annotations

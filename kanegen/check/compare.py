@@ -65,6 +65,7 @@ def compare(
     states: int = 1000,
     seed: int = 0,
     precision: Precision = DOUBLE,
+    storage: Precision | None = None,
 ) -> Report:
     """The outputs of `library` against the reference; parameters stand at their defaults.
 
@@ -73,7 +74,8 @@ def compare(
         library: It.
         states: How many random states.
         seed: Of the random states.
-        precision: Of the library; the states are rounded to it, and the bound is for it.
+        precision: Of the library's arithmetic; the bound is for it, or for the reference's.
+        storage: Of its arrays, if it is another. The states are rounded to the coarser of both.
 
     Raises:
         OptionError: If there is no state, the seed is negative, or no output has a reference.
@@ -86,14 +88,15 @@ def compare(
     if not outputs:
         raise OptionError(f"the library has none of the outputs {', '.join(OUTPUTS)}: nothing to compare.")
     arrays = system.values()
-    sample = random_states(arrays, states, seed).rounded(precision)
-    limit = rounding_bound(system.number_of_bodies, precision)
+    held = storage or precision
+    sample = random_states(arrays, states, seed).rounded(_coarser(precision, held))
+    limit = rounding_bound(system.number_of_bodies, precision, held)
     parts = _batches(sample, system.number_of_bodies)
-    batches = [_batch_errors(arrays, library, outputs, part, limit) for part in parts]
+    batches = [_batch_errors(arrays, library, outputs, part, limit, held) for part in parts]
     accuracies = (
         _accuracy(system, sample, name, joined([batch[name] for batch in batches]), limit) for name in outputs
     )
-    return Report(system.name, states, seed, tuple(accuracies), BOUND_REASON.format(digits=precision.digits))
+    return Report(system.name, states, seed, tuple(accuracies), _reason(precision, held))
 
 
 def _batches(sample: States, bodies: int) -> Iterator[States]:
@@ -103,9 +106,16 @@ def _batches(sample: States, bodies: int) -> Iterator[States]:
 
 
 def _batch_errors(
-    arrays: SystemArrays, library: ComparedLibrary, outputs: list[str], states: States, limit: float
+    arrays: SystemArrays,
+    library: ComparedLibrary,
+    outputs: list[str],
+    states: States,
+    limit: float,
+    storage: Precision,
 ) -> dict[str, StateErrors]:
     x, y, force, torque = states.x, states.y, states.force, states.torque
+    given_x, given_y = storage.stored(x), storage.stored(y)
+    given_force, given_torque = (None if f is None else storage.stored(f) for f in (force, torque))
     reach = reaches(arrays, kinematics(arrays, x, y), y)
     matrix_size = mass_matrix_magnitude(arrays, reach)
     diagonal = np.einsum("bii->bi", matrix_size)
@@ -114,18 +124,32 @@ def _batch_errors(
     if "mass_matrix" in outputs:
         truth = reference.mass_matrix(arrays, x)
         scales = scale[:, :, None] * scale[:, None, :]
-        errors["mass_matrix"] = state_errors(library.mass_matrix(x), truth, matrix_size, scales, limit)
+        value = storage.nearest(library.mass_matrix(given_x))
+        errors["mass_matrix"] = state_errors(value, truth, matrix_size, scales, limit)
     if "forcing" in outputs:
         truth = reference.forcing(arrays, x, y, force, torque)
         size = forcing_magnitude(arrays, reach, force, torque)
-        value = library.forcing(x, y, force=force, torque=torque)
+        found = library.forcing(given_x, given_y, force=given_force, torque=given_torque)
+        value = storage.nearest(found)
         errors["forcing"] = state_errors(value, truth, size, scale, limit)
     return errors
 
 
+def _coarser(a: Precision, b: Precision) -> Precision:
+    return min(a, b, key=lambda precision: precision.digits)
+
+
+def _reason(precision: Precision, storage: Precision) -> str:
+    """Where the bound comes from."""
+    reason = BOUND_REASON.format(digits=_coarser(precision, DOUBLE).digits)
+    if storage.roundoff > precision.roundoff:
+        reason += f" Results are rounded once more, by 2^-{storage.digits}."
+    return reason
+
+
 def _accuracy(system: System, sample: States, output: str, errors: StateErrors, bound: float) -> Accuracy:
     worst = int(errors.componentwise.argmax())
-    names = system.freedom_names
+    names = system.speed_names
     shape = (len(names),) * (2 if output == "mass_matrix" else 1)
     entry = [names[i] for i in np.unravel_index(int(errors.entry[worst]), shape)]
     return Accuracy(

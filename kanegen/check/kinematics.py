@@ -23,9 +23,12 @@ from kanegen.check.matrices import (
     angle_rate_matrix_dot,
     apply,
     rotation_123,
+    sines_cosines,
     skew,
     transposed,
 )
+from kanegen.check.sequences import renaming
+from kanegen.sequences import SEQUENCES
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,9 @@ def kinematics(system: SystemArrays, x: Numbers, y: Numbers) -> tuple[BodyKinema
         system: The numbers of the tree.
         x: (..., n) coordinates (rad, m).
         y: (..., n) generalized speeds (rad/s, m/s).
+
+    Where the speeds of a body's angles are components of its relative angular velocity, [P^AV_K] is the
+    identity and its rate zero.
     """
     count = len(system.mass)
     speeds = full_order(system, y, np.zeros((count, 6)))
@@ -119,10 +125,15 @@ def _body(
     joint_to_lower = system.joint_orientation[k].T
     r_tilde = skew(system.mass_center[k])
 
-    rate_matrix = angle_rate_matrix(angles)
-    rate_matrix_dot = angle_rate_matrix_dot(angles, rates)
+    named = renaming(SEQUENCES[system.sequence[k]])
+    turns = sines_cosines(angles, named)
+    rate_matrix = named.after @ angle_rate_matrix(*turns)
+    rate_matrix_dot = named.after @ angle_rate_matrix_dot(*turns, named.sign * rates)
+    if system.speeds[k] == "angular_velocity":
+        rate_matrix_dot = np.zeros_like(rate_matrix_dot)
+        rate_matrix = rate_matrix_dot + np.eye(3)
     relative_omega = apply(rate_matrix, rates)  # (8)
-    rotate = rotation_123(angles) @ system.joint_orientation[k]  # (4)
+    rotate = named.after @ rotation_123(*turns) @ named.before @ system.joint_orientation[k]  # (4)
     rotate_dot = transposed(skew(relative_omega)) @ rotate  # (7)
 
     omega_y = rotate @ lower.omega_y + _block(rate_matrix, k, speeds)  # (15), (16)

@@ -112,16 +112,18 @@ def forcing_magnitude(
     return apply(transposed(center_y), linear) + apply(transposed(omega_y), angular)
 
 
-def rounding_bound(bodies: int, precision: Precision = DOUBLE) -> float:
+def rounding_bound(bodies: int, precision: Precision = DOUBLE, storage: Precision = DOUBLE) -> float:
     """How far two programs may differ in a tree of N bodies, relative to the magnitudes: 8 (N + 8) u.
 
     Every rotation, cross product and sum along the tree adds a few roundings, so the error grows at most
     linearly with N; the second 8 stands for sines, products and inertias within a body. The first is 2 for
     two programs times 4, because a program that sums inward can have partial sums twice as long as the
     outward ones that are measured here, in both factors of a product. See docs/accuracy.md for the test.
-    In single precision u is that of the less precise program.
+    u is that of the less precise program, of which the reference is one, in double. Results in arrays of
+    fewer digits than the arithmetic are rounded once more, which is at most the roundoff of these.
     """
-    return 8 * (bodies + 8) * precision.roundoff
+    stored = storage.roundoff if storage.roundoff > precision.roundoff else 0.0
+    return 8 * (bodies + 8) * max(precision.roundoff, DOUBLE.roundoff) + stored
 
 
 def _columns(system: SystemArrays, reach: tuple[Reach, ...]) -> tuple[Floats, Floats]:

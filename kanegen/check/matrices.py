@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kanegen.check.sequences import Renaming
+
 Numbers = NDArray[Any]
 """Real or complex numbers of any type; in shapes, `...` is the batch: nothing, or (B,)."""
 
@@ -38,9 +40,19 @@ def transposed(matrix: Numbers) -> Numbers:
     return np.swapaxes(matrix, -1, -2)
 
 
-def rotation_123(angles: Numbers) -> Numbers:
-    """(..., 3, 3) Eq. (4), from (..., 3) angles."""
-    (s1, s2, s3), (c1, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+def sines_cosines(angles: Numbers, renaming: Renaming) -> tuple[Numbers, Numbers]:
+    """(3, ...) sines and cosines of the angles {phi} behind (..., 3) angles of a joint."""
+    sines = renaming.sign * np.moveaxis(np.sin(angles), -1, 0)
+    cosines = np.moveaxis(np.cos(angles), -1, 0)
+    if renaming.ends_alike:
+        (s1, s2, s3), (c1, c2, c3) = sines, cosines
+        return np.stack([s1, c2, s3]), np.stack([c1, -s2, c3])
+    return sines, cosines
+
+
+def rotation_123(sines: Numbers, cosines: Numbers) -> Numbers:
+    """(..., 3, 3) Eq. (4), from (3, ...) sines and cosines of the angles."""
+    (s1, s2, s3), (c1, c2, c3) = sines, cosines
     return _matrix(
         [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
         [-c2 * s3, c1 * c3 - s1 * s2 * s3, s1 * c3 + c1 * s2 * s3],
@@ -48,16 +60,16 @@ def rotation_123(angles: Numbers) -> Numbers:
     )
 
 
-def angle_rate_matrix(angles: Numbers) -> Numbers:
-    """(..., 3, 3) Eq. (17), from (..., 3) angles."""
-    (_, s2, s3), (_, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+def angle_rate_matrix(sines: Numbers, cosines: Numbers) -> Numbers:
+    """(..., 3, 3) Eq. (17)."""
+    (_, s2, s3), (_, c2, c3) = sines, cosines
     zero = np.zeros_like(s2)
     return _matrix([c2 * c3, s3, zero], [-c2 * s3, c3, zero], [s2, zero, zero + 1])
 
 
-def angle_rate_matrix_dot(angles: Numbers, rates: Numbers) -> Numbers:
-    """(..., 3, 3) below Eq. (20), from (..., 3) angles and their rates."""
-    (_, s2, s3), (_, c2, c3) = np.moveaxis(np.sin(angles), -1, 0), np.moveaxis(np.cos(angles), -1, 0)
+def angle_rate_matrix_dot(sines: Numbers, cosines: Numbers, rates: Numbers) -> Numbers:
+    """(..., 3, 3) below Eq. (20), with (..., 3) rates of the angles."""
+    (_, s2, s3), (_, c2, c3) = sines, cosines
     _, d2, d3 = np.moveaxis(rates, -1, 0)
     zero = np.zeros_like(s2)
     return _matrix(

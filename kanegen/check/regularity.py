@@ -67,7 +67,7 @@ def _empty_motion(rows: MovingRows) -> list[int]:
 
 
 def _message(system: System, motion: list[int]) -> str:
-    names = [system.freedom_names[i] for i in motion]
+    names = [system.speed_names[i] for i in motion]
     body = system.bodies[system.freedoms[motion[0]].body - 1].name
     others = f" together with {', '.join(repr(name) for name in names[1:])}" if names[1:] else ""
     return (

@@ -55,6 +55,33 @@ class States:
         return States(_rounded(self.x, precision), _rounded(self.y, precision), force, torque)
 
 
+@dataclass(frozen=True)
+class Ranges:
+    """Largest magnitudes of random states, as in `States` without B; 0 where a body takes no loads."""
+
+    x: Floats
+    y: Floats
+    force: Floats
+    torque: Floats
+
+
+def ranges(system: System | SystemArrays) -> Ranges:
+    """Half a turn for angles; everything else on the scale of its body."""
+    arrays = system.values() if isinstance(system, System) else system
+    bodies = len(arrays.mass)
+    size, acceleration, mass = _lengths(arrays), _acceleration(arrays), _masses(arrays)
+    rate = np.sqrt(acceleration / size)
+    free = free_columns(arrays)
+    half_turn = np.full(3 * bodies, np.pi)
+    weight = np.where(arrays.loads, mass, 0.0) * acceleration
+    return Ranges(
+        x=np.concatenate([half_turn, np.repeat(size, 3)])[free],
+        y=np.repeat(np.concatenate([rate, rate * size]), 3)[free],
+        force=np.tile(weight[:, None], 3),
+        torque=np.tile((weight * size)[:, None], 3),
+    )
+
+
 def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:
     """`count` random states.
 
@@ -68,20 +95,11 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
         seed: Of the generator.
     """
     arrays = system.values() if isinstance(system, System) else system
-    bodies = len(arrays.mass)
-    rng = np.random.default_rng(seed)
-    size, acceleration, mass = _lengths(arrays), _acceleration(arrays), _masses(arrays)
-    rate = np.sqrt(acceleration / size)
-    free = free_columns(arrays)
-    half_turn = np.full(3 * bodies, np.pi)
-    x = _uniform(rng, count, np.concatenate([half_turn, np.repeat(size, 3)])[free])
-    y = _uniform(rng, count, np.repeat(np.concatenate([rate, rate * size]), 3)[free])
+    rng, largest = np.random.default_rng(seed), ranges(arrays)
+    x, y = _uniform(rng, count, largest.x), _uniform(rng, count, largest.y)
     if not arrays.loads.any():
         return States(x, y, None, None)
-    weight = np.where(arrays.loads, mass * acceleration, 0.0)
-    force = _uniform(rng, count, np.repeat(weight, 3)).reshape(count, bodies, 3)
-    torque = _uniform(rng, count, np.repeat(weight * size, 3)).reshape(count, bodies, 3)
-    return States(x, y, force, torque)
+    return States(x, y, _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque))
 
 
 def _rounded(values: Floats, precision: Precision) -> Floats:
@@ -89,7 +107,7 @@ def _rounded(values: Floats, precision: Precision) -> Floats:
 
 
 def _uniform(rng: np.random.Generator, count: int, scale: Floats) -> Floats:
-    values: Floats = rng.uniform(-1.0, 1.0, (count, scale.size)) * scale
+    values: Floats = rng.uniform(-1.0, 1.0, (count, *scale.shape)) * scale
     return values
 
 

@@ -1,4 +1,4 @@
-"""The command line: `kanegen generate`, `check`, `equations`, `info` and `bench`."""
+"""The command line: `kanegen generate`, `verify`, `check`, `equations`, `info`, `bench` and `tradeoff`."""
 
 from kanegen.cli.app import main
 

@@ -10,21 +10,51 @@ import typer
 
 from kanegen import bench as benchmark
 from kanegen import compiler
-from kanegen.bench.optional import require
+from kanegen import variant as variants
+from kanegen.anchors import anchors
+from kanegen.bench.optional import BENCH, module, require
 from kanegen.bench.peers.field import PEERS
 from kanegen.bench.plot import svg
 from kanegen.bench.record import record
+from kanegen.c.anchors import with_anchors
 from kanegen.cli import bench as benchmark_table
 from kanegen.cli import info as information
+from kanegen.cli.given import has_budget
+from kanegen.cli.options import (
+    AsJson,
+    Attempts,
+    Confidence,
+    Domain,
+    ErrorBudget,
+    FloatingBase,
+    JsonFile,
+    Model,
+    Numbers,
+    Objective,
+    Outputs,
+    Plot,
+    Quantile,
+    Reanchoring,
+    Reproducible,
+    Search,
+    Seed,
+    SelectStates,
+    Speeds,
+    Stored,
+    Tier,
+    TimeBudget,
+    Waves,
+    Without,
+)
 from kanegen.cli.terminal import FAILED, fail, progress, screen, show_warnings
 from kanegen.errors import KanegenError, OptionError
-from kanegen.files import write_whole
-from kanegen.precision import PRECISIONS
+from kanegen.files import require_writable, write_whole
 from kanegen.printing import FORMATS, render
-from kanegen.program.passes import NAMES
 from kanegen.readers import load
-from kanegen.signature import EQUATIONS, OUTPUTS
-from kanegen.variant import TIERS
+from kanegen.signature import EQUATIONS
+from kanegen.study import EXTRA as STUDY
+from kanegen.study import NEEDS
+from kanegen.system import System
 from kanegen.version import __version__
 
 app = typer.Typer(
@@ -35,29 +65,6 @@ app = typer.Typer(
     help="Kane's equations of motion [A]{ydot} = {f} for a tree of rigid bodies, as C made for that tree.",
     epilog="Exit status: 0 done, 1 a check did not pass, 2 bad input.",
 )
-
-Model = Annotated[
-    Path, typer.Argument(metavar="MODEL", help="Model file, .toml or .urdf.", show_default=False)
-]
-FloatingBase = Annotated[
-    bool, typer.Option("--floating-base", help="Give the root link of a .urdf six freedoms.")
-]
-Outputs = Annotated[
-    list[str],
-    typer.Option("--output", metavar="NAME", help=f"What to compute, repeatable: {', '.join(OUTPUTS)}."),
-]
-Without = Annotated[
-    list[str] | None,
-    typer.Option("--without", metavar="PASS", help=f"Leave a pass out, repeatable: {', '.join(NAMES)}."),
-]
-Numbers = Annotated[
-    str | None,
-    typer.Option("--precision", metavar="NAME", help=f"Type of numbers in C: {' or '.join(PRECISIONS)}."),
-]
-Tier = Annotated[
-    str, typer.Option("--tier", metavar="NAME", help=f"Speed against accuracy: {' or '.join(TIERS)}.")
-]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
 
 def _version(wanted: bool) -> None:
@@ -76,7 +83,9 @@ def common(
 
 
 @app.command()
-def generate(
+def generate(  # noqa: PLR0913  (an argument for every option)
+    context: typer.Context,
+    *,
     model: Model,
     output_dir: Annotated[
         Path, typer.Option("--output-dir", "-o", help="Folder for the files; made if absent.")
@@ -88,19 +97,94 @@ def generate(
     ] = False,
     without: Without = None,
     precision: Numbers = None,
+    storage: Stored = None,
+    sincos: Waves = None,
     tier: Tier = "strict",
+    error: ErrorBudget = None,
+    budget: TimeBudget = None,
+    domain: Domain = None,
+    objective: Objective = "latency",
+    quantile: Quantile = "max",
+    confidence: Confidence = 0.95,
+    attempts: Attempts = 2,
+    states: SelectStates = 512,
+    search: Search = 512,
+    reproducible: Reproducible = False,
+    seed: Seed = 0,
+    speeds: Speeds = None,
+    reanchoring: Reanchoring = False,
 ) -> None:
-    """Write the C for MODEL: header, source, example, CMake and pkg-config files, README."""
-    system = load(model, floating_base=floating_base)
-    with progress() as report:
-        source = compiler.generate(
-            system, outputs=output, progress=report, without=without, precision=precision, tier=tier
+    """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
+
+    With --error the fastest variant of forward dynamics whose error stays below a budget, with --budget the
+    most accurate one whose time does: all are measured on this machine, the chosen one is validated in fresh
+    states and searched for counterexamples, and a certificate says what was found. This takes minutes, and
+    `pip install 'kanegen[study]'`.
+    """
+    chosen = has_budget(context)
+    system = _loaded(model, floating_base, speeds)
+    wanted = anchors(system) if reanchoring else ()
+    if chosen:
+        command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
+        terms = command.Terms(
+            error=error,
+            budget=budget,
+            domain=domain,
+            objective=objective,
+            quantile=quantile,
+            confidence=confidence,
+            attempts=attempts,
+            states=states,
+            search=search,
+            reproducible=reproducible,
+            precision=precision,
+            seed=seed,
         )
+        with progress() as report:
+            found = command.generate(system, terms, output_dir, force, report)
+        command.show(found, screen)
+        source = found.source
+    else:
+        with progress() as report:
+            variant = variants.chosen(
+                tier, precision=precision, without=without, storage=storage, sincos=sincos
+            )
+            source = compiler.generate(system, outputs=output, progress=report, tier=variant)
+    source = with_anchors(source, wanted) if wanted else source
     source.write(output_dir, force=force)
     cost = ", ".join(f"{kind} {number}" for kind, number in source.operations.items())
     screen.print(f"{system.name}: {len(system.freedoms)} freedoms, {' and '.join(source.outputs)}")
     screen.print(f"operations: {cost}")
     screen.print(f"wrote {', '.join(source.files)} to {output_dir}", soft_wrap=True)
+
+
+@app.command()
+def verify(
+    certificate: Annotated[
+        Path, typer.Argument(metavar="CERTIFICATE", help="The .json beside the C.", show_default=False)
+    ],
+    model: Annotated[
+        Path | None, typer.Option("--model", metavar="MODEL", help="What it should be of, .toml or .urdf.")
+    ] = None,
+    states: Annotated[
+        int | None, typer.Option(min=1, help="Fresh states; by default as many as it was validated by.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the fresh states.")] = 1,
+    floating_base: FloatingBase = False,
+    speeds: Speeds = None,
+) -> None:
+    """Make and measure anew what a CERTIFICATE of `generate` says; status 1 if something does not hold.
+
+    Generates and compiles the variant, compares the C, its results and its worst states, and measures its
+    error in states of its own. Times are not measured again. Needs `pip install 'kanegen[study]'`.
+    """
+    command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
+    system = None if model is None else _loaded(model, floating_base, speeds)
+    with progress() as report:
+        found = command.verify(certificate, system, states, seed, report)
+    command.show_verification(certificate, found, screen)
+    if not found.passed:
+        raise typer.Exit(FAILED)
 
 
 @app.command()
@@ -110,15 +194,17 @@ def check(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 0,
     floating_base: FloatingBase = False,
     precision: Numbers = None,
+    storage: Stored = None,
+    sincos: Waves = None,
     tier: Tier = "strict",
+    speeds: Speeds = None,
     as_json: AsJson = False,
 ) -> None:
     """Compile the C for MODEL and compare it with the NumPy reference; status 1 if it does not pass."""
-    system = load(model, floating_base=floating_base)
+    system = _loaded(model, floating_base, speeds)
     with progress() as report:
-        result = compiler.compare(
-            system, states=states, seed=seed, progress=report, precision=precision, tier=tier
-        )
+        variant = variants.chosen(tier, precision=precision, storage=storage, sincos=sincos)
+        result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)
     typer.echo(json.dumps(result.as_dict(), indent=2) if as_json else str(result))
     if not result.passed:
         raise typer.Exit(FAILED)
@@ -131,9 +217,10 @@ def equations(
         str, typer.Option("--format", metavar="FORMAT", help=f"One of {', '.join(FORMATS)}.")
     ] = "text",
     floating_base: FloatingBase = False,
+    speeds: Speeds = None,
 ) -> None:
     """Print the equations of motion of MODEL: in closed form for a small tree, else by definitions."""
-    system = load(model, floating_base=floating_base)
+    system = _loaded(model, floating_base, speeds)
     with progress() as report:
         derived = compiler.derive(system, progress=report)
         report("printing")
@@ -146,10 +233,11 @@ def info(
     model: Model,
     floating_base: FloatingBase = False,
     without: Without = None,
+    speeds: Speeds = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the tree of MODEL, its freedoms and parameters, and what its equations cost."""
-    system = load(model, floating_base=floating_base)
+    system = _loaded(model, floating_base, speeds)
     with progress() as report:
         facts = information.gather(system, report, without)
     if as_json:
@@ -168,13 +256,8 @@ def bench(
         list[str],
         typer.Option(metavar="NAME", help=f"Beside kanegen, repeatable: {', '.join(PEERS)}."),
     ] = list(PEERS),  # noqa: B006  (as for Outputs)
-    json_: Annotated[
-        Path | None,
-        typer.Option("--json", metavar="FILE", help="Write every number and the machine as JSON."),
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option("--plot", metavar="FILE.svg", help="Draw the times as SVG.")
-    ] = None,
+    json_: JsonFile = None,
+    plot: Plot = None,
     floating_base: FloatingBase = False,
 ) -> None:
     """Time the C for MODEL beside Pinocchio, CasADi, MuJoCo, SymPy + PyDy; status 1 if results differ.
@@ -183,8 +266,8 @@ def bench(
     from `pip install 'kanegen[bench]'`; who is missing is named and left out. Loads are switched off and
     run-time parameters become constants. The first time, compiling Pinocchio takes minutes.
     """
-    if plot is not None:
-        _require_plot(plot)
+    _require_plot(plot)
+    require_writable(json_, plot)
     terms = benchmark.Terms(states, rounds, seconds)
     system = load(model, floating_base=floating_base)
     with progress() as report:
@@ -198,11 +281,64 @@ def bench(
         raise typer.Exit(FAILED)
 
 
-def _require_plot(path: Path) -> None:
+@app.command()
+def tradeoff(
+    model: Model,
+    states: Annotated[int, typer.Option(min=1, help="Random states of every sample.")] = 256,
+    search: Annotated[int, typer.Option(min=0, help="States tried to find the largest error.")] = 64,
+    rounds: Annotated[int, typer.Option(min=1, help="Rounds, in each of which all have one turn.")] = 7,
+    seconds: Annotated[float, typer.Option(min=0.0, help="Of every way to call in every turn.")] = 0.02,
+    seed: Annotated[int, typer.Option(min=0, help="Of all samples.")] = 0,
+    quantile: Annotated[
+        str, typer.Option(metavar="NAME", help="The error that counts: max, p99 or median.")
+    ] = "max",
+    objective: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Show one table only: latency or batch; repeatable."),
+    ] = None,
+    output_dir: Annotated[
+        Path | None,
+        typer.Option("--output-dir", "-o", help="Folder for tradeoff.md, .csv, .json and .svg."),
+    ] = None,
+    simulation: Annotated[
+        bool, typer.Option("--simulation", help="Integrate a motion with the best variants, too.")
+    ] = False,
+    json_: JsonFile = None,
+    plot: Plot = None,
+    floating_base: FloatingBase = False,
+) -> None:
+    """Speed against accuracy of MODEL: every variant measured; status 1 if one computes something wrong.
+
+    Errors are against certified truth, in random and in hard states; times are taken in turns. What none
+    beats in both is the front, measured again in fresh states. Loads are switched off and run-time parameters
+    become constants. Needs `pip install 'kanegen[study]'`.
+    """
+    _require_plot(plot, STUDY)
+    command = module("kanegen.cli.tradeoff", *NEEDS, extra=STUDY)
+    system = load(model, floating_base=floating_base)
+    outputs = command.Outputs.chosen(output_dir, json_, plot, simulation)
+    terms = {"states": states, "search": search, "rounds": rounds, "seconds": seconds, "seed": seed}
+    with progress() as report:
+        wanted = command.Terms(**terms, quantile=quantile)
+        found = command.run(system, wanted, objective, simulation, report)
+    outputs.write(found)
+    command.show(found, objective, screen)
+    if any(entry.wrong for entry in found.entries):
+        raise typer.Exit(FAILED)
+
+
+def _loaded(model: Path, floating_base: bool, speeds: str | None) -> System:
+    """The system of a model file, with other speeds if so wished."""
+    system = load(model, floating_base=floating_base)
+    return system if speeds is None else system.with_speeds(speeds)
+
+
+def _require_plot(path: Path | None, extra: str = BENCH) -> None:
     """Say at once what would only fail minutes later."""
-    if path.suffix != ".svg":
-        raise OptionError(f"--plot: {path} does not end in .svg.")
-    require("matplotlib")
+    if path is not None:
+        if path.suffix != ".svg":
+            raise OptionError(f"--plot: {path} does not end in .svg.")
+        require("matplotlib", extra)
 
 
 def main() -> None:

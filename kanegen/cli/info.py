@@ -19,6 +19,7 @@ from kanegen import variant as variants
 from kanegen.body import FREEDOMS, Body
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.program.passes import Stage, savings
+from kanegen.sequences import NOTES
 from kanegen.signature import EQUATIONS, OUTPUTS
 from kanegen.system import System
 
@@ -36,12 +37,14 @@ class Facts:
         system: The tree.
         operations: By output, and of [A] and {f} together.
         methods: How each output is derived.
+        refinement: Whether {ydot} is refined, and why.
         stages: What all outputs together cost after lowering and after every pass.
     """
 
     system: System
     operations: dict[str, dict[str, int]]
     methods: dict[str, str]
+    refinement: str
     stages: tuple[Stage, ...]
 
     def as_dict(self) -> dict[str, Any]:
@@ -57,6 +60,7 @@ class Facts:
                     "connection": body.lower,
                     "mass": value_of(body.mass),
                     "free": _free(body),
+                    "sequence": body.joint.sequence,
                     "loads": body.loads,
                 }
                 for k, body in enumerate(system.bodies, start=1)
@@ -65,9 +69,11 @@ class Facts:
                 {"name": name, "body": freedom.body, "freedom": FREEDOMS[freedom.index], "unit": freedom.unit}
                 for name, freedom in zip(system.freedom_names, system.freedoms, strict=True)
             ],
+            "speeds": list(system.speed_names),
             "parameters": {parameter.name: parameter.value for parameter in system.parameters},
             "operations": self.operations,
             "methods": self.methods,
+            "refinement": self.refinement,
             "passes": [asdict(stage) for stage in self.stages],
             "saved": savings(self.stages),
         }
@@ -80,7 +86,8 @@ def gather(system: System, progress: Callable[[str], None], without: Iterable[st
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}
-    return Facts(system, {**operations, TOGETHER: together.operations}, methods, together.stages)
+    refinement = alone["forward_dynamics"].refinement
+    return Facts(system, {**operations, TOGETHER: together.operations}, methods, refinement, together.stages)
 
 
 def show(facts: Facts, console: Console) -> None:
@@ -101,6 +108,7 @@ def show(facts: Facts, console: Console) -> None:
     saved = ", ".join(f"{name} {number}" for name, number in savings(facts.stages).items())
     console.print(f"passes saved: {saved or 'none was run'}")
     console.print(", ".join(f"{name} by {method}" for name, method in facts.methods.items()))
+    console.print(escape(f"refinement of forward_dynamics: {facts.refinement}"))
 
 
 def _tree(system: System) -> Tree:
@@ -108,6 +116,8 @@ def _tree(system: System) -> Tree:
     branches = [tree]
     for k, body in enumerate(system.bodies, start=1):
         free = escape(" ".join(_free(body)) or "welded")
+        if body.joint.sequence != NOTES:
+            free = f"{free} ({body.joint.sequence})"
         loads = ", takes loads" if body.loads else ""
         label = f"{k} [bold]{escape(body.name)}[/]  {free}  [dim]{_text(body.mass)} kg{loads}[/]"
         branches.append(branches[body.lower].add(label))
@@ -115,8 +125,11 @@ def _tree(system: System) -> Tree:
 
 
 def _freedoms(system: System) -> Columns:
-    names = zip(system.freedom_names, system.freedoms, strict=True)
-    cells = [f"{i} {escape(name)} ({freedom.unit})" for i, (name, freedom) in enumerate(names)]
+    rows = zip(system.freedom_names, system.speed_names, system.freedoms, strict=True)
+    cells = [
+        f"{i} {escape(name)} ({freedom.unit})" + (f", {escape(speed)}" if speed != name else "")
+        for i, (name, speed, freedom) in enumerate(rows)
+    ]
     return Columns(cells, column_first=True, padding=(0, 3))
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kanegen.errors import ArrayError
 
 Floats = NDArray[np.floating[Any]]
-"""Numbers of the precision of a library: double or single."""
+"""Numbers of the precision of a library, or parts of them."""
 
 Shape = tuple[int, ...]
 
@@ -77,7 +77,7 @@ def load(
     Args:
         name: Of the argument.
         value: What was passed.
-        shape: (N, 3) for loads on bodies.
+        shape: (N, 3) for loads on bodies, and a last axis for numbers in parts.
         batch: `()` or `(B,)`.
         dtype: Of the numbers.
         unloaded: Rows of bodies that take no loads, with their names.
@@ -92,8 +92,9 @@ def load(
     if array.shape not in (shape, full):
         either = f"{shape} or {full}" if batch else f"{shape}"
         raise ArrayError(f"{name}: expected shape {either}, got {array.shape}.")
-    if unloaded and array[..., list(unloaded), :].any():
-        row = next(row for row in unloaded if array[..., row, :].any())
+    rows = np.moveaxis(array, array.ndim - len(shape), 0)
+    row = next((row for row in unloaded if rows[row].any()), None)
+    if row is not None:
         raise ArrayError(
             f"{name}: row {row} is not zero, but body {unloaded[row]!r} takes no loads. Say that it does in "
             "the model's loads."

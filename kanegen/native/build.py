@@ -9,11 +9,16 @@ import warnings
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from kanegen import precision as precisions
 from kanegen import semantics
 from kanegen.c import Source
-from kanegen.errors import KanegenWarning
+from kanegen.errors import BuildError, KanegenWarning
 from kanegen.native import cache, compilers, selftest
+from kanegen.precision import LONG_DOUBLE
 
 _CALLER = 5
 """Frames from a warning here to the line that called `kanegen.build`."""
@@ -47,6 +52,8 @@ def build(
     """
     found = compilers.find(compiler)
     chosen = selftest.honest(found, source) if flags is None else _split(flags)
+    _require_digits(source)
+    selftest.require(found, chosen, precisions.named(source.precision).needs)
     if threads:
         chosen += _openmp(found)
     texts = {file: text for file, text in source.files.items() if _is_code(file)}
@@ -67,6 +74,23 @@ def build(
 
     parts = (*texts.values(), found.identity, *link, *_machine(chosen))
     return cache.entry(cache.key(parts), fill) / library
+
+
+def bits(dtype: np.dtype[Any]) -> int:
+    """Bits of the significand of a type on this platform."""
+    return int(np.finfo(dtype).nmant) + 1
+
+
+def _require_digits(source: Source) -> None:
+    """Refuse `long double` where it is no wider than double."""
+    for name in (source.precision, source.storage):
+        precision = precisions.named(name)
+        digits = bits(precision.dtype)
+        if name == LONG_DOUBLE.name and digits < precision.digits:
+            raise BuildError(
+                f"precision {name!r}: long double has {digits} bits on this platform, no more than double. "
+                "Use double-double."
+            )
 
 
 def _openmp(compiler: compilers.Compiler) -> tuple[str, ...]:

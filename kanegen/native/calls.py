@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import _cffi_backend
 import cffi
 import numpy as np
 
-from kanegen import precision as precisions
 from kanegen.c import ModelFacts, Source
+from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import BuildError, KanegenWarning, SingularError
 from kanegen.native import environment
 from kanegen.native.arguments import Floats, companion, load, state
+from kanegen.precision import Precision
 
 LOADS = frozenset({"force", "torque"})
 """Arguments with a row for every body, of which only some take any."""
@@ -56,15 +57,17 @@ class Native:
         self.path = path
         ffi = cffi.FFI()
         ffi.cdef(source.cdef)
-        self._dtype = precisions.named(source.precision).dtype
+        held = formats(source.variant)
         # The function behind `ffi.from_buffer`, which takes twice as long.
-        self._pointer = partial(_cffi_backend.from_buffer, ffi.typeof(f"{source.precision}[]"))
+        pointers = {
+            precision: partial(_cffi_backend.from_buffer, ffi.typeof(f"{precision.type}[]"))
+            for precision in held.every
+        }
+        self._prepared = pointers[held.arithmetic]
         try:
             with environment.unchanged(path):
                 library = ffi.dlopen(str(path), ffi.RTLD_NOW | _STAY)
-            self.calls = {
-                f.name: Call(library, self._pointer, self._dtype, source.model, f) for f in source.functions
-            }
+            self.calls = {f.name: Call(library, pointers, held, source.model, f) for f in source.functions}
         except (OSError, AttributeError) as error:
             raise BuildError(
                 f"{path}: the compiled library cannot be loaded: {error}. Does the compiler make code for "
@@ -77,7 +80,7 @@ class Native:
         if prepare is None:
             return ()
         prepared = prepare((), (np.array(list(parameters.values())),))
-        return tuple(map(self._pointer, prepared))
+        return tuple(map(self._prepared, prepared))
 
 
 class Call:
@@ -89,29 +92,40 @@ class Call:
     def __init__(
         self,
         library: Any,
-        pointer: Callable[[Floats], Any],
-        dtype: np.dtype[Any],
+        pointers: Mapping[Precision, Callable[[Floats], Any]],
+        held: Formats,
         model: ModelFacts,
         f: Function,
     ) -> None:
         self._name = f.name
-        self._freedoms = model.freedom_names
+        pairs = zip(model.freedom_names, model.speeds, strict=True)
+        self._freedoms = [f"{name}, {speed}" if speed else name for name, speed in pairs]
+        self._quantity = " or ".join(condition.quantity for condition in f.conditions)
+        self._failure = " or ".join(condition.failure for condition in f.conditions)
+        self._bodies = model.freedom_bodies
+        self._is_judged = bool(f.judged)
+        names = [array.name for array in f.outputs]
+        self._spoilt = names.index(f.spoilt[0]) if f.spoilt else 0
         name = f"{model.name}_{f.name}"
         self._single = getattr(library, name)
         self._batch = getattr(library, f"{name}_batch") if f.has_batch else None
-        self._pointer = pointer
-        self._dtype = dtype
+        taken, given = held.of(f.inputs[-1].name), held.of(f.outputs[0].name)
+        self._pointer, self._result_pointer = pointers[taken], pointers[given]
+        self._dtype, self._result_dtype = taken.dtype, given.dtype
         places = {n: k for k, n in enumerate(ARGUMENTS)}
         own = [array for array in f.inputs if array.name not in f.shared]
-        self._inputs = [(array.name, places.get(array.name, 0), array.shape) for array in own]
-        self._outputs = [array.shape for array in f.outputs]
+        self._inputs = [(array.name, places.get(array.name, 0), array.shape + taken.tail) for array in own]
+        self._outputs = [array.shape + given.tail for array in f.outputs]
         bodies = enumerate(zip(model.body_names, model.loaded, strict=True))
         self._unloaded = {row: name for row, (name, is_loaded) in bodies if not is_loaded}
         checked = LOADS if self._unloaded else frozenset()
         self._plan = [
-            (k, shape, pointer(np.zeros(shape, dtype)) if n in OPTIONAL else None, n not in checked)
+            (k, shape, self._zeros(shape) if n in OPTIONAL else None, n not in checked)
             for n, k, shape in self._inputs
         ]
+
+    def _zeros(self, shape: tuple[int, ...]) -> Any:
+        return self._pointer(np.zeros(shape, self._dtype))
 
     def __call__(self, constants: Pointers, values: Values) -> list[Floats]:
         """Call C for one state or many.
@@ -146,38 +160,57 @@ class Call:
                 return self._general(constants, values)
         results = []
         for shape in self._outputs:
-            result = np.empty(shape, dtype)
+            result = np.empty(shape, self._result_dtype)
             results.append(result)
-            pointers.append(pointer(result))
+            pointers.append(self._result_pointer(result))
         place = self._single(*pointers)
         if place:
-            self._refuse(place)
+            self._complain(place, _CALLER)
         return results
 
     def _general(self, constants: Pointers, values: Values) -> list[Floats]:
         """The same after conversion and with every check."""
         arrays, batch = self._converted(values)
-        results = [np.empty((*batch, *shape), self._dtype) for shape in self._outputs]
-        pointers = [*constants, *map(self._pointer, [*arrays, *results])]
+        results = [np.empty((*batch, *shape), self._result_dtype) for shape in self._outputs]
+        pointers = [*constants, *map(self._pointer, arrays), *map(self._result_pointer, results)]
         if not batch or self._batch is None:
             place = self._single(*pointers)
             if place:
-                self._refuse(place)
+                self._complain(place, _CALLER + 1)
             return results
         failed = self._batch(*batch, *pointers)
         if failed:
-            warnings.warn(
-                f"{self._name}: in {failed} of {batch[0]} states a pivot of [A] is not positive or is NaN; "
-                "their rows are NaN.",
-                KanegenWarning,
-                stacklevel=_CALLER,
-            )
+            self._count(failed, results)
         return results
 
-    def _refuse(self, place: int) -> NoReturn:
+    def _count(self, failed: int, results: Sequence[Floats]) -> None:
+        """Warn of states of a batch; those whose rows are not NaN are not accurate."""
+        spoilt = results[self._spoilt].reshape(len(results[self._spoilt]), -1)
+        lost = int(np.isnan(spoilt).any(axis=1).sum()) if self._is_judged else failed
+        found = []
+        if lost:
+            found.append(
+                f"in {lost} of {len(spoilt)} states a {self._quantity} is not positive or is NaN; "
+                "their rows are NaN"
+            )
+        if failed > lost:
+            found.append(f"in {failed - lost} of {len(spoilt)} states the result is not accurate")
+        warnings.warn(f"{self._name}: {', and '.join(found)}.", KanegenWarning, stacklevel=_CALLER + 1)
+
+    def _complain(self, place: int, frames: int) -> None:
+        """Say what a status means, that is not 0."""
+        if place < 0:
+            warnings.warn(
+                f"{self._name}: the result is not accurate in this state. The largest correction was at "
+                f"freedom {self._freedoms[-place - 1]!r} of body {self._bodies[-place - 1]!r}; an output "
+                '"error_estimate" says how large, a higher precision helps.',
+                KanegenWarning,
+                stacklevel=frames,
+            )
+            return
         raise SingularError(
-            f"{self._name}: the pivot of [A] at freedom {self._freedoms[place - 1]!r} is not positive or is "
-            "NaN: [A] is singular in this state, or the state is not finite."
+            f"{self._name}: the {self._quantity} at freedom {self._freedoms[place - 1]!r} is not positive or "
+            f"is NaN: {self._failure} in this state, or the state is not finite."
         )
 
     def _converted(self, values: Values) -> tuple[list[Floats], tuple[int, ...]]:

@@ -49,6 +49,21 @@ def honest(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]:
     return flags
 
 
+def require(compiler: compilers.Compiler, flags: tuple[str, ...], wanted: frozenset[str]) -> None:
+    """See that `compiler` keeps some properties with `flags`.
+
+    Raises:
+        BuildError: If it does not.
+    """
+    missing = wanted - properties(compiler, flags) if wanted else None
+    if missing:
+        raise BuildError(
+            f"{shlex.join(compiler.command)} with {shlex.join(flags)} does not keep: "
+            f"{', '.join(sorted(missing))}, which this precision needs. Give up -ffast-math and its parts, "
+            "and have -ffp-contract=off."
+        )
+
+
 @remembered
 def properties(compiler: compilers.Compiler, flags: tuple[str, ...]) -> frozenset[str]:
     """Lines that `selftest.c` prints, compiled with `flags`.

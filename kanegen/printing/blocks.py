@@ -59,13 +59,14 @@ class Blocks:
         prefix: tuple[Factor, ...] = ()
         for body in self._path(k):
             if self._turns(body):
-                blocks[body - 1] = product(*prefix, self._factor(Kind.RATE, body))
+                blocks[body - 1] = self._turned_rates(prefix, body)
             prefix = (*prefix, self._rotation(body))
         return Row(tuple(blocks), len(blocks))
 
     def partial_angular_velocity_rate(self, k: int) -> Sum:
         """Time derivative of [omega'_K,y1], Eq. (20)."""
-        own = self._unit_row(self._factor(Kind.RATE_DOT, k), k, half=0) if self._turns(k) else NOTHING
+        changes = self._turns(k) and not self._spins(k)
+        own = self._unit_row(self._factor(Kind.RATE_DOT, k), k, half=0) if changes else NOTHING
         j = self._lower(k)
         if j == GROUND:
             return total(own)
@@ -124,6 +125,12 @@ class Blocks:
         spin = Kind.FIRST_SPIN if self._lower(k) == GROUND else Kind.RELATIVE_SPIN
         return times((self._factor(spin, k), self._rotation(k)), terms)
 
+    def _turned_rates(self, prefix: tuple[Factor, ...], k: int) -> Term:
+        """[P_K] behind rotations; speeds that are components of an angular velocity need none."""
+        if self._spins(k):
+            return product(*prefix) if prefix else self._factor(Kind.IDENTITY, k)
+        return product(*prefix, self._factor(Kind.RATE, k))
+
     def _turned_back(self, k: int, kind: Kind) -> Term:
         if self.system.bodies[k - 1].joint.orientation == IDENTITY:
             return self._factor(kind, k)
@@ -168,6 +175,9 @@ class Blocks:
 
     def _turns(self, k: int) -> bool:
         return any(self.system.bodies[k - 1].joint.free[:FIRST_TRANSLATION])
+
+    def _spins(self, k: int) -> bool:
+        return self.system.bodies[k - 1].joint.spins
 
     def _slides(self, k: int) -> bool:
         return any(self.system.bodies[k - 1].joint.free[FIRST_TRANSLATION:])

@@ -14,7 +14,8 @@ from kanegen.printing.blocks import Blocks
 from kanegen.printing.latex_names import escaped, latex_names
 from kanegen.printing.printers import latex, latex_lines, text
 from kanegen.symbolic.equations import Equations
-from kanegen.symbolic.symbols import expression, parameter
+from kanegen.symbolic.symbols import expression, parameter, speed
+from kanegen.system import System
 
 Names = dict[Symbol, str]
 """LaTeX of symbols."""
@@ -111,7 +112,7 @@ def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Do
     freedoms = "1 freedom" if n == 1 else f"{n} freedoms"
     return Document(
         f"{system.name}: {bodies}, {freedoms}",
-        "Equations of motion [A]{ydot} = {f}, with {xdot} = {y}. SI units.",
+        f"Equations of motion [A]{{ydot}} = {{f}}, with {kinematics(system)}. SI units.",
         tuple(_sections(equations, A, f)),
     )
 
@@ -120,6 +121,7 @@ def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> I
     definitions = equations.definitions
     names = latex_names(equations)
     yield _freedoms(equations, names)
+    yield from _coordinate_rates(equations, names)
     yield from _parameters(equations, names)
     yield from _loads(equations)
     if definitions:
@@ -133,7 +135,7 @@ def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> I
 def _freedoms(equations: Equations, names: Names) -> Section:
     statements = []
     for i, (x, y) in enumerate(zip(equations.x, equations.y, strict=True)):
-        name, unit = equations.system.freedom_names[i], equations.system.freedoms[i].unit
+        name, unit = _meaning(equations.system, i)
         label = rf"\text{{{escaped(name)} ({unit})}}"
         statements.append(
             Written(
@@ -143,6 +145,33 @@ def _freedoms(equations: Equations, names: Names) -> Section:
             )
         )
     return Section("Coordinates and speeds", "Eq. (1).", tuple(statements), is_list=True)
+
+
+def kinematics(system: System) -> str:
+    """What the coordinates have to do with the speeds."""
+    return "{xdot} = {y}" if system.speeds_are_rates else "{xdot} from {y} by Eqs. (9), (45)"
+
+
+def _meaning(system: System, place: int) -> tuple[str, str]:
+    """Name and unit at a place of {x}, and those in {y} where it is not the rate."""
+    name, unit = system.freedom_names[place], system.freedoms[place].unit
+    speed_name = system.speed_names[place]
+    return (name, unit) if name == speed_name else (f"{name}, {speed_name}", f"{unit}, {unit}/s")
+
+
+def _coordinate_rates(equations: Equations, names: Names) -> Iterator[Section]:
+    """Eq. (9), where coordinates have other rates than the speeds."""
+    rates = zip(equations.x, equations.y, equations.xdot, equations.system.freedoms, strict=True)
+    statements = tuple(
+        _equation(speed(freedom.body, freedom.index), rate, names)
+        for _, y, rate, freedom in rates
+        if rate != y
+    )
+    if statements:
+        note = (
+            "Eq. (9), where the speeds are components of a relative angular velocity; {xdot} = {y} elsewhere."
+        )
+        yield Section("Rates of the angles", note, statements)
 
 
 def _parameters(equations: Equations, names: Names) -> Iterator[Section]:

@@ -7,7 +7,16 @@ import re
 from sympy import Symbol
 
 from kanegen.symbolic.equations import Equations
-from kanegen.symbolic.symbols import acceleration, coordinate, force, parameter, speed, torque
+from kanegen.symbolic.symbols import (
+    acceleration,
+    coordinate,
+    force,
+    parameter,
+    speed,
+    spin,
+    spin_rate,
+    torque,
+)
 
 _LETTER = re.compile("[A-Za-z]|alpha|beta|gamma|delta|epsilon|theta|kappa|mu|nu|rho|sigma|tau|phi|psi|omega")
 _LETTER_AND_INDEX = re.compile(rf"(?:{_LETTER.pattern})(?:_?[A-Za-z]{{0,2}}\d*)")
@@ -23,6 +32,9 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
         k, index = freedom.body, freedom.index
         letter, place = r"\theta" if freedom.is_angle else "s", f"_{{{k},{freedom.axis + 1}}}"
         names[coordinate(k, index)] = letter + place
+        if equations.system.spins(freedom):
+            names[spin(k, index)] = rf"{{\hat{{\omega}}'}}{place}"
+            names[spin_rate(k, index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
         names[speed(k, index)] = rf"\dot{{{letter}}}" + place
         names[acceleration(k, index)] = rf"\ddot{{{letter}}}" + place
     for body in equations.bodies:

@@ -7,13 +7,17 @@ from collections.abc import Iterable, Sequence
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
+from kanegen.printing.document import kinematics
 from kanegen.printing.printers import python
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.numeric import needed_definitions
 from kanegen.symbolic.symbols import force, parameter, real, torque
 
 TAKEN = frozenset(
-    [*"A PARAMETERS cos f force forcing mass_matrix np parameters sin torque x y".split(), *keyword.kwlist]
+    [
+        *"A PARAMETERS coordinate_rates cos f force forcing mass_matrix np parameters sin torque x y".split(),
+        *keyword.kwlist,
+    ]
 )
 """Names in the module that a parameter cannot have."""
 
@@ -33,6 +37,8 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
         _mass_matrix(equations, A, names),
         _forcing(equations, f, names),
     ]
+    if not equations.system.speeds_are_rates:
+        parts.append(_coordinate_rates(equations, names))
     return "\n\n\n".join(parts) + "\n"
 
 
@@ -52,15 +58,18 @@ def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
 def _docstring(equations: Equations) -> str:
     system = equations.system
     lines = [
-        f'"""Equations of motion [A]{{ydot}} = {{f}} of {system.name}, with {{xdot}} = {{y}}. SI units.',
+        f'"""Equations of motion [A]{{ydot}} = {{f}} of {system.name}, with {kinematics(system)}. SI units.',
         "",
-        "The elements of x; those of y are their time derivatives:",
+        "The elements of x; those of y are their time derivatives"
+        + (":" if system.speeds_are_rates else ", or components of relative angular velocities:"),
         "",
     ]
     for i, (x, freedom, name) in enumerate(
         zip(equations.x, system.freedoms, system.freedom_names, strict=True)
     ):
         lines.append(f"    x[{i}] = {x}, {name} ({freedom.unit})")
+        if system.spins(freedom):
+            lines.append(f"    y[{i}] = {equations.y[i]}, {system.speed_names[i]} ({freedom.unit}/s)")
     return "\n".join([*lines, '"""'])
 
 
@@ -98,6 +107,18 @@ def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbo
     ]
     lines += [f"    f[{i}] = {python(value.xreplace(names))}" for i, value in enumerate(f) if value]
     return "\n".join([*lines, "    return f"])
+
+
+def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
+    lines = [
+        "def coordinate_rates(x, y):",
+        f'    """{{xdot}} of Eqs. (9), (45), ({len(equations.x)},), at coordinates x and speeds y."""',
+        *_unpacked(equations.x, "x"),
+        *_unpacked(equations.y, "y"),
+        *_body(equations, list(equations.xdot), names),
+        f"    return np.array([{', '.join(python(value.xreplace(names)) for value in equations.xdot)}])",
+    ]
+    return "\n".join(lines)
 
 
 def _loads(equations: Equations) -> Iterable[str]:

@@ -37,7 +37,7 @@ def _groups(program: Program) -> Iterator[list[int]]:
     matrices = [output for output in program.outputs if len(output.array.shape) == 2]
     for output in program.outputs:
         if output not in matrices:
-            yield [*output.values, *output.positive]
+            yield [*output.values, *output.positive, *output.margins]
     for output in matrices:
         rows, width = output.array.shape
         for last in range(rows, 0, -ROWS):

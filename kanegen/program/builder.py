@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from kanegen.errors import ModelError
 from kanegen.program.ir import Array, Instruction, Op, Output, Program
@@ -35,7 +36,7 @@ class Builder:
         """The same instruction on operands of this builder."""
         return self._value(replace(instruction, operands=tuple(operands)))
 
-    def constant(self, number: float) -> int:
+    def constant(self, number: Any) -> int:
         """A number.
 
         Raises:

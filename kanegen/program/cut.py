@@ -26,7 +26,7 @@ def cut(program: Program, longest: int = LONGEST) -> tuple[Program, ...]:
     """Programs whose one after the other fill the outputs of `program`.
 
     Each reads what earlier ones left in the array `WORKSPACE`, and each element of an output is filled by
-    the one that computes it. What must be positive is named by the last.
+    the one that computes it. What is watched is named by the last.
 
     Args:
         program: Without dead code.
@@ -79,7 +79,8 @@ def _slots(program: Program, home: dict[int, int], pieces: int) -> dict[int, int
             if j in home:
                 last[j] = piece
     for output in program.outputs:
-        last.update(dict.fromkeys((i for i in output.positive if i in home), pieces - 1))
+        watched = (*output.positive, *output.margins)
+        last.update(dict.fromkeys((i for i in watched if i in home), pieces - 1))
     slots: dict[int, int] = {}
     free: list[int] = []
     released: list[list[int]] = [[] for _ in range(pieces + 1)]
@@ -138,8 +139,11 @@ class _Piece:
         """What this piece fills; numbers and inputs are stored by the first."""
         mine = [(k, i) for k, i in output.elements() if self._home.get(i, 0) == self._piece]
         values = tuple(self._value(i) for _, i in mine)
-        positive = tuple(self._value(i) for i in output.positive) if is_last else ()
-        return Output(output.array, values, positive, tuple(k for k, _ in mine))
+        positive, margins = (
+            tuple(self._value(i) for i in watched) if is_last else ()
+            for watched in (output.positive, output.margins)
+        )
+        return Output(output.array, values, positive, tuple(k for k, _ in mine), margins)
 
     def _value(self, i: int) -> int:
         """Value i in this piece, brought in where it is not from here."""

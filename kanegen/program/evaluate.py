@@ -21,7 +21,7 @@ def evaluate(
     program: Program,
     inputs: Mapping[str, Sequence[Any]],
     functions: Any,
-    number: Callable[[float], Any] = float,
+    number: Callable[[Any], Any] = float,
 ) -> dict[str, list[Any]]:
     """Run the instructions one by one.
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from math import prod
+from typing import Any
 
 
 class Op(StrEnum):
@@ -48,7 +49,7 @@ class Instruction:
     Attributes:
         op: The operation.
         operands: Numbers of earlier values, as many as `ARITY` says.
-        number: The value of a `CONSTANT`.
+        number: The value of a `CONSTANT`: a float, or a number of mpmath where C computes in more digits.
         array: Which input array an `INPUT` reads.
         index: Which element of it, row-major.
         name: Name of the quantity, such as `omega_7_x`; empty for a mere part of an expression.
@@ -57,11 +58,27 @@ class Instruction:
 
     op: Op
     operands: tuple[int, ...] = ()
-    number: float = 0.0
+    number: Any = 0.0
     array: str = ""
     index: int = 0
     name: str = ""
     note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """What must be positive, freedom by freedom, for an output to exist.
+
+    Attributes:
+        quantity: In words.
+        failure: What is so where it is not.
+    """
+
+    quantity: str
+    failure: str
+
+
+REGULAR = Condition("pivot of [A]", "[A] is singular")
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +90,14 @@ class Array:
         shape: Lengths, row-major; () for a scalar, which C has in an array of one element.
         unit: SI unit or units.
         doc: One line: what it holds, with its equation.
+        condition: Of an output that does not always exist.
     """
 
     name: str
     shape: tuple[int, ...]
     unit: str
     doc: str
+    condition: Condition = REGULAR
 
     @property
     def size(self) -> int:
@@ -101,12 +120,15 @@ class Output:
         positive: Values that must be positive for the elements to hold, such as the pivots of a
             factorisation; the function then returns the place, from 1, of the first that is not, or 0.
         places: Which element each value fills, for a program that fills only some; None for all in order.
+        margins: Values that must be positive for the elements to be accurate; where one is not, the function
+            returns minus the place, from 1, of the least of them.
     """
 
     array: Array
     values: tuple[int, ...]
     positive: tuple[int, ...] = ()
     places: tuple[int, ...] | None = None
+    margins: tuple[int, ...] = ()
 
     def elements(self) -> Iterator[tuple[int, int]]:
         """Every element that is filled, and its value."""
@@ -114,8 +136,10 @@ class Output:
 
     def renumbered(self, moved: Mapping[int, int] | Sequence[int]) -> Output:
         """The same output where value i has become value `moved[i]`."""
-        values, positive = ([moved[i] for i in old] for old in (self.values, self.positive))
-        return Output(self.array, tuple(values), tuple(positive), self.places)
+        values, positive, margins = (
+            tuple(moved[i] for i in old) for old in (self.values, self.positive, self.margins)
+        )
+        return Output(self.array, values, positive, self.places, margins)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +161,7 @@ class Program:
         for output in self.outputs:
             yield from output.values
             yield from output.positive
+            yield from output.margins
 
 
 EVALUATE = "evaluate"

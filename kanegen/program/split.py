@@ -15,7 +15,11 @@ from kanegen.program.check import check
 from kanegen.program.ir import Array, Module, Op, Output, Program
 from kanegen.program.passes.prune import prune
 
+PARAMETERS = "parameters"
+"""The array of run-time parameters."""
+
 PREPARED = "prepared"
+"""The array of what depends on them alone."""
 
 
 class Signature(NamedTuple):

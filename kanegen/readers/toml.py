@@ -10,17 +10,18 @@ from pathlib import Path
 from typing import Any
 
 from kanegen import validation
-from kanegen.body import FREEDOMS, IDENTITY, Body, Joint
+from kanegen.body import FREEDOMS, IDENTITY, SPEEDS, Body, Joint
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.numbers import numbers
 from kanegen.readers.parameters import Parameters
 from kanegen.readers.text import read_text
+from kanegen.sequences import NOTES
 from kanegen.suggest import did_you_mean
 from kanegen.system import GRAVITY, System
 
 MODEL_KEYS = ("name", "gravity", "parameters", "body")
 BODY_KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "joint")
-JOINT_KEYS = ("name", "position", "orientation", "orientation_angles", "free", "locked")
+JOINT_KEYS = ("name", "position", "orientation", "orientation_angles", "sequence", "free", "locked", "speeds")
 INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 GROUND = "ground"
@@ -38,26 +39,34 @@ def read_toml(path: Path) -> System:
     Warns:
         KanegenWarning: Of parameters that stand nowhere.
     """
-    table = _parse(read_text(path), path)
+    table = parsed(read_text(path), path)
     try:
         return _system(table, path)
     except ModelError as error:
         raise ReadError(f"{path}: {error}") from None
 
 
-def _parse(text: str, path: Path) -> Table:
+def parsed(text: str, where: str | Path) -> Table:
+    """A TOML document.
+
+    Args:
+        text: It.
+        where: What error messages begin with, such as the name of a file.
+
+    Raises:
+        ReadError: If it is none; names the line where that is known.
+    """
     try:
         return tomllib.loads(text)
     except ValueError as error:  # TOMLDecodeError, and the plain one of an integer with too many digits
         message = str(error)
         place = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", message)
-        where = str(path)
         if place:
-            where = f"{path}:{place[1] or len(text.splitlines())}"
+            where = f"{where}:{place[1] or len(text.splitlines())}"
             message = message[: place.start()]
         raise ReadError(f"{where}: not valid TOML: {message}.") from None
     except RecursionError:
-        raise ReadError(f"{path}: not a model: its arrays are nested too deeply.") from None
+        raise ReadError(f"{where}: its arrays are nested too deeply.") from None
 
 
 def _system(table: Table, path: Path) -> System:
@@ -128,6 +137,8 @@ def _joint(table: Any, parameters: Parameters) -> Joint:
         free=free,
         locked=_locked(table.get("locked", {}), free, parameters),
         name=table.get("name", ""),
+        sequence=table.get("sequence", NOTES),
+        speeds=table.get("speeds", SPEEDS[0]),
     )
 
 

@@ -7,7 +7,8 @@ The pair {N}, {F} about an origin is linear in the angular acceleration and the 
 with a symmetric [S] of rows and columns 0-2 for turning and 3-5 for translation. Where a component of the
 acceleration is free, its row is solved for it and what is left passes inward (Featherstone 2008, section
 7.3).
-A component that is eliminated leaves exact zeros in [S] and its own effort in {p}.
+A component that is eliminated leaves exact zeros in [S] and its own effort in {p}. [S] depends on {x} alone,
+so one elimination serves any number of {p}.
 """
 
 from __future__ import annotations
@@ -33,36 +34,50 @@ class Elimination:
 
     Attributes:
         index: The component.
+        name: For names.
         pivot: Its entry of [S]; positive, or [A] is singular.
+        inverse: Of the pivot.
         gains: By other component, what it takes away per unit.
-        free: What it is where the others are zero.
     """
 
     index: int
+    name: str
     pivot: Expr
+    inverse: Expr
     gains: dict[int, Expr]
-    free: Expr
 
-    def solve(self, acceleration: Sequence[Expr]) -> Expr:
-        """The component, from the others."""
-        return self.free - sum(gain * acceleration[i] for i, gain in self.gains.items())
+    def passed(self, bias: Requirement, effort: Expr, definitions: Definitions) -> tuple[Requirement, Expr]:
+        """What is left of {p} where `effort` acts along the component.
+
+        Returns:
+            It, and the component where the others are zero.
+        """
+        left = [*bias.moment, *bias.force]
+        surplus = definitions.define(f"e_{self.name}", effort - left[self.index])
+        free = definitions.define(f"n_{self.name}", surplus * self.inverse)
+        for i, gain in self.gains.items():
+            left[i] += gain * surplus
+        left[self.index] = effort  # what the joint transmits along the component
+        return Requirement(Vector(*left[3:]), Vector(*left[:3])).named(self.name, definitions), free
+
+    def solve(self, free: Expr, acceleration: Sequence[Expr]) -> Expr:
+        """The component, from what it is where the others are zero and from the others."""
+        return free - sum(gain * acceleration[i] for i, gain in self.gains.items())
 
 
 @dataclass(frozen=True)
 class Articulated:
-    """[S] and {p} in blocks.
+    """[S] in blocks.
 
     Attributes:
         inertia: Moments by angular acceleration (kg m^2).
         coupling: Rows of moments by acceleration (kg m).
         mass: Forces by acceleration (kg).
-        bias: {p}.
     """
 
     inertia: Symmetric
     coupling: Rows
     mass: Symmetric
-    bias: Requirement
 
     def plus(self, other: Articulated, name: str, definitions: Definitions) -> Articulated:
         """Both together."""
@@ -70,7 +85,6 @@ class Articulated:
             add_symmetric(self.inertia, other.inertia),
             _rows([add(a, b) for a, b in zip(self.coupling, other.coupling, strict=True)]),
             add_symmetric(self.mass, other.mass),
-            Requirement(add(self.bias.force, other.bias.force), add(self.bias.moment, other.bias.moment)),
         ).named(name, definitions)
 
     def named(self, name: str, definitions: Definitions) -> Articulated:
@@ -80,32 +94,21 @@ class Articulated:
             definitions.symmetric(f"SI_{name}", self.inertia),
             _rows([definitions.vector(f"SH_{name}_{axis}", row) for axis, row in rows]),
             definitions.symmetric(f"SM_{name}", self.mass),
-            Requirement(
-                definitions.vector(f"pF_{name}", self.bias.force),
-                definitions.vector(f"pN_{name}", self.bias.moment),
-            ),
         )
 
-    def eliminated(
-        self, index: int, effort: Expr, name: str, definitions: Definitions
-    ) -> tuple[Articulated, Elimination]:
-        """What is left where component `index` is free and `effort` acts along it."""
-        matrix, bias = self._matrix(), [*self.bias.moment, *self.bias.force]
+    def eliminated(self, index: int, name: str, definitions: Definitions) -> tuple[Articulated, Elimination]:
+        """What is left where component `index` is free."""
+        matrix = self._matrix()
         others = [i for i in SIX if i != index and matrix[index][i] != 0]
         pivot = matrix[index][index]
         inverse = definitions.define(f"D_{name}", 1 / pivot)
         gains = {i: definitions.define(f"g_{name}_{i}", matrix[index][i] * inverse) for i in others}
-        surplus = definitions.define(f"e_{name}", effort - bias[index])
-        free = definitions.define(f"n_{name}", surplus * inverse)
         for i in others:
-            bias[i] += gains[i] * surplus
             for j in others:
                 matrix[i][j] -= gains[min(i, j)] * matrix[index][max(i, j)]
-        bias[index] = effort  # what the joint transmits along the component
         for i in SIX:
             matrix[index][i] = matrix[i][index] = S.Zero
-        left = _from_matrix(matrix, bias).named(name, definitions)
-        return left, Elimination(index, pivot, gains, free)
+        return _from_matrix(matrix).named(name, definitions), Elimination(index, name, pivot, inverse, gains)
 
     def down(self, turn: Turn, name: str, definitions: Definitions) -> Articulated:
         """The same from below a turn."""
@@ -117,7 +120,6 @@ class Articulated:
             inertia=turn.down_symmetric(definitions, f"SI_{name}", self.inertia),
             coupling=_rows([Vector(columns[0][i], columns[1][i], columns[2][i]) for i in range(3)]),
             mass=turn.down_symmetric(definitions, f"SM_{name}", self.mass),
-            bias=Requirement(turn.down(self.bias.force), turn.down(self.bias.moment)),
         ).named(name, definitions)
 
     def shifted(self, d: Vector, name: str, definitions: Definitions) -> Articulated:
@@ -143,8 +145,7 @@ class Articulated:
                 for (i, j), name_ij in INDEX.items()
             }
         )
-        bias = Requirement(self.bias.force, add(self.bias.moment, cross(d, self.bias.force)))
-        return Articulated(inertia, _rows(coupling), self.mass, bias).named(name, definitions)
+        return Articulated(inertia, _rows(coupling), self.mass).named(name, definitions)
 
     def _matrix(self) -> list[list[Expr]]:
         matrix = [[S.Zero] * 6 for _ in SIX]
@@ -157,7 +158,7 @@ class Articulated:
         return matrix
 
 
-def rigid(inertia: Inertia, bias: Requirement) -> Articulated:
+def rigid(inertia: Inertia) -> Articulated:
     """A rigid body alone."""
     m, h = inertia.mass, inertia.moment
     coupling = (
@@ -166,15 +167,14 @@ def rigid(inertia: Inertia, bias: Requirement) -> Articulated:
         Vector(-h.y, h.x, S.Zero),
     )
     mass = Symmetric(m, m, m, S.Zero, S.Zero, S.Zero)
-    return Articulated(inertia.inertia, coupling, mass, bias)
+    return Articulated(inertia.inertia, coupling, mass)
 
 
-def _from_matrix(matrix: list[list[Expr]], bias: list[Expr]) -> Articulated:
+def _from_matrix(matrix: list[list[Expr]]) -> Articulated:
     return Articulated(
         Symmetric(**{name: matrix[i][j] for (i, j), name in INDEX.items()}),
         _rows([Vector(*matrix[i][3:]) for i in range(3)]),
         Symmetric(**{name: matrix[3 + i][3 + j] for (i, j), name in INDEX.items()}),
-        Requirement(Vector(*bias[3:]), Vector(*bias[:3])),
     )
 
 

@@ -15,7 +15,9 @@ class Derived:
     Attributes:
         entries: Row-major.
         positive: What must be positive for them to hold, by freedom; empty where they always hold.
+        margins: What must be positive for them to be accurate, by freedom; empty where nothing is promised.
     """
 
     entries: Sequence[Expr]
     positive: Sequence[Expr] = ()
+    margins: Sequence[Expr] = ()

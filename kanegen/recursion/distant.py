@@ -14,7 +14,7 @@ from sympy import Expr
 
 from kanegen.recursion import routes
 from kanegen.recursion.columns import Wrench
-from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Step
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, dot, unit
@@ -47,7 +47,7 @@ class Station:
     Attributes:
         body: K.
         view: From the frame of K.
-        axes: Of the free angles, by freedom.
+        axes: Of the free angles and spins, by freedom.
         directions: Of the free translations, by freedom.
         offset: From the origin of the lower body to that of K.
     """
@@ -86,9 +86,9 @@ def stations(tree: Tree) -> dict[int, Station]:
 
 
 def _first(motion: JointMotion, tree: Tree) -> Station:
-    """Home is above the innermost angle, where two angles' axes are basis vectors."""
+    """Home is above the innermost angle, where two angles' axes are basis vectors; with spins in the body."""
     free = [i for i, step in enumerate(motion.steps) if step.freedom != NO_FREEDOM]
-    below = motion.steps[: free[0] + 1] if free else ()
+    below = motion.steps if motion.spins else motion.steps[: free[0] + 1] if free else ()
     directions = {slide.freedom: slide.direction for slide in motion.slides}
     for step in below:
         for freedom, direction in directions.items():
@@ -96,7 +96,7 @@ def _first(motion: JointMotion, tree: Tree) -> Station:
             directions[freedom] = tree.definitions.vector(name, step.turn.up(direction))
     axes = {step.freedom: unit(step.axis) for step in below if step.freedom != NO_FREEDOM}
     station = Station(motion.body, View((unit(0), unit(1), unit(2))), axes, directions, ZERO)
-    return _outward(station, motion.steps[len(below) :], tree.definitions)
+    return _outward(station, motion, motion.steps[len(below) :], tree.definitions)
 
 
 def _next(motion: JointMotion, view: View, definitions: Definitions) -> Station:
@@ -107,14 +107,17 @@ def _next(motion: JointMotion, view: View, definitions: Definitions) -> Station:
         for slide in motion.slides
     }
     offset = definitions.vector(f"d_{k}h", view.home(motion.offset))
-    return _outward(Station(k, view, {}, directions, offset), motion.steps, definitions)
+    return _outward(Station(k, view, {}, directions, offset), motion, motion.steps, definitions)
 
 
-def _outward(station: Station, steps: Iterable[Step], definitions: Definitions) -> Station:
-    """Through turns of the joint."""
+def _outward(
+    station: Station, motion: JointMotion, steps: Iterable[Step], definitions: Definitions
+) -> Station:
+    """Through turns of the joint, up to its body."""
     axes, view = dict(station.axes), station.view
     for step in steps:
         if step.freedom != NO_FREEDOM:
             axes[step.freedom] = view.home(unit(step.axis))
         view = view.up(step.turn, f"{step.frame}u", definitions)
+    axes |= {spin.freedom: view.home(unit(spin.axis)) for spin in motion.spins}
     return replace(station, axes=axes, view=view)

@@ -7,11 +7,14 @@ cost grows with the third power of the depth, that of articulated bodies with th
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from sympy import Expr, S
 
-from kanegen.recursion.derived import Derived
-from kanegen.recursion.forcing import forcing
+from kanegen.recursion.forcing import works
 from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.recursion.motion import Requirement
+from kanegen.recursion.stops import Stop, stops
 from kanegen.recursion.tree import Tree
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import generalized_force
@@ -21,39 +24,74 @@ ARTICULATED_COST = 350
 """About what articulated bodies cost per freedom: beyond it a factorisation is not worth deriving."""
 
 MOST_ANGLES = 2
-"""With three free angles [A] is singular where they lose rank; articulated bodies stay accurate there."""
+"""With the rates of three free angles as speeds [A] is singular where they lose rank; articulated bodies stay
+accurate there."""
 
 
 def worth_trying(system: System) -> bool:
     """Whether a factorisation may be the cheaper way, and loses no accuracy."""
     carriers = _carriers(system)
     cost = sum(len(carrying) ** 2 for carrying in carriers.values())
-    angles = max(sum(body.joint.free[:3]) for body in system.bodies)
+    angles = max(0 if body.joint.spins else sum(body.joint.free[:3]) for body in system.bodies)
     return angles <= MOST_ANGLES and cost <= ARTICULATED_COST * len(system.freedoms)
 
 
-def forward_dynamics(tree: Tree) -> Derived:
-    """The entries of {ydot}, and the pivots of [D], positive where [A] is regular."""
-    system, definitions = tree.system, tree.definitions
-    n = len(system.freedoms)
-    entries = mass_matrix(tree).entries
-    a = {(i, j): entries[n * i + j] for i in range(n) for j in range(n)}
-    applied = zip(forcing(tree).entries, system.freedoms, strict=True)
-    b = [f + generalized_force(freedom.body, freedom.index) for f, freedom in applied]
-    carriers = _carriers(system)
-    definitions.about("[A] = [L]^T [D] [L], then {ydot}, Eq. (42)")
-    factors, pivots = _factorised(a, carriers, definitions)
-    inward = list(carriers)
-    for k in inward:
-        b[k] = definitions.define(f"b_{k}", b[k])
-        for i in carriers[k]:
-            b[i] -= factors.get((k, i), S.Zero) * b[k]
-    result: dict[int, Expr] = {}
-    for k in reversed(inward):
-        known = sum(factors.get((k, i), S.Zero) * result[i] for i in carriers[k])
-        scaled = definitions.define(f"bd_{k}", b[k] * definitions.define(f"D_{k}i", 1 / pivots[k]))
-        result[k] = definitions.define(f"ydot_{k}", scaled - known)
-    return Derived([result[i] for i in range(n)], [pivots[i] for i in range(n)])
+class Factorisation:
+    """[L] and [D] of a tree, which solve [A]{ydot} = {b} for any right side.
+
+    Attributes:
+        tree: What was factorised.
+        ways: By body the stops of its joint. Its free components are {ydot} itself.
+        pivots: The entries of [D], by freedom; positive where [A] is regular.
+    """
+
+    def __init__(self, tree: Tree) -> None:
+        """Form [A], and factorise it from the outermost freedom inward."""
+        n = len(tree.system.freedoms)
+        self.tree = tree
+        self.ways: Mapping[int, tuple[Stop, ...]] = {
+            motion.body: stops(motion, together=False) for motion in tree.motions
+        }
+        entries = mass_matrix(tree).entries
+        a = {(i, j): entries[n * i + j] for i in range(n) for j in range(n)}
+        self.diagonal = [a[i, i] for i in range(n)]
+        self._carriers = _carriers(tree.system)
+        tree.definitions.about("[A] = [L]^T [D] [L], then {ydot}, Eq. (42)")
+        self._factors, pivots = _factorised(a, self._carriers, tree.definitions)
+        self.pivots: Sequence[Expr] = [pivots[i] for i in range(n)]
+
+    @property
+    def positive(self) -> Sequence[Expr]:
+        """By freedom what is positive where [A] is regular."""
+        return self.pivots
+
+    def solve(self, needs: Sequence[Requirement], name: str) -> list[Expr]:
+        """The {ydot} that the efforts cause.
+
+        Args:
+            needs: What each body needs for anything else.
+            name: For names.
+        """
+        definitions, factors = self.tree.definitions, self._factors
+        efforts = [generalized_force(f.body, f.index) for f in self.tree.system.freedoms]
+        b = [effort - work for effort, work in zip(efforts, works(self.tree, needs), strict=True)]
+        definitions.about("{ydot}, Eq. (42)")
+        for k in self._carriers:
+            b[k] = definitions.define(f"b_{k}", b[k])
+            for i in self._carriers[k]:
+                b[i] -= factors.get((k, i), S.Zero) * b[k]
+        result: dict[int, Expr] = {}
+        for k in reversed(self._carriers):
+            known = sum(factors.get((k, i), S.Zero) * result[i] for i in self._carriers[k])
+            inverse = definitions.define(f"D_{k}i", 1 / self.pivots[k])
+            scaled = definitions.define(f"bd_{k}", b[k] * inverse)
+            result[k] = definitions.define(f"{name}_{k}", scaled - known)
+        return [result[i] for i in range(len(efforts))]
+
+    def coordinates(self, found: Sequence[Expr], name: str) -> list[Expr]:
+        """{ydot} is what is solved for."""
+        del name
+        return list(found)
 
 
 def _factorised(

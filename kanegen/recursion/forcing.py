@@ -7,34 +7,38 @@ Walker and Paul 1980; Featherstone 2008, section 5.3).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from sympy import Expr
 
 from kanegen.recursion.derived import Derived
-from kanegen.recursion.joints import NO_FREEDOM
-from kanegen.recursion.motion import Requirement, outward, required
+from kanegen.recursion.joint_motion import NO_FREEDOM
+from kanegen.recursion.motion import Requirement, requirements
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import add, cross, dot
 
 
 def forcing(tree: Tree) -> Derived:
     """The entries of {f}, Eq. (44)."""
-    return Derived([-needed for needed in _needed(tree, accelerated=False)])
+    return Derived([-needed for needed in works(tree, requirements(tree, accelerated=False))])
 
 
 def inverse_dynamics(tree: Tree) -> Derived:
     """The entries of [A]{ydot} - {f}: what the accelerations {ydot} need beside loads and gravity."""
-    return Derived(_needed(tree, accelerated=True))
+    return Derived(works(tree, requirements(tree, accelerated=True)))
 
 
-def _needed(tree: Tree, *, accelerated: bool) -> list[Expr]:
-    moved, definitions = outward(tree, accelerated=accelerated), tree.definitions
+def works(tree: Tree, needs: Sequence[Requirement]) -> list[Expr]:
+    """The generalized forces that do the work of what each body needs."""
+    definitions = tree.definitions
     carried = [Requirement() for _ in tree.motions]
     result: dict[int, Expr] = {}
     for motion in reversed(tree.motions):
-        k, j = motion.body, motion.lower
-        own = required(tree, k, moved[k])
+        k, j, own = motion.body, motion.lower, needs[motion.body - 1]
+        tree.about(k, "force and moment about its origin, Eq. (44)")
         force = definitions.vector(f"F_{k}", add(own.force, carried[k - 1].force))
         moment = definitions.vector(f"M_{k}", add(own.moment, carried[k - 1].moment))
+        result |= {spin.freedom: moment[spin.axis] for spin in motion.spins}
         for step in reversed(motion.steps):
             if step.freedom != NO_FREEDOM:
                 result[step.freedom] = moment[step.axis]

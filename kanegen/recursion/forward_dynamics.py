@@ -2,205 +2,188 @@
 
 Inward, every free component of a joint's acceleration is eliminated; outward, each is solved for. A joint
 whose three angles are free is solved in angular acceleration, where it is regular, and only the result is
-mapped to the angles by Eq. (9); so is one whose three translations are free, in the body's own frame. A joint
-with all six freedoms passes nothing inward but its efforts: the body behind it moves as if it were free.
+mapped to the angles by Eq. (9), unless its speeds are the angular velocity itself; so is one whose three
+translations are free, in the body's own frame. A joint with all six freedoms passes nothing inward but its
+efforts: the body behind it moves as if it were free.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 
 from sympy import Expr
 
 from kanegen.recursion.articulated import Articulated, Elimination, rigid
-from kanegen.recursion.derived import Derived
-from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Slide, Step
-from kanegen.recursion.motion import outward, required
+from kanegen.recursion.joint_motion import JointMotion
+from kanegen.recursion.motion import Requirement
+from kanegen.recursion.rates import angle_rates
+from kanegen.recursion.stops import (
+    STILL,
+    TURNS,
+    Free,
+    Shifted,
+    Stop,
+    Turned,
+    slides_freely,
+    stops,
+    turns_freely,
+)
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import ZERO, add, cross, subtract
-from kanegen.symbolic.definitions import Definitions, Vector
+from kanegen.recursion.vectors import column
+from kanegen.symbolic.definitions import Vector
 from kanegen.symbolic.symbols import generalized_force
 
-TURNS, SLIDES = (0, 1, 2), (3, 4, 5)
 
-
-@dataclass
-class _Solution:
-    """What a joint's eliminations leave for the way outward.
+class ArticulatedBodies:
+    """The eliminations of a tree, which solve [A]{ydot} = {b} for any right side.
 
     Attributes:
-        coordinates: By freedom, where a component is a coordinate's own.
-        body: In the order of elimination, where three components are free in the body's frame.
+        tree: What was eliminated.
+        ways: By body the stops of its joint. Its free components are what is solved for.
+        pivots: By freedom; positive where the free components follow from the forces.
     """
 
-    coordinates: dict[int, Elimination] = field(default_factory=dict)
-    body: list[Elimination] = field(default_factory=list)
+    def __init__(self, tree: Tree) -> None:
+        """Eliminate every free component, from the outermost body inward."""
+        self.tree = tree
+        self.ways: Mapping[int, tuple[Stop, ...]] = {
+            motion.body: stops(motion, together=True) for motion in tree.motions
+        }
+        self._eliminations: dict[int, Elimination] = {}
+        bodies = [rigid(own) for own in tree.inertias]
+        for motion in reversed(tree.motions):
+            k, j = motion.body, motion.lower
+            tree.about(k, "articulated body, Eq. (42)")
+            passed = self._eliminate(motion, bodies[k - 1])
+            if j:
+                bodies[j - 1] = bodies[j - 1].plus(passed, f"{j}", tree.definitions)
+        self.pivots: Sequence[Expr] = [self._eliminations[i].pivot for i in range(len(tree.system.freedoms))]
 
-
-def forward_dynamics(tree: Tree) -> Derived:
-    """The entries of {ydot}, and for each a pivot that is positive where [A] is regular."""
-    freedoms = tree.system.freedoms
-    efforts = [generalized_force(freedom.body, freedom.index) for freedom in freedoms]
-    recursion = _Recursion(tree.definitions, efforts)
-    moved = outward(tree, accelerated=False)
-    bodies = [rigid(own, required(tree, k, moved[k])) for k, own in enumerate(tree.inertias, start=1)]
-    solutions: dict[int, _Solution] = {}
-    for motion in reversed(tree.motions):
-        k, j = motion.body, motion.lower
-        tree.about(k, "articulated body, Eq. (42)")
-        passed, solutions[k] = recursion.inward(motion, bodies[k - 1])
-        if j:
-            bodies[j - 1] = bodies[j - 1].plus(passed, f"{j}", tree.definitions)
-    accelerations = {0: (ZERO, ZERO)}
-    for motion in tree.motions:
-        tree.about(motion.body, "accelerations, Eq. (42)")
-        lower = accelerations[motion.lower]
-        accelerations[motion.body] = recursion.outward(motion, solutions[motion.body], *lower)
-    places = range(len(freedoms))
-    return Derived([recursion.result[i] for i in places], [recursion.pivots[i] for i in places])
-
-
-@dataclass
-class _Recursion:
-    """The inward and outward step over one joint, and what they have found."""
-
-    definitions: Definitions
-    efforts: list[Expr]
-    result: dict[int, Expr] = field(default_factory=dict)
-    pivots: dict[int, Expr] = field(default_factory=dict)
-
-    def inward(self, motion: JointMotion, body: Articulated) -> tuple[Articulated, _Solution]:
+    def _eliminate(self, motion: JointMotion, body: Articulated) -> Articulated:
         """What body K passes to its lower body, about the lower body's origin."""
-        solution = _Solution()
-        if _slides_freely(motion):
-            body = self._eliminate_all(body, SLIDES, self._push(motion), motion.slides, solution)
-        if _turns_freely(motion):
-            body = self._eliminate_all(body, TURNS, self._torque(motion), motion.angles, solution)
-            self._weaken_pivot(motion)
-        for step in reversed(motion.angles):
-            if step.freedom != NO_FREEDOM and not _turns_freely(motion):
-                body = self._eliminate(body, step.axis, step.freedom, solution)
-            body = body.down(step.turn, step.frame, self.definitions)
-        if not _slides_freely(motion):
-            for slide in motion.slides:
-                body = self._eliminate(body, 3 + slide.axis, slide.freedom, solution)
-        for step in reversed(motion.constant):
-            body = body.down(step.turn, step.frame, self.definitions)
-        return body.shifted(motion.offset, f"{motion.body}j", self.definitions), solution
-
-    def _eliminate(self, body: Articulated, index: int, freedom: int, solution: _Solution) -> Articulated:
-        """A component that is a coordinate's own."""
-        effort = self.efforts[freedom]
-        left, found = body.eliminated(index, effort, f"{freedom}", self.definitions)
-        solution.coordinates[freedom] = found
-        self.pivots[freedom] = found.pivot
-        return left
-
-    def _eliminate_all(
-        self,
-        body: Articulated,
-        indices: Sequence[int],
-        efforts: Vector,
-        behind: Sequence[Step | Slide],
-        solution: _Solution,
-    ) -> Articulated:
-        """Three components that the coordinates `behind` them make free together."""
-        for index, effort, coordinate in zip(indices, efforts, behind, strict=True):
-            body, found = body.eliminated(index, effort, f"{coordinate.freedom}", self.definitions)
-            solution.body.append(found)
-            self.pivots[coordinate.freedom] = found.pivot
+        definitions = self.tree.definitions
+        for stop in self.ways[motion.body]:
+            match stop:
+                case Free(index, freedom):
+                    body, found = body.eliminated(index, f"{freedom}", definitions)
+                    self._eliminations[freedom] = found
+                case Turned(turn, name):
+                    body = body.down(turn, name, definitions)
+                case Shifted(offset, name):
+                    body = body.shifted(offset, name, definitions)
         return body
 
-    def _weaken_pivot(self, motion: JointMotion) -> None:
-        """Where the angles' axes lie in a plane, [A] is singular though the body is not."""
-        first, second, _ = motion.angles
-        weakened = self.pivots[first.freedom] * second.cosine * second.cosine
-        self.pivots[first.freedom] = self.definitions.define(f"Dc_{motion.body}", weakened)
+    def solve(self, needs: Sequence[Requirement], name: str) -> list[Expr]:
+        """The free components of the accelerations that the efforts cause.
 
-    def outward(
-        self, motion: JointMotion, solution: _Solution, alpha: Vector, a: Vector
-    ) -> tuple[Vector, Vector]:
-        """Angular acceleration of body K and acceleration of O_K, from those of its lower body."""
-        k, define = motion.body, self.definitions
-        a = define.vector(f"qa_{k}j", add(a, cross(alpha, motion.offset)))
-        for step in motion.constant:
-            alpha = define.vector(f"qw_{step.frame}u", step.turn.up(alpha))
-            a = define.vector(f"qa_{step.frame}u", step.turn.up(a))
-        for slide in reversed(motion.slides):
-            if slide.freedom in solution.coordinates:
-                a = _set(a, slide.axis, self._solve(slide.freedom, solution, alpha, a))
-        for step in motion.angles:
-            alpha = define.vector(f"qw_{step.frame}u", step.turn.up(alpha))
-            a = define.vector(f"qa_{step.frame}u", step.turn.up(a))
-            if step.freedom in solution.coordinates:
-                alpha = _set(alpha, step.axis, self._solve(step.freedom, solution, alpha, a))
-        return self._solve_body(motion, solution.body, alpha, a)
+        Args:
+            needs: What each body needs for anything else.
+            name: For names.
+        """
+        tree, definitions, efforts = self.tree, self.tree.definitions, self._efforts()
+        free: dict[int, Expr] = {}
+        carried = list(needs)
+        for motion in reversed(tree.motions):
+            k, j = motion.body, motion.lower
+            tree.about(k, "forces on the articulated body, Eq. (42)")
+            need = carried[k - 1]
+            for stop in self.ways[k]:
+                if isinstance(stop, Free):
+                    elimination = self._eliminations[stop.freedom]
+                    need, free[stop.freedom] = elimination.passed(need, efforts[stop.freedom], definitions)
+                else:
+                    need = stop.inward(need, definitions)
+            if j:
+                carried[j - 1] = carried[j - 1].plus(need, f"{j}", definitions)
+        return self._outward(free, name)
 
-    def _solve_body(
-        self, motion: JointMotion, eliminations: list[Elimination], alpha: Vector, a: Vector
-    ) -> tuple[Vector, Vector]:
-        """The components that are free in the body's own frame, and the coordinates behind them."""
-        total = [*alpha, *a]
-        for elimination in reversed(eliminations):
-            name = f"q_{motion.body}_{elimination.index}"
-            total[elimination.index] = self.definitions.define(name, elimination.solve(total))
-        turned, moved = Vector(*total[:3]), Vector(*total[3:])
-        if _turns_freely(motion):
-            self._angles(motion, subtract(turned, alpha))
-        if _slides_freely(motion):
-            sliding = self.definitions.vector(f"qs_{motion.body}", subtract(moved, a))
-            for step in reversed(motion.angles):
-                sliding = self.definitions.vector(f"qs_{step.frame}", step.turn.down(sliding))
-            self.result |= {slide.freedom: sliding[slide.axis] for slide in motion.slides}
-        return turned, moved
+    def _outward(self, free: dict[int, Expr], name: str) -> list[Expr]:
+        """The free components, each from what it is where the others are zero."""
+        found: dict[int, Expr] = {}
+        accelerations = {0: STILL}
+        for motion in self.tree.motions:
+            self.tree.about(motion.body, "accelerations, Eq. (42)")
+            a = accelerations[motion.lower]
+            for stop in reversed(self.ways[motion.body]):
+                if isinstance(stop, Free):
+                    i, freedom = stop.index, stop.freedom
+                    solution = self._eliminations[freedom].solve(free[freedom], a)
+                    total = self.tree.definitions.define(f"q_{freedom}", solution)
+                    # What the lower body does not carry along is the coordinate's.
+                    found[freedom] = self.tree.definitions.define(f"{name}_{freedom}", total - a[i])
+                    a = (*a[:i], total, *a[i + 1 :])
+                else:
+                    a = stop.outward(a, self.tree.definitions)
+            accelerations[motion.body] = a
+        return [found[i] for i in range(len(found))]
 
-    def _solve(self, freedom: int, solution: _Solution, alpha: Vector, a: Vector) -> Expr:
-        """The total of a free component; what the lower body does not carry along is the coordinate's."""
-        carried = [*alpha, *a]
-        elimination = solution.coordinates[freedom]
-        total = self.definitions.define(f"q_{freedom}", elimination.solve(carried))
-        self.result[freedom] = self.definitions.define(f"ydot_{freedom}", total - carried[elimination.index])
-        return total
+    def coordinates(self, found: Sequence[Expr], name: str) -> list[Expr]:
+        """{ydot} behind free components."""
+        result, definitions = dict(enumerate(found)), self.tree.definitions
+        for motion in self.tree.motions:
+            self.tree.about(motion.body, "{ydot} of the joint, Eq. (9)")
+            if turns_freely(motion):
+                freedoms = [step.freedom for step in motion.angles]
+                one, two, three = (f"{name}_{freedom}" for freedom in freedoms)
+                spin = Vector(*(found[freedom] for freedom in freedoms))
+                values = angle_rates(motion, definitions).rates(spin, (one, two, three))
+                result |= dict(zip(freedoms, values, strict=True))
+            if slides_freely(motion):
+                sliding = Vector(*(found[slide.freedom] for slide in motion.slides))
+                for step in reversed(motion.angles):
+                    sliding = definitions.vector(f"qs_{step.frame}", step.turn.down(sliding))
+                result |= {slide.freedom: sliding[slide.axis] for slide in motion.slides}
+        return [result[i] for i in range(len(found))]
 
-    def _push(self, motion: JointMotion) -> Vector:
-        """The force, in the body, that works on the translations as their efforts do."""
-        push = Vector(*(self.efforts[slide.freedom] for slide in motion.slides))
-        for step in motion.angles:
-            push = self.definitions.vector(f"tF_{step.frame}u", step.turn.up(push))
-        return push
+    def _efforts(self) -> list[Expr]:
+        """{tau} as forces and torques along the free components."""
+        tree, definitions = self.tree, self.tree.definitions
+        result = dict(enumerate(generalized_force(f.body, f.index) for f in tree.system.freedoms))
+        for motion in tree.motions:
+            tree.about(motion.body, "efforts in the body, Eq. (9)")
+            if slides_freely(motion):
+                push = Vector(*(result[slide.freedom] for slide in motion.slides))
+                for step in motion.angles:
+                    push = definitions.vector(f"tF_{step.frame}u", step.turn.up(push))
+                result |= {slide.freedom: push[slide.axis] for slide in motion.slides}
+            if turns_freely(motion):
+                freedoms = [step.freedom for step in motion.angles]
+                one, two, three = (result[freedom] for freedom in freedoms)
+                torque = angle_rates(motion, definitions).torque((one, two, three))
+                result |= dict(zip(freedoms, torque, strict=True))
+        return [result[i] for i in range(len(result))]
 
-    def _torque(self, motion: JointMotion) -> Vector:
-        """The torque, in the body, that works on the angle rates as their efforts do: [P]^T {T} = {tau}."""
-        one, two, three = (self.efforts[step.freedom] for step in motion.angles)
-        _, second, third = motion.angles
-        name = f"T_{motion.body}"
-        q = self.definitions.define(f"{name}_q", (one - second.sine * three) * self._reciprocal(second))
-        torque = Vector(third.cosine * q + third.sine * two, third.cosine * two - third.sine * q, three)
-        return self.definitions.vector(name, torque)
+    @property
+    def positive(self) -> list[Expr]:
+        """By freedom what is positive where [A] is regular."""
+        result = list(self.pivots)
+        for motion in self.tree.motions:
+            # Where the angles' axes lie in a plane, [A] is singular though the body is not.
+            if turns_freely(motion):
+                first, across = motion.angles[0].freedom, angle_rates(motion, self.tree.definitions).across
+                weakened = result[first] * across * across
+                result[first] = self.tree.definitions.define(f"Dc_{motion.body}", weakened)
+        return result
 
-    def _angles(self, motion: JointMotion, spin: Vector) -> None:
-        """Second derivatives of the angles behind a relative angular acceleration, Eq. (9)."""
-        first, second, third = motion.angles
-        define = self.definitions.define
-        spin = self.definitions.vector(f"qr_{motion.body}", spin)
-        across = define(f"qq_{motion.body}", third.cosine * spin.x - third.sine * spin.y)
-        one = define(f"ydot_{first.freedom}", across * self._reciprocal(second))
-        two = define(f"ydot_{second.freedom}", third.sine * spin.x + third.cosine * spin.y)
-        three = define(f"ydot_{third.freedom}", spin.z - second.sine * one)
-        self.result |= {first.freedom: one, second.freedom: two, third.freedom: three}
-
-    def _reciprocal(self, step: Step) -> Expr:
-        return self.definitions.define(f"Ci_{step.frame}", 1 / step.cosine)
-
-
-def _turns_freely(motion: JointMotion) -> bool:
-    return sum(step.freedom != NO_FREEDOM for step in motion.angles) == len(TURNS)
-
-
-def _slides_freely(motion: JointMotion) -> bool:
-    return len(motion.slides) == len(SLIDES)
-
-
-def _set(v: Vector, axis: int, value: Expr) -> Vector:
-    return Vector(*(value if i == axis else component for i, component in enumerate(v)))
+    @property
+    def diagonal(self) -> list[Expr]:
+        """By freedom what the pivot would be if everything else stood still: of the composite body."""
+        tree, definitions = self.tree, self.tree.definitions
+        result: dict[int, Expr] = {}
+        bodies = list(tree.inertias)
+        for motion in reversed(tree.motions):
+            k, j = motion.body, motion.lower
+            tree.about(k, "composite body, Eq. (43)")
+            composite = bodies[k - 1]
+            for stop in self.ways[k]:
+                match stop:
+                    case Free(index, freedom):
+                        inertia = column(composite.inertia, index % 3)[index % 3]
+                        result[freedom] = inertia if index in TURNS else composite.mass
+                    case Turned(turn, name):
+                        composite = composite.down(turn, name, definitions)
+                    case Shifted(offset, name):
+                        composite = composite.shifted(offset, name, definitions)
+            if j:
+                bodies[j - 1] = bodies[j - 1].plus(composite, str(j), definitions)
+        return [result[i] for i in range(len(result))]

@@ -1,121 +1,20 @@
-"""A joint as the recursions see it: a shift of origin, then turns from the lower frame to the body's."""
+"""Joints as the recursions see them, from the bodies of a system."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import sympy
-from sympy import Expr, S
+from sympy import Expr
 
-from kanegen.angles import sine_cosine
 from kanegen.body import Body
 from kanegen.numbers import Number, Parameter
-from kanegen.recursion.turns import Turn, constant_turns, planar
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Slide, Spin, Step, down
+from kanegen.recursion.turns import Turn, constant_turns, planar, whole
 from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import acceleration, coordinate, speed
+from kanegen.symbolic.symbols import acceleration, coordinate, speed, spin, spin_rate
 from kanegen.system import Freedom, System
-
-NO_FREEDOM = -1
-
-
-@dataclass(frozen=True)
-class Step:
-    """One turn of a joint.
-
-    Attributes:
-        turn: From the lower to the upper frame.
-        freedom: Number in {x} of the angle that turns it, or `NO_FREEDOM`.
-        axis: Basis vector about which that angle turns.
-        rate: The angle's rate.
-        acceleration: The angle's second derivative.
-        sine: Of the angle.
-        cosine: Of the angle.
-        frame: Suffix for the names of quantities seen below this turn.
-    """
-
-    turn: Turn
-    frame: str
-    freedom: int = NO_FREEDOM
-    axis: int = 0
-    rate: Expr = S.Zero
-    acceleration: Expr = S.Zero
-    sine: Expr = S.Zero
-    cosine: Expr = S.One
-
-
-@dataclass(frozen=True)
-class Slide:
-    """One free translation.
-
-    Attributes:
-        freedom: Its number in {x}.
-        axis: Basis vector of the joint frame along which it moves.
-        direction: The same in the lower body's frame.
-        rate: Its rate.
-        acceleration: Its second derivative.
-    """
-
-    freedom: int
-    axis: int
-    direction: Vector
-    rate: Expr
-    acceleration: Expr
-
-
-@dataclass(frozen=True)
-class JointMotion:
-    """How body K moves on its lower body J.
-
-    Attributes:
-        body: K.
-        lower: J, 0 for the ground.
-        arm: From O_J to O_K, in J (m): {q'_K} + [C_K]^T {s'_K}.
-        offset: From the origin of J to that of K, in J (m): `arm` and what the `origin` of both adds.
-        origin: From O_K to the point of K that serves as its origin, in K (m); see `_origin`.
-        slides: The free translations.
-        constant: The turns of [C_K], from J to the joint frame.
-        angles: The turns of the angles, from the joint frame to K.
-    """
-
-    body: int
-    lower: int
-    arm: Vector
-    offset: Vector
-    origin: Vector
-    slides: tuple[Slide, ...]
-    constant: tuple[Step, ...]
-    angles: tuple[Step, ...]
-
-    @property
-    def turns(self) -> bool:
-        """Whether any angle is free."""
-        return any(step.freedom != NO_FREEDOM for step in self.angles)
-
-    @property
-    def hinge(self) -> Step | None:
-        """The one free angle, if nothing else moves and no locked angle turns its axis in K."""
-        alone = len(self.angles) == 1 and not self.slides
-        return self.angles[0] if alone and self.turns else None
-
-    @property
-    def steps(self) -> tuple[Step, ...]:
-        """All turns, from J outward."""
-        return self.constant + self.angles
-
-    @property
-    def turning(self) -> int:
-        """Operations that it takes to turn a vector through all of them."""
-        return sum(step.turn.cost for step in self.steps)
-
-    def above(self, step: Step) -> str:
-        """Suffix for the names of quantities seen above one of the turns."""
-        return f"{self.body}" if step is self.steps[-1] else f"{step.frame}u"
-
-    def below(self, step: Step, v: Vector) -> Vector:
-        """A vector from the frame below one of the turns to the lower body's frame."""
-        inner = self.steps[: self.steps.index(step)]
-        return _down(tuple(other.turn for other in inner), v)
 
 
 def exact(value: Number) -> Expr:
@@ -136,7 +35,7 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     number = system.places
     definitions.about(f"Body {k} ({body.name}): the joint, Eqs. (4), (22)")
     constant = _orientation(body, k, definitions)
-    directions = [definitions.vector(f"u_{k}_{i + 1}", _down(constant, unit(i))) for i in range(3)]
+    directions = [definitions.vector(f"u_{k}_{i + 1}", down(constant, unit(i))) for i in range(3)]
     arm = Vector(*(exact(value) for value in body.joint.position))
     slides: list[Slide] = []
     for axis in range(3):
@@ -147,10 +46,26 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
             place = number[Freedom(k, 3 + axis)]
             slides.append(Slide(place, axis, directions[axis], speed(k, 3 + axis), acceleration(k, 3 + axis)))
     fixed = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
-    angles = [_angle_step(body, k, axis, number, definitions) for axis in range(3)]
+    angles = [_angle_step(body, k, index, number, definitions) for index in range(3)]
     offset = subtract(arm, below)
     motion = JointMotion(k, body.lower, arm, offset, ZERO, tuple(slides), _moving(fixed), _moving(angles))
+    if body.joint.spins:
+        spins = [Spin(step.freedom, i, spin(k, i), spin_rate(k, i)) for i, step in enumerate(angles)]
+        motion = _spinning(replace(motion, spins=tuple(spins)), definitions)
     return _with_origin(motion, body, definitions)
+
+
+def _spinning(motion: JointMotion, definitions: Definitions) -> JointMotion:
+    """A joint whose angles have no rates of their own turns as a whole, with [C_K] if a body is below."""
+    k = motion.body
+    turned = Step(whole(f"R_{k}", [step.turn for step in motion.angles], definitions), f"{k}a")
+    motion = replace(motion, angles=(turned,), behind=motion.angles)
+    if not motion.constant or not motion.lower:
+        return motion
+    through = Step(whole(f"RC_{k}", [step.turn for step in motion.steps], definitions), f"{k}t")
+    if motion.slides:
+        return replace(motion, through=(through,))
+    return replace(motion, constant=(), angles=(through,))
 
 
 def _with_origin(motion: JointMotion, body: Body, definitions: Definitions) -> JointMotion:
@@ -163,10 +78,10 @@ def _with_origin(motion: JointMotion, body: Body, definitions: Definitions) -> J
     origin, offset, hinge = ZERO, motion.offset, motion.hinge
     if motion.slides and not motion.turns:
         origin = Vector(*(exact(value) for value in body.mass_center))
-        offset = add(offset, _down(tuple(step.turn for step in motion.steps), origin))
+        offset = add(offset, down(tuple(step.turn for step in motion.steps), origin))
     elif hinge:
         axis = unit(hinge.axis)
-        direction = _down(tuple(step.turn for step in motion.constant), axis)
+        direction = down(tuple(step.turn for step in motion.constant), axis)
         if all(component in (-1, 0, 1) for component in direction):
             along = -dot(direction, offset)
             origin, offset = scale(along, axis), add(offset, scale(along, direction))
@@ -189,24 +104,25 @@ def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ..
         return tuple(
             _locked_turn(f"{k}_c{i + 1}", i, angle, definitions) for i, angle in enumerate(orientation)
         )
-    return constant_turns([[exact(entry) for entry in row] for row in orientation])
+    rows = [[exact(entry) for entry in row] for row in orientation]
+    return constant_turns(definitions.constants.rotation(rows))
 
 
-def _angle_step(body: Body, k: int, axis: int, number: dict[Freedom, int], definitions: Definitions) -> Step:
-    frame = f"{k}a{axis + 1}"
-    if not body.joint.free[axis]:
-        locked = body.joint.locked[axis]
-        return Step(_locked_turn(f"{k}_{axis + 1}", axis, locked, definitions), frame)
-    angle = coordinate(k, axis)
-    sine = definitions.define(f"S_{k}_{axis + 1}", sympy.sin(angle))
-    cosine = definitions.define(f"C_{k}_{axis + 1}", sympy.cos(angle))
+def _angle_step(body: Body, k: int, index: int, number: dict[Freedom, int], definitions: Definitions) -> Step:
+    frame, axis = f"{k}a{index + 1}", body.joint.axes[index]
+    if not body.joint.free[index]:
+        locked = body.joint.locked[index]
+        return Step(_locked_turn(f"{k}_{index + 1}", axis, locked, definitions), frame)
+    angle = coordinate(k, index)
+    sine = definitions.define(f"S_{k}_{index + 1}", sympy.sin(angle))
+    cosine = definitions.define(f"C_{k}_{index + 1}", sympy.cos(angle))
     return Step(
         planar(axis, sine, cosine),
         frame,
-        number[Freedom(k, axis)],
+        number[Freedom(k, index)],
         axis,
-        speed(k, axis),
-        acceleration(k, axis),
+        speed(k, index),
+        acceleration(k, index),
         sine,
         cosine,
     )
@@ -217,15 +133,9 @@ def _locked_turn(name: str, axis: int, angle: Number, definitions: Definitions) 
         symbol = exact(angle)
         sine = definitions.define(f"S_{name}", sympy.sin(symbol))
         return planar(axis, sine, definitions.define(f"C_{name}", sympy.cos(symbol)))
-    sine, cosine = (sympy.Rational(value) for value in sine_cosine(angle))
+    sine, cosine = definitions.constants.sine_cosine(angle)
     return planar(axis, sine, cosine)
 
 
 def _is_identity(turn: Turn) -> bool:
     return all(turn.up(unit(axis)) == unit(axis) for axis in range(3))
-
-
-def _down(turns: tuple[Turn, ...], v: Vector) -> Vector:
-    for turn in reversed(turns):
-        v = turn.down(v)
-    return v

@@ -1,5 +1,7 @@
 """What the names of definitions mean, for those who read them in the generated code."""
 
+from kanegen.system import System
+
 LEGEND = (
     ("theta_K_i, s_K_i", "coordinates of body K, thetadot and sdot their rates; S, C sine and cosine"),
     ("o_K", "from O_K to the point of K that serves as its origin"),
@@ -15,12 +17,28 @@ LEGEND = (
     ("E, Kh", "basis vectors of the frame at home, where long columns of [A] stay; of K, seen from there"),
     ("K, Kaj, Kaju, Kcj", "in body K; in the frame below its angle j, above it; below its constant turn j"),
     ("Kj, Ksn", "in the lower body of K; of its translation at place n of {x}"),
-    ("SI, SH, SM, pF, pN", "articulated body: force and moment by acceleration, and what remains"),
+    ("SI, SH, SM, pF, pN", "articulated body: force and moment by acceleration; what bodies need"),
     ("D, g, e, n, L, b", "pivots, gains and solutions of an elimination; factors of [A]"),
     ("T, q", "torques and accelerations on the way to {ydot}"),
+    (
+        "r, dy; yy, dd, ll, dm",
+        "of a refinement: accelerations, correction; squares, a length, what is allowed",
+    ),
     ("vo, vr, vv, hv", "velocity of the origin, that past the origin of J; vo squared, h x vo"),
     ("KE, P, L; mass, c_0", "kinetic energy; momentum, linear and angular; mass and mass centre of all"),
     ("NX, NY, NZ; pO", "inertial basis vectors seen from K; O_K from the inertial origin"),
     ("p_name", "a run-time parameter"),
 )
 """Names and meanings; x, y, z are components."""
+
+SPINS = (
+    ("omegahat_K_i", "speeds of body K: components in K of its angular velocity on the lower body"),
+    ("R_K; RC_K", "after 1, 2, 3 turns the rotation by the angles; the same with the constant turns"),
+    ("Ka, Kau, Kt, Ktu", "in the frame below all angles, above them; the same with the constant turns"),
+)
+"""Names that are new where such speeds are."""
+
+
+def legend(system: System) -> tuple[tuple[str, str], ...]:
+    """Names in the code for `system`, and meanings."""
+    return LEGEND if system.speeds_are_rates else (*SPINS, *LEGEND)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from kanegen.recursion.bodies import Inertia, Rows
 from kanegen.recursion.columns import Wrench
-from kanegen.recursion.joints import NO_FREEDOM, JointMotion
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
 from kanegen.recursion.vectors import multiply, present, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 
@@ -24,7 +24,7 @@ class Lever:
 
     Attributes:
         matrix: Moment by angular velocity of the composite body about its origin, in the lower body's frame.
-        axes: Of the angles by freedom, in that frame.
+        axes: Of the angles and spins by freedom, in that frame.
         lower: The lower body.
         definitions: Take the intermediates.
     """
@@ -53,7 +53,9 @@ def lever(composite: Inertia, motion: JointMotion, definitions: Definitions) -> 
         for step in motion.angles
         if step.freedom != NO_FREEDOM
     }
-    if motion.constant or not _saves(axes, composite, motion):
+    for spin in motion.spins:
+        axes[spin.freedom] = definitions.vector(f"Z_{motion.body}_{spin.axis}", motion.down(unit(spin.axis)))
+    if (motion.constant and not motion.spins) or not _saves(axes, composite, motion):
         return None
     matrix = composite.levered(motion.offset, f"{motion.body}j", definitions)
     return Lever(matrix, axes, motion.lower, definitions)
@@ -70,4 +72,7 @@ def _saves(axes: dict[int, Vector], composite: Inertia, motion: JointMotion) -> 
             by_lever += PRODUCT[components]
             by_turns += inner + (2 if components == 1 else 4) * arms
         inner += step.turn.cost
+    for spin in motion.spins:
+        by_lever += PRODUCT[present(axes[spin.freedom])]
+        by_turns += motion.turning + 4 * arms
     return by_lever < by_turns

@@ -20,7 +20,7 @@ from kanegen.recursion.bodies import Inertia
 from kanegen.recursion.columns import Column, Push, Wrench
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.distant import Station, stations
-from kanegen.recursion.joints import NO_FREEDOM, JointMotion, Step
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
 from kanegen.recursion.levers import lever
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.triads import Triad, combined, triad
@@ -85,7 +85,7 @@ class _Assembly:
     def pass_near(self, motion: JointMotion) -> None:
         """Columns pass the turns of a joint, then its translations; those of its freedoms begin."""
         definitions, composite = self.tree.definitions, self.bodies[motion.body - 1]
-        arriving, own = self._joined(motion), list[Wrench]()
+        arriving, own = self._joined(motion), self._spun(motion, composite)
         for step in reversed(motion.steps):
             above, composite = composite, composite.down(step.turn, step.frame, definitions)
             self._read([*arriving, *own], step)
@@ -99,6 +99,18 @@ class _Assembly:
             if motion.body in self.stations:
                 arriving = [col for col in arriving if isinstance(col, Push)]
             self._shift(arriving, own, composite, motion)
+
+    def _spun(self, motion: JointMotion, composite: Inertia) -> list[Wrench]:
+        """The columns of the joint's spins, which begin in the body's own frame, and their entries there."""
+        begun: list[Wrench] = []
+        for spin in motion.spins:
+            for col in (*self.near[motion.body - 1], *begun):
+                self.record(col.freedom, spin.freedom, col.moment_about(spin.axis, self.tree.definitions))
+            moment = column(composite.inertia, spin.axis)
+            self.record(spin.freedom, spin.freedom, moment[spin.axis])
+            label = f"{motion.body}w{spin.axis + 1}"
+            begun.append(Wrench(spin.freedom, label, cross(unit(spin.axis), composite.moment), moment))
+        return begun
 
     def _joined(self, motion: JointMotion) -> list[Column]:
         """The columns in a body's frame, with their shares in its triad."""

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from sympy import Expr
 
 from kanegen.recursion.bodies import Inertia
-from kanegen.recursion.joints import JointMotion, exact
+from kanegen.recursion.joint_motion import JointMotion
+from kanegen.recursion.joints import exact
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, multiply, negate, scale, subtract, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
@@ -28,6 +29,16 @@ class Requirement:
 
     force: Vector = ZERO
     moment: Vector = ZERO
+
+    def plus(self, other: Requirement, name: str, definitions: Definitions) -> Requirement:
+        """Both together."""
+        both = Requirement(add(self.force, other.force), add(self.moment, other.moment))
+        return both.named(name, definitions)
+
+    def named(self, name: str, definitions: Definitions) -> Requirement:
+        """With a symbol for every component."""
+        force = definitions.vector(f"pF_{name}", self.force)
+        return Requirement(force, definitions.vector(f"pN_{name}", self.moment))
 
 
 @dataclass(frozen=True)
@@ -88,6 +99,12 @@ def _move(lower: Motion, motion: JointMotion, definitions: Definitions, accelera
         alpha = definitions.vector(f"alpha_{above}", alpha)
         omega = definitions.vector(f"omega_{above}", add(turned, rate))
         acceleration = definitions.vector(f"a_{above}", step.turn.up(acceleration))
+    if motion.spins:
+        alpha = add(alpha, cross(omega, motion.spinning))
+        if accelerated:
+            alpha = add(alpha, motion.spinning_up)
+        alpha = definitions.vector(f"alpha_{k}", alpha)
+        omega = definitions.vector(f"omega_{k}", add(omega, motion.spinning))
     return _with_field(k, omega, alpha, acceleration, definitions)
 
 
@@ -107,6 +124,17 @@ def _with_field(
     )
     named = tuple(definitions.vector(f"W_{k}_{axis}", row) for axis, row in zip(AXES, field, strict=True))
     return Motion(omega, alpha, acceleration, squares, (named[0], named[1], named[2]))
+
+
+def requirements(tree: Tree, *, accelerated: bool) -> list[Requirement]:
+    """What each body needs for its motion, less its loads.
+
+    Args:
+        tree: The tree.
+        accelerated: With {ydot} as its symbols say, else with {ydot} = 0.
+    """
+    moved = outward(tree, accelerated=accelerated)
+    return [required(tree, motion.body, moved[motion.body]) for motion in tree.motions]
 
 
 def required(tree: Tree, k: int, motion: Motion) -> Requirement:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from sympy import Expr
 
 from kanegen.recursion.derived import Derived
-from kanegen.recursion.joints import JointMotion
+from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, dot, present, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector

@@ -6,7 +6,7 @@ so the bodies that are chosen form a tree with the same root.
 
 from __future__ import annotations
 
-from kanegen.recursion.joints import NO_FREEDOM, JointMotion
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import present
 
@@ -78,4 +78,4 @@ def _view(motion: JointMotion) -> int:
 
 
 def _angles(motion: JointMotion) -> int:
-    return sum(step.freedom != NO_FREEDOM for step in motion.steps)
+    return len(motion.spins) + sum(step.freedom != NO_FREEDOM for step in motion.steps)

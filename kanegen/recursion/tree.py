@@ -8,13 +8,15 @@ change (base inertial parameters: Gautier and Khalil 1990).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from sympy import S
 
+from kanegen.constants import DOUBLES, Constants
 from kanegen.recursion.bodies import NOTHING, Inertia, body_inertia
-from kanegen.recursion.joints import NO_FREEDOM, JointMotion, joint_motion
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.joints import joint_motion
 from kanegen.recursion.turns import entry
 from kanegen.recursion.vectors import ZERO, scale, unit
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
@@ -51,18 +53,34 @@ class Tree:
         self.definitions.about(f"Body {k} ({self.system.bodies[k - 1].name}): {what}")
 
 
-def tree(system: System) -> Tree:
+def tree(system: System, constants: Constants = DOUBLES) -> Tree:
     """The tree of `system`, with new definitions."""
-    definitions = Definitions(taken=[parameter.name for parameter in system.parameters])
+    definitions = Definitions([parameter.name for parameter in system.parameters], constants)
     motions: list[JointMotion] = []
     for k, body in enumerate(system.bodies, start=1):
         below = motions[body.lower - 1].origin if body.lower else ZERO
         motions.append(joint_motion(system, k, below, definitions))
+    return _grouped(system, motions, definitions, apart=False)
+
+
+def apart(tree: Tree) -> Tree:
+    """The same tree, where every body that turns on its lower body keeps its inertia.
+
+    A sum of two inertias is rounded as the larger is, which may be all there is of the smaller one. What the
+    tree needs for given accelerations, body by body, is then still accurate.
+    """
+    return _grouped(tree.system, tree.motions, tree.definitions, apart=True)
+
+
+def _grouped(
+    system: System, motions: Sequence[JointMotion], definitions: Definitions, *, apart: bool
+) -> Tree:
     own = [Inertia(), *(body_inertia(system, m.body, m.origin, definitions) for m in motions)]
     for motion in reversed(motions):
         k, j = motion.body, motion.lower
-        own[k], passed = _regrouped(own[k], motion, definitions)
-        own[j] = own[j].plus(passed, f"{j}r{k}", definitions)
+        if not (apart and motion.turns):
+            own[k], passed = _regrouped(own[k], motion, definitions)
+            own[j] = own[j].plus(passed, f"{j}r{k}", definitions)
     ground, *kept = own
     return Tree(system, tuple(motions), tuple(kept), ground, definitions)
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from sympy import Expr
 
 from kanegen.recursion.columns import Column, Push, Wrench
-from kanegen.recursion.joints import JointMotion
+from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.vectors import ZERO, add, scale
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
 

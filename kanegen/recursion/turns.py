@@ -14,7 +14,7 @@ from typing import Protocol
 from sympy import Expr, S
 
 from kanegen.recursion.vectors import column, dot, dot_cost, multiply, unit
-from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
+from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
 
 INDEX = {(0, 0): "xx", (1, 1): "yy", (2, 2): "zz", (0, 1): "xy", (0, 2): "xz", (1, 2): "yz"}
 
@@ -135,6 +135,49 @@ class MatrixTurn:
         ]
         new = {name_ij: dot(columns[i], products[j]) for (i, j), name_ij in INDEX.items()}
         return definitions.symmetric(name, Symmetric(**new))
+
+
+@dataclass(frozen=True)
+class WholeTurn:
+    """Several turns at once, for a joint in which nothing happens between them.
+
+    Vectors turn by the matrix, which costs less than three planar turns; a symmetric matrix by the parts.
+    """
+
+    whole: MatrixTurn
+    parts: tuple[Turn, ...]
+
+    @property
+    def cost(self) -> int:
+        """Operations that it takes to turn a vector."""
+        return self.whole.cost
+
+    def up(self, v: Vector) -> Vector:
+        """Lower components to upper components."""
+        return self.whole.up(v)
+
+    def down(self, v: Vector) -> Vector:
+        """Upper components to lower components."""
+        return self.whole.down(v)
+
+    def down_symmetric(self, definitions: Definitions, name: str, m: Symmetric) -> Symmetric:
+        """[T]^T [m] [T]: a symmetric matrix from upper to lower components, named `name`."""
+        for i, part in reversed(list(enumerate(self.parts, start=1))):
+            m = part.down_symmetric(definitions, f"{name}_{i}", m)
+        return m
+
+
+def whole(name: str, parts: Sequence[Turn], definitions: Definitions) -> WholeTurn:
+    """Turns one after the other as one; `name` is for the rows of its matrix."""
+    columns = [unit(axis) for axis in range(3)]
+    for i, part in enumerate(parts, start=1):
+        turned = [part.up(column) for column in columns]
+        rows = [
+            definitions.vector(f"{name}_{i}_{axis}", Vector(*(column[j] for column in turned)))
+            for j, axis in enumerate(AXES)
+        ]
+        columns = [Vector(*(row[j] for row in rows)) for j in range(3)]
+    return WholeTurn(MatrixTurn((rows[0], rows[1], rows[2])), tuple(parts))
 
 
 def planar(axis: int, sine: Expr, cosine: Expr) -> Turn:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kanegen.recursion.joints import JointMotion
+from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, scale, unit
 from kanegen.symbolic.definitions import Vector
@@ -19,6 +19,8 @@ def angular_velocities(tree: Tree) -> list[Vector]:
         for step in motion.steps:
             turned = add(step.turn.up(omega), scale(step.rate, unit(step.axis)))
             omega = tree.definitions.vector(f"omega_{motion.above(step)}", turned)
+        if motion.spins:
+            omega = tree.definitions.vector(f"omega_{motion.body}", add(omega, motion.spinning))
         found.append(omega)
     return found
 

@@ -7,7 +7,6 @@ from functools import cached_property
 
 from sympy import ImmutableMatrix
 
-from kanegen.symbolic import orientation
 from kanegen.symbolic.joint_frame import JointEquations
 from kanegen.symbolic.orientation import skew
 from kanegen.symbolic.outward import outward
@@ -20,8 +19,7 @@ class AngularEquations(JointEquations):
     @cached_property
     def relative_rotation(self) -> ImmutableMatrix:
         """[^J R_K] = [R_123] [C_K], from J to K components, Eqs. (2), (4)."""
-        turned = orientation.rotation_123(self.sines, self.cosines)
-        return self._named("relative_rotation", turned * self.joint_orientation)
+        return self._named("relative_rotation", self._angles.rotation * self.joint_orientation)
 
     @cached_property
     def relative_rotation_rate(self) -> ImmutableMatrix:
@@ -42,24 +40,30 @@ class AngularEquations(JointEquations):
 
     @cached_property
     def angle_rate_matrix(self) -> ImmutableMatrix:
-        """[P^AV_K], angle rates to relative angular velocity, Eq. (17); all three columns."""
-        return self._named("angle_rate_matrix", orientation.angle_rate_matrix(self.sines, self.cosines))
+        """[P^AV_K], Eq. (17), all three columns: speeds of the angles to relative angular velocity.
+
+        The identity where the speeds are the components of this velocity.
+        """
+        if self.body.joint.spins:
+            return ImmutableMatrix.eye(3)
+        return self._named("angle_rate_matrix", self._angles.rate_matrix)
 
     @cached_property
     def angle_rate_matrix_rate(self) -> ImmutableMatrix:
         """Time derivative of [P^AV_K], below Eq. (20)."""
-        rate = orientation.angle_rate_matrix_rate(self.sines, self.cosines, self._angle_rates)
-        return self._named("angle_rate_matrix_rate", rate)
+        if self.body.joint.spins:
+            return ImmutableMatrix.zeros(3, 3)
+        return self._named("angle_rate_matrix_rate", self._angles.rate_matrix_rate(self._turning_speeds))
 
     @cached_property
     def angle_rate_inverse(self) -> ImmutableMatrix:
-        """Inverse of [P^AV_K], Eq. (9): relative angular velocity to angle rates."""
-        return orientation.angle_rate_inverse(self.sines, self.cosines)
+        """Inverse of Eq. (8), Eq. (9): relative angular velocity to angle rates."""
+        return self._angles.rate_inverse
 
     @cached_property
     def relative_angular_velocity(self) -> ImmutableMatrix:
         """Angular velocity of K in J (rad/s), Eq. (8)."""
-        return self._named("relative_angular_velocity", self.angle_rate_matrix * self._angle_rates)
+        return self._named("relative_angular_velocity", self.angle_rate_matrix * self._turning_speeds)
 
     @outward
     def angular_velocity(self) -> ImmutableMatrix:

@@ -14,6 +14,8 @@ from typing import NamedTuple
 import sympy
 from sympy import Expr, Symbol
 
+from kanegen.constants import DOUBLES, Constants
+
 AXES = "xyz"
 
 
@@ -50,9 +52,11 @@ class Definitions:
 
     Args:
         taken: Names that definitions must not use, such as those of parameters.
+        constants: How exact sines of constant angles are.
     """
 
-    def __init__(self, taken: Iterable[str] = ()) -> None:
+    def __init__(self, taken: Iterable[str] = (), constants: Constants = DOUBLES) -> None:
+        self.constants = constants
         self._list: list[Definition] = []
         self._names = set(taken)
         self._known: dict[Expr, Symbol] = {}

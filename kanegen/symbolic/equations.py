@@ -23,8 +23,8 @@ from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.dynamics import BodyEquations, total
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.numeric import NumericEquations, numeric
-from kanegen.symbolic.symbols import acceleration, coordinate, force, speed, torque
-from kanegen.system import System
+from kanegen.symbolic.symbols import accelerations, coordinate, force, speeds, torque
+from kanegen.system import Freedom, System
 
 MOST_FREEDOMS = 8
 """Closed forms are not tried beyond this many freedoms."""
@@ -58,13 +58,23 @@ class Equations:
 
     @cached_property
     def y(self) -> ImmutableMatrix:
-        """{y} = {xdot}, (n, 1): generalized speeds (rad/s, m/s), Eqs. (1), (45)."""
-        return ImmutableMatrix([speed(f.body, f.index) for f in self.system.freedoms])
+        """{y}, (n, 1): generalized speeds (rad/s, m/s), Eq. (1)."""
+        return ImmutableMatrix(speeds(self.system))
+
+    @cached_property
+    def xdot(self) -> ImmutableMatrix:
+        """{xdot}, (n, 1), from {y}: Eq. (45), or Eq. (9) where speeds are angular velocities."""
+        found = dict(zip(self.system.freedoms, self.y, strict=True))
+        for body in self.bodies:
+            if body.body.joint.spins:
+                rates = body.angle_rate_inverse * body.relative_angular_velocity
+                found |= {Freedom(body.number, index): rates[index] for index in range(3)}
+        return ImmutableMatrix(list(found.values()))
 
     @cached_property
     def ydot(self) -> ImmutableMatrix:
         """{ydot}, (n, 1): the unknowns of Eq. (42) (rad/s^2, m/s^2)."""
-        return ImmutableMatrix([acceleration(f.body, f.index) for f in self.system.freedoms])
+        return ImmutableMatrix(accelerations(self.system))
 
     @cached_property
     def loads(self) -> tuple[Symbol, ...]:

@@ -14,9 +14,19 @@ import sympy
 from sympy import Expr, ImmutableMatrix, S
 
 from kanegen.body import Body
-from kanegen.symbolic import orientation
+from kanegen.sequences import NOTES, SEQUENCES
 from kanegen.symbolic.naming import Names
-from kanegen.symbolic.symbols import acceleration, column, coordinate, expression, matrix, speed
+from kanegen.symbolic.orientation import Angles, constant_sine_cosine
+from kanegen.symbolic.symbols import (
+    accelerations,
+    column,
+    coordinate,
+    expression,
+    matrix,
+    speed,
+    speeds,
+    spin,
+)
 from kanegen.system import Freedom, System
 
 
@@ -44,12 +54,12 @@ class JointEquations:
     @cached_property
     def sines(self) -> ImmutableMatrix:
         """Sines of the three angles in Eq. (4), (3, 1); numbers where an angle is locked."""
-        return self._named("sines", ImmutableMatrix([self._sine_cosine(axis)[0] for axis in range(3)]))
+        return self._named("sines", ImmutableMatrix([self._sine_cosine(index)[0] for index in range(3)]))
 
     @cached_property
     def cosines(self) -> ImmutableMatrix:
         """Cosines of the three angles in Eq. (4), (3, 1); numbers where an angle is locked."""
-        return self._named("cosines", ImmutableMatrix([self._sine_cosine(axis)[1] for axis in range(3)]))
+        return self._named("cosines", ImmutableMatrix([self._sine_cosine(index)[1] for index in range(3)]))
 
     @cached_property
     def joint_orientation(self) -> ImmutableMatrix:
@@ -57,9 +67,9 @@ class JointEquations:
         given = self.body.joint.orientation
         if isinstance(given[0], tuple):
             return matrix(given)
-        pairs = [orientation.constant_sine_cosine(angle) for angle in given]
-        turned = orientation.rotation_123([s for s, _ in pairs], [c for _, c in pairs])
-        return self._named("joint_orientation", turned)
+        pairs = [constant_sine_cosine(angle) for angle in given]
+        turned = Angles(SEQUENCES[NOTES], [s for s, _ in pairs], [c for _, c in pairs])
+        return self._named("joint_orientation", turned.rotation)
 
     @cached_property
     def offset(self) -> ImmutableMatrix:
@@ -73,7 +83,13 @@ class JointEquations:
         return self._named("offset_rate", self.joint_orientation.T * self._translation_rate)
 
     @property
-    def _angle_rates(self) -> ImmutableMatrix:
+    def _angles(self) -> Angles:
+        return Angles(self.body.joint.axes, list(self.sines), list(self.cosines))
+
+    @property
+    def _turning_speeds(self) -> ImmutableMatrix:
+        if self.body.joint.spins:
+            return ImmutableMatrix([spin(self.number, axis) for axis in range(3)])
         return ImmutableMatrix([self._rate(index) for index in range(3)])
 
     @property
@@ -92,20 +108,20 @@ class JointEquations:
     def _rate(self, index: int) -> Expr:
         return speed(self.number, index) if self.body.joint.free[index] else S.Zero
 
-    def _sine_cosine(self, axis: int) -> tuple[Expr, Expr]:
+    def _sine_cosine(self, index: int) -> tuple[Expr, Expr]:
         joint = self.body.joint
-        if not joint.free[axis]:
-            return orientation.constant_sine_cosine(joint.locked[axis])
-        angle = coordinate(self.number, axis)
+        if not joint.free[index]:
+            return constant_sine_cosine(joint.locked[index])
+        angle = coordinate(self.number, index)
         return sympy.sin(angle), sympy.cos(angle)
 
     @property
     def _y(self) -> ImmutableMatrix:
-        return ImmutableMatrix([speed(f.body, f.index) for f in self.system.freedoms])
+        return ImmutableMatrix(speeds(self.system))
 
     @property
     def _ydot(self) -> ImmutableMatrix:
-        return ImmutableMatrix([acceleration(f.body, f.index) for f in self.system.freedoms])
+        return ImmutableMatrix(accelerations(self.system))
 
     def _columns(self, block: ImmutableMatrix, first: int) -> ImmutableMatrix:
         """(3, n): the columns of a 3 x 3 `block` where freedoms `first` to `first` + 2 of this body stand."""

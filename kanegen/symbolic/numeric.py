@@ -13,7 +13,7 @@ from sympy import Dummy, Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import ArrayError
 from kanegen.symbolic.definitions import Definition
-from kanegen.symbolic.symbols import coordinate, force, parameter, speed, torque
+from kanegen.symbolic.symbols import coordinate, force, parameter, speeds, torque
 from kanegen.system import System
 
 Floats = NDArray[np.float64]
@@ -85,7 +85,7 @@ def numeric(
     """Functions that evaluate [A] and {f}, which may hold the symbols of `definitions`."""
     every = [(k, axis) for k in range(1, system.number_of_bodies + 1) for axis in range(3)]
     x = [coordinate(freedom.body, freedom.index) for freedom in system.freedoms]
-    y = [speed(freedom.body, freedom.index) for freedom in system.freedoms]
+    y = list(speeds(system))
     forces, torques = [force(k, i) for k, i in every], [torque(k, i) for k, i in every]
     # A parameter may have the name of a function, such as sin; a Dummy cannot.
     private = {parameter(given): Dummy(given.name) for given in system.parameters}

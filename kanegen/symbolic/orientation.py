@@ -1,53 +1,94 @@
-"""The 1-2-3 angles of one joint as matrices of sines and cosines, Eqs. (4), (8), (9) and (17)."""
+"""The three angles of one joint as matrices of sines and cosines: Eqs. (4), (8), (9), (17) for any sequence.
+
+A turn about a basis vector has one sine and one cosine, and what stands here are products of three turns, so
+that every entry is a sum of plain products. For the sequence 1-2-3 they are the matrices of the notes.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import sympy
 from sympy import Expr, ImmutableMatrix
 
 from kanegen.angles import sine_cosine
 from kanegen.numbers import Number, Parameter
+from kanegen.sequences import Axes
 from kanegen.symbolic.symbols import expression, parameter
 
 
-def rotation_123(sines: Sequence[Expr], cosines: Sequence[Expr]) -> ImmutableMatrix:
-    """[R_123] of Eq. (4): components before to components after the three turns."""
-    (s1, s2, s3), (c1, c2, c3) = sines, cosines
-    return ImmutableMatrix(
-        [
-            [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
-            [-c2 * s3, c1 * c3 - s1 * s2 * s3, s1 * c3 + c1 * s2 * s3],
-            [s2, -s1 * c2, c1 * c2],
-        ]
-    )
+@dataclass(frozen=True)
+class Angles:
+    """Three angles, free or constant.
 
+    Attributes:
+        axes: Basis vectors about which they turn, from 0.
+        sines: Their sines.
+        cosines: Their cosines.
+    """
 
-def angle_rate_matrix(sines: Sequence[Expr], cosines: Sequence[Expr]) -> ImmutableMatrix:
-    """[P^AV_K] of Eq. (17): angle rates to relative angular velocity in body K."""
-    (_, s2, s3), (_, c2, c3) = sines, cosines
-    return ImmutableMatrix([[c2 * c3, s3, 0], [-c2 * s3, c3, 0], [s2, 0, 1]])
+    axes: Axes
+    sines: Sequence[Expr]
+    cosines: Sequence[Expr]
 
+    @property
+    def rotation(self) -> ImmutableMatrix:
+        """[R_123] of Eq. (4): components before to components after the three turns."""
+        return self._turn(2) * (self._turn(1) * self._turn(0))
 
-def angle_rate_matrix_rate(
-    sines: Sequence[Expr], cosines: Sequence[Expr], rates: Sequence[Expr]
-) -> ImmutableMatrix:
-    """Time derivative of [P^AV_K], below Eq. (20)."""
-    (_, s2, s3), (_, c2, c3), (_, u2, u3) = sines, cosines, rates
-    return ImmutableMatrix(
-        [
-            [-s2 * c3 * u2 - c2 * s3 * u3, c3 * u3, 0],
-            [s2 * s3 * u2 - c2 * c3 * u3, -s3 * u3, 0],
-            [c2 * u2, 0, 0],
-        ]
-    )
+    @property
+    def rate_matrix(self) -> ImmutableMatrix:
+        """[P^AV_K] of Eq. (17): angle rates to relative angular velocity in body K, the axes side by side."""
+        first = self._turn(2) * self._first_axis
+        return ImmutableMatrix.hstack(first, self._turn(2) * self._axis(1), self._axis(2))
 
+    def rate_matrix_rate(self, rates: Sequence[Expr]) -> ImmutableMatrix:
+        """Time derivative of [P^AV_K], below Eq. (20)."""
+        _, u2, u3 = rates
+        first = self._turn_rate(2) * self._first_axis * u3
+        first += self._turn(2) * self._turn_rate(1) * self._axis(0) * u2
+        second = self._turn_rate(2) * self._axis(1) * u3
+        return ImmutableMatrix.hstack(first, second, sympy.zeros(3, 1))
 
-def angle_rate_inverse(sines: Sequence[Expr], cosines: Sequence[Expr]) -> ImmutableMatrix:
-    """Inverse of [P^AV_K], Eq. (9); it does not exist where the middle cosine is zero."""
-    (_, s2, s3), (_, c2, c3) = sines, cosines
-    return ImmutableMatrix([[c3 / c2, -s3 / c2, 0], [s3, c3, 0], [-s2 * c3 / c2, s2 * s3 / c2, 1]])
+    @property
+    def rate_inverse(self) -> ImmutableMatrix:
+        """Inverse of [P^AV_K], Eq. (9); it does not exist where the three axes lie in a plane.
+
+        Between the second turn and the third, the second and third axes are basis vectors, and the first has
+        no component along the second.
+        """
+        _, second, third = self.axes
+        across = 3 - second - third
+        one = ImmutableMatrix.eye(3)[across, :] / self._first_axis[across]
+        three = self._axis(2).T - self._first_axis[third] * one
+        return ImmutableMatrix.vstack(one, self._axis(1).T, three) * self._turn(2).T
+
+    @property
+    def _first_axis(self) -> ImmutableMatrix:
+        """The first axis between the second turn and the third."""
+        return self._turn(1) * self._axis(0)
+
+    def _axis(self, i: int) -> ImmutableMatrix:
+        """The basis vector about which angle `i` turns, (3, 1)."""
+        return ImmutableMatrix.eye(3)[:, self.axes[i]]
+
+    def _turn(self, i: int) -> ImmutableMatrix:
+        """Components before to components after the turn by angle `i`."""
+        return self._planar(i, 1, self.sines[i], self.cosines[i])
+
+    def _turn_rate(self, i: int) -> ImmutableMatrix:
+        """Derivative of the same by the angle."""
+        return self._planar(i, 0, self.cosines[i], -self.sines[i])
+
+    def _planar(self, i: int, along: int, sine: Expr, cosine: Expr) -> ImmutableMatrix:
+        entries = sympy.zeros(3, 3)
+        k = self.axes[i]
+        m, n = (k + 1) % 3, (k + 2) % 3
+        entries[k, k] = along
+        entries[m, m] = entries[n, n] = cosine
+        entries[m, n], entries[n, m] = sine, -sine
+        return ImmutableMatrix(entries)
 
 
 def skew(vector: ImmutableMatrix) -> ImmutableMatrix:

@@ -1,8 +1,9 @@
 """The one place that makes SymPy symbols, so that one name always means one symbol.
 
-`theta_K_i`, `s_K_i` are coordinates, `thetadot_K_i`, `sdot_K_i` speeds, `thetaddot_K_i`, `sddot_K_i`
-accelerations, `F_K_i`, `M_K_i` loads; bodies K and components i count from 1. A parameter is the symbol of
-its own name. Every symbol is real.
+`theta_K_i`, `s_K_i` are coordinates, `thetadot_K_i`, `sdot_K_i` their rates, `omegahat_K_i` components of
+relative angular velocities, `thetaddot_K_i`, `sddot_K_i`, `omegahatdot_K_i` the rates of these, `F_K_i`,
+`M_K_i` loads; bodies K and components i count from 1. A parameter is the symbol of its own name. Every symbol
+is real.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import sympy
 from sympy import Expr, Float, Integer, Symbol
 
 from kanegen.numbers import Number, Parameter
+from kanegen.system import System
 
 WHOLE = 2**31
 """Whole numbers below this size become exact integers; larger ones stay binary floating point."""
@@ -24,13 +26,36 @@ def coordinate(body: int, index: int) -> Symbol:
 
 
 def speed(body: int, index: int) -> Symbol:
-    """Generalized speed, the time derivative of `coordinate(body, index)` (rad/s, m/s)."""
+    """The time derivative of `coordinate(body, index)` (rad/s, m/s)."""
     return _freedom("thetadot", "sdot", body, index)
 
 
 def acceleration(body: int, index: int) -> Symbol:
     """Time derivative of `speed(body, index)` (rad/s^2, m/s^2)."""
     return _freedom("thetaddot", "sddot", body, index)
+
+
+def spin(body: int, axis: int) -> Symbol:
+    """Component `axis` (0 to 2) of the relative angular velocity of Eq. (8), in the body (rad/s)."""
+    return real(f"omegahat_{body}_{axis + 1}")
+
+
+def spin_rate(body: int, axis: int) -> Symbol:
+    """Time derivative of `spin(body, axis)` (rad/s^2)."""
+    return real(f"omegahatdot_{body}_{axis + 1}")
+
+
+def speeds(system: System) -> tuple[Symbol, ...]:
+    """The generalized speeds {y}."""
+    return tuple(spin(f.body, f.axis) if system.spins(f) else speed(f.body, f.index) for f in system.freedoms)
+
+
+def accelerations(system: System) -> tuple[Symbol, ...]:
+    """Their time derivatives {ydot}."""
+    return tuple(
+        spin_rate(f.body, f.axis) if system.spins(f) else acceleration(f.body, f.index)
+        for f in system.freedoms
+    )
 
 
 def force(body: int, axis: int) -> Symbol:

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
+from kanegen.sequences import NOTES, SEQUENCES
 from kanegen.system import System
 
 KINDS = ("RX", "RY", "RZ", "PX", "PY", "PZ")
-"""Joints with one freedom, in the order of a body's freedoms."""
+"""Joints with one freedom: turns and slides about and along the three basis vectors."""
 
 ORDER = (3, 4, 5, 0, 1, 2)
 """In which a body's freedoms follow one another from the ground outwards."""
@@ -89,7 +90,7 @@ def joints(system: System) -> list[Joint]:
 
 
 def floating_joints(system: System) -> list[Joint]:
-    """Other coordinates: six freedoms together are a free-flyer, the rest as in `single_joints`."""
+    """Other coordinates: six freedoms, angles 1-2-3, are a free-flyer, the rest as in `single_joints`."""
     return _joints(system, lambda free: _together(ORDER, free))
 
 
@@ -112,15 +113,17 @@ def _joints(system: System, groups: Groups) -> list[Joint]:
         parent, placement = carrier[int(arrays.connection[k])]
         placement = placement * Placement(arrays.joint_orientation[k].T, arrays.joint_position[k])
         free = [bool(flag) for flag in arrays.free[k]]
-        waiting = {group[0]: group for group in groups(free)}
+        axes = (*SEQUENCES[arrays.sequence[k]], 3, 4, 5)
+        flies = arrays.sequence[k] == NOTES or not all(free)
+        waiting = {group[0]: group for group in (groups(free) if flies else _single(free))}
         for index in ORDER:
             if index in waiting:
                 group = waiting[index]
                 places = tuple(columns[k, i] for i in group)
-                found.append(Joint(parent, _kind(group), places, placement, NOTHING))
+                found.append(Joint(parent, _kind([axes[i] for i in group]), places, placement, NOTHING))
                 parent, placement = len(found), HERE
             elif not free[index]:
-                placement = placement * _locked(index, arrays.locked[k, index])
+                placement = placement * _locked(axes[index], arrays.locked[k, index])
         carrier[k + 1] = parent, placement
         if parent:
             found[parent - 1].body += _mass(arrays, k, placement)
@@ -137,14 +140,14 @@ def _depth_first(connection: list[int]) -> list[int]:
     return order
 
 
-def _kind(group: tuple[int, ...]) -> str:
+def _kind(group: Sequence[int]) -> str:
     if len(group) == 1:
         return KINDS[group[0]]
     return "translation" if len(group) == 3 else "free-flyer"
 
 
 def _locked(index: int, value: float) -> Placement:
-    """Placement of a freedom locked at `value`."""
+    """Placement of a joint of one of `KINDS` locked at `value`."""
     axis = np.eye(3)[index % 3]
     if index >= 3:
         return Placement(np.eye(3), value * axis)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from kanegen.arrays import Floats
 from kanegen.check.truth.balls import arb, arb_mat, ctx
 from kanegen.errors import ArrayError
+from kanegen.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS, Precision
 
 SUBNORMAL = 5e-324
 """The smallest double; a radius below it is rounded up to it."""
@@ -60,16 +61,16 @@ class Enclosure:
         """Upper bounds of |`values` - exact|, infinite where a value is not finite.
 
         Args:
-            values: Floats of any precision, taken exactly.
+            values: Floats of any precision, or sums of two along a last axis; taken exactly.
 
         Raises:
             ArrayError: If the shape is another.
         """
-        if values.shape != self.shape:
+        if values.shape not in (self.shape, (*self.shape, 2)):
             raise ArrayError(f"values have shape {values.shape}; expected {self.shape}.")
         with ctx.workprec(self.bits):
-            pairs = zip(self.balls, values.ravel().tolist(), strict=True)
-            return self._array(_distance(ball, value) for ball, value in pairs)
+            parts = [part.ravel().tolist() for part in precision_of(values, self.shape).parts(values)]
+            return self._array(map(_distance, self.balls, zip(*parts, strict=True)))
 
     def overlaps(self, other: Enclosure) -> bool:
         """Whether there can be one exact array in both."""
@@ -101,8 +102,19 @@ def enclosure(matrix: arb_mat, shape: tuple[int, ...]) -> Enclosure:
     return Enclosure(tuple(matrix.entries()), shape, ctx.prec)
 
 
-def _distance(ball: arb, value: float) -> float:
-    return _rounded_up((ball - arb(value)).abs_upper()) if math.isfinite(value) else math.inf
+def precision_of(values: NDArray[Any], shape: tuple[int, ...]) -> Precision:
+    """What `values` are that stand for numbers of this `shape`."""
+    if values.shape != shape:
+        return DOUBLE_DOUBLE
+    return next((p for p in PRECISIONS.values() if p.dtype == values.dtype), DOUBLE)
+
+
+def _distance(ball: arb, parts: Sequence[float]) -> float:
+    for part in parts:
+        if not math.isfinite(part):
+            return math.inf
+        ball -= arb(part)
+    return _rounded_up(ball.abs_upper())
 
 
 def _rounded_up(size: arb) -> float:

@@ -5,7 +5,8 @@
 - componentwise: the largest |v_i - t_i| / |t_i|. An entry smaller than the unit roundoff times the largest
   (after scaling) counts as that large, because one that is zero has no relative error.
 - bits: log2(1 + floats between v_i and the float nearest to t_i), the mean over the entries and the worst.
-  What is not finite has all the bits of its type.
+  What is not finite has all the bits of its type. In more than double precision the error in units of the
+  last place stands for the floats between.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from numpy.typing import NDArray
 
 from kanegen.arrays import Floats
 from kanegen.check.matrices import length
-from kanegen.check.truth.enclosure import Enclosure
+from kanegen.check.truth.enclosure import SUBNORMAL, Enclosure, precision_of
+from kanegen.precision import DOUBLE, Precision
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ def errors(value: NDArray[Any], truth: Enclosure, scale: Floats, unit_roundoff: 
     """Compare `value` with the exact `truth`, both of the shape of `scale`.
 
     Args:
-        value: Of float64 or float32.
+        value: Floats of any precision, or sums of two along a last axis.
         truth: The exact output.
         scale: Factors that take the units away.
         unit_roundoff: Of the program that computed `value`.
@@ -44,9 +46,12 @@ def errors(value: NDArray[Any], truth: Enclosure, scale: Floats, unit_roundoff: 
     Raises:
         ArrayError: If the shapes differ.
     """
-    scaled, difference = np.abs(truth.value) * scale, truth.distance(value) * scale
+    distance = truth.distance(value)
+    scaled, difference = np.abs(truth.value) * scale, distance * scale
     floor = unit_roundoff * scaled.max()
-    lost = bits_lost(value, truth.value)
+    precision = precision_of(value, truth.shape)
+    wide = precision.digits > DOUBLE.digits
+    lost = places_lost(distance, truth.value, precision) if wide else bits_lost(value, truth.value)
     return Errors(
         normwise=_ratio(_norm(difference), _norm(scaled)),
         componentwise=max(map(_ratio, difference.ravel(), np.maximum(scaled, floor).ravel())),
@@ -63,6 +68,15 @@ def bits_lost(value: NDArray[Any], truth: Floats) -> Floats:
     pairs = zip(_ordinals(value), _ordinals(nearest), np.isfinite(value).ravel(), strict=True)
     lost = [math.log2(1 + abs(a - b)) if finite else whole for a, b, finite in pairs]
     return np.reshape(lost, value.shape)
+
+
+def places_lost(distance: Floats, truth: Floats, precision: Precision) -> Floats:
+    """log2(1 + `distance` in units of the last place of `truth`), at most the bits of the precision."""
+    place = np.ldexp(np.spacing(np.abs(truth)), DOUBLE.digits - precision.digits)
+    place = np.maximum(place, SUBNORMAL)
+    with np.errstate(over="ignore"):
+        lost: Floats = np.log2(1 + distance / place)
+    return np.minimum(lost, 8.0 * precision.bytes)
 
 
 def _ordinals(values: NDArray[Any]) -> list[int]:

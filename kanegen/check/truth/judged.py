@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from kanegen.arrays import Floats
 from kanegen.check.states import States
 from kanegen.errors import ArrayError, KanegenWarning
-from kanegen.precision import Precision
+from kanegen.precision import Precision, named
 
 
 class JudgedLibrary(Protocol):
@@ -23,7 +23,11 @@ class JudgedLibrary(Protocol):
 
     @property
     def precision(self) -> str:
-        """Type of its numbers: "double" or "float"."""
+        """Its arithmetic, a name of `precision.PRECISIONS`."""
+
+    @property
+    def storage(self) -> str:
+        """The precision of its arrays, likewise."""
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -60,7 +64,10 @@ def companion(value: ArrayLike | None, x: Floats, precision: Precision, what: st
 
 def values(library: JudgedLibrary, name: str, states: States, tau: Floats, ydot: Floats) -> NDArray[Any]:
     """(B, ...) what the library computes as output `name`; NaN where it refuses."""
-    x, y, loads = states.x, states.y, {"force": states.force, "torque": states.torque}
+    held = named(library.storage)
+    x, y, tau, ydot = (held.stored(given) for given in (states.x, states.y, tau, ydot))
+    given = {"force": states.force, "torque": states.torque}
+    loads = {what: None if load is None else held.stored(load) for what, load in given.items()}
     if name == "mass_matrix":
         return library.mass_matrix(x)
     if name == "forcing":

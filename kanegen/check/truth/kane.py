@@ -94,14 +94,27 @@ def _frame(link: Link, lower: Frame) -> Frame:
         direction, place = joint.transpose() * unit(i), link.places[3 + i]
         if place is not None:
             axes.append(Axis(place, direction, cross(lower.omega, direction), None, zeros(3, 1)))
-    omega, rates = lower.omega, link.rates.entries()
-    rotations = [turn * joint for turn in turned(link.angles)]
-    for i in range(3):
-        direction, place = rotations[i].transpose() * unit(i), link.places[i]
+    rotations = [turn * joint for turn in turned(link.angles, link.axes)]
+    directions, carriers = _directions(link, rotations, lower.omega)
+    for direction, carrier, place in zip(directions, carriers, link.places, strict=False):
         if place is not None:
-            axes.append(Axis(place, direction, cross(omega, direction), origin, origin_dot))
-        omega = omega + direction * rates[i]
-    return Frame(rotations[3], omega, origin, origin_dot, tuple(axes))
+            axes.append(Axis(place, direction, cross(carrier, direction), origin, origin_dot))
+    return Frame(rotations[3], carriers[3], origin, origin_dot, tuple(axes))
+
+
+def _directions(link: Link, rotations: list[arb_mat], omega: arb_mat) -> tuple[list[arb_mat], list[arb_mat]]:
+    """Three axes about which body K turns on its lower body, and angular velocities.
+
+    These are of what carries each axis, and last of the body. An angle's axis is carried by the turns before
+    it; the axis of a component of the relative angular velocity by the body.
+    """
+    frames = [3, 3, 3] if link.spins else [0, 1, 2]
+    units = [0, 1, 2] if link.spins else link.axes
+    directions = [rotations[f].transpose() * unit(axis) for f, axis in zip(frames, units, strict=True)]
+    carriers = [omega]
+    for direction, rate in zip(directions, link.rates.entries(), strict=True):
+        carriers.append(carriers[-1] + direction * rate)
+    return directions, [carriers[f] for f in (*frames, 3)]
 
 
 def _contribution(link: Link, frame: Frame, tree: Tree) -> tuple[arb_mat, arb_mat]:

@@ -88,13 +88,15 @@ def measure(
     Raises:
         ArrayError, OptionError, SingularError: As `truth`.
     """
-    precision = named(library.precision)
+    precision, held = named(library.precision), named(library.storage)
     names = measurable_outputs(library.outputs, outputs, ydot is not None)
-    states = states.rounded(precision)
-    forces = companion(tau, states.x, precision, "tau")
-    accelerations = companion(ydot, states.x, precision, "ydot")
+    coarser = min(precision, held, key=lambda precision: precision.digits)
+    states = states.rounded(coarser)
+    forces = companion(tau, states.x, coarser, "tau")
+    accelerations = companion(ydot, states.x, coarser, "ydot")
     found = {name: values(library, name, states, forces, accelerations) for name in names}
     rows: dict[str, list[tuple[float, ...]]] = {name: [] for name in names}
+    stored = held.roundoff if held.roundoff > precision.roundoff else 0.0
     for b in range(len(states)):
         exact = truth(
             system,
@@ -109,16 +111,16 @@ def measure(
             accelerations[b],
         )
         state = {name: value[b] for name, value in found.items()}
-        for name, row in _rows(exact, state, precision.roundoff).items():
+        for name, row in _rows(exact, state, precision.roundoff, stored).items():
             rows[name].append(row)
     count = len(fields(Measurement))
     return {name: Measurement(*np.reshape(table, (-1, count)).T) for name, table in rows.items()}
 
 
 def _rows(
-    exact: Truth, state: Mapping[str, NDArray[Any]], unit_roundoff: float
+    exact: Truth, state: Mapping[str, NDArray[Any]], unit_roundoff: float, stored: float
 ) -> dict[str, tuple[float, ...]]:
-    """For every output of one state the fields of `Measurement`."""
+    """For every output of one state the fields of `Measurement`; `stored` is the roundoff of its array."""
     condition, sums = conditioning(exact), cancellation(exact)
     bodies = exact.system.number_of_bodies
     rows: dict[str, tuple[float, ...]] = {}
@@ -131,5 +133,5 @@ def _rows(
             chi = condition.chi
             limit = bound(unit_roundoff, bodies, chi, condition.kappa_s, condition.formation)
         lost = (found.normwise, found.componentwise, found.bits, found.worst_bits)
-        rows[name] = (*lost, condition.kappa_s, condition.formation, chi, limit)
+        rows[name] = (*lost, condition.kappa_s, condition.formation, chi, limit + stored)
     return rows

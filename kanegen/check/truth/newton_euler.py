@@ -2,7 +2,8 @@
 
 The generalized forces that accelerations need are found for many columns of accelerations at once. [A] has
 those of unit accelerations without speed, gravity and loads; {f} those of no acceleration, with its sign
-changed. Rotations and angle rates come from the written-out Eqs. (4) and (17).
+changed. Rotations and angle rates come from the written-out Eqs. (4) and (17), under other names where the
+sequence is not 1-2-3.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from kanegen.check.sequences import renaming
 from kanegen.check.truth.balls import arb, arb_mat, cross, diagonal, skew, square, stacked, zeros
 from kanegen.check.truth.tree import Link, Tree
 
@@ -99,9 +101,17 @@ def _effort(link: Link, motion: Motion, moving: bool) -> tuple[arb_mat, arb_mat]
 
 
 def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
-    """[R_123] of Eq. (4), [P^AV] of Eq. (17), and its rate at the link's speeds."""
-    (s1, c1), (s2, c2), (s3, c3) = (angle.sin_cos() for angle in link.angles.entries())
-    _, d2, d3 = link.rates.entries()
+    """[R_123] of Eq. (4), [P^AV] of Eq. (17), and its rate at the link's speeds.
+
+    The speeds of a link that spins are components of its angular velocity, so [P^AV] is the identity.
+    """
+    named = renaming(link.axes)
+    (s1, c1), (s2, c2), (s3, c3) = (
+        ((sine * named.sign), cosine) for sine, cosine in (angle.sin_cos() for angle in link.angles.entries())
+    )
+    if named.ends_alike:
+        s2, c2 = c2, -s2
+    _, d2, d3 = (rate * named.sign for rate in link.rates.entries())
     rotate = square(
         [
             [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
@@ -117,7 +127,10 @@ def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
             [c2 * d2, 0.0, 0.0],
         ]
     )
-    return rotate, rates, rates_dot
+    after = square(named.after)
+    if link.spins:
+        return after * rotate * square(named.before), diagonal(3), zeros(3, 3)
+    return after * rotate * square(named.before), after * rates, after * rates_dot
 
 
 def _chosen(ydot: arb_mat, places: Sequence[int | None]) -> arb_mat:

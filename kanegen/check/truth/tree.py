@@ -1,8 +1,9 @@
 """A system in one state, in balls: what both algorithms read.
 
 Floats are taken exactly. Only two things are rounded, to the precision at hand: the sines and cosines of
-constant joint angles, and joint orientations. A matrix of doubles is a rotation but for its rounding; what
-it means is the rotation nearest to it, which is an exact function of its entries.
+constant joint angles, of which those beside right angles mean these, and joint orientations. A matrix of
+doubles is a rotation but for its rounding; what it means is the rotation nearest to it, which is an exact
+function of its entries.
 """
 
 from __future__ import annotations
@@ -10,11 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from kanegen.angles import quarter_turns
 from kanegen.arrays import Floats
 from kanegen.body import Joint
 from kanegen.check.truth.balls import arb, arb_mat, column, nearest_rotation, square
 from kanegen.check.truth.turns import turned
-from kanegen.numbers import map_numbers, value_of
+from kanegen.numbers import Number, Parameter, map_numbers, value_of
+from kanegen.sequences import NOTES, SEQUENCES, Axes
 from kanegen.system import Freedom, System
 
 
@@ -51,9 +54,11 @@ class Link:
         center: r'_K, from O_K to G_K, in K.
         position: q'_K, from O_J to Q_K, in J.
         orientation: [C_K], from J components to joint-frame components.
-        angles: The three 1-2-3 angles, free or locked.
+        angles: The three angles, free or locked.
+        axes: Basis vectors about which they turn, from 0.
         translation: s'_K, in the joint frame.
-        rates: Rates of the angles, 0 where locked.
+        rates: Rates of the angles, 0 where locked; or the components of the relative angular velocity in K.
+        spins: Whether they are these components.
         translation_rates: Rates of the translation.
         force: F'_K.
         torque: M'_K.
@@ -67,8 +72,10 @@ class Link:
     position: arb_mat
     orientation: arb_mat
     angles: arb_mat
+    axes: Axes
     translation: arb_mat
     rates: arb_mat
+    spins: bool
     translation_rates: arb_mat
     force: arb_mat
     torque: arb_mat
@@ -115,9 +122,11 @@ def _link(system: System, k: int, state: State) -> Link:
         center=column(map_numbers(body.mass_center, value_of)),
         position=column(map_numbers(body.joint.position, value_of)),
         orientation=_orientation(body.joint),
-        angles=column(coordinates[:3]),
+        angles=column(_angles(body.joint, places, state)),
+        axes=body.joint.axes,
         translation=column(coordinates[3:]),
         rates=column(speeds[:3]),
+        spins=body.joint.spins,
         translation_rates=column(speeds[3:]),
         force=column(state.force[k - 1]),
         torque=column(state.torque[k - 1]),
@@ -131,8 +140,24 @@ def _filled(places: Sequence[int | None], values: Floats, locked: Sequence[float
     ]
 
 
+def _angles(joint: Joint, places: Sequence[int | None], state: State) -> list[float | arb]:
+    """The three angles of a joint."""
+    pairs = zip(places[:3], joint.locked[:3], strict=True)
+    return [_meant(locked) if place is None else float(state.x[place]) for place, locked in pairs]
+
+
+def _meant(angle: Number) -> float | arb:
+    """A constant angle; one beside a right angle, which doubles cannot say, is that."""
+    if isinstance(angle, Parameter):
+        return angle.value
+    turns = quarter_turns(angle)
+    return arb.pi() * turns / 2 if turns else angle
+
+
 def _orientation(joint: Joint) -> arb_mat:
     plain = map_numbers(joint.orientation, value_of)
     if isinstance(plain[0], tuple):
         return nearest_rotation(square(plain))
-    return turned(column(plain))[-1]
+    return turned(
+        column(_meant(angle) for angle in joint.orientation if not isinstance(angle, tuple)), SEQUENCES[NOTES]
+    )[-1]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from kanegen.check.truth.balls import arb, arb_mat, diagonal, square
+from kanegen.sequences import Axes
 
 
-def turned(angles: arb_mat) -> tuple[arb_mat, ...]:
-    """Rotations from a frame to itself and to those after one, two and three turns about axes 1, 2, 3."""
+def turned(angles: arb_mat, axes: Axes) -> tuple[arb_mat, ...]:
+    """Rotations from a frame to itself and to those after one, two and three turns about `axes`."""
     frames = [diagonal(3)]
-    for axis, angle in enumerate(angles.entries()):
+    for axis, angle in zip(axes, angles.entries(), strict=True):
         frames.append(_turn(axis, angle) * frames[-1])
     return tuple(frames)
 

@@ -2,13 +2,15 @@
 
 Folded: operations on numbers, products with 0 and 1 and -1, sums with 0, differences of equal values, double
 signs. A sign costs nothing, so signs are moved outward through products and into sums, where they merge. An
-operation on the same operands as an earlier one is that one.
+operation on the same operands as an earlier one is that one. Numbers fold in the arithmetic that they are of:
+floats in double precision, those of mpmath with the digits of their context.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 from kanegen.program.builder import Builder
 from kanegen.program.ir import Array, Instruction, Op, Program
@@ -149,10 +151,10 @@ class FoldingBuilder(Builder):
             return self.function(op, inner)
         x = self._number(a)
         if x is not None:
-            return self.constant({Op.SQRT: math.sqrt, Op.SIN: math.sin, Op.COS: math.cos}[op](x))
+            return self.constant(getattr(getattr(x, "context", math), op.value)(x))
         return self._value(Instruction(op, (a,)))
 
-    def _number(self, value: int) -> float | None:
+    def _number(self, value: int) -> Any:
         instruction = self._instructions[value]
         return instruction.number if instruction.op is Op.CONSTANT else None
 

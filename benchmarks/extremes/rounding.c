@@ -1,0 +1,35 @@
+/* Prints forward dynamics in every rounding mode, as bits: nearest, upward, downward, toward zero. */
+#include <fenv.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include HEADER
+
+static const int MODES[4] = {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
+
+static REAL *read_array(const char *name, size_t count)
+{
+    REAL *values = malloc(count * sizeof *values);
+    FILE *file = fopen(name, "rb");
+    if (!values || !file || fread(values, sizeof *values, count, file) != count) exit(1);
+    fclose(file);
+    return values;
+}
+
+int main(int argc, char **argv)
+{
+    const size_t count = argc > 1 ? strtoul(argv[1], NULL, 10) : 0;
+    REAL *x = read_array("x", count * N), *y = read_array("y", count * N), *tau = read_array("tau", count * N);
+    for (int mode = 0; mode < 4; ++mode) {
+        for (size_t i = 0; i < count; ++i) {
+            REAL found[N];
+            fesetround(MODES[mode]);
+            const int wrong = ONE(x + N*i, y + N*i, tau + N*i, found);
+            fesetround(FE_TONEAREST);
+            if (wrong) return 1;
+            for (int j = 0; j < N; ++j) printf("%a ", (double)found[j]);
+        }
+        printf("\n");
+    }
+    return 0;
+}

@@ -1,0 +1,89 @@
+"""Which joints can have their frames turned."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from kanegen.body import Joint
+from kanegen.c.anchors import Anchor
+from kanegen.errors import OptionError
+from kanegen.numbers import Parameter, map_numbers
+from kanegen.system import Freedom, System
+
+
+def require_free_frame(system: System, k: int) -> None:
+    """Make sure that the frame can turn: three free angles, and translations all free or all locked.
+
+    Raises:
+        OptionError: If it cannot; says why, and how to mend it.
+    """
+    body = system.bodies[k - 1]
+    if held := _held(system, body.joint):
+        raise OptionError(f"body {body.name!r} cannot be re-anchored: {held}.")
+
+
+def _held(system: System, joint: Joint) -> str:
+    """What refers to the joint frame; "" if nothing does."""
+    slides, parameters = joint.free[3:], orientation_parameters(joint)
+    if not joint.turns_freely:
+        return "its three angles are not all free. Leave it out"
+    if any(slides) and not all(slides):
+        return (
+            "it slides along some axes of its joint frame only. Free all three translations, or leave it out"
+        )
+    if any(isinstance(value, Parameter) for value in joint.locked) or (parameters and any(joint.locked)):
+        return (
+            "parameters meet a locked translation in its joint frame. Put the translation into its position"
+        )
+    if parameters and not _are_its_own(system, parameters):
+        return (
+            "its orientation shares parameters, or has fewer than three. Give it three of its own, or numbers"
+        )
+    return ""
+
+
+def _are_its_own(system: System, names: list[str]) -> bool:
+    """Whether they are three, and stand nowhere else."""
+    used = _names(system.gravity)
+    for body in system.bodies:
+        joint = body.joint
+        used += _names((body.mass, body.inertia, body.mass_center))
+        used += _names((joint.position, joint.orientation, joint.locked))
+    return len(names) == len(set(names)) == 3 and all(used.count(name) == 1 for name in names)
+
+
+def orientation_parameters(joint: Joint) -> list[str]:
+    """Names of the parameters in its orientation."""
+    return _names(joint.orientation)
+
+
+def _names(numbers: Any) -> list[str]:
+    """Of the parameters in nested tuples."""
+    names: list[str] = []
+    map_numbers(numbers, lambda value: names.append(value.name) if isinstance(value, Parameter) else None)
+    return names
+
+
+def anchors(system: System) -> tuple[Anchor, ...]:
+    """The joints that C can re-anchor: those whose orientation is three parameters.
+
+    Raises:
+        OptionError: If there is none.
+    """
+    found = []
+    parameters = [parameter.name for parameter in system.parameters]
+    for k, body in enumerate(system.bodies, start=1):
+        names = orientation_parameters(body.joint)
+        if names and not _held(system, body.joint):
+            one, two, three = (parameters.index(name) for name in names)
+            places = [system.places.get(Freedom(k, index), -1) for index in range(6)]
+            angles = (places[0], places[1], places[2])
+            slides = tuple(places[3:]) if body.joint.free[3] else ()
+            joint = body.joint
+            found.append(Anchor(k, body.name, (one, two, three), angles, slides, joint.axes, joint.spins))
+    if not found:
+        raise OptionError(
+            f"system {system.name!r} has nothing to re-anchor in C: no body has three free angles and three "
+            "parameters of its own as the orientation of its joint. Give orientation_angles three parameters."
+        )
+    return tuple(found)

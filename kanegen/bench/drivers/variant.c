@@ -1,0 +1,119 @@
+/* Forward dynamics of a compiled library, of a model without loads and parameters; compile with -DREAL=<the
+ * type of its arrays>, or -DPAIRS where these hold sums of two doubles.
+ *
+ *     driver results|times STATES OUT|SECONDS LIBRARY FUNCTION
+ *
+ * The library is opened, not linked, so what is timed is the very file whose errors were measured. */
+#include "contest.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#ifdef PAIRS
+typedef struct {
+    double high, low;
+} real;
+static real of(double value) { return (real){value, 0}; }
+static double nearest(real value) { return value.high; }
+#else
+typedef REAL real;
+static real of(double value) { return (real)value; }
+static double nearest(real value) { return (double)value; }
+#endif
+typedef int One(const real *x, const real *y, const real *tau, real *ydot);
+typedef size_t Many(size_t count, const real *x, const real *y, const real *tau, real *ydot);
+
+/* States of a batch. Its results go to memory that the next batch reuses, as a consumer that works block by
+ * block would have it. */
+enum { BLOCK = 32 };
+
+static One *one;
+static Many *many;
+static size_t count, n;
+static real *x, *y, *tau, *y_now, *ydot;
+static double nothing;
+
+/* The next state's speeds take what the last state's accelerations are worth, nothing, but have to wait for
+ * them, as an integrator would. What is not finite is not passed on. */
+static void latency(size_t state)
+{
+    const size_t row = state * n;
+    for (size_t i = 0; i < n; i++) {
+        const double last = nearest(ydot[i]);
+        y_now[i] = of(nearest(y[row + i]) + nothing * (last - last == 0 ? last : 0));
+    }
+    one(x + row, y_now, tau + row, ydot);
+}
+
+static void batch(size_t state)
+{
+    const size_t first = state - state % BLOCK, row = first * n;
+    many(count - first < BLOCK ? count - first : BLOCK, x + row, y + row, tau + row, ydot);
+}
+
+static void give(size_t from, double *values)
+{
+    for (size_t i = 0; i < n; i++) values[i] = nearest(ydot[from * n + i]);
+}
+
+static void give_latency(size_t state, double *values)
+{
+    (void)state;
+    give(0, values);
+}
+
+static void give_batch(size_t state, double *values)
+{
+    give(state % BLOCK, values);
+}
+
+static void fail(const char *what)
+{
+    fprintf(stderr, "%s\n", what);
+    exit(2);
+}
+
+static real *reals(const double *values, size_t amount)
+{
+    real *memory = (real *)aligned_numbers(amount * sizeof(real) / sizeof(double) + 1);
+    for (size_t i = 0; values && i < amount; i++) memory[i] = of(values[i]);
+    return memory;
+}
+
+static void *found(void *library, const char *name, const char *ending)
+{
+    char whole[1024];
+    if (snprintf(whole, sizeof whole, "%s%s", name, ending) >= (int)sizeof whole) fail("the name is too long");
+    void *function = library ? dlsym(library, whole) : NULL;
+    if (!function) fail(dlerror());
+    return function;
+}
+
+void contest_setup(const States *states, int argc, char **argv)
+{
+    if (argc < 2) fail("the library and the function are missing");
+    void *library = dlopen(argv[0], RTLD_NOW);
+    *(void **)&one = found(library, argv[1], "");
+    *(void **)&many = found(library, argv[1], "_batch");
+    volatile double zero = 0;
+    nothing = zero;
+    count = states->count;
+    n = states->n;
+    x = reals(states->x, count * n);
+    y = reals(states->y, count * n);
+    tau = reals(states->tau, count * n);
+    y_now = reals(NULL, n);
+    ydot = reals(NULL, BLOCK * n);
+}
+
+size_t contest_tasks(const Task **tasks)
+{
+    static Task every[] = {
+        {"latency", latency, give_latency, 0, 1},
+        {"batch", batch, give_batch, 0, BLOCK},
+    };
+    every[0].size = every[1].size = n;
+    *tasks = every;
+    return sizeof every / sizeof *every;
+}

@@ -1,0 +1,201 @@
+"""The part of a domain that a request is about, as a table of plain data and back.
+
+    [x]                             # coordinates, rad and m
+    angles = [-3.0, 3.0]            # all angles; "translations" likewise
+    elbow = [0.1, 2.5]              # one freedom, by its name; a single number fixes it
+    [y]                             # generalized speeds, rad/s and m/s
+    [tau]                           # generalized forces, N m and N
+    [force]                         # loads by body, or of "all": one range, or one for each component
+    hand = [-10.0, 10.0]
+    [torque]
+    [parameters]                    # values of run-time parameters
+    load = 12.5
+    [exclude]
+    clearance = 0.05                # states in which |cos(theta2)| of a joint with three free angles is less
+    cancellation = 1e6              # states whose accelerations cancel more than this
+
+What is left out keeps the range of `study.domain.default_domain`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from kanegen.arrays import Floats
+from kanegen.errors import KanegenError, OptionError
+from kanegen.study.domain import GRID, Domain, default_domain
+from kanegen.suggest import did_you_mean
+from kanegen.system import System
+
+KINDS = {"angles": True, "translations": False}
+"""Names for all freedoms of a kind, and whether these are angles."""
+
+STATE = ("x", "y", "tau")
+LOADS = ("force", "torque")
+EXCLUDED = ("clearance", "cancellation")
+TABLES = (*STATE, *LOADS, "parameters", "exclude")
+_LARGEST = float(np.finfo(GRID.dtype).max)
+
+ALL = "all"
+"""Name for all bodies that take loads."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """A box of states, and what is excluded from it.
+
+    Attributes:
+        domain: The box, clear of gimbal lock; its system has the values of the parameters.
+        cancellation: States with a larger chi (`check.truth.conditioning`) are not part of it.
+        parameters: The values that were given.
+    """
+
+    domain: Domain
+    cancellation: float
+    parameters: Mapping[str, float]
+
+    @property
+    def system(self) -> System:
+        """The tree, parameters at their values here."""
+        return self.domain.system
+
+    def as_table(self) -> dict[str, Any]:
+        """What `region` makes an equal one of."""
+        ranges = self.domain.as_dict()
+        loaded = [body.name for body in self.system.bodies if body.loads]
+        table: dict[str, Any] = {name: ranges[name] for name in STATE}
+        table |= {name: {body: ranges[name][body] for body in loaded} for name in LOADS if loaded}
+        table["parameters"] = dict(self.parameters)
+        table["exclude"] = {"clearance": self.domain.clearance}
+        if self.cancellation < math.inf:
+            table["exclude"]["cancellation"] = self.cancellation
+        return table
+
+
+def region(system: System, table: Mapping[str, Any], where: str = "domain") -> Region:
+    """The region that a table describes.
+
+    Args:
+        system: The tree.
+        table: As above.
+        where: What error messages begin with, such as the name of a file.
+
+    Raises:
+        OptionError: If a name is unknown or a value is no range; names the key.
+    """
+    _known(where, table, TABLES)
+    tables = {name: _table(where, name, table.get(name, {})) for name in TABLES}
+    parameters = {name: _number(f"{where}: parameters.{name}", v) for name, v in tables["parameters"].items()}
+    try:
+        system = system.with_parameters(parameters)
+    except KanegenError as error:
+        raise OptionError(f"{where}: parameters: {error}") from None
+    _known(f"{where}: exclude", tables["exclude"], EXCLUDED)
+    excluded = {name: _positive(f"{where}: exclude.{name}", v) for name, v in tables["exclude"].items()}
+    if excluded.get("clearance", 0.0) >= 1:
+        raise OptionError(f"{where}: exclude.clearance: {excluded['clearance']!r} is not below 1.")
+    box = default_domain(system, clearance=excluded.get("clearance", 0.0))
+    low, high = box.low.copy(), box.high.copy()
+    n = len(system.freedoms)
+    for start, name in enumerate(STATE):
+        _freedoms(f"{where}: {name}", system, tables[name], low[start * n :], high[start * n :])
+    for start, name in enumerate(LOADS):
+        first = 3 * n + start * box.loads
+        _bodies(f"{where}: {name}", system, tables[name], low[first:], high[first:])
+    try:
+        domain = replace(box, low=low, high=high)
+        domain.uniform(1, np.random.default_rng(0))
+    except OptionError as error:
+        raise OptionError(f"{where}: {error}") from None
+    return Region(domain, excluded.get("cancellation", math.inf), parameters)
+
+
+def _freedoms(where: str, system: System, table: Mapping[str, Any], low: Floats, high: Floats) -> None:
+    """Put the ranges of freedoms into the ends of a box; kinds first, names last."""
+    names = system.freedom_names
+    _known(where, table, (*names, *KINDS))
+    for kind, is_angle in KINDS.items():
+        if kind in table and kind not in names:
+            ends = _range(f"{where}.{kind}", table[kind])
+            places = [k for k, freedom in enumerate(system.freedoms) if freedom.is_angle == is_angle]
+            if not places:
+                raise OptionError(f"{where}.{kind}: system {system.name!r} has no {kind}.")
+            low[places], high[places] = ends
+    for place, name in enumerate(names):
+        if name in table:
+            low[place], high[place] = _range(f"{where}.{name}", table[name])
+
+
+def _bodies(where: str, system: System, table: Mapping[str, Any], low: Floats, high: Floats) -> None:
+    """Put the ranges of loads into the ends of a box; those of all bodies first."""
+    loaded = [body.name for body in system.bodies if body.loads]
+    _known(where, table, (*loaded, *((ALL,) if loaded else ())))
+    for name in sorted(table, key=lambda name: name != ALL):
+        for k, body in enumerate(system.bodies):
+            if body.loads and (name == body.name or (name == ALL and ALL not in loaded)):
+                ends = _ranges(f"{where}.{name}", table[name])
+                low[3 * k : 3 * k + 3], high[3 * k : 3 * k + 3] = ends.T
+
+
+def _ranges(where: str, value: Any) -> Floats:
+    """(3, 2) ranges of components from one or three."""
+    if isinstance(value, list) and any(isinstance(item, list) for item in value):
+        if len(value) != 3:
+            raise OptionError(f"{where}: expected one range or three, got {len(value)}.")
+        return np.array([_range(f"{where}[{k}]", item) for k, item in enumerate(value)])
+    return np.array([_range(where, value)] * 3)
+
+
+def _range(where: str, value: Any) -> tuple[float, float]:
+    if not isinstance(value, list):
+        number = _held(where, value)
+        return number, number
+    if len(value) != 2:
+        raise OptionError(f"{where}: a range is [low, high], or one number that stays fixed; got {value!r}.")
+    low, high = (_held(where, end) for end in value)
+    if low > high:
+        raise OptionError(f"{where}: the range [{low!r}, {high!r}] is inverted. Write [{high!r}, {low!r}].")
+    return low, high
+
+
+def _number(where: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise OptionError(f"{where}: {value!r} is not a number.")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise OptionError(f"{where}: {number!r} is not a finite number.")
+    return number
+
+
+def _held(where: str, value: Any) -> float:
+    number = _number(where, value)
+    if abs(number) > _LARGEST:
+        raise OptionError(f"{where}: {number!r} is beyond single precision, which all states have.")
+    return number
+
+
+def _positive(where: str, value: Any) -> float:
+    number = _number(where, value)
+    if number < 0:
+        raise OptionError(f"{where}: {number!r} is negative.")
+    return number
+
+
+def _table(where: str, name: str, value: Any) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise OptionError(f"{where}: {name}: write a table [{name}], or keys such as {name}.angles.")
+    return value
+
+
+def _known(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
+    for key in table:
+        if key not in known:
+            raise OptionError(f"{where}: unknown key {key!r}. {did_you_mean(key, known)}")

@@ -1,0 +1,200 @@
+"""Sine and cosine in C: kanegen's own, polynomials of a chosen degree, or those of the C library.
+
+An angle up to `limit` less n pi/2 is computed with pi/2 in parts. Those before the last have so few bits that
+n times them is exact: 37 bits for n of 16 bits in double precision, 11 bits for n of 13 bits in single
+precision. What the last difference loses is kept. Larger angles are reduced by integers: as many digits of
+2/pi as matter times the bits of the angle.
+"""
+
+from __future__ import annotations
+
+import functools
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mpmath
+
+from kanegen.c.layout import BREAK, wrap
+from kanegen.c.minimax import Minimax, minimax
+from kanegen.precision import DOUBLE, FLOAT, Precision
+
+AHEAD = 64
+"""Zeros before 2/pi in the table of its bits, so that small exponents need no case of their own."""
+
+SHORT = 3
+"""Terms of a polynomial up to which Horner's way, which loses less, is as quick as any."""
+
+DIGITS = 6
+"""Digits of 32 bits that an angle is multiplied by."""
+
+
+@dataclass(frozen=True)
+class Sincos:
+    """How sine and cosine are computed in one precision.
+
+    Attributes:
+        name: What a `Variant` calls it.
+        precision: Of the angles and of everything between.
+        limit: Largest angle that parts of pi/2 suffice for, rad, as a literal without suffix.
+        parts: pi/2 as a sum, largest first.
+        sine: Coefficients in r^2, lowest first: of (r - sin r)/r^3, or of (sin r - r)/r^3 of `plain`.
+        cosine: The same of (cos r - 1 + r^2/2)/r^4, or of (cos r - 1)/r^2.
+        error: The largest there is, in words.
+        plain: Whether r is one number and not a sum of two.
+    """
+
+    name: str
+    precision: Precision
+    limit: str
+    parts: tuple[float, ...]
+    sine: tuple[float, ...]
+    cosine: tuple[float, ...]
+    error: str
+    plain: bool = False
+
+    @property
+    def header(self) -> str:
+        """Name of the C function for one angle, and of its header without .h."""
+        return f"kanegen_sincos{self.precision.suffix}"
+
+    @property
+    def degree(self) -> int:
+        """Of the polynomial for the sine."""
+        return 2 * len(self.sine) + 1
+
+    @property
+    def takes_squares(self) -> bool:
+        """Whether zz = z z is needed."""
+        return not self.plain or len(self.cosine) > SHORT
+
+    @property
+    def shift(self) -> float:
+        """A number that leaves no bits after the point when it is added."""
+        return 1.5 * 2.0 ** (self.precision.digits - 1)
+
+    @property
+    def exponent_bits(self) -> int:
+        """Bits of the exponent of a number."""
+        return 8 * self.precision.bytes - self.precision.digits
+
+    @property
+    def bias(self) -> int:
+        """Exponent of 1."""
+        return (1 << self.exponent_bits - 1) - 1
+
+    @property
+    def first_place(self) -> int:
+        """Less this, the exponent of an angle is the first bit of the table that matters.
+
+        The angle is m 2^(exponent - bias - digits + 1), the table 2/pi 2^-AHEAD. Bits whose products are
+        multiples of 4 turn the angle by whole turns.
+        """
+        return self.bias + self.precision.digits - 1 - AHEAD + 2
+
+    @property
+    def two_over_pi(self) -> list[str]:
+        """Digits of 32 bits, the first one first: `AHEAD` zeros, then 2/pi."""
+        last = 2**self.exponent_bits - 2 - self.first_place
+        count = last // 32 + DIGITS + 1
+        bits = 32 * count - AHEAD
+        with mpmath.workprec(bits + 64):
+            whole = int(mpmath.floor(mpmath.ldexp(2 / mpmath.pi, bits)))
+        return [f"0x{whole >> 32 * (count - 1 - k) & 0xFFFFFFFF:08x}" for k in range(count)]
+
+    @property
+    def limit_pattern(self) -> int:
+        """The bits of `limit`."""
+        kind = {4: "f", 8: "d"}[self.precision.bytes]
+        return int(struct.pack(f">{kind}", float(self.limit)).hex(), 16)
+
+    def polynomial(self, target: str, coefficients: Sequence[float]) -> list[str]:
+        """A statement in z and zz = z z. Pairs of terms side by side answer sooner than one by one."""
+        size = 2 if len(coefficients) > SHORT else 1
+        text = ""
+        for k in reversed(range(0, len(coefficients), size)):
+            terms = self._sum(coefficients[k : k + size])
+            text = f"{terms}{_product('z' * size, text)}" if text else terms
+        return wrap(f"{target} = {text};")
+
+    def _sum(self, terms: Sequence[float]) -> str:
+        literals = [f"{'-' if term < 0 else ''}{self.precision.literal(abs(term))}" for term in terms]
+        return " + ".join([literals[0], *(f"{text}*z" for text in literals[1:])]).replace("+ -", "- ")
+
+
+def _product(power: str, factor: str) -> str:
+    """Added to what stands before it."""
+    if BREAK in factor or " " in factor:
+        return f"{BREAK}+ {power}*({factor})"
+    return f" {'-' if factor.startswith('-') else '+'} {power}*{factor.removeprefix('-')}"
+
+
+_DOUBLE = Sincos(
+    name="shared",
+    precision=DOUBLE,
+    limit="1e5",
+    parts=(1.5707963267923333, 2.5633441515839558e-12, 1.0562999066987428e-23),
+    sine=(
+        0.1666666666666663,
+        -0.00833333333332184,
+        0.0001984126982935851,
+        -2.7557313538498496e-06,
+        2.5050734385294444e-08,
+        -1.5895432977575737e-10,
+    ),
+    cosine=(
+        0.041666666666666595,
+        -0.0013888888888873342,
+        2.4801587289002076e-05,
+        -2.7557314217035785e-07,
+        2.087570539522327e-09,
+        -1.1358749175037828e-11,
+    ),
+    error="0.81 of the last place",
+)
+
+_FLOAT = Sincos(
+    name="shared",
+    precision=FLOAT,
+    limit="1e4",
+    parts=(1.5703125, 0.0004837513, 7.5495336e-08, 2.563344e-12),
+    sine=(0.16666654, -0.008332106, 0.00019507883),
+    cosine=(0.041666646, -0.0013887308, 2.4432102e-05),
+    error="0.80 of the last place",
+)
+
+SHARED = {sincos.precision: sincos for sincos in (_DOUBLE, _FLOAT)}
+"""The accurate ones. The coefficients are minimax in the relative error of sine and cosine over |r| <= pi/4
+and a little more; in single precision they were rounded one after the other, lowest first."""
+
+
+def own(name: str, precision: Precision) -> Sincos | None:
+    """The sine and cosine that a `Variant` calls `name`; None for those of the C library."""
+    shared = SHARED.get(precision)
+    if name == "shared" or shared is None:
+        return shared
+    degree = name.partition("-")[2]
+    return _polynomials(int(degree), shared) if degree else None
+
+
+@functools.cache
+def _polynomials(degree: int, shared: Sincos) -> Sincos:
+    """Polynomials of this degree; their errors leave no use for what r has beyond one number."""
+    found = minimax(degree, shared.precision)
+    *exact, last, rest = shared.parts
+    return Sincos(
+        f"polynomial-{degree}",
+        shared.precision,
+        shared.limit,
+        (*exact, float(shared.precision.dtype.type(last + rest))),
+        found.sine,
+        found.cosine,
+        _in_words(found, shared.precision),
+        plain=True,
+    )
+
+
+def _in_words(found: Minimax, precision: Precision) -> str:
+    """The errors; 5% more than they are, so that two digits are not less."""
+    sine, cosine = (f"{1.05 * error:.1e}" for error in (found.sine_error, found.cosine_error))
+    return f"{sine} (sine) and {cosine} (cosine), beside {2.0 * precision.roundoff:.1e} by roundoff"
