@@ -13,7 +13,7 @@ demo: $(VENV)/.kanegen
 	$(BIN)/kanegen check $(MODEL)
 
 test: lint
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 lint: $(VENV)/.tests
 	$(BIN)/ruff check

@@ -62,7 +62,9 @@ class Decision:
 
 
 def decisions(system: System, ways: Sequence[Methods], variant: Variant) -> tuple[Decision, ...]:
-    """The ways that lose no accuracy, or the first of them with refinement.
+    """The ways that lose no accuracy.
+
+    Where [A] is ill-conditioned that is the first alone, the most accurate one, refined if it needs that.
 
     Args:
         system: The tree.
@@ -78,15 +80,11 @@ def decisions(system: System, ways: Sequence[Methods], variant: Variant) -> tupl
     states = _states(system)
     if _condition(system, states.part(0, STATES // 2)) < WELL_CONDITIONED:
         return tuple(Decision(way, UNREFINED, "0 (auto: [A] is well conditioned)") for way in ways)
-    lost = [error(system, way["forward_dynamics"], states) / DOUBLE.roundoff for way in ways]
-    accurate = [
-        Decision(way, UNREFINED, f"0 (auto: it would repair about {_power(found)} roundoffs)")
-        for way, found in zip(ways, lost, strict=True)
-        if found <= PROMISED
-    ]
-    if accurate:
-        return tuple(accurate)
-    words = f"1 (auto: it repairs about {_power(lost[0])} roundoffs)"
+    lost = error(system, ways[0]["forward_dynamics"], states) / DOUBLE.roundoff
+    if lost <= PROMISED:
+        words = f"0 (auto: it would repair about {_power(lost)} roundoffs)"
+        return (Decision(ways[0], UNREFINED, words),)
+    words = f"1 (auto: it repairs about {_power(lost)} roundoffs)"
     return (Decision(ways[0], refined(system, 1, precision), words),)
 
 
