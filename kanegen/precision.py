@@ -189,6 +189,7 @@ LONG_DOUBLE = LongDouble(
     digits=64,
     decimals=36,
     storages=("long double", "double", "float"),
+    needs=frozenset({"subnormal numbers"}),  # which no mode of its registers gives up
 )
 DOUBLE_DOUBLE = Pairs(
     name="double-double",
@@ -202,6 +203,7 @@ DOUBLE_DOUBLE = Pairs(
     storages=("double", "double-double"),
     needs=frozenset(
         {
+            "subnormal numbers",
             "products rounded by themselves",
             "order of sums",
             "rounding of quotients",

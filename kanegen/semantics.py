@@ -18,6 +18,10 @@ STRICT = "strict"
 CONTRACTED = "contracted"
 """A product may go into a sum unrounded, by one fused instruction."""
 
+FLUSH = "flush-to-zero"
+"""Subnormal numbers count as zero."""
+
+_SUBNORMALS = "subnormal numbers"
 _ZEROS = "signs of zeros"
 _SUMS = "order of sums"
 
@@ -46,12 +50,14 @@ SEMANTICS = {
         ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"), frozenset({_SUMS, _ZEROS})
     ),
     "finite": Licence(("-ffinite-math-only",), frozenset({"not a number"})),
+    FLUSH: Licence(gives_up=frozenset({_SUBNORMALS})),
 }
-"""By name; gcc reorders sums only where neither signed zeros nor traps count."""
+"""By name; gcc reorders sums only where neither signed zeros nor traps count. Flushing takes no flag, which
+would change the whole process: every function sets the mode of its thread and puts it back."""
 
 PROPERTIES = (
     "not a number",
-    "subnormal numbers",
+    _SUBNORMALS,
     _ZEROS,
     "products rounded by themselves",
     _SUMS,

@@ -110,6 +110,11 @@ class Variant:
         return rules.flags(self.semantics, self.machine, self.optimisation)
 
     @property
+    def flushes(self) -> bool:
+        """Whether subnormal numbers count as zero."""
+        return rules.FLUSH in self.semantics
+
+    @property
     def is_strict(self) -> bool:
         """Whether no bit depends on the compiler."""
         return self.semantics == (rules.STRICT,)

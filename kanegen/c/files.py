@@ -95,7 +95,7 @@ def render(
     functions = tuple(programs)
     sincos = own(variant.sincos, precision)
     lanes_ = LANES.get(precision)
-    texts = [_text(model.name, *item, held, sincos is not None) for item in programs.items()]
+    texts = [_text(model.name, *item, held, sincos is not None, variant.flushes) for item in programs.items()]
     outputs = requested(module)
     context = {
         "version": __version__,
@@ -107,6 +107,7 @@ def render(
         "pairs": PAIRS if precision is DOUBLE_DOUBLE else None,
         "choices": variant.described(decided),
         "flags": variant.flags,
+        "flushes": variant.flushes,
         "is_strict": variant.is_strict,
         "lanes": lanes_,
         "sincos": sincos,
@@ -157,21 +158,22 @@ class FunctionText:
 
 
 def _text(
-    model: str, function: Function, pieces: Sequence[Program], held: Formats, own: bool
+    model: str, function: Function, pieces: Sequence[Program], held: Formats, own: bool, flushes: bool
 ) -> FunctionText:
     arithmetic = held.preparing if function.name == PREPARE else held.arithmetic
     in_lanes = function.in_lanes and held.arithmetic in LANES
     name = f"{model}_{function.name}"
+    one = scalar(held, arithmetic, own and arithmetic is held.arithmetic)
     return FunctionText(
         name=name,
         signature=function,
         arguments=argument_list(function),
         prototype=prototype(model, function, held),
-        code=code(name, function, pieces, scalar(held, arithmetic, own and arithmetic is held.arithmetic)),
+        code=code(name, function, pieces, one, flushes and function.name != PREPARE),
         batch_prototype=batch_prototype(model, function, held),
         batch_notes=batch_notes(function),
         lanes_prototype=lanes_prototype(model, function, held),
-        lanes_code=code(f"{name}_lanes", function, pieces, lanes(held.arithmetic, own))
+        lanes_code=code(f"{name}_lanes", function, pieces, lanes(held.arithmetic, own), flushes)
         if in_lanes
         else Code([]),
         lanes_call=lanes_call(model, function),

@@ -36,7 +36,9 @@ class Code:
     has_sines: bool = False
 
 
-def code(name: str, function: Function, programs: Sequence[Program], dialect: Dialect) -> Code:
+def code(
+    name: str, function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool = False
+) -> Code:
     """C that evaluates a function.
 
     Args:
@@ -44,16 +46,21 @@ def code(name: str, function: Function, programs: Sequence[Program], dialect: Di
         function: What it reads and fills.
         programs: What to compute, one after the other.
         dialect: For one state or for several at once.
+        flushes: Whether subnormal numbers count as zero meanwhile. What they are in must then be a function
+            apart, before and after which a compiler cannot move arithmetic.
     """
     found = [waves(piece) for piece in programs] if dialect.has_waves else []
     has_sines = dialect.own and any(map(usage.has_sines, programs))
     side_by_side = max((wave.stop - wave.start for wave in found if wave), default=0)
-    if len(programs) == 1:
+    if len(programs) == 1 and not flushes:
         return Code(statements(programs[0], dialect, function.shared), (), side_by_side, has_sines)
     pieces = []
     read = {array.name for piece in programs for array in piece.inputs}
     calls = [f"    (void){array.name};" for array in function.inputs if array.name not in read]
-    calls.append(f"    {dialect.number} {WORKSPACE}[{function.workspace}];")
+    if function.workspace:
+        calls.append(f"    {dialect.number} {WORKSPACE}[{function.workspace}];")
+    if flushes:
+        calls.append("    const arithmetic_mode before = flush_to_zero();")
     for number, piece in enumerate(programs, start=1):
         is_spoilt = any(output.positive for output in piece.outputs)
         is_judged = any(output.margins for output in piece.outputs) and not dialect.is_scalar
@@ -63,7 +70,11 @@ def code(name: str, function: Function, programs: Sequence[Program], dialect: Di
         arguments |= {"accurate": "lanes_bits *accurate"} if is_judged else {}
         prototype = wrap(f"{head}({f',{BREAK}'.join(arguments.values())})", indent="", hanging="    ")
         pieces.append((prototype, statements(piece, dialect, function.shared)))
-        calls += wrap(f"{'return ' if is_spoilt else ''}{own}({f',{BREAK}'.join(arguments)});")
+        kept = f"const {dialect.status} result = " if flushes else "return "
+        calls += wrap(f"{kept if is_spoilt else ''}{own}({f',{BREAK}'.join(arguments)});")
+    if flushes:
+        calls.append("    put_back(before);")
+        calls += ["    return result;"] if function.spoilt else []
     return Code(calls, tuple(pieces), side_by_side, has_sines)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from kanegen.errors import OptionError
-from kanegen.semantics import CONTRACTED, RELAXED
+from kanegen.semantics import CONTRACTED, FLUSH, RELAXED
 from kanegen.system import System
 from kanegen.variant import AUTO, SINCOS, STRICT, Variant
 
@@ -57,6 +57,7 @@ ALONE: tuple[Changes, ...] = (
     {"optimisation": 1},
     {"machine": "native", "optimisation": 2},
     {"semantics": RELAXED, "machine": "portable"},
+    {"semantics": (FLUSH,)},
     {"without": ("fold",)},
     {"without": ("factor",)},
     {"without": ("fold", "prune", "factor")},
