@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 
 import kanegen as kg
 from kanegen.check import compare
@@ -16,7 +16,7 @@ FLAGS = ("-O1", "-ffp-contract=off")
 """Without contraction every level of optimisation gives the same bits, and this one compiles sooner."""
 
 
-@settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, deadline=None, derandomize=True)
 @given(systems())
 def test_c_equals_the_reference(system: kg.System) -> None:
     library = kg.build(system, flags=FLAGS)
