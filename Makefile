@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test lint generated bench growth extremes clean
+.PHONY: demo test slow lint generated bench growth extremes clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -14,6 +14,10 @@ demo: $(VENV)/.kanegen
 
 test: lint
 	$(BIN)/python -m pytest -n auto --dist worksteal
+
+# What takes too long for every change.
+slow: $(VENV)/.tests
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow
 
 lint: $(VENV)/.tests
 	$(BIN)/ruff check

@@ -52,10 +52,10 @@ def test_a_terminal_without_unicode(arguments: tuple[str, ...]) -> None:
 
 
 def test_info_draws_every_body_of_a_long_chain(tmp_path: Path) -> None:
-    systems.chain(40, ["theta2"]).save(tmp_path / "chain.toml")
+    systems.chain(24, ["theta2"]).save(tmp_path / "chain.toml")
     text = kanegen("info", str(tmp_path / "chain.toml"), COLUMNS="60").stdout
-    assert text.count("└── ") == 40
-    assert f"{' ' * 4 * 39}└── 40 body40  theta2" in text
+    assert text.count("└── ") == 24
+    assert f"{' ' * 4 * 23}└── 24 body24  theta2" in text
 
 
 def test_generate_writes_and_says_what(tmp_path: Path) -> None:

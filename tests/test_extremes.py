@@ -18,8 +18,13 @@ from kanegen.toml_text import toml_text
 
 SUBJECTS = {subject.number: subject for subject in subjects()}
 
+SLOW = {"X32", "X33", "X34", "X35", "X36", "X38"}
+"""Many compilations or many states; tests of their own, such as `test_sincos.py`, try a little of each."""
 
-@pytest.mark.parametrize("number", SUBJECTS)
+NUMBERS = [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in SUBJECTS]
+
+
+@pytest.mark.parametrize("number", NUMBERS)
 def test_extremes(number: str) -> None:
     rows = list(SUBJECTS[number].rows(Size()))
     assert rows

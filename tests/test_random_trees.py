@@ -16,7 +16,7 @@ FLAGS = ("-O1", "-ffp-contract=off")
 """Without contraction every level of optimisation gives the same bits, and this one compiles sooner."""
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=25, deadline=None, derandomize=True)
 @given(systems())
 def test_c_equals_the_reference(system: kg.System) -> None:
     library = kg.build(system, flags=FLAGS)

@@ -237,6 +237,7 @@ def test_small_trees_have_no_intermediates() -> None:
     assert derive(chain(3), intermediates=True).definitions
 
 
+@pytest.mark.slow
 def test_big_trees_are_derived_at_once() -> None:
     start = time.perf_counter()
     long = derive(chain(64, FREEDOMS))
@@ -247,6 +248,7 @@ def test_big_trees_are_derived_at_once() -> None:
     assert time.perf_counter() - start < 20
 
 
+@pytest.mark.slow
 def test_no_chain_is_too_long_for_the_stack() -> None:
     deep = derive(chain(400))
     assert deep.bodies[-1].rotation.shape == (3, 3)
