@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kanegen.choices import require_one
 from kanegen.constants import DOUBLES, WIDE, Constants
 from kanegen.errors import ModelError, OptionError
-from kanegen.suggest import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -223,9 +223,8 @@ def named(name: str) -> Precision:
     Raises:
         OptionError: If there is none.
     """
-    if isinstance(name, str) and name in PRECISIONS:
-        return PRECISIONS[name]
-    raise OptionError(f"unknown precision {name!r}. {did_you_mean(name, PRECISIONS)}")
+    require_one("precision", name, PRECISIONS)
+    return PRECISIONS[name]
 
 
 def storage(precision: str, name: str = "") -> Precision:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from kanegen.choices import several
 from kanegen.errors import OptionError
-from kanegen.suggest import did_you_mean
 
 STRICT = "strict"
 """Nothing but what IEEE 754 says."""
@@ -90,13 +90,7 @@ def names(semantics: Iterable[str] | str) -> tuple[str, ...]:
     Raises:
         OptionError: If there is no such name, or strict stands beside others.
     """
-    if not isinstance(semantics, Iterable):
-        raise OptionError(f"semantics: expected names, got {semantics!r}. There are {', '.join(SEMANTICS)}.")
-    asked = (semantics,) if isinstance(semantics, str) else tuple(semantics)
-    for name in asked:
-        if name not in SEMANTICS:
-            raise OptionError(f"unknown semantics {name!r}. {did_you_mean(name, SEMANTICS)}")
-    found = tuple(name for name in SEMANTICS if name in asked) or (STRICT,)
+    found = several("semantics", "semantics", semantics, SEMANTICS) or (STRICT,)
     if STRICT in found and len(found) > 1:
         raise OptionError(f"semantics: strict excludes {', '.join(found[1:])}. Name one or the other.")
     return found

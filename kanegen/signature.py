@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 from sympy import Symbol
 
+from kanegen.choices import several
 from kanegen.errors import OptionError
 from kanegen.program.ir import EVALUATE, Array, Condition
 from kanegen.program.split import PARAMETERS, Signature
-from kanegen.suggest import did_you_mean
 from kanegen.symbolic import symbols
 from kanegen.system import System
 
@@ -127,15 +127,10 @@ def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
     Raises:
         OptionError: If there is none, or one is unknown.
     """
-    if not isinstance(outputs, Iterable):
-        raise OptionError(f"outputs: expected names, got {outputs!r}. There are {', '.join(OUTPUTS)}.")
-    asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    for name in asked:
-        if name not in OUTPUTS:
-            raise OptionError(f"unknown output {name!r}. {did_you_mean(name, OUTPUTS)}")
+    asked = several("outputs", "output", outputs, OUTPUTS)
     if not asked:
         raise OptionError(f"no output is asked for. There are {', '.join(OUTPUTS)}.")
-    return tuple(name for name in OUTPUTS if name in asked)
+    return asked
 
 
 def input_arrays(system: System) -> dict[Array, Elements]:

@@ -15,7 +15,8 @@ from typing import Any, Literal, TypeVar
 
 from kanegen import arrays, validation
 from kanegen.body import FREEDOMS, IDENTITY, SPEEDS, Body, Joint
-from kanegen.errors import ModelError, OptionError, WriteError
+from kanegen.choices import require_one
+from kanegen.errors import ModelError, WriteError
 from kanegen.files import write_whole
 from kanegen.names import check_identifier
 from kanegen.numbers import Number, Parameter, Vector, map_numbers, numbers, value_of, word
@@ -200,8 +201,7 @@ class System:
         Raises:
             OptionError: If there are no such speeds.
         """
-        if speeds not in SPEEDS:
-            raise OptionError(f"unknown speeds {speeds!r}. {did_you_mean(speeds, SPEEDS)}")
+        require_one("speeds", speeds, SPEEDS)
         return replace(
             self,
             bodies=tuple(

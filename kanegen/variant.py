@@ -12,9 +12,9 @@ from types import MappingProxyType
 
 from kanegen import precision as precisions
 from kanegen import semantics as rules
+from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.program import passes
-from kanegen.suggest import did_you_mean
 
 SOLVERS = ("cheapest", "articulated bodies", "factorisation")
 """Ways to {ydot}: the cheapest by operation count among those that lose no accuracy, or one by name."""
@@ -31,11 +31,6 @@ AUTO = "auto"
 
 REFINEMENTS = (0, 1, 2, AUTO)
 """Steps of iterative refinement in forward dynamics."""
-
-
-def _one_of(what: str, value: object, known: tuple[object, ...]) -> None:
-    if isinstance(value, bool) or value not in known:
-        raise OptionError(f"unknown {what} {value!r}. {did_you_mean(value, map(str, known))}")
 
 
 def _words(value: object) -> str:
@@ -77,12 +72,12 @@ class Variant:
             OptionError: If one does not exist.
         """
         precisions.storage(self.precision, self.storage)
-        _one_of("solver", self.solver, SOLVERS)
-        _one_of("refinement", self.refinement, REFINEMENTS)
-        _one_of("machine", self.machine, tuple(rules.MACHINES))
-        _one_of("sincos", self.sincos, SINCOS)
+        require_one("solver", self.solver, SOLVERS)
+        require_one("refinement", self.refinement, REFINEMENTS)
+        require_one("machine", self.machine, rules.MACHINES)
+        require_one("sincos", self.sincos, SINCOS)
         self._require_sincos()
-        _one_of("optimisation", self.optimisation, rules.OPTIMISATIONS)
+        require_one("optimisation", self.optimisation, rules.OPTIMISATIONS)
         object.__setattr__(self, "without", passes.names(self.without))
         object.__setattr__(self, "semantics", rules.names(self.semantics))
         self._require_properties()
@@ -151,8 +146,7 @@ def chosen(
         OptionError: If there is no such tier or choice.
     """
     if not isinstance(tier, Variant):
-        if tier not in TIERS:
-            raise OptionError(f"unknown tier {tier!r}. {did_you_mean(tier, TIERS)}")
+        require_one("tier", tier, TIERS)
         tier = TIERS[tier]
     if precision is not None:
         tier = replace(tier, precision=precision)

@@ -152,7 +152,7 @@ def test_info_as_json() -> None:
         (("equations", PENDULUM, "--format", "word"), "format"),
         (("generate", PENDULUM, "-o", "x", "--output", "forces"), "Did you mean 'forcing'"),
         (("generate", PENDULUM, "-o", "/proc/nowhere/x"), "/proc/nowhere"),
-        (("generate", PENDULUM, "-o", "x", "--without", "factr"), "There are fold, prune, factor"),
+        (("generate", PENDULUM, "-o", "x", "--without", "factr"), "Did you mean 'factor'?"),
         (("check", PENDULUM, "--floating-base"), "floating_base"),
     ],
 )

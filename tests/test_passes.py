@@ -274,7 +274,7 @@ def test_passes_are_left_out_by_name() -> None:
 
 def test_unknown_passes_are_refused() -> None:
     system = kg.load(MODELS / "double_pendulum.toml")
-    with pytest.raises(kg.OptionError, match=r"there is no pass 'factr'.*fold, prune, factor"):
+    with pytest.raises(kg.OptionError, match=r"^unknown pass 'factr'\. Did you mean 'factor'\?$"):
         kg.generate(system, without=("factr",))
     with pytest.raises(kg.OptionError, match="expected names, got 3"):
         kg.generate(system, without=3)  # type: ignore[arg-type]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.extremes.battery import subjects
 from benchmarks.extremes.document import document
-from benchmarks.extremes.plot import PANELS, svg
+from benchmarks.extremes.plot import svg
 from benchmarks.extremes.rows import Row, Size
 from kanegen.bench.optional import require
 from kanegen.files import write_whole
@@ -31,9 +31,11 @@ def main() -> None:
         if subject.number in (options.only or [subject.number]):
             print(f"{subject.number} {subject.title}", file=sys.stderr, flush=True)
             results[subject.number] = list(subject.rows(size))
-    options.docs.mkdir(parents=True, exist_ok=True)
-    write_whole(options.docs / "extremes.md", document(results))
-    if results.keys() >= PANELS.keys():
+    if options.only:
+        print(document(results))
+    else:
+        options.docs.mkdir(parents=True, exist_ok=True)
+        write_whole(options.docs / "extremes.md", document(results))
         write_whole(options.docs / "extremes.svg", svg(results))
     unexplained = [row for rows in results.values() for row in rows if not row.holds and not row.cause]
     if unexplained:
@@ -47,7 +49,9 @@ def _options() -> argparse.Namespace:
     sizes = parser.add_mutually_exclusive_group()
     sizes.add_argument("--quick", action="store_true", help="the size that the tests run")
     sizes.add_argument("--nightly", action="store_true", help="with many more random examples")
-    parser.add_argument("--only", nargs="+", help="numbers of subjects, such as X1")
+    parser.add_argument(
+        "--only", nargs="+", help="numbers of subjects, such as X1; print them, write nothing"
+    )
     parser.add_argument("--docs", type=Path, default=DOCS)
     return parser.parse_args()
 

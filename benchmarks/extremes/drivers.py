@@ -49,7 +49,16 @@ def printed(
         code = [f"{system.name}.c", f"{system.name}_batch.c", str(HERE / driver)]
         defined = [f"-DN={len(system.freedoms)}", f"-DREAL={precision.name}", f'-DHEADER="{system.name}.h"']
         calls = [f"-DONE={system.name}_forward_dynamics", f"-DMANY={system.name}_forward_dynamics_batch"]
-        command = [*compilers.find().command, "-std=c99", *flags, *defined, *calls, "-I.", *code, "-lm"]
+        command = [
+            *compilers.find().command,
+            "-std=c99",
+            *flags,
+            *defined,
+            *calls,
+            "-I.",
+            *code,
+            "-lm",
+        ]
         run([*command, "-o", "driver"], folder)
         return run([str(folder / "driver"), str(len(states))], folder)
 

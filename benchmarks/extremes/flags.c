@@ -6,17 +6,9 @@
 #include <stdlib.h>
 
 #include HEADER
+#include "states.h"
 
 static const int FLAGS[3] = {FE_INVALID, FE_DIVBYZERO, FE_OVERFLOW};
-
-static REAL *read_array(const char *name, size_t count)
-{
-    REAL *values = malloc(count * sizeof *values);
-    FILE *file = fopen(name, "rb");
-    if (!values || !file || fread(values, sizeof *values, count, file) != count) exit(1);
-    fclose(file);
-    return values;
-}
 
 static void count_raised(long raised[3])
 {

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -25,10 +27,21 @@ from kanegen.check import truth
 from kanegen.check.states import States, random_states
 from kanegen.precision import DOUBLE, Precision
 
+EIGHT_BODY = Path(__file__).parents[2] / "models" / "eight_body.toml"
+
 
 def _scene(bodies: int) -> kg.System:
     rng = np.random.default_rng(bodies)
     return scenes.tree(rng, range(bodies), np.ones((bodies, 6), dtype=bool))
+
+
+def _scenes(size: Size) -> dict[str, kg.System]:
+    """Free bodies on each other; in the full size the tree of the notes as well."""
+    found = {f"N = {bodies}": _scene(bodies) for bodies in (1, 4)}
+    if size.pick(False, True):
+        whole = kg.load(EIGHT_BODY)
+        found["eight-body"] = replace(whole, bodies=tuple(replace(b, loads=False) for b in whole.bodies))
+    return found
 
 
 def _locked(system: kg.System, distance: float, precision: Precision) -> States:
@@ -51,18 +64,26 @@ def _distances(size: Size) -> list[float]:
 @subject("X7", "Gimbal lock, speeds that are angle rates")
 def angle_rates(size: Size) -> Iterator[Row]:
     """A solution in angle rates may lose 1/cos(theta2)^2; the recursion over bodies must not."""
-    for bodies in (1, 4):
-        system = _scene(bodies)
+    for name, system in _scenes(size).items():
         for precision in PRECISIONS:
-            found: list[Point] = []
-            for distance in _distances(size):
-                states = _locked(system, distance, precision)
-                tau = efforts(system, states, np.random.default_rng(7))
-                measured = forward(system, precision, states, tau)
-                found += points(distance, measured, linear(measured, bodies, precision))
-            over = f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body"
-            yield worst(f"N = {bodies}, {precision.name}", found, LINEAR, over)
+            found = _curve(system, precision, size)
+            yield worst(f"{name}, {precision.name}", found, LINEAR, _over(size))
     yield _told(size)
+
+
+def _curve(system: kg.System, precision: Precision, size: Size) -> list[Point]:
+    """Errors of forward dynamics over the distance."""
+    found: list[Point] = []
+    for distance in _distances(size):
+        states = _locked(system, distance, precision)
+        tau = efforts(system, states, np.random.default_rng(7))
+        measured = forward(system, precision, states, tau)
+        found += points(distance, measured, linear(measured, system.number_of_bodies, precision))
+    return found
+
+
+def _over(size: Size) -> str:
+    return f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body"
 
 
 def _told(size: Size) -> Row:
@@ -84,21 +105,14 @@ def angular_velocities(size: Size) -> Iterator[Row]:
 
     With angle rates, and without efforts, the accelerations of theta2 and of the translations have none.
     """
-    over = f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body"
-    for bodies in (1, 4):
-        system = _scene(bodies)
+    for name, system in _scenes(size).items():
         regular = system.with_speeds("angular_velocity")
         for precision in PRECISIONS:
-            found: list[Point] = []
-            for distance in _distances(size):
-                states = _locked(regular, distance, precision)
-                tau = efforts(regular, states, np.random.default_rng(8))
-                measured = forward(regular, precision, states, tau)
-                found += points(distance, measured, linear(measured, bodies, precision))
-            yield worst(f"N = {bodies}, {precision.name}", found, LINEAR, over)
+            found = _curve(regular, precision, size)
+            yield worst(f"{name}, {precision.name}", found, LINEAR, _over(size))
             part = [p for d in _distances(size) for p in _regular(system, d, precision)]
-            rule = "80 N u"
-            yield worst(f"regular part of angle rates, N = {bodies}, {precision.name}", part, rule, over)
+            case = f"regular part of angle rates, {name}, {precision.name}"
+            yield worst(case, part, "80 N u", _over(size))
 
 
 def _regular(system: kg.System, distance: float, precision: Precision) -> list[Point]:

@@ -4,17 +4,9 @@
 #include <stdlib.h>
 
 #include HEADER
+#include "states.h"
 
 static const int MODES[4] = {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
-
-static REAL *read_array(const char *name, size_t count)
-{
-    REAL *values = malloc(count * sizeof *values);
-    FILE *file = fopen(name, "rb");
-    if (!values || !file || fread(values, sizeof *values, count, file) != count) exit(1);
-    fclose(file);
-    return values;
-}
 
 int main(int argc, char **argv)
 {

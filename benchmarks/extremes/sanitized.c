@@ -3,15 +3,7 @@
 #include <stdlib.h>
 
 #include HEADER
-
-static REAL *read_array(const char *name, size_t count)
-{
-    REAL *values = malloc(count * sizeof *values);
-    FILE *file = fopen(name, "rb");
-    if (!values || !file || fread(values, sizeof *values, count, file) != count) exit(1);
-    fclose(file);
-    return values;
-}
+#include "states.h"
 
 int main(int argc, char **argv)
 {

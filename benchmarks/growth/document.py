@@ -18,7 +18,8 @@ generated alone.
 
 ![Every measure over the number of bodies](growth.svg)
 
-Dotted: the file for many states at once, which for large [A] is but a loop over the other.
+Dotted: the file for many states at once, which is but a loop over the other where inputs,
+results and what pieces leave for each other are more than 8192 numbers a state.
 
 ## Growth
 

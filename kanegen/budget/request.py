@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 
 from kanegen.budget.odds import corrected, draws_needed, probability
+from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.suggest import did_you_mean
 
@@ -92,10 +93,7 @@ class Request:
         for name, value in (("error", self.error), ("budget of time", self.time)):
             if value is not None and not 0 < value < math.inf:
                 raise OptionError(f"{name} is {value!r}; it must be a positive number.")
-        if self.objective not in OBJECTIVES:
-            raise OptionError(
-                f"unknown objective {self.objective!r}. {did_you_mean(self.objective, OBJECTIVES)}"
-            )
+        require_one("objective", self.objective, OBJECTIVES)
         if self.quantile != 1.0:
             probability(self.quantile, "quantile")
         probability(self.confidence, "confidence")

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from kanegen.errors import OptionError
+from kanegen.choices import require_one
 from kanegen.files import make_folder, require_writable, write_whole
 from kanegen.study import document, runs, tables
 from kanegen.study.judge import OBJECTIVES
@@ -20,7 +20,6 @@ from kanegen.study.plot import svg
 from kanegen.study.record import record
 from kanegen.study.simulating import simulated
 from kanegen.study.study import study
-from kanegen.suggest import did_you_mean
 from kanegen.system import System
 
 __all__ = ["Outputs", "Terms", "run", "show"]
@@ -76,8 +75,7 @@ def run(
         OptionError: If one does not.
     """
     for name in objectives or ():
-        if name not in OBJECTIVES:
-            raise OptionError(f"unknown objective {name!r}. {did_you_mean(name, OBJECTIVES)}")
+        require_one("objective", name, OBJECTIVES)
     found = study(system, terms, progress)
     return simulated(system, found, progress) if simulation else found
 

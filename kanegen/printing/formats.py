@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 
 from sympy import ImmutableMatrix
 
+from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.printing.document import Statement, document
 from kanegen.printing.latex_names import escaped
 from kanegen.printing.python_module import python_module
-from kanegen.suggest import did_you_mean
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import MOST_FREEDOMS_WITHOUT_NAMES, Equations, derive
 
@@ -27,8 +27,7 @@ def render(equations: Equations, format: str = "text", closed: bool | None = Non
     Raises:
         OptionError: If the format is unknown, or a closed form is asked for that would be too long.
     """
-    if format not in FORMATS:
-        raise OptionError(f"unknown format {format!r}. {did_you_mean(format, FORMATS)}")
+    require_one("format", format, FORMATS)
     printed = FORMATS[format]
     form = _closed_form(equations, closed)
     if form is not None:

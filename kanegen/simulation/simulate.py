@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from kanegen import precision as precisions
 from kanegen.arrays import Floats as Doubles
+from kanegen.choices import require_one
 from kanegen.errors import ArrayError, OptionError
 from kanegen.library import Library
 from kanegen.native import arguments
@@ -18,7 +19,6 @@ from kanegen.simulation import adaptive, fixed
 from kanegen.simulation.motion import Effort, Motion, State, speeds_are_rates
 from kanegen.simulation.steps import Leapfrog, Step, runge_kutta, semi_implicit_euler
 from kanegen.simulation.trajectory import Trajectory
-from kanegen.suggest import did_you_mean
 
 ADAPTIVE = ("DOP853", "Radau")
 """Solvers of SciPy: explicit of order 8, and implicit of order 5 for stiff systems."""
@@ -90,8 +90,7 @@ def _fixed(method: str) -> Step:
 def _check(
     method: str, step: float | None, tolerance: float | None, compensated: bool, effort: Effort | None
 ) -> None:
-    if method not in METHODS:
-        raise OptionError(f"unknown method {method!r}. {did_you_mean(method, METHODS)}")
+    require_one("method", method, METHODS)
     if method in ADAPTIVE:
         if step is not None or compensated:
             raise OptionError(

@@ -82,7 +82,7 @@ class Domain:
         """Where joints with three free angles lock: by place of theta2 in {x} the angle, up to half turns."""
         joints = [body.joint for body in self.system.bodies]
         return {
-            place: 0.0 if joints[freedom.body - 1].axes[0] == joints[freedom.body - 1].axes[2] else np.pi / 2
+            place: 0.0 if joints[freedom.body - 1].ends_alike else np.pi / 2
             for place, freedom in enumerate(self.system.freedoms)
             if freedom.index == 1 and joints[freedom.body - 1].turns_freely
         }

@@ -34,7 +34,7 @@ LATENCY = "latency"
 """One state a call, each call waiting for the result of the one before."""
 
 BATCH = "batch"
-"""Many states a call; the time is that of one state. Batches have their own sine and cosine."""
+"""Many states a call; the time is that of one state. With loose semantics the bits are others as well."""
 
 OBJECTIVES = (LATENCY, BATCH)
 """What a variant may be chosen for."""

@@ -12,6 +12,7 @@ from kanegen.bench import Terms as Rounds
 from kanegen.bench.contest import Progress
 from kanegen.bench.states import plain
 from kanegen.check.regularity import require_regular
+from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.native import compilers
 from kanegen.study.built import Built, build_all
@@ -26,7 +27,6 @@ from kanegen.study.speeds import converted
 from kanegen.study.strata import hard_states
 from kanegen.study.times import Times, timed
 from kanegen.study.variants import Candidate, Refusal, candidates
-from kanegen.suggest import did_you_mean
 from kanegen.system import System
 
 SELECT, VALIDATE, HARD, SEARCH = range(4)
@@ -59,8 +59,7 @@ def study(
             built.
         SingularError: If [A] is singular in every state.
     """
-    if terms.quantile not in QUANTILES:
-        raise OptionError(f"unknown quantile {terms.quantile!r}. {did_you_mean(terms.quantile, QUANTILES)}")
+    require_one("quantile", terms.quantile, QUANTILES)
     model, notes = plain(system)
     require_regular(model)
     compilers.find()

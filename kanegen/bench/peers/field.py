@@ -12,8 +12,8 @@ from kanegen.bench.outcome import Absence
 from kanegen.bench.peers import casadi_peer, kanegen_peer, mujoco_peer, pinocchio_peer, pydy_peer
 from kanegen.bench.peers.arena import Arena, Makers
 from kanegen.bench.states import States
-from kanegen.errors import MissingError, OptionError
-from kanegen.suggest import did_you_mean
+from kanegen.choices import require_one
+from kanegen.errors import MissingError
 from kanegen.system import System
 
 PEERS: dict[str, Callable[[Arena], Makers]] = {
@@ -41,8 +41,7 @@ def contestants(
     """
     wanted = list(peers)
     for name in wanted:
-        if name not in PEERS:
-            raise OptionError(f"unknown peer {name!r}. {did_you_mean(name, PEERS)}")
+        require_one("peer", name, PEERS)
     arena = Arena(system, states, states.write(folder / "states"), folder)
     order = {"pinocchio": pinocchio_peer.makers, "kanegen": kanegen_peer.makers, **PEERS}
     makers = [

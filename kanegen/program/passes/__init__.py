@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from kanegen.errors import OptionError
+from kanegen.choices import several
 from kanegen.program.check import check
 from kanegen.program.count import count
 from kanegen.program.ir import Program
@@ -40,13 +40,7 @@ def names(without: Iterable[str] | str = ()) -> tuple[str, ...]:
     Raises:
         OptionError: If there is no pass of such a name.
     """
-    if not isinstance(without, Iterable):
-        raise OptionError(f"without: expected names, got {without!r}. There are {', '.join(NAMES)}.")
-    asked = (without,) if isinstance(without, str) else tuple(without)
-    for name in asked:
-        if name not in NAMES:
-            raise OptionError(f"without: there is no pass {name!r}. There are {', '.join(NAMES)}.")
-    return tuple(name for name in NAMES if name in asked)
+    return several("without", "pass", without, NAMES)
 
 
 def all_but(without: Iterable[str] | str = ()) -> tuple[Pass, ...]:
