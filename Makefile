@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -39,6 +39,10 @@ growth: $(VENV)/.bench
 # Try the C where arithmetic is hardest and rewrite docs/extremes.md; takes about a quarter of an hour.
 extremes: $(VENV)/.tests $(VENV)/.bench
 	$(BIN)/python -m benchmarks.extremes
+
+# Study speed against accuracy of three models and rewrite docs/tradeoff; takes about three quarters of an hour.
+tradeoff: $(VENV)/.bench
+	$(BIN)/python -m benchmarks.tradeoff
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -27,6 +27,8 @@ def _held(system: System, joint: Joint) -> str:
     slides, parameters = joint.free[3:], orientation_parameters(joint)
     if not joint.turns_freely:
         return "its three angles are not all free. Leave it out"
+    if joint.is_quaternion:
+        return "it has a quaternion, which is regular everywhere. Leave it out"
     if any(slides) and not all(slides):
         return (
             "it slides along some axes of its joint frame only. Free all three translations, or leave it out"
@@ -76,11 +78,20 @@ def anchors(system: System) -> tuple[Anchor, ...]:
         names = orientation_parameters(body.joint)
         if names and not _held(system, body.joint):
             one, two, three = (parameters.index(name) for name in names)
-            places = [system.places.get(Freedom(k, index), -1) for index in range(6)]
-            angles = (places[0], places[1], places[2])
-            slides = tuple(places[3:]) if body.joint.free[3] else ()
-            joint = body.joint
-            found.append(Anchor(k, body.name, (one, two, three), angles, slides, joint.axes, joint.spins))
+            angles, slides = range(3), range(3, 6) if body.joint.free[3] else ()
+            found.append(
+                Anchor(
+                    body=k,
+                    name=body.name,
+                    parameters=(one, two, three),
+                    angles=tuple(system.coordinate_place(k, index) for index in angles),
+                    speeds=tuple(system.places[Freedom(k, index)] for index in angles),
+                    slides=tuple(system.coordinate_place(k, index) for index in slides),
+                    sliding=tuple(system.places[Freedom(k, index)] for index in slides),
+                    axes=body.joint.axes,
+                    spins=body.joint.spins,
+                )
+            )
     if not found:
         raise OptionError(
             f"system {system.name!r} has nothing to re-anchor in C: no body has three free angles and three "

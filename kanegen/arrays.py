@@ -34,6 +34,7 @@ class SystemArrays:
     loads: Flags  # (N,)
     sequence: tuple[str, ...]  # (N,)
     speeds: tuple[str, ...]  # (N,)
+    coordinates: tuple[str, ...]  # (N,)
 
 
 def system_arrays(
@@ -44,6 +45,7 @@ def system_arrays(
     loads: Any,
     sequence: tuple[str, ...],
     speeds: tuple[str, ...],
+    coordinates: tuple[str, ...],
     **floats: Any,
 ) -> SystemArrays:
     """`SystemArrays` from nested tuples; orientations given as 1-2-3 angles become matrices."""
@@ -54,6 +56,7 @@ def system_arrays(
         loads=np.array(loads, dtype=np.bool_),
         sequence=sequence,
         speeds=speeds,
+        coordinates=coordinates,
         **{name: np.array(value, dtype=np.float64) for name, value in floats.items()},
     )
 

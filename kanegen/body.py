@@ -3,7 +3,7 @@
 Seen from J, the point Q_K stands at `position`; there the joint frame has the constant orientation [C_K]; in
 it the origin O_K is displaced by s'_K; and body K is turned by three body-fixed angles, by default in the
 sequence 1-2-3 of the notes, so that [^J R_K] = [R_123] [C_K]. Any of the six freedoms can be locked at a
-value.
+value. Where all three angles are free, a quaternion can take their place.
 """
 
 from __future__ import annotations
@@ -23,6 +23,12 @@ FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
 
 SPEEDS = ("angle_rates", "angular_velocity")
 """What the speeds of a joint's angles can be: their rates, or the relative angular velocity in the body."""
+
+ORIENTATIONS = ("angles", "quaternion")
+"""The coordinates that turn a body: angles, locked or free, or four that hold no singularity."""
+
+QUATERNION = ("e0", "e1", "e2", "e3")
+"""The Euler parameters: a scalar and a vector in the joint frame, of any common length but 0."""
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -44,6 +50,8 @@ class Joint:
         sequence: About which axes the angles turn, one of `sequences.SEQUENCES`: "3-1-3" has theta1 turn
             about axis 3 of the joint frame, theta2 about axis 1 of the frame it finds, theta3 about axis 3
             of body K.
+        coordinates: One of `ORIENTATIONS`. Instead of three free angles, {x} then holds `QUATERNION`; their
+            length has no meaning. The speeds are the components of `omega_hat'_K`, whatever `speeds` says.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
@@ -53,6 +61,7 @@ class Joint:
     name: str = ""
     speeds: str = SPEEDS[0]
     sequence: str = sequences.NOTES
+    coordinates: str = ORIENTATIONS[0]
 
     def __post_init__(self) -> None:
         if self.name != "":
@@ -64,7 +73,25 @@ class Joint:
         locked = tuple(0.0 if is_free else value for is_free, value in zip(free, locked, strict=True))
         validation.store(self, position=position, orientation=orientation, free=free, locked=locked)
         sequences.check(self.sequence)
+        self._check_coordinates()
         self._check_speeds()
+
+    def _check_coordinates(self) -> None:
+        if self.coordinates not in ORIENTATIONS:
+            hint = did_you_mean(self.coordinates, ORIENTATIONS)
+            raise ModelError(f"joint coordinates: {self.coordinates!r} is unknown. {hint}")
+        if self.is_quaternion and not self.turns_freely:
+            raise ModelError(
+                'joint coordinates: "quaternion" needs three free angles, because it reaches every '
+                'orientation. Free theta1, theta2 and theta3, or keep "angles".'
+            )
+        if self.is_quaternion and self.sequence != sequences.NOTES:
+            raise ModelError(
+                f"joint sequence: a quaternion turns about no sequence of axes, so {self.sequence!r} says "
+                'nothing. Leave it out, or keep the coordinates "angles".'
+            )
+        if self.is_quaternion:
+            validation.store(self, speeds="angular_velocity")
 
     def _check_speeds(self) -> None:
         if self.speeds not in SPEEDS:
@@ -79,6 +106,11 @@ class Joint:
     def turns_freely(self) -> bool:
         """Whether all three angles are free."""
         return all(self.free[:3])
+
+    @property
+    def is_quaternion(self) -> bool:
+        """Whether a quaternion stands in {x} in place of the three angles."""
+        return self.coordinates == "quaternion"
 
     @property
     def spins(self) -> bool:
@@ -118,7 +150,9 @@ class Joint:
         table["free"] = "all" if all(self.free) else free or "none"
         locked = zip(FREEDOMS, self.locked, strict=True)
         table["locked"] = {name: word(value) for name, value in locked if value}
-        if self.spins:
+        if self.is_quaternion:
+            table["coordinates"] = self.coordinates
+        elif self.spins:
             table["speeds"] = self.speeds
         return table
 

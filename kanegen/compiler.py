@@ -45,7 +45,7 @@ from kanegen.recursion.legend import legend
 from kanegen.refining import Decision, decisions
 from kanegen.sequences import NOTES
 from kanegen.signature import EQUATIONS, chosen, functions, input_arrays, output_array
-from kanegen.system import Freedom, System
+from kanegen.system import System
 from kanegen.variant import STRICT, Variant
 
 Progress = Callable[[str], None]
@@ -71,19 +71,22 @@ class Compiled:
         return operations(self.module)
 
 
-def derive(system: System, progress: Progress = quiet, speeds: str | None = None) -> symbolic.Equations:
+def derive(
+    system: System, progress: Progress = quiet, speeds: str | None = None, coordinates: str | None = None
+) -> symbolic.Equations:
     """The equations of motion in SymPy, literally as the notes derive them.
 
     Args:
         system: The tree.
         progress: Told the name of each stage.
         speeds: Generalized speeds, as in `System.with_speeds`; default those of the system.
+        coordinates: Of orientations, as in `System.with_coordinates`; default those of the system.
 
     Raises:
-        OptionError: If there are no such speeds.
+        OptionError: If there are no such speeds or coordinates.
         SingularError: If [A] is singular in every state.
     """
-    system = _with_speeds(system, speeds)
+    system = described(system, speeds, coordinates)
     progress("deriving")
     _require_usable(system)
     return symbolic.derive(system)
@@ -109,8 +112,19 @@ def compile_module(
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
 
 
-def _with_speeds(system: System, speeds: str | None) -> System:
+def described(system: System, speeds: str | None = None, coordinates: str | None = None) -> System:
+    """The same tree with other generalized speeds and coordinates, where they are not None.
+
+    Raises:
+        OptionError: If there are no such speeds or coordinates, or they do not go together.
+    """
     _require_system(system)
+    if (speeds, coordinates) == ("angle_rates", "quaternion"):
+        raise OptionError(
+            'speeds "angle_rates" are for angles, and coordinates "quaternion" leave none. Leave out one.'
+        )
+    if coordinates is not None:
+        system = system.with_coordinates(coordinates)
     return system if speeds is None else system.with_speeds(speeds)
 
 
@@ -149,6 +163,7 @@ def generate(
     tier: Variant | str = STRICT,
     speeds: str | None = None,
     reanchoring: bool = False,
+    coordinates: str | None = None,
 ) -> Source:
     """C for `outputs`, specialised to `system`.
 
@@ -166,13 +181,15 @@ def generate(
             "angular_velocity" [A] is regular everywhere; the output "coordinate_rates" then gives {xdot}.
         reanchoring: Add the header `<model>_reanchor.h`, which does in C what `kanegen.reanchored` does, for
             joints whose orientation is three parameters.
+        coordinates: Of orientations, as in `System.with_coordinates`; default those of the system. With
+            "quaternion" the rates of the coordinates, too, exist in every orientation.
 
     Raises:
         OptionError: If an output, a tier or a choice is unknown, or there is nothing to re-anchor.
         ModelError: If a constant leaves the range of the precision.
         SingularError: If [A] is singular in every state; names the body and the freedom.
     """
-    system = _with_speeds(system, speeds)
+    system = described(system, speeds, coordinates)
     variant = variants.chosen(tier, precision=precision, without=without)
     compiled = compile_module(system, outputs, progress, variant)
     progress("printing")
@@ -192,6 +209,7 @@ def build(
     precision: str | None = None,
     tier: Variant | str = STRICT,
     speeds: str | None = None,
+    coordinates: str | None = None,
 ) -> libraries.Library:
     """Generate, compile and load.
 
@@ -206,12 +224,13 @@ def build(
         precision: As in `generate`.
         tier: As in `generate`.
         speeds: As in `generate`.
+        coordinates: As in `generate`.
 
     Raises:
         OptionError, ModelError, SingularError: As `generate`.
         BuildError: If there is no compiler, or it fails.
     """
-    source = generate(system, outputs, progress, without, precision, tier, speeds)
+    source = generate(system, outputs, progress, without, precision, tier, speeds, coordinates=coordinates)
     progress("compiling")
     return libraries.load(source, compiler, flags, threads)
 
@@ -224,6 +243,7 @@ def compare(
     precision: str | None = None,
     tier: Variant | str = STRICT,
     speeds: str | None = None,
+    coordinates: str | None = None,
 ) -> Report:
     """The compiled C of `system` against the NumPy reference over random states.
 
@@ -235,8 +255,9 @@ def compare(
         precision: As in `generate`; the reference computes in double.
         tier: As in `generate`.
         speeds: As in `generate`.
+        coordinates: As in `generate`.
     """
-    system = _with_speeds(system, speeds)
+    system = described(system, speeds, coordinates)
     built = build(system, progress=progress, precision=precision, tier=tier)
     progress("comparing")
     arithmetic, storage = precisions.named(built.precision), precisions.named(built.storage)
@@ -257,6 +278,8 @@ def facts(system: System) -> ModelFacts:
         planar=_planar(system),
         sequences=_sequences(system),
         speed_names=system.speed_names,
+        coordinate_names=system.coordinate_names,
+        coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
     )
 
 
@@ -271,5 +294,5 @@ def _planar(system: System) -> tuple[tuple[int, str], ...]:
     found = []
     for k, body in enumerate(system.bodies, start=1):
         if body.joint.turns_freely and not body.joint.spins:
-            found.append((system.places[Freedom(k, 1)], "sin" if body.joint.ends_alike else "cos"))
+            found.append((system.coordinate_place(k, 1), "sin" if body.joint.ends_alike else "cos"))
     return tuple(found)

@@ -71,7 +71,7 @@ def diagnosis(
 
     Args:
         model: Names the freedoms.
-        x: (B, n) coordinates.
+        x: (B, m) coordinates.
         acceleration: (B, n) {ydot}, NaN where [A] is singular.
         estimate: (B, n) output `error_estimate`.
         regularity: (B, n) output of this name.

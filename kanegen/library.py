@@ -48,8 +48,9 @@ def load(
 class Library:
     """The functions of a model, with values of its parameters.
 
-    A state is an array of shape (n,); many at once are (B, n), and every result then has B rows, also where B
-    is 0. Contiguous arrays of its `storage` are passed to C as they are; lists, integers, other floats and
+    The coordinates of a state are an array of shape (m,), m being n where there are no quaternions, and its
+    speeds one of shape (n,); many at once are (B, m) and (B, n), and every result then has B rows, also where
+    B is 0. Contiguous arrays of its `storage` are passed to C as they are; lists, integers, other floats and
     other orders of memory are converted first. So a library in single precision rounds doubles; its results
     are arrays of float32. NaN and infinity pass through. A result does not depend on its place in a batch or
     on what else is there, and is that of the state alone: with strict semantics it is the same bits from
@@ -94,8 +95,13 @@ class Library:
 
     @property
     def freedom_names(self) -> tuple[str, ...]:
-        """n names in the order of {x}."""
+        """n names of the freedoms, in the order of {y}."""
         return self.source.model.freedom_names
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """m names in the order of {x}: of the freedoms, or of the four elements of a quaternion."""
+        return self.source.model.coordinate_names
 
     @property
     def speed_names(self) -> tuple[str, ...]:
@@ -148,7 +154,7 @@ class Library:
         """[A] of Eq. (43).
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
 
         Returns:
             (n, n) or (B, n, n), in kg m^2, kg m and kg.
@@ -165,8 +171,8 @@ class Library:
         """{f} of Eq. (44).
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
-            y: Generalized speeds, of the same shape, rad/s and m/s.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
             force: (N, 3) or (B, N, 3) force on each body at its mass centre, in body components, N; one
                 (N, 3) acts in every state of a batch, None is zero.
             torque: The same for the torque on each body, N m.
@@ -193,9 +199,9 @@ class Library:
         """[A]{ydot} - {f}: the generalized forces that produce {ydot}, beside loads and gravity.
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
-            y: Generalized speeds, of the same shape, rad/s and m/s.
-            ydot: Their rates, of the same shape, rad/s^2 and m/s^2.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            ydot: Their rates, of the shape of `y`, rad/s^2 and m/s^2.
             force: As in `forcing`.
             torque: As in `forcing`.
 
@@ -222,8 +228,8 @@ class Library:
         """{ydot} of [A]{ydot} = {f} + {tau}.
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
-            y: Generalized speeds, of the same shape, rad/s and m/s.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
             tau: (n,) or (B, n) generalized forces beside loads and gravity, N m and N; one (n,) acts in every
                 state of a batch, None is zero.
             force: As in `forcing`.
@@ -283,7 +289,7 @@ class Library:
         the angles fail, cos^2(theta2).
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
 
         Returns:
             (n,) or (B, n).
@@ -331,8 +337,8 @@ class Library:
         """Kinetic energy of all bodies in inertial space, {y}^T [A] {y} / 2.
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
-            y: Generalized speeds, of the same shape, rad/s and m/s.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
 
         Returns:
             () or (B,), in J.
@@ -349,7 +355,7 @@ class Library:
         It is zero where all mass centres are at the inertial origin, and everywhere without gravity.
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
 
         Returns:
             () or (B,), in J.
@@ -364,8 +370,8 @@ class Library:
         """Linear momentum of all bodies, then their angular momentum about their common mass centre.
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
-            y: Generalized speeds, of the same shape, rad/s and m/s.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
 
         Returns:
             (6,) or (B, 6), inertial components: three in kg m/s, then three in kg m^2/s.
@@ -380,7 +386,7 @@ class Library:
         """Position of the mass centre of all bodies from the inertial origin.
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
 
         Returns:
             (3,) or (B, 3), inertial components, in m; NaN where parameters make all masses 0.
@@ -400,7 +406,7 @@ class Library:
         [R_K]^T {r'} + {p_O_K}.
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
 
         Returns:
             (N, 4, 3) or (B, N, 4, 3).
@@ -415,12 +421,12 @@ class Library:
         """{xdot}: Eq. (9) where speeds are components of angular velocities, else {y}.
 
         Args:
-            x: (n,) or (B, n) coordinates, rad and m.
-            y: Generalized speeds, of the same shape, rad/s and m/s.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
 
         Returns:
-            (n,) or (B, n), in rad/s and m/s. States of a batch in which the angles of a body have no rates
-            have NaN, and a `KanegenWarning` counts them.
+            (m,) or (B, m), in rad/s, m/s and 1/s. States of a batch in which the angles of a body have no
+            rates have NaN, and a `KanegenWarning` counts them.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type.

@@ -47,7 +47,7 @@ class Anchored(NamedTuple):
 
     Attributes:
         system: With the new joint frames.
-        x: (n,) coordinates (rad, m).
+        x: (m,) coordinates (rad, m, 1).
         y: (n,) generalized speeds.
     """
 
@@ -76,7 +76,7 @@ def reanchored(
 
     Args:
         system: The tree.
-        x: (n,) coordinates (rad, m).
+        x: (m,) coordinates (rad, m, 1).
         y: (n,) generalized speeds.
         bodies: Name, or number from 1, of a body or of several whose three angles are free; by default all
             whose middle cosine, or sine in sequences that end as they begin, is below `margin`.
@@ -87,7 +87,8 @@ def reanchored(
         OptionError: If there is no such body, its joint has no three free angles, or other freedoms or
             parameters hold its joint frame.
     """
-    coordinates, speeds = _vector(system, x, "x"), _vector(system, y, "y")
+    coordinates = _vector(x, len(system.coordinates), "x")
+    speeds = _vector(y, len(system.freedoms), "y")
     chosen = _near(system, coordinates, margin) if bodies is None else _numbers(system, bodies)
     for k in chosen:
         require_free_frame(system, k)
@@ -96,9 +97,8 @@ def reanchored(
     return Anchored(system, coordinates, speeds)
 
 
-def _vector(system: System, value: ArrayLike, what: str) -> Floats:
+def _vector(value: ArrayLike, n: int, what: str) -> Floats:
     """A copy."""
-    n = len(system.freedoms)
     array = floats(what, value, np.dtype(np.float64)).astype(np.float64)
     if array.shape != (n,) or not np.isfinite(array).all():
         raise ArrayError(f"{what}: expected {n} finite numbers, got shape {array.shape}.")
@@ -111,8 +111,8 @@ def _near(system: System, x: Floats, margin: float) -> list[int]:
         raise OptionError(f"margin is {margin!r}; it must lie between 0 and 1.")
     found = []
     for k, body in enumerate(system.bodies, start=1):
-        if body.joint.turns_freely:
-            middle = x[system.places[Freedom(k, 1)]]
+        if body.joint.turns_freely and not body.joint.is_quaternion:
+            middle = x[system.coordinate_place(k, 1)]
             across = math.sin(middle) if body.joint.ends_alike else math.cos(middle)
             if abs(across) < margin:
                 found.append(k)
@@ -133,7 +133,8 @@ def _numbers(system: System, bodies: str | int | Iterable[str | int]) -> list[in
 def _turned(system: System, k: int, x: Floats, y: Floats) -> System:
     """The system with another frame at the joint of body `k`; the state becomes that of the new system."""
     joint = system.bodies[k - 1].joint
-    angles = [system.places[Freedom(k, index)] for index in range(3)]
+    angles = [system.coordinate_place(k, index) for index in range(3)]
+    turning = [system.places[Freedom(k, index)] for index in range(3)]
     first, second, third = (
         planar(axis, math.sin(angle), math.cos(angle))
         for axis, angle in zip(joint.axes, x[angles], strict=True)
@@ -143,7 +144,7 @@ def _turned(system: System, k: int, x: Floats, y: Floats) -> System:
     standing = product(product(third, product(second, first)), before)
     after = nearest_rotation(product(transpose(regular), standing))
     if not joint.spins:
-        y[angles] = _regular_rates(joint, regular, _omega(joint, second, third, y[angles].tolist()))
+        y[turning] = _regular_rates(joint, regular, _omega(joint, second, third, y[turning].tolist()))
     x[angles] = (0.0, math.pi / 2 if joint.ends_alike else 0.0, 0.0)
     system, after = _with_orientation(system, k, after)
 
@@ -152,8 +153,9 @@ def _turned(system: System, k: int, x: Floats, y: Floats) -> System:
         return apply(after, apply(transpose(before), (one, two, three)))
 
     if joint.free[3]:
-        slides = [system.places[Freedom(k, index)] for index in range(3, 6)]
-        x[slides], y[slides] = seen(x[slides].tolist()), seen(y[slides].tolist())
+        slides = [system.coordinate_place(k, index) for index in range(3, 6)]
+        sliding = [system.places[Freedom(k, index)] for index in range(3, 6)]
+        x[slides], y[sliding] = seen(x[slides].tolist()), seen(y[sliding].tolist())
         return system
     locked = (*joint.locked[:3], *seen([value_of(value) for value in joint.locked[3:]]))
     return _with_joint(system, k, replace(system.bodies[k - 1].joint, locked=locked))

@@ -138,8 +138,8 @@ def _accelerations(system: System) -> tuple[float, ...]:
     largest = ranges(system)
     weight = system.values().gravity
     share = 1.0 if weight.any() else TINY
-    squares = zip(system.freedoms, largest.x, largest.y, strict=True)
-    return tuple(float(share * (y * y if freedom.is_angle else y * y / x)) for freedom, x, y in squares)
+    found = share * largest.y * largest.y / largest.size
+    return tuple(found.tolist())
 
 
 def _power(found: float) -> str:

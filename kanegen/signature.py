@@ -84,7 +84,8 @@ def _body_poses(system: System) -> Array:
 def _coordinate_rates(system: System) -> Array:
     doc = "{xdot}, the rates of the coordinates, Eqs. (9), (45)"
     condition = Condition("squared divisor of Eq. (9)", "the angles have no rates")
-    return Array("xdot", (len(system.freedoms),), "rad/s, m/s", doc, condition)
+    units = ", ".join({"1": "1/s"}.get(unit, f"{unit}/s") for unit in _units(system))
+    return Array("xdot", (len(system.coordinates),), units, doc, condition)
 
 
 def _error_estimate(system: System) -> Array:
@@ -136,9 +137,12 @@ def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
 def input_arrays(system: System) -> dict[Array, Elements]:
     """Every input array of a system and the symbols of its elements, in the order of the C arguments."""
     n, bodies = len(system.freedoms), system.number_of_bodies
-    x = [symbols.coordinate(freedom.body, freedom.index) for freedom in system.freedoms]
+    x = symbols.coordinates(system)
+    units = ", ".join(_units(system))
+    turning = "quaternions or angles" if "1" in units else "angles"
+    doc = f"{{x}}, the coordinates: {turning}, then translations, Eq. (1)"
     arrays = {
-        Array("x", (n,), "rad, m", "{x}, the coordinates: angles, then translations, Eq. (1)"): _named(x),
+        Array("x", (len(x),), units, doc): _named(x),
         Array("y", (n,), "rad/s, m/s", "{y}, the generalized speeds in the same order, Eq. (1)"): _named(
             symbols.speeds(system)
         ),
@@ -161,6 +165,12 @@ def input_arrays(system: System) -> dict[Array, Elements]:
         arrays[force] = _named([symbols.force(k, axis) for k, axis in every])
         arrays[torque] = _named([symbols.torque(k, axis) for k, axis in every])
     return arrays
+
+
+def _units(system: System) -> tuple[str, ...]:
+    """Of the elements of {x}."""
+    quaternions = any(coordinate.unit == "1" for coordinate in system.coordinates)
+    return ("1", "rad", "m") if quaternions else ("rad", "m")
 
 
 def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array:

@@ -7,14 +7,14 @@ up {x}; the locked ones leave {x}, {y}, [A] and {f}.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from kanegen import arrays, validation
-from kanegen.body import FREEDOMS, IDENTITY, SPEEDS, Body, Joint
+from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, QUATERNION, SPEEDS, Body, Joint
 from kanegen.choices import require_one
 from kanegen.errors import ModelError, WriteError
 from kanegen.files import write_whole
@@ -54,6 +54,41 @@ class Freedom:
 
 
 @dataclass(frozen=True)
+class Coordinate:
+    """One element of {x}: of a freedom its angle or translation, or one of the four of a quaternion.
+
+    Attributes:
+        body: From 1.
+        index: Counts `FREEDOMS`, and `QUATERNION` behind them.
+    """
+
+    body: int
+    index: int
+
+    @property
+    def name(self) -> str:
+        """Without that of the body."""
+        return (*FREEDOMS, *QUATERNION)[self.index]
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether it is an angle (rad)."""
+        return self.index < 3
+
+    @property
+    def is_translation(self) -> bool:
+        """Whether it is a translation (m)."""
+        return 3 <= self.index < len(FREEDOMS)
+
+    @property
+    def unit(self) -> Literal["rad", "m", "1"]:
+        """Its unit."""
+        if self.is_angle:
+            return "rad"
+        return "m" if self.is_translation else "1"
+
+
+@dataclass(frozen=True)
 class System:
     """A tree of rigid bodies, its gravity and its name.
 
@@ -74,6 +109,7 @@ class System:
         if not self.freedoms:
             raise ModelError(f"system {self.name!r} has no free freedom: every joint is locked.")
         validation.unique("freedom name", self.freedom_names)
+        validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
         validation.parameter_names(self.parameters, self.number_of_bodies)
 
@@ -93,6 +129,7 @@ class System:
         name: str = "system",
         sequence: Any = NOTES,
         speeds: Any = SPEEDS[0],
+        coordinates: Any = ORIENTATIONS[0],
     ) -> _S:
         """A system from one array a quantity; body K is row K - 1 and is called `bodyK`.
 
@@ -112,6 +149,7 @@ class System:
             name: A C identifier; prefix of everything in the generated code.
             sequence: One name or (N,) names of `sequences.SEQUENCES`: about which axes the angles turn.
             speeds: One name or (N,) names of `body.SPEEDS`: what the speeds of the angles are.
+            coordinates: One name or (N,) names of `body.ORIENTATIONS`: what stands for the orientation.
 
         Raises:
             ModelError: If a shape, a number, the tree or the name is not usable.
@@ -129,10 +167,11 @@ class System:
         loaded = rows.loads(loads)
         kinds = rows.names(speeds, "speeds")
         order = rows.names(sequence, "sequence")
+        held = rows.names(coordinates, "coordinates")
         bodies = []
         for k in range(count):
             try:
-                turning = {"sequence": order[k], "speeds": kinds[k]}
+                turning = {"sequence": order[k], "speeds": kinds[k], "coordinates": held[k]}
                 joint = Joint(positions[k], orientations[k], frees[k], lockeds[k], **turning)
             except ModelError as error:
                 raise ModelError(f"body {k + 1}: {error}") from None
@@ -152,7 +191,7 @@ class System:
 
     @cached_property
     def freedoms(self) -> tuple[Freedom, ...]:
-        """The free coordinates in the order of {x}: angles of all bodies, then translations (Eq. 1)."""
+        """The freedoms in the order of {y}: those of angles of all bodies, then of translations (Eq. 1)."""
         every = [
             Freedom(k, index)
             for k, body in enumerate(self.bodies, start=1)
@@ -163,13 +202,59 @@ class System:
 
     @cached_property
     def places(self) -> dict[Freedom, int]:
-        """The place of every freedom in {x}, from 0."""
+        """The place of every freedom in {y}, from 0."""
         return {freedom: i for i, freedom in enumerate(self.freedoms)}
 
     @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """{x}: as the freedoms, but with the four of a quaternion where its joint has one."""
+        found: list[Coordinate] = []
+        for freedom in self.freedoms:
+            if not (freedom.is_angle and self.bodies[freedom.body - 1].joint.is_quaternion):
+                found.append(Coordinate(freedom.body, freedom.index))
+            elif freedom.index == 0:
+                four = range(len(FREEDOMS), len(FREEDOMS) + len(QUATERNION))
+                found += [Coordinate(freedom.body, index) for index in four]
+        return tuple(found)
+
+    @cached_property
+    def coordinate_places(self) -> dict[Coordinate, int]:
+        """The place of every coordinate in {x}, from 0."""
+        return {coordinate: i for i, coordinate in enumerate(self.coordinates)}
+
+    def coordinate_place(self, body: int, index: int) -> int:
+        """The place of a coordinate in {x}, from 0.
+
+        Args:
+            body: From 1.
+            index: Counts `FREEDOMS`, and `QUATERNION` behind them.
+
+        Raises:
+            KeyError: If {x} does not hold it.
+        """
+        return self.coordinate_places[Coordinate(body, index)]
+
+    @cached_property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """Unique names in the order of {x}: of the freedoms, or `<body>.e0` ... `<body>.e3`."""
+        return tuple(
+            self._freedom_name(Freedom(coordinate.body, coordinate.index))
+            if coordinate.index < len(FREEDOMS)
+            else f"{self.bodies[coordinate.body - 1].name}.{coordinate.name}"
+            for coordinate in self.coordinates
+        )
+
+    @cached_property
     def freedom_names(self) -> tuple[str, ...]:
-        """n unique names in the order of {x}: the joint's name, or `<body>.theta1` ... `<body>.s3`."""
-        return tuple(self._freedom_name(freedom) for freedom in self.freedoms)
+        """n unique names of the freedoms: the joint's name, or `<body>.theta1` ... `<body>.s3`.
+
+        Where a quaternion turns the body, they are `<body>.omega1`, `omega2`, `omega3`.
+        """
+        names = zip(self.freedoms, self.speed_names, strict=True)
+        return tuple(
+            name if self.bodies[freedom.body - 1].joint.is_quaternion else self._freedom_name(freedom)
+            for freedom, name in names
+        )
 
     @cached_property
     def speed_names(self) -> tuple[str, ...]:
@@ -178,8 +263,10 @@ class System:
         The components of a relative angular velocity, Eq. (8), are `<body>.omega1`, `omega2`, `omega3`.
         """
         return tuple(
-            f"{self.bodies[freedom.body - 1].name}.omega{freedom.axis + 1}" if self.spins(freedom) else name
-            for freedom, name in zip(self.freedoms, self.freedom_names, strict=True)
+            f"{self.bodies[freedom.body - 1].name}.omega{freedom.axis + 1}"
+            if self.spins(freedom)
+            else self._freedom_name(freedom)
+            for freedom in self.freedoms
         )
 
     def spins(self, freedom: Freedom) -> bool:
@@ -196,19 +283,41 @@ class System:
 
         Args:
             speeds: One of `body.SPEEDS`: "angle_rates", or "angular_velocity" for the components of
-                `omega_hat'_K`, Eq. (8), with which [A] is regular everywhere. Other joints stay as they are.
+                `omega_hat'_K`, Eq. (8), with which [A] is regular everywhere. Other joints stay as they are,
+                and so do those with a quaternion, which has no angles.
 
         Raises:
             OptionError: If there are no such speeds.
         """
         require_one("speeds", speeds, SPEEDS)
-        return replace(
-            self,
-            bodies=tuple(
-                replace(body, joint=replace(body.joint, speeds=speeds)) if body.joint.turns_freely else body
-                for body in self.bodies
-            ),
+        return self._turning(lambda joint: replace(joint, speeds=speeds))
+
+    def with_coordinates(self: _S, coordinates: str) -> _S:
+        """The same system with other coordinates at every joint that has three free angles.
+
+        Args:
+            coordinates: One of `body.ORIENTATIONS`: "angles", in the sequence 1-2-3 where there were none, or
+                "quaternion", with which neither [A] nor {xdot} is singular in any orientation. Other joints
+                stay as they are. The speeds of a joint that had a quaternion stay its angular velocity.
+
+        Raises:
+            OptionError: If there are no such coordinates.
+        """
+        require_one("coordinates", coordinates, ORIENTATIONS)
+
+        def change(joint: Joint) -> Joint:
+            sequence = NOTES if coordinates == "quaternion" else joint.sequence
+            return replace(joint, coordinates=coordinates, sequence=sequence)
+
+        return self._turning(change)
+
+    def _turning(self: _S, change: Callable[[Joint], Joint]) -> _S:
+        """The same system with `change` applied to every joint that has three free angles."""
+        bodies = (
+            replace(body, joint=change(body.joint)) if body.joint.turns_freely else body
+            for body in self.bodies
         )
+        return replace(self, bodies=tuple(bodies))
 
     def _freedom_name(self, freedom: Freedom) -> str:
         body = self.bodies[freedom.body - 1]
@@ -270,6 +379,7 @@ class System:
             loads=tuple(body.loads for body in self.bodies),
             sequence=tuple(joint.sequence for joint in joints),
             speeds=tuple(joint.speeds for joint in joints),
+            coordinates=tuple(joint.coordinates for joint in joints),
         )
 
     def as_table(self) -> dict[str, Any]:

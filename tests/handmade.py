@@ -103,6 +103,8 @@ def facts(name="handmade", parameters=True, loads=True):
         name=name,
         freedom_names=("arm.theta1", "elbow"),
         freedom_units=("rad", "m"),
+        coordinate_names=("arm.theta1", "elbow"),
+        coordinate_units=("rad", "m"),
         body_names=("arm", "tip-mass", "hand"),
         loaded=(False, loads, False),
         parameters=(("m1", 2.0), ("sin", 0.75)) if parameters else (),

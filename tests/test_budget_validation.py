@@ -109,6 +109,26 @@ def test_an_attempt_is_not_spent_on_what_an_attack_refutes_first() -> None:
         choose(Fake([SLOW], attacked={"slow": 1e-8}), Request(error=1e-9, effort=SMALL))
 
 
+def test_more_digits_are_tried_where_all_others_are_refuted() -> None:
+    long = Planted("long", 1e-18, 900.0, long=True)
+    lab = Fake([SLOW, QUICK, long], attacked={"slow": 1e-8, "quick": 1e-8})
+    found = choose(lab, Request(error=1e-9, attempts=1, effort=SMALL))
+    assert found.candidate is long
+    assert set(found.verdicts) == {"slow", "quick", "long"}
+    assert "refuted" in found.verdicts["quick"]
+    assert "not built" not in found.verdicts["long"]
+    sound = Fake([SLOW, QUICK, long])
+    assert choose(sound, Request(error=1e-9, effort=SMALL)).candidate is QUICK
+    assert "long" not in [label for label, _ in sound.draws]
+
+
+def test_a_defeat_names_three_and_counts_the_others() -> None:
+    field = [Planted(f"v{k}", 1e-15, 100.0 + k) for k in range(7)]
+    with pytest.raises(BudgetError, match=r"v2: .* And 4 more\.$") as caught:
+        choose(Fake(field, attacked={one.label: 1e-8 for one in field}), Request(error=1e-9, effort=SMALL))
+    assert "v3" not in str(caught.value)
+
+
 def test_a_quantile_admits_a_few() -> None:
     """Of 3000 states a share of 0.3 % may exceed where 1 % may, but not where 0.1 % may."""
     lab = Fake([SLOW, QUICK], heavy(0.003, "quick"), attacked={"quick": 1e-6})

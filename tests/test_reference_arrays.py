@@ -103,7 +103,7 @@ def test_wrong_shapes_are_refused() -> None:
         reference.mass_matrix(system, np.zeros((1, 1, 2)))
     with pytest.raises(ArrayError, match=r"y has shape \(\)"):
         reference.forcing(system, good, 1.0)
-    with pytest.raises(ArrayError, match=r"x has shape \(2,\) and y \(4, 2\); they must have the same"):
+    with pytest.raises(ArrayError, match=r"x has shape \(2,\) and y \(4, 2\); they must have as many states"):
         reference.forcing(system, good, np.zeros((4, 2)))
     with pytest.raises(ArrayError, match=r"force has shape \(3,\); expected \(2, 3\)\."):
         reference.forcing(system, good, good, force=np.zeros(3))

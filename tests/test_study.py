@@ -13,13 +13,13 @@ import kanegen as kg
 from kanegen.body import FREEDOMS
 from kanegen.check.reference import forcing, mass_matrix
 from kanegen.study import variants
+from kanegen.study.converting import converted
 from kanegen.study.domain import Domain, default_domain, rounded
 from kanegen.study.errors import Errors
 from kanegen.study.front import TIE, Point, front, rank_correlation, verdict
 from kanegen.study.judge import BATCH, OBJECTIVES, OUTPUT, Judge, computed
 from kanegen.study.samples import UNIFORM, Sample, joined
 from kanegen.study.search import climb
-from kanegen.study.speeds import converted
 from kanegen.study.strata import EQUILIBRIUM, LOCK, STRAIGHT, hard_states
 from kanegen.variant import Variant
 from tests import systems
@@ -48,7 +48,7 @@ def test_the_table_has_at_least_forty_variants_that_differ() -> None:
 def test_every_field_of_a_variant_is_in_the_table() -> None:
     levels = [level for choice in variants.CROSSED for level in choice]
     varied = {name for level in (*levels, *variants.ALONE) for name in level}
-    assert varied == {field.name for field in fields(Variant)} | {variants.SPEEDS}
+    assert varied == {field.name for field in fields(Variant)} | set(variants.OF_THE_SYSTEM)
 
 
 def test_what_no_variant_can_be_is_refused_with_the_reason() -> None:

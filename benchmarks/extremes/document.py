@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from benchmarks.extremes.missing import MISSING
 from benchmarks.extremes.reproducibility import compilers, machine
 from benchmarks.extremes.rows import SUBJECTS, Row
 from kanegen.native.compilers import find
@@ -41,7 +40,6 @@ def document(results: Results) -> str:
     for number, several in results.items():
         subject = SUBJECTS[number]
         parts += [f"## {number} {subject.title}", _about(subject.rows.__doc__), _table(several)]
-    parts += ["## Not yet", "\n".join(f"- {what}: {why}." for what, why in MISSING.items())]
     parts += ["## Where", _where()]
     return "\n\n".join(parts) + "\n"
 

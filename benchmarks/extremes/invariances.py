@@ -91,7 +91,8 @@ def renumbered(system: kg.System) -> Retold:
     a = system.values()
     order = np.array([0, 2, 1, 4, 3])
     number = np.append(0, np.argsort(order) + 1)
-    kept = ("connection", "gravity", "sequence", "speeds")  # the last two are the same for every body
+    alike = ("sequence", "speeds", "coordinates")  # the same for every body
+    kept = ("connection", "gravity", *alike)
     moved = {f.name: getattr(a, f.name)[order] for f in fields(a) if f.name not in kept}
     arrays = replace(a, connection=number[a.connection[order]], **moved)
     other = _system(arrays)

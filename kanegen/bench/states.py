@@ -14,7 +14,7 @@ from kanegen.system import System
 
 @dataclass(frozen=True)
 class States:
-    """B states: coordinates, speeds and generalized forces, (B, n) each, SI units."""
+    """B states: coordinates (B, m), speeds and generalized forces (B, n), SI units."""
 
     x: Floats
     y: Floats
@@ -23,7 +23,7 @@ class States:
     def write(self, path: Path) -> Path:
         """As drivers/contest.h describes it."""
         with path.open("wb") as file:
-            np.array(self.x.shape, dtype=np.int64).tofile(file)
+            np.array([*self.x.shape, self.y.shape[1]], dtype=np.int64).tofile(file)
             for values in (self.x, self.y, self.tau):
                 np.ascontiguousarray(values).tofile(file)
         return path
@@ -31,9 +31,9 @@ class States:
     @classmethod
     def read(cls, path: Path) -> States:
         """What `write` wrote."""
-        count, n = np.fromfile(path, dtype=np.int64, count=2)
-        x, y, tau = np.fromfile(path, offset=16).reshape(3, count, n)
-        return cls(x, y, tau)
+        count, m, n = np.fromfile(path, dtype=np.int64, count=3)
+        x, y, tau = np.split(np.fromfile(path, offset=24), [count * m, count * (m + n)])
+        return cls(x.reshape(count, m), y.reshape(count, n), tau.reshape(count, n))
 
 
 def random_states(system: System, count: int, seed: int = 0) -> States:

@@ -18,9 +18,9 @@ def require_clear(region: Region) -> None:
     if domain.clearance > 0:
         return
     for place, lock in domain.locking.items():
-        body = system.bodies[system.freedoms[place].body - 1]
+        body = system.bodies[system.coordinates[place].body - 1]
         if not body.joint.spins and _meets(lock, domain.low[place], domain.high[place]):
-            name = system.freedom_names[place]
+            name = system.coordinate_names[place]
             raise OptionError(
                 f"domain: [A] is singular where {'cos' if lock else 'sin'}({name}) = 0, which x.{name} from "
                 f"{domain.low[place]:.4g} to {domain.high[place]:.4g} meets. Exclude that, such as by "

@@ -1,7 +1,7 @@
 """The part of a domain that a request is about, as a table of plain data and back.
 
     [x]                             # coordinates, rad and m
-    angles = [-3.0, 3.0]            # all angles; "translations" likewise
+    angles = [-3.0, 3.0]            # all angles; "translations" and "quaternions" likewise
     elbow = [0.1, 2.5]              # one freedom, by its name; a single number fixes it
     [y]                             # generalized speeds, rad/s and m/s
     [tau]                           # generalized forces, N m and N
@@ -32,8 +32,8 @@ from kanegen.study.domain import GRID, Domain, default_domain
 from kanegen.suggest import did_you_mean
 from kanegen.system import System
 
-KINDS = {"angles": True, "translations": False}
-"""Names for all freedoms of a kind, and whether these are angles."""
+KINDS = {"angles": "rad", "translations": "m", "quaternions": "1"}
+"""Names for all coordinates of a kind, and their unit."""
 
 STATE = ("x", "y", "tau")
 LOADS = ("force", "torque")
@@ -101,12 +101,13 @@ def region(system: System, table: Mapping[str, Any], where: str = "domain") -> R
         raise OptionError(f"{where}: exclude.clearance: {excluded['clearance']!r} is not below 1.")
     box = default_domain(system, clearance=excluded.get("clearance", 0.0))
     low, high = box.low.copy(), box.high.copy()
-    n = len(system.freedoms)
-    for start, name in enumerate(STATE):
-        _freedoms(f"{where}: {name}", system, tables[name], low[start * n :], high[start * n :])
-    for start, name in enumerate(LOADS):
-        first = 3 * n + start * box.loads
-        _bodies(f"{where}: {name}", system, tables[name], low[first:], high[first:])
+    for name, first in box.first.items():
+        place = f"{where}: {name}"
+        if name in LOADS:
+            _bodies(place, system, tables[name], low[first:], high[first:])
+        else:
+            elements = box.elements[name]
+            _elements(place, system, elements, tables[name], low[first:], high[first:])
     try:
         domain = replace(box, low=low, high=high)
         domain.uniform(1, np.random.default_rng(0))
@@ -115,18 +116,19 @@ def region(system: System, table: Mapping[str, Any], where: str = "domain") -> R
     return Region(domain, excluded.get("cancellation", math.inf), parameters)
 
 
-def _freedoms(where: str, system: System, table: Mapping[str, Any], low: Floats, high: Floats) -> None:
-    """Put the ranges of freedoms into the ends of a box; kinds first, names last."""
-    names = system.freedom_names
-    _known(where, table, (*names, *KINDS))
-    for kind, is_angle in KINDS.items():
-        if kind in table and kind not in names:
+def _elements(
+    where: str, system: System, units: Mapping[str, str], table: Mapping[str, Any], low: Floats, high: Floats
+) -> None:
+    """Put the ranges of elements, whose units are given by name, into the ends of a box; kinds first."""
+    _known(where, table, (*units, *KINDS))
+    for kind, unit in KINDS.items():
+        if kind in table and kind not in units:
             ends = _range(f"{where}.{kind}", table[kind])
-            places = [k for k, freedom in enumerate(system.freedoms) if freedom.is_angle == is_angle]
+            places = [place for place, own in enumerate(units.values()) if own == unit]
             if not places:
                 raise OptionError(f"{where}.{kind}: system {system.name!r} has no {kind}.")
             low[places], high[places] = ends
-    for place, name in enumerate(names):
+    for place, name in enumerate(units):
         if name in table:
             low[place], high[place] = _range(f"{where}.{name}", table[name])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic
 
@@ -32,6 +32,7 @@ class Screening(Generic[C]):
         times: Of all whose time matters.
         finals: Of the finalists and the reference, once more; a choice is between these.
         verdicts: What became of every candidate, in words, in the order of the field.
+        spared: Candidates with more digits than the sample needs; not built unless nobody else holds.
     """
 
     laboratory: Laboratory[C]
@@ -41,6 +42,7 @@ class Screening(Generic[C]):
     times: dict[C, Times] = field(default_factory=dict)
     finals: dict[C, Times] = field(default_factory=dict)
     verdicts: dict[str, str] = field(default_factory=dict)
+    spared: list[C] = field(default_factory=list)
 
     @property
     def sample(self) -> Draw:
@@ -64,7 +66,7 @@ class Screening(Generic[C]):
             BudgetError: If nobody does.
         """
         self._measure()
-        accurate = [c for c, error in self.found.items() if error <= self._threshold and error < math.inf]
+        accurate = self._accurate(self.found)
         if not accurate:
             raise BudgetError(self._best_error())
         rivals = [c for c in self.found if c in accurate or self._is_reference(c)]
@@ -75,6 +77,24 @@ class Screening(Generic[C]):
         if not quick:
             raise BudgetError(self.best_time())
         return quick
+
+    def widened(self) -> list[C]:
+        """Who keeps the budget so far of those with more digits, now measured and timed; once."""
+        spared, self.spared = self.spared, []
+        for candidate in spared:
+            self.verdicts[candidate.label] = ""
+        self._measure_built(spared)
+        accurate = self._accurate(spared)
+        if accurate:
+            self.times |= self.laboratory.times(accurate)
+        for candidate in accurate:
+            self.say(candidate, f", {self.times[candidate].median:.4g} ns")
+        return [c for c in accurate if self.times[c].median <= self._limit]
+
+    def _accurate(self, candidates: Iterable[C]) -> list[C]:
+        """Those whose error on the sample is small enough."""
+        found = {c: self.found.get(c, math.inf) for c in candidates}
+        return [c for c, error in found.items() if error <= self._threshold and error < math.inf]
 
     def best(self, remaining: list[C]) -> C | None:
         """The next one to be judged; it goes off the list, and so does who turns out too slow.
@@ -133,6 +153,7 @@ class Screening(Generic[C]):
                 self.say(candidate, f"not built: its roundoff alone brings {floors[candidate]:.1e}")
             elif enough and self.laboratory.is_costlier(candidate):
                 self.say(candidate, f"not built: {first.label} is accurate enough, and faster")
+                self.spared.append(candidate)
             else:
                 worth.append(candidate)
         self._measure_built(worth)

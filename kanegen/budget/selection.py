@@ -9,6 +9,7 @@
 4. Who survives is validated once, in states that nobody has seen, and attacked again from the worst ones.
 5. Who fails is out, and the next one gets a new sample. How often this may happen is fixed beforehand and
    paid for by the confidence of each attempt (`odds`).
+6. Where all are refuted, those with more digits than the sample needed are built after all.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ from kanegen.budget.request import Request
 from kanegen.budget.screening import Screening
 from kanegen.budget.times import Speedup, Times, speedup
 from kanegen.errors import BudgetError
+
+SHOWN = 3
+"""Candidates that are named where all fail."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,10 @@ class _Search(Generic[C]):
         while attempt < allowed:
             best = self.screening.best(remaining)
             if best is None:
-                break
+                remaining = self.screening.widened()
+                if not remaining:
+                    break
+                continue
             first = self._attack(best, self.screening.sample, 1)
             if first is None:
                 continue
@@ -137,4 +144,8 @@ class _Search(Generic[C]):
             return self.screening.best_time()
         tried = [f"{label}: {words}." for label, words in self.screening.verdicts.items() if ";" in words]
         more = "" if all_tried else " No further attempt was allowed; see attempts."
-        return f"no variant that kept the budget on the first sample was borne out.{more} {' '.join(tried)}"
+        others = f" And {len(tried) - SHOWN} more." if len(tried) > SHOWN else ""
+        return (
+            f"no variant that kept the budget on the first sample was borne out.{more} "
+            f"{' '.join(tried[:SHOWN])}{others}"
+        )

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from kanegen.arrays import Floats
 from kanegen.bench import Terms
@@ -15,6 +17,7 @@ from kanegen.budget.laboratory import Attack, Draw
 from kanegen.budget.region import Region
 from kanegen.budget.request import Request
 from kanegen.budget.times import Times
+from kanegen.budget.worst import sample_of
 from kanegen.c.formats import formats
 from kanegen.compiler import Progress, quiet
 from kanegen.errors import OptionError
@@ -49,7 +52,7 @@ def field_of(
         OptionError: If none is left.
     """
     known = candidates()[0] if among is None else among
-    own = [Candidate(STRICT), *(candidate for candidate in known if candidate.speeds is None)]
+    own = [Candidate(STRICT), *(candidate for candidate in known if not candidate.changes_system)]
     kept = tuple(candidate for candidate in dict.fromkeys(own) if keep(candidate))
     if not kept:
         raise OptionError("no variant is left to choose from: ask for less, such as another precision.")
@@ -93,6 +96,7 @@ class Workbench:
         self._progress = progress
         self._samples: dict[Draw, Sample] = {}
         self._built: dict[Candidate, Built] = {}
+        self._refutations: list[Attack] = []
 
     def floor(self, candidate: Candidate) -> float:
         """What the rounding of the result alone brings."""
@@ -143,18 +147,34 @@ class Workbench:
         return {one.candidate: Times(found[one].of(self._request.objective)) for one in built}
 
     def attack(self, candidate: Candidate, draw: Draw, number: int) -> Attack:
-        """A search for a counterexample; the first one also tries the strata."""
+        """A search for a counterexample; the first one also tries the strata.
+
+        It begins with those that refuted other candidates: what is hard for one is hard for many.
+        """
         self._progress(f"searching for a counterexample: {candidate.label}")
         error = functools.partial(self._error, self.library(candidate))
+        for tried, refutation in enumerate(self._refutations, start=1):
+            height = float(error(sample_of(self.region.domain, refutation.where))[0])
+            if height > self._budget:
+                return replace(refutation, error=height, evaluations=tried)
         seed = int(stream(self._seed, "attack", number).integers(2**31))
         effort = self._request.effort.attack
-        return attacked(self.region, self.judge, error, self.sample(draw), effort, seed, hard=number == 1)
+        found = attacked(self.region, self.judge, error, self.sample(draw), effort, seed, hard=number == 1)
+        if found.error > self._budget:
+            self._refutations.append(found)
+        return found
+
+    @property
+    def _budget(self) -> float:
+        """Of the error in every state; infinite where some may exceed it, or time has the budget."""
+        return self._request.error if self._request.error and self._request.is_strict else math.inf
 
     def _error(self, library: Library, sample: Sample) -> Floats:
         return evaluating.errors(self.judge, library, sample, self._request.objective)
 
     def _timed_sample(self, system: System) -> Sample:
         """States of the region, without loads."""
-        own, size = self.region.domain, 3 * len(system.freedoms)
+        own = self.region.domain
+        size = own.first["force"]
         rows = own.uniform(TIMED_STATES, stream(self._seed, "time", 0))
         return Domain(system, own.low[:size], own.high[:size]).states(rows[:, :size])

@@ -17,9 +17,9 @@ from kanegen.study.samples import Sample
 def state(sample: Sample) -> dict[str, Any]:
     """One state, its numbers in hexadecimal: exactly, and the same on every machine."""
     (row,) = sample.flat()
-    n = sample.tau.shape[1]
-    loads = (len(row) - 3 * n) // 2
-    ends = np.cumsum([n, n, n, loads, loads])
+    m, n = sample.states.x.shape[1], sample.tau.shape[1]
+    loads = (len(row) - m - 2 * n) // 2
+    ends = np.cumsum([m, n, n, loads, loads])
     names = ("x", "y", "tau", "force", "torque")
     parts = zip(names, np.split(row, ends)[: len(names)], strict=True)
     return {name: [float(value).hex() for value in values] for name, values in parts if len(values)}

@@ -20,7 +20,9 @@ class Anchor:
         name: Its name.
         parameters: Places of the orientation's angles in the array of parameters.
         angles: Places of the joint's angles in {x}.
+        speeds: Those of their speeds in {y}.
         slides: Places of its translations in {x}; none if they are locked at zero.
+        sliding: Those of their rates in {y}.
         axes: Basis vectors about which its angles turn, from 0.
         spins: Whether the speeds of its angles are components of the angular velocity.
     """
@@ -28,8 +30,10 @@ class Anchor:
     body: int
     name: str
     parameters: tuple[int, int, int]
-    angles: tuple[int, int, int]
+    angles: tuple[int, ...]
+    speeds: tuple[int, ...]
     slides: tuple[int, ...]
+    sliding: tuple[int, ...]
     axes: tuple[int, int, int]
     spins: bool
 
@@ -41,8 +45,8 @@ class Anchor:
     @property
     def row(self) -> str:
         """The same as an initialiser in C."""
-        triples = (self.parameters, self.angles, self.slides or (-1, -1, -1), self.axes)
-        words = [f"{{{', '.join(map(str, triple))}}}" for triple in triples]
+        places = (self.parameters, self.angles, self.speeds, self.slides, self.sliding, self.axes)
+        words = [f"{{{', '.join(map(str, triple or (-1, -1, -1)))}}}" for triple in places]
         return f"{{{', '.join([*words, str(int(self.spins))])}}}"
 
 

@@ -34,7 +34,8 @@ def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, i
     """Enumerators of the sizes of arrays: name, value, meaning."""
     prefix = model.name.upper()
     rows = [
-        (f"{prefix}_FREEDOMS", len(model.freedom_names), "n, elements of x and y"),
+        (f"{prefix}_COORDINATES", len(model.coordinate_names), "elements of x"),
+        (f"{prefix}_FREEDOMS", len(model.freedom_names), "n, elements of y"),
         (f"{prefix}_BODIES", len(model.body_names), "N"),
     ]
     for function in functions:
@@ -75,9 +76,17 @@ def enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
 
 
 def freedoms(model: ModelFacts) -> list[tuple[int, str, str, str]]:
-    """Index in {x} and {y}, name, unit in {x}, and the name in {y} where that is not the rate."""
+    """Index in {y}, name, unit in {x}, and the name in {y} where that is not the rate."""
     rows = zip(model.freedom_names, model.freedom_units, model.speeds, strict=True)
     return [(index, name, unit, speed) for index, (name, unit, speed) in enumerate(rows)]
+
+
+def coordinates(model: ModelFacts) -> list[tuple[int, str, str]]:
+    """Index in {x}, name, unit, where there are others than freedoms; otherwise nothing."""
+    if not model.has_quaternions:
+        return []
+    rows = zip(model.coordinate_names, model.coordinate_units, strict=True)
+    return [(index, name, unit) for index, (name, unit) in enumerate(rows)]
 
 
 def loads(model: ModelFacts) -> list[tuple[int, str]]:
@@ -111,9 +120,9 @@ def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple
     if function.name == PREPARE:
         return [(default, name) for name, default in model.parameters]
     if len(array.shape) == 1:
-        labels = list(model.freedom_names)
+        labels = list(model.coordinate_names)
         if array.name != "x":
-            labels = [speed or name for speed, name in zip(model.speeds, labels, strict=True)]
+            labels = [speed or name for speed, name in zip(model.speeds, model.freedom_names, strict=True)]
     else:
         labels = [f"{body}, {axis}" for body in model.body_names for axis in "xyz"]
     return [((1 + i % 7) / 10, label) for i, label in enumerate(labels)]

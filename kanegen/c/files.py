@@ -121,6 +121,7 @@ def render(
         "conditions": list(dict.fromkeys(c for function in functions for c in function.conditions)),
         "judged": [f"`{model.name}_{function.name}`" for function in functions if function.judged],
         "freedoms": describe.freedoms(model),
+        "coordinates": describe.coordinates(model),
         "loads": describe.loads(model),
         "operations": describe.operations(operations),
         "sines": textwrap.wrap(describe.sines(sincos, precision), WIDTH - len(" * ")),

@@ -21,8 +21,10 @@ class ModelFacts:
 
     Attributes:
         name: A C identifier; the prefix of everything.
-        freedom_names: n names in the order of {x}.
-        freedom_units: Unit of each coordinate, "rad" or "m".
+        freedom_names: n names in the order of {y}.
+        freedom_units: Unit of each, "rad" or "m".
+        coordinate_names: Names in the order of {x}; of the freedoms, or of four elements of a quaternion.
+        coordinate_units: Unit of each, "rad", "m" or "1".
         speed_names: n names in the order of {y}; those of the coordinates whose rates they are, or others.
         body_names: N names.
         loaded: For each body whether it takes a force and a torque.
@@ -37,6 +39,8 @@ class ModelFacts:
     name: str
     freedom_names: tuple[str, ...]
     freedom_units: tuple[str, ...]
+    coordinate_names: tuple[str, ...]
+    coordinate_units: tuple[str, ...]
     body_names: tuple[str, ...]
     loaded: tuple[bool, ...]
     parameters: tuple[tuple[str, float], ...] = ()
@@ -45,6 +49,11 @@ class ModelFacts:
     planar: tuple[tuple[int, str], ...] = ()
     sequences: tuple[tuple[str, str], ...] = ()
     speed_names: tuple[str, ...] = ()
+
+    @property
+    def has_quaternions(self) -> bool:
+        """Whether {x} has more elements than {y}."""
+        return len(self.coordinate_names) > len(self.freedom_names)
 
     @property
     def speeds(self) -> tuple[str, ...]:

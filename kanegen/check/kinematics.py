@@ -23,6 +23,7 @@ from kanegen.check.matrices import (
     angle_rate_matrix_dot,
     apply,
     rotation_123,
+    rotation_by_quaternion,
     sines_cosines,
     skew,
     transposed,
@@ -82,7 +83,7 @@ def kinematics(system: SystemArrays, x: Numbers, y: Numbers) -> tuple[BodyKinema
 
     Args:
         system: The numbers of the tree.
-        x: (..., n) coordinates (rad, m).
+        x: (..., m) coordinates (rad, m, 1).
         y: (..., n) generalized speeds (rad/s, m/s).
 
     Where the speeds of a body's angles are components of its relative angular velocity, [P^AV_K] is the
@@ -90,11 +91,11 @@ def kinematics(system: SystemArrays, x: Numbers, y: Numbers) -> tuple[BodyKinema
     """
     count = len(system.mass)
     speeds = full_order(system, y, np.zeros((count, 6)))
-    angles, translations = _by_body(full_order(system, x, system.locked))
+    orientations, translations = by_body(system, x)
     rates, translation_rates = _by_body(speeds)
     bodies = [_ground(count, speeds.dtype)]
     for k in range(count):
-        state = (angles[..., k, :], rates[..., k, :], translations[..., k, :], translation_rates[..., k, :])
+        state = (orientations[k], rates[..., k, :], translations[k], translation_rates[..., k, :])
         bodies.append(_body(system, k, bodies[system.connection[k]], state, speeds))
     return tuple(bodies[1:])
 
@@ -102,6 +103,29 @@ def kinematics(system: SystemArrays, x: Numbers, y: Numbers) -> tuple[BodyKinema
 def free_columns(system: SystemArrays) -> NDArray[np.bool_]:
     """(6N,) which speeds of Eq. (1) are free."""
     return np.concatenate([system.free[:, :3].ravel(), system.free[:, 3:].ravel()])
+
+
+def by_body(system: SystemArrays, x: Numbers) -> tuple[list[Numbers], list[Numbers]]:
+    """For each body its (..., 3) angles or (..., 4) quaternion, and its (..., 3) translation."""
+    rest, parts = x, []
+    for columns in (slice(0, 3), slice(3, 6)):
+        found = []
+        for k, held in enumerate(system.coordinates):
+            if held == "quaternion" and columns.start == 0:
+                own, rest = rest[..., :4], rest[..., 4:]
+            else:
+                free = system.free[k, columns]
+                own = np.empty((*x.shape[:-1], 3), np.result_type(x.dtype, system.locked.dtype))
+                own[...] = system.locked[k, columns]
+                own[..., free], rest = rest[..., : free.sum()], rest[..., free.sum() :]
+            found.append(own)
+        parts.append(found)
+    return parts[0], parts[1]
+
+
+def coordinate_count(system: SystemArrays) -> int:
+    """m, the elements of {x}: of a quaternion four, where there are three freedoms."""
+    return int(free_columns(system).sum()) + system.coordinates.count("quaternion")
 
 
 def full_order(system: SystemArrays, values: Numbers, locked: Numbers) -> Numbers:
@@ -121,19 +145,13 @@ def _body(
     state: tuple[Numbers, Numbers, Numbers, Numbers],
     speeds: Numbers,
 ) -> BodyKinematics:
-    angles, rates, translation, translation_rates = state
+    orientation, rates, translation, translation_rates = state
     joint_to_lower = system.joint_orientation[k].T
     r_tilde = skew(system.mass_center[k])
 
-    named = renaming(SEQUENCES[system.sequence[k]])
-    turns = sines_cosines(angles, named)
-    rate_matrix = named.after @ angle_rate_matrix(*turns)
-    rate_matrix_dot = named.after @ angle_rate_matrix_dot(*turns, named.sign * rates)
-    if system.speeds[k] == "angular_velocity":
-        rate_matrix_dot = np.zeros_like(rate_matrix_dot)
-        rate_matrix = rate_matrix_dot + np.eye(3)
+    turn, rate_matrix, rate_matrix_dot = _turning(system, k, orientation, rates)
     relative_omega = apply(rate_matrix, rates)  # (8)
-    rotate = named.after @ rotation_123(*turns) @ named.before @ system.joint_orientation[k]  # (4)
+    rotate = turn @ system.joint_orientation[k]  # (4)
     rotate_dot = transposed(skew(relative_omega)) @ rotate  # (7)
 
     omega_y = rotate @ lower.omega_y + _block(rate_matrix, k, speeds)  # (15), (16)
@@ -180,6 +198,24 @@ def _body(
     )
 
 
+def _turning(
+    system: SystemArrays, k: int, orientation: Numbers, rates: Numbers
+) -> tuple[Numbers, Numbers, Numbers]:
+    """(..., 3, 3) turn from the joint frame, Eq. (4), [P^AV_K] of Eq. (17), and its rate."""
+    if system.coordinates[k] == "quaternion":
+        turn = rotation_by_quaternion(orientation)
+        still = np.zeros_like(turn)
+        return turn, still + np.eye(3), still
+    named = renaming(SEQUENCES[system.sequence[k]])
+    turns = sines_cosines(orientation, named)
+    turn = named.after @ rotation_123(*turns) @ named.before
+    if system.speeds[k] == "angular_velocity":
+        still = np.zeros_like(turn)
+        return turn, still + np.eye(3), still
+    rate_matrix = named.after @ angle_rate_matrix(*turns)
+    return turn, rate_matrix, named.after @ angle_rate_matrix_dot(*turns, named.sign * rates)
+
+
 def _ground(bodies: int, dtype: np.dtype[Any]) -> BodyKinematics:
     """Body 0 at rest, so that factors of the lower body drop out where the notes leave them out."""
     zeros = {field.name: np.zeros(3, dtype) for field in fields(BodyKinematics)}
@@ -197,7 +233,7 @@ def _block(square: Numbers, number: int, speeds: Numbers) -> Numbers:
 
 
 def _by_body(full: Numbers) -> tuple[Numbers, Numbers]:
-    """(..., N, 3) angles and (..., N, 3) translations from (..., 6N)."""
+    """(..., N, 3) rates of turning and (..., N, 3) of translation from (..., 6N)."""
     angles, translations = np.split(full, 2, axis=-1)
     shape = (*full.shape[:-1], -1, 3)
     return angles.reshape(shape), translations.reshape(shape)

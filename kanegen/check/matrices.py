@@ -60,6 +60,16 @@ def rotation_123(sines: Numbers, cosines: Numbers) -> Numbers:
     )
 
 
+def rotation_by_quaternion(elements: Numbers) -> Numbers:
+    """(..., 3, 3) from a joint's frame to the frame turned by (..., 4) Euler parameters, after Rodrigues."""
+    scalar, vector = elements[..., 0, None, None], elements[..., 1:]
+    row, column = vector[..., None, :], vector[..., :, None]
+    across, along = scalar * skew(vector), row @ column
+    turned = (scalar * scalar - along) * np.eye(3) + 2 * (column @ row - across)
+    rotation: Numbers = turned / (scalar * scalar + along)
+    return rotation
+
+
 def angle_rate_matrix(sines: Numbers, cosines: Numbers) -> Numbers:
     """(..., 3, 3) Eq. (17)."""
     (_, s2, s3), (_, c2, c3) = sines, cosines

@@ -35,9 +35,9 @@ class MovingRows:
 
 
 def moving_rows(arrays: SystemArrays, x: Floats, order: Sequence[int]) -> MovingRows:
-    """The rows in the state `x` (n,), with the freedoms in the given order."""
+    """The rows where {x} is `x`, with the freedoms in the given order."""
     columns = np.flatnonzero(free_columns(arrays))[list(order)]
-    still = np.zeros_like(x)
+    still = np.zeros(len(columns))
     bodies = kinematics(arrays, x, still)
     blocks, sizes = [], []
     for k, reach in enumerate(reaches(arrays, bodies, still)):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.arrays import SystemArrays
-from kanegen.check.kinematics import BodyKinematics, free_columns, full_order, kinematics
+from kanegen.check.kinematics import BodyKinematics, coordinate_count, free_columns, full_order, kinematics
 from kanegen.check.matrices import Numbers, apply, transposed
 from kanegen.errors import ArrayError
 from kanegen.system import System
@@ -49,7 +49,7 @@ def mass_matrix(system: System | SystemArrays, x: ArrayLike) -> Numbers:
 
     Args:
         system: The tree; parameters stand at their defaults.
-        x: (n,) or (B, n) coordinates (rad, m).
+        x: (m,) or (B, m) coordinates (rad, m, 1).
 
     Returns:
         (n, n) or (B, n, n).
@@ -58,9 +58,9 @@ def mass_matrix(system: System | SystemArrays, x: ArrayLike) -> Numbers:
         ArrayError: If `x` has another shape.
     """
     system = arrays_of(system)
-    x = state(system, x, "x")
+    x = coordinates(system, x)
     free = free_columns(system)
-    bodies = kinematics(system, x, np.zeros_like(x))
+    bodies = kinematics(system, x, np.zeros((*x.shape[:-1], int(free.sum())), x.dtype))
     center_y = [body.center_y[..., free] for body in bodies]
     omega_y = [body.omega_y[..., free] for body in bodies]
     momentum_y = [m * v for m, v in zip(system.mass, center_y, strict=True)]
@@ -82,8 +82,8 @@ def forcing(
 
     Args:
         system: The tree; parameters stand at their defaults.
-        x: (n,) or (B, n) coordinates (rad, m).
-        y: Like `x`: generalized speeds, its time derivatives.
+        x: (m,) or (B, m) coordinates (rad, m, 1).
+        y: (n,) or (B, n) generalized speeds.
         force: (N, 3) or (B, N, 3) forces F'_K at G_K, in K (N); default none. Every row counts, also of
             bodies for which generated code takes no loads.
         torque: Like `force`: torques M'_K, in K (N m).
@@ -106,9 +106,9 @@ def forcing_terms(
 ) -> ForcingTerms:
     """The separate sums of Eq. (44); arguments as `forcing`."""
     system = arrays_of(system)
-    x, y = state(system, x, "x"), state(system, y, "y")
-    if x.shape != y.shape:
-        raise ArrayError(f"x has shape {x.shape} and y {y.shape}; they must have the same.")
+    x, y = coordinates(system, x), state(system, y, "y", int(free_columns(system).sum()))
+    if x.shape[:-1] != y.shape[:-1]:
+        raise ArrayError(f"x has shape {x.shape} and y {y.shape}; they must have as many states.")
     forces, torques = load(system, force, x, "force"), load(system, torque, x, "torque")
     speeds = full_order(system, y, np.zeros((len(system.mass), 6)))
     free = free_columns(system)
@@ -146,14 +146,22 @@ def arrays_of(system: System | SystemArrays) -> SystemArrays:
     return system.values() if isinstance(system, System) else system
 
 
-def state(system: SystemArrays, value: ArrayLike, what: str) -> Numbers:
-    """`value` as a (n,) or (B, n) array.
+def coordinates(system: SystemArrays, x: ArrayLike) -> Numbers:
+    """{x} as a (m,) or (B, m) array.
+
+    Raises:
+        ArrayError: If it has another shape.
+    """
+    return state(system, x, "x", coordinate_count(system))
+
+
+def state(system: SystemArrays, value: ArrayLike, what: str, count: int) -> Numbers:
+    """`value` as a (count,) or (B, count) array.
 
     Raises:
         ArrayError: If it has another shape.
     """
     array = np.asarray(value)
-    count = int(free_columns(system).sum())
     if array.ndim not in (1, 2) or array.shape[-1] != count:
         raise ArrayError(f"{what} has shape {array.shape}; expected ({count},) or (B, {count}).")
     return array

@@ -26,7 +26,7 @@ class States:
     """B states of a system.
 
     Attributes:
-        x: (B, n) coordinates (rad, m).
+        x: (B, m) coordinates (rad, m, 1).
         y: (B, n) generalized speeds (rad/s, m/s).
         force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if none does.
         torque: (B, N, 3) torques (N m), likewise.
@@ -57,25 +57,33 @@ class States:
 
 @dataclass(frozen=True)
 class Ranges:
-    """Largest magnitudes of random states, as in `States` without B; 0 where a body takes no loads."""
+    """Largest magnitudes of random states, as in `States` without B; 0 where a body takes no loads.
+
+    `size` is (n,) what counts as a large change by a freedom: a radian, or the length of its body.
+    """
 
     x: Floats
+    size: Floats
     y: Floats
     force: Floats
     torque: Floats
 
 
 def ranges(system: System | SystemArrays) -> Ranges:
-    """Half a turn for angles; everything else on the scale of its body."""
+    """Half a turn for angles, 1 for quaternions; everything else on the scale of its body."""
     arrays = system.values() if isinstance(system, System) else system
-    bodies = len(arrays.mass)
     size, acceleration, mass = _lengths(arrays), _acceleration(arrays), _masses(arrays)
     rate = np.sqrt(acceleration / size)
     free = free_columns(arrays)
-    half_turn = np.full(3 * bodies, np.pi)
+    lengths = np.repeat(size, 3)[arrays.free[:, 3:].ravel()]
+    turning = [
+        np.ones(4) if held == "quaternion" else np.full(free[:3].sum(), np.pi)
+        for held, free in zip(arrays.coordinates, arrays.free, strict=True)
+    ]
     weight = np.where(arrays.loads, mass, 0.0) * acceleration
     return Ranges(
-        x=np.concatenate([half_turn, np.repeat(size, 3)])[free],
+        x=np.concatenate([*turning, lengths]),
+        size=np.concatenate([np.ones(arrays.free[:, :3].sum()), lengths]),
         y=np.repeat(np.concatenate([rate, rate * size]), 3)[free],
         force=np.tile(weight[:, None], 3),
         torque=np.tile((weight * size)[:, None], 3),
@@ -85,7 +93,8 @@ def ranges(system: System | SystemArrays) -> Ranges:
 def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:
     """`count` random states.
 
-    Angles are uniform over (-pi, pi), everything else uniform over (-1, 1) times the scale of its body. [A]
+    Angles are uniform over (-pi, pi), everything else uniform over (-1, 1) times the scale of its body, the
+    elements of quaternions as they are. [A]
     is singular where a `cos(theta2)` is zero and all three angles of that body are free; [A] and {f} are
     smooth there, so those states are not avoided, but who solves with [A] must keep away.
 

@@ -24,6 +24,7 @@ from kanegen.cli.options import (
     AsJson,
     Attempts,
     Confidence,
+    Coordinates,
     Domain,
     ErrorBudget,
     FloatingBase,
@@ -112,6 +113,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     reproducible: Reproducible = False,
     seed: Seed = 0,
     speeds: Speeds = None,
+    coordinates: Coordinates = None,
     reanchoring: Reanchoring = False,
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
@@ -122,7 +124,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     `pip install 'kanegen[study]'`.
     """
     chosen = has_budget(context)
-    system = _loaded(model, floating_base, speeds)
+    system = _loaded(model, floating_base, speeds, coordinates)
     wanted = anchors(system) if reanchoring else ()
     if chosen:
         command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
@@ -172,6 +174,7 @@ def verify(
     seed: Annotated[int, typer.Option(min=0, help="Of the fresh states.")] = 1,
     floating_base: FloatingBase = False,
     speeds: Speeds = None,
+    coordinates: Coordinates = None,
 ) -> None:
     """Make and measure anew what a CERTIFICATE of `generate` says; status 1 if something does not hold.
 
@@ -179,7 +182,7 @@ def verify(
     error in states of its own. Times are not measured again. Needs `pip install 'kanegen[study]'`.
     """
     command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
-    system = None if model is None else _loaded(model, floating_base, speeds)
+    system = None if model is None else _loaded(model, floating_base, speeds, coordinates)
     with progress() as report:
         found = command.verify(certificate, system, states, seed, report)
     command.show_verification(certificate, found, screen)
@@ -198,10 +201,11 @@ def check(
     sincos: Waves = None,
     tier: Tier = "strict",
     speeds: Speeds = None,
+    coordinates: Coordinates = None,
     as_json: AsJson = False,
 ) -> None:
     """Compile the C for MODEL and compare it with the NumPy reference; status 1 if it does not pass."""
-    system = _loaded(model, floating_base, speeds)
+    system = _loaded(model, floating_base, speeds, coordinates)
     with progress() as report:
         variant = variants.chosen(tier, precision=precision, storage=storage, sincos=sincos)
         result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)
@@ -218,9 +222,10 @@ def equations(
     ] = "text",
     floating_base: FloatingBase = False,
     speeds: Speeds = None,
+    coordinates: Coordinates = None,
 ) -> None:
     """Print the equations of motion of MODEL: in closed form for a small tree, else by definitions."""
-    system = _loaded(model, floating_base, speeds)
+    system = _loaded(model, floating_base, speeds, coordinates)
     with progress() as report:
         derived = compiler.derive(system, progress=report)
         report("printing")
@@ -234,10 +239,11 @@ def info(
     floating_base: FloatingBase = False,
     without: Without = None,
     speeds: Speeds = None,
+    coordinates: Coordinates = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the tree of MODEL, its freedoms and parameters, and what its equations cost."""
-    system = _loaded(model, floating_base, speeds)
+    system = _loaded(model, floating_base, speeds, coordinates)
     with progress() as report:
         facts = information.gather(system, report, without)
     if as_json:
@@ -327,10 +333,9 @@ def tradeoff(
         raise typer.Exit(FAILED)
 
 
-def _loaded(model: Path, floating_base: bool, speeds: str | None) -> System:
-    """The system of a model file, with other speeds if so wished."""
-    system = load(model, floating_base=floating_base)
-    return system if speeds is None else system.with_speeds(speeds)
+def _loaded(model: Path, floating_base: bool, speeds: str | None, coordinates: str | None) -> System:
+    """The system of a model file, with other speeds and coordinates if so wished."""
+    return compiler.described(load(model, floating_base=floating_base), speeds, coordinates)
 
 
 def _require_plot(path: Path | None, extra: str = BENCH) -> None:

@@ -60,10 +60,15 @@ class Facts:
                     "connection": body.lower,
                     "mass": value_of(body.mass),
                     "free": _free(body),
+                    "coordinates": body.joint.coordinates,
                     "sequence": body.joint.sequence,
                     "loads": body.loads,
                 }
                 for k, body in enumerate(system.bodies, start=1)
+            ],
+            "coordinates": [
+                {"name": name, "body": coordinate.body, "unit": coordinate.unit}
+                for name, coordinate in zip(system.coordinate_names, system.coordinates, strict=True)
             ],
             "freedoms": [
                 {"name": name, "body": freedom.body, "freedom": FREEDOMS[freedom.index], "unit": freedom.unit}
@@ -98,7 +103,12 @@ def show(facts: Facts, console: Console) -> None:
     console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s^2\n")
     drawing = console.render(_tree(system), console.options.update_width(WIDEST))
     console.print(Segments(drawing), soft_wrap=True)
-    console.print("\n[bold]Freedoms[/], in the order of x and y")
+    if len(system.coordinates) > n:
+        console.print("\n[bold]Coordinates[/], in the order of x")
+        console.print(_coordinates(system))
+        console.print("\n[bold]Freedoms[/], in the order of y")
+    else:
+        console.print("\n[bold]Freedoms[/], in the order of x and y")
     console.print(_freedoms(system))
     if system.parameters:
         console.print("\n[bold]Parameters[/], with their defaults")
@@ -116,12 +126,20 @@ def _tree(system: System) -> Tree:
     branches = [tree]
     for k, body in enumerate(system.bodies, start=1):
         free = escape(" ".join(_free(body)) or "welded")
+        if body.joint.is_quaternion:
+            free = f"{free} (quaternion)"
         if body.joint.sequence != NOTES:
             free = f"{free} ({body.joint.sequence})"
         loads = ", takes loads" if body.loads else ""
         label = f"{k} [bold]{escape(body.name)}[/]  {free}  [dim]{_text(body.mass)} kg{loads}[/]"
         branches.append(branches[body.lower].add(label))
     return tree
+
+
+def _coordinates(system: System) -> Columns:
+    rows = zip(system.coordinate_names, system.coordinates, strict=True)
+    cells = [f"{i} {escape(name)} ({coordinate.unit})" for i, (name, coordinate) in enumerate(rows)]
+    return Columns(cells, column_first=True, padding=(0, 3))
 
 
 def _freedoms(system: System) -> Columns:

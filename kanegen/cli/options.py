@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from kanegen.body import SPEEDS
+from kanegen.body import ORIENTATIONS, SPEEDS
 from kanegen.precision import PRECISIONS
 from kanegen.program.passes import NAMES
 from kanegen.signature import OUTPUTS
@@ -47,6 +47,12 @@ Tier = Annotated[
 Speeds = Annotated[
     str | None,
     typer.Option("--speeds", metavar="NAME", help=f"Where three angles are free: {' or '.join(SPEEDS)}."),
+]
+Coordinates = Annotated[
+    str | None,
+    typer.Option(
+        "--coordinates", metavar="NAME", help=f"Where three angles are free: {' or '.join(ORIENTATIONS)}."
+    ),
 ]
 Reanchoring = Annotated[
     bool,

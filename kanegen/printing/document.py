@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate, groupby
@@ -14,7 +14,7 @@ from kanegen.printing.blocks import Blocks
 from kanegen.printing.latex_names import escaped, latex_names
 from kanegen.printing.printers import latex, latex_lines, text
 from kanegen.symbolic.equations import Equations
-from kanegen.symbolic.symbols import expression, parameter, speed
+from kanegen.symbolic.symbols import coordinate_rates, expression, parameter
 from kanegen.system import System
 
 Names = dict[Symbol, str]
@@ -107,7 +107,7 @@ def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Do
         f: (n, 1) {f}.
     """
     system = equations.system
-    n, count = len(equations.x), system.number_of_bodies
+    n, count = len(equations.y), system.number_of_bodies
     bodies = "1 body" if count == 1 else f"{count} bodies"
     freedoms = "1 freedom" if n == 1 else f"{n} freedoms"
     return Document(
@@ -133,9 +133,16 @@ def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> I
 
 
 def _freedoms(equations: Equations, names: Names) -> Section:
+    system = equations.system
+    if len(equations.x) > len(equations.y):
+        units = [coordinate.unit for coordinate in system.coordinates]
+        rates = [f"{freedom.unit}/s" for freedom in system.freedoms]
+        x = _elements("x", equations.x, zip(system.coordinate_names, units, strict=True), names)
+        y = _elements("y", equations.y, zip(system.speed_names, rates, strict=True), names)
+        return Section("Coordinates and speeds", "Eq. (1).", (*x, *y), is_list=True)
     statements = []
     for i, (x, y) in enumerate(zip(equations.x, equations.y, strict=True)):
-        name, unit = _meaning(equations.system, i)
+        name, unit = _meaning(system, i)
         label = rf"\text{{{escaped(name)} ({unit})}}"
         statements.append(
             Written(
@@ -145,6 +152,16 @@ def _freedoms(equations: Equations, names: Names) -> Section:
             )
         )
     return Section("Coordinates and speeds", "Eq. (1).", tuple(statements), is_list=True)
+
+
+def _elements(
+    array: str, symbols: Iterable[Symbol], meanings: Iterable[tuple[str, str]], names: Names
+) -> Iterator[Written]:
+    """What stands in {x}, or in {y}."""
+    for i, (symbol, (name, unit)) in enumerate(zip(symbols, meanings, strict=True), start=1):
+        label = rf"\text{{{escaped(name)} ({unit})}}"
+        plain = f"{array}[{i}] = {symbol}: {name} ({unit})"
+        yield Written(plain, f"{array}_{{{i}}}", (rf"{names[symbol]} \quad {label}",))
 
 
 def kinematics(system: System) -> str:
@@ -161,17 +178,13 @@ def _meaning(system: System, place: int) -> tuple[str, str]:
 
 def _coordinate_rates(equations: Equations, names: Names) -> Iterator[Section]:
     """Eq. (9), where coordinates have other rates than the speeds."""
-    rates = zip(equations.x, equations.y, equations.xdot, equations.system.freedoms, strict=True)
-    statements = tuple(
-        _equation(speed(freedom.body, freedom.index), rate, names)
-        for _, y, rate, freedom in rates
-        if rate != y
-    )
+    rates = zip(coordinate_rates(equations.system), equations.xdot, strict=True)
+    statements = tuple(_equation(symbol, rate, names) for symbol, rate in rates if rate != symbol)
     if statements:
         note = (
             "Eq. (9), where the speeds are components of a relative angular velocity; {xdot} = {y} elsewhere."
         )
-        yield Section("Rates of the angles", note, statements)
+        yield Section("Rates of the coordinates", note, statements)
 
 
 def _parameters(equations: Equations, names: Names) -> Iterator[Section]:

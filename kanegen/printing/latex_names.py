@@ -12,6 +12,8 @@ from kanegen.symbolic.symbols import (
     coordinate,
     force,
     parameter,
+    quaternion,
+    quaternion_rate,
     speed,
     spin,
     spin_rate,
@@ -38,6 +40,11 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
         names[speed(k, index)] = rf"\dot{{{letter}}}" + place
         names[acceleration(k, index)] = rf"\ddot{{{letter}}}" + place
     for body in equations.bodies:
+        if body.body.joint.is_quaternion:
+            k = body.number
+            for i, (element, rate) in enumerate(zip(quaternion(k), quaternion_rate(k), strict=True)):
+                names[element] = rf"\epsilon_{{{k},{i}}}"
+                names[rate] = rf"\dot{{\epsilon}}_{{{k},{i}}}"
         for axis in range(3):
             names[force(body.number, axis)] = f"{{F'}}_{{{body.number},{axis + 1}}}"
             names[torque(body.number, axis)] = f"{{M'}}_{{{body.number},{axis + 1}}}"

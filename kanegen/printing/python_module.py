@@ -64,12 +64,16 @@ def _docstring(equations: Equations) -> str:
         + (":" if system.speeds_are_rates else ", or components of relative angular velocities:"),
         "",
     ]
-    for i, (x, freedom, name) in enumerate(
-        zip(equations.x, system.freedoms, system.freedom_names, strict=True)
-    ):
-        lines.append(f"    x[{i}] = {x}, {name} ({freedom.unit})")
-        if system.spins(freedom):
-            lines.append(f"    y[{i}] = {equations.y[i]}, {system.speed_names[i]} ({freedom.unit}/s)")
+    speeds = {
+        i: f"    y[{i}] = {equations.y[i]}, {system.speed_names[i]} ({freedom.unit}/s)"
+        for i, freedom in enumerate(system.freedoms)
+        if system.spins(freedom)
+    }
+    elements = zip(equations.x, system.coordinates, system.coordinate_names, strict=True)
+    for i, (x, coordinate, name) in enumerate(elements):
+        lines.append(f"    x[{i}] = {x}, {name} ({coordinate.unit})")
+        if i in speeds:
+            lines.append(speeds[i])
     return "\n".join([*lines, '"""'])
 
 
@@ -79,11 +83,11 @@ def _parameters(equations: Equations) -> str:
 
 
 def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
-    n = len(equations.x)
+    n = len(equations.y)
     entries = {(i, j): A[i, j] for i in range(n) for j in range(i, n) if A[i, j]}
     lines = [
         "def mass_matrix(x, parameters=PARAMETERS):",
-        f'    """[A] of Eq. (43), ({n}, {n}), at the coordinates x, ({n},)."""',
+        f'    """[A] of Eq. (43), ({n}, {n}), at the coordinates x, ({len(equations.x)},)."""',
         *_unpacked(equations.x, "x"),
         *_body(equations, list(entries.values()), names),
         f"    A = np.zeros(({n}, {n}))",
@@ -95,10 +99,10 @@ def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, S
 
 
 def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
-    n, bodies = len(equations.x), len(equations.bodies)
+    m, n, bodies = len(equations.x), len(equations.y), len(equations.bodies)
     lines = [
         "def forcing(x, y, force=None, torque=None, parameters=PARAMETERS):",
-        f'    """{{f}} of Eq. (44), ({n},), at x and y, ({n},), under force and torque, ({bodies}, 3)."""',
+        f'    """{{f}} of Eq. (44), ({n},), at x, ({m},), and y, ({n},), under loads, ({bodies}, 3)."""',
         *_unpacked(equations.x, "x"),
         *_unpacked(equations.y, "y"),
         *_loads(equations),

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from kanegen import validation
-from kanegen.body import FREEDOMS, IDENTITY, SPEEDS, Body, Joint
+from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, SPEEDS, Body, Joint
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.numbers import numbers
 from kanegen.readers.parameters import Parameters
@@ -21,7 +21,17 @@ from kanegen.system import GRAVITY, System
 
 MODEL_KEYS = ("name", "gravity", "parameters", "body")
 BODY_KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "joint")
-JOINT_KEYS = ("name", "position", "orientation", "orientation_angles", "sequence", "free", "locked", "speeds")
+JOINT_KEYS = (
+    "name",
+    "position",
+    "orientation",
+    "orientation_angles",
+    "coordinates",
+    "sequence",
+    "free",
+    "locked",
+    "speeds",
+)
 INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 GROUND = "ground"
@@ -139,6 +149,7 @@ def _joint(table: Any, parameters: Parameters) -> Joint:
         name=table.get("name", ""),
         sequence=table.get("sequence", NOTES),
         speeds=table.get("speeds", SPEEDS[0]),
+        coordinates=table.get("coordinates", ORIENTATIONS[0]),
     )
 
 

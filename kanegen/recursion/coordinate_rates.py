@@ -2,34 +2,52 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from sympy import Expr, S
 
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.joint_motion import JointMotion
-from kanegen.recursion.rates import angle_rates
+from kanegen.recursion.rates import angle_rates, quaternion_rates
 from kanegen.recursion.tree import Tree
-from kanegen.symbolic.symbols import speeds
+from kanegen.symbolic.symbols import speed
 
 
 def coordinate_rates(tree: Tree) -> Derived:
     """The entries of {xdot}; what must be positive for the rates of three angles to exist."""
-    rates = dict(enumerate(speeds(tree.system)))
+    system = tree.system
+    rates: list[Expr] = [speed(coordinate.body, coordinate.index) for coordinate in system.coordinates]
     positive: dict[int, Expr] = {}
     for motion in tree.motions:
         if motion.spins:
-            tree.about(motion.body, "rates of the angles, Eq. (9)")
-            _turn(motion, tree, rates, positive)
+            tree.about(motion.body, "rates of the orientation, Eq. (9)")
+            places = [
+                place
+                for coordinate, place in system.coordinate_places.items()
+                if coordinate.body == motion.body and not coordinate.is_translation
+            ]
+            names = [f"xdot_{place}" for place in places]
+            found = _angles(motion, tree, names, positive) if motion.behind else _four(motion, tree, names)
+            for place, rate in zip(places, found, strict=True):
+                rates[place] = rate
     if not positive:
-        return Derived(list(rates.values()))
-    return Derived(list(rates.values()), [positive.get(place, S.One) for place in rates])
+        return Derived(rates)
+    return Derived(rates, [positive.get(place, S.One) for place in range(len(system.freedoms))])
 
 
-def _turn(motion: JointMotion, tree: Tree, rates: dict[int, Expr], positive: dict[int, Expr]) -> None:
+def _angles(
+    motion: JointMotion, tree: Tree, names: Sequence[str], positive: dict[int, Expr]
+) -> Sequence[Expr]:
     """Of the angles of one joint; where two of their axes coincide there are none."""
-    places = [spin.freedom for spin in motion.spins]
-    one, two, three = (f"xdot_{place}" for place in places)
+    one, two, three = names
     found = angle_rates(motion, tree.definitions)
-    rates |= dict(zip(places, found.rates(motion.spinning, (one, two, three)), strict=True))
     square = tree.definitions.define(f"Cq_{motion.body}", found.across * found.across)
     # The middle angle decides, and the status names it.
-    positive[places[1]] = square
+    positive[motion.spins[1].freedom] = square
+    return found.rates(motion.spinning, (one, two, three))
+
+
+def _four(motion: JointMotion, tree: Tree, names: Sequence[str]) -> Sequence[Expr]:
+    """Of a quaternion."""
+    rates = quaternion_rates(motion.body, motion.spinning)
+    return [tree.definitions.define(name, rate) for name, rate in zip(names, rates, strict=True)]

@@ -90,7 +90,7 @@ class JointMotion:
         angles: The turns of the angles, from the joint frame to K.
         spins: The free components of the relative angular velocity, if these are the speeds of the joint.
             The joint then turns as a whole, by one of `angles` that has neither freedom nor rate.
-        behind: The turns of the coordinates from which that one is made.
+        behind: The turns of the angles from which that one is made; none where a quaternion makes it.
         through: `constant` and `angles` as one turn, for what passes both.
     """
 

@@ -9,11 +9,12 @@ from sympy import Expr
 
 from kanegen.body import Body
 from kanegen.numbers import Number, Parameter
+from kanegen.recursion import turns
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Slide, Spin, Step, down
 from kanegen.recursion.turns import Turn, constant_turns, planar, whole
 from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import acceleration, coordinate, speed, spin, spin_rate
+from kanegen.symbolic.symbols import acceleration, coordinate, quaternion, speed, spin, spin_rate
 from kanegen.system import Freedom, System
 
 
@@ -46,11 +47,13 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
             place = number[Freedom(k, 3 + axis)]
             slides.append(Slide(place, axis, directions[axis], speed(k, 3 + axis), acceleration(k, 3 + axis)))
     fixed = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
-    angles = [_angle_step(body, k, index, number, definitions) for index in range(3)]
+    angles: list[Step] = []
+    if not body.joint.is_quaternion:
+        angles = [_angle_step(body, k, index, number, definitions) for index in range(3)]
     offset = subtract(arm, below)
     motion = JointMotion(k, body.lower, arm, offset, ZERO, tuple(slides), _moving(fixed), _moving(angles))
     if body.joint.spins:
-        spins = [Spin(step.freedom, i, spin(k, i), spin_rate(k, i)) for i, step in enumerate(angles)]
+        spins = [Spin(number[Freedom(k, i)], i, spin(k, i), spin_rate(k, i)) for i in range(3)]
         motion = _spinning(replace(motion, spins=tuple(spins)), definitions)
     return _with_origin(motion, body, definitions)
 
@@ -58,7 +61,8 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
 def _spinning(motion: JointMotion, definitions: Definitions) -> JointMotion:
     """A joint whose angles have no rates of their own turns as a whole, with [C_K] if a body is below."""
     k = motion.body
-    turned = Step(whole(f"R_{k}", [step.turn for step in motion.angles], definitions), f"{k}a")
+    parts = [step.turn for step in motion.angles] or [turns.quaternion(k, quaternion(k), definitions)]
+    turned = Step(whole(f"R_{k}", parts, definitions), f"{k}a")
     motion = replace(motion, angles=(turned,), behind=motion.angles)
     if not motion.constant or not motion.lower:
         return motion

@@ -39,6 +39,17 @@ SPINS = (
 """Names that are new where such speeds are."""
 
 
+QUATERNIONS = (
+    (
+        "epsilon_K_i",
+        "quaternion that turns body K in its joint frame, of any length; epsilondot its rates",
+    ),
+    ("eh_K, es_K, ee_K", "2 over its squared length, by its products with the scalar, of the vector"),
+)
+"""Names that are new where quaternions are."""
+
+
 def legend(system: System) -> tuple[tuple[str, str], ...]:
     """Names in the code for `system`, and meanings."""
-    return LEGEND if system.speeds_are_rates else (*SPINS, *LEGEND)
+    quaternions = QUATERNIONS if any(body.joint.is_quaternion for body in system.bodies) else ()
+    return (*quaternions, *(() if system.speeds_are_rates else SPINS), *LEGEND)

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Expr
+from sympy import Expr, Rational
 
 from kanegen.recursion.joint_motion import JointMotion, Step
-from kanegen.recursion.vectors import unit
+from kanegen.recursion.vectors import add, cross, dot, scale, unit
 from kanegen.symbolic.definitions import Definitions, Vector
+from kanegen.symbolic.symbols import quaternion
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,18 @@ class AngleRates:
     @property
     def _reciprocal(self) -> Expr:
         return self.definitions.define(f"Ci_{self.second.frame}", 1 / self.across)
+
+
+def quaternion_rates(body: int, omega: Vector) -> tuple[Expr, ...]:
+    """The rates of the four in place of a body's angles, which keep their length.
+
+    Args:
+        body: K.
+        omega: Relative angular velocity, in K (rad/s).
+    """
+    scalar, *elements = quaternion(body)
+    vector, half = Vector(*elements), scale(Rational(1, 2), omega)
+    return (-dot(vector, half), *add(scale(scalar, half), cross(vector, half)))
 
 
 def angle_rates(motion: JointMotion, definitions: Definitions) -> AngleRates:

@@ -180,6 +180,28 @@ def whole(name: str, parts: Sequence[Turn], definitions: Definitions) -> WholeTu
     return WholeTurn(MatrixTurn((rows[0], rows[1], rows[2])), tuple(parts))
 
 
+def quaternion(body: int, elements: Sequence[Expr], definitions: Definitions) -> MatrixTurn:
+    """The turn by a quaternion of any length but 0, from the frame that it turns to the turned one.
+
+    Twice the products of its elements, over their squared length, make up the matrix.
+    """
+    scalar, *vector = elements
+    squared = sum((element * element for element in elements), start=S.Zero)
+    factor = definitions.define(f"eh_{body}", 2 / squared)
+    scaled = [definitions.define(f"eh_{body}_{i}", factor * one) for i, one in enumerate(vector, start=1)]
+    turn = [definitions.define(f"es_{body}_{i}", scalar * one) for i, one in enumerate(scaled, start=1)]
+    square = [a * b for a, b in zip(scaled, vector, strict=True)]
+    square = [definitions.define(f"ee_{body}_{i}{i}", value) for i, value in enumerate(square, start=1)]
+    rows = [[S.One] * 3 for _ in range(3)]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        product = definitions.define(f"ee_{body}_{i + 1}{j + 1}", scaled[i] * vector[j])
+        rows[i][i] = S.One - (square[j] + square[k])
+        rows[i][j], rows[j][i] = product + turn[k], product - turn[k]
+    named = [definitions.vector(f"R_{body}_{AXES[i]}", Vector(*row)) for i, row in enumerate(rows)]
+    return MatrixTurn((named[0], named[1], named[2]))
+
+
 def planar(axis: int, sine: Expr, cosine: Expr) -> Turn:
     """A turn about basis vector `axis`; right angles become signed permutations, which cost nothing."""
     if sine != 0 and cosine != 0:

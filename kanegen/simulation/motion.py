@@ -101,7 +101,7 @@ class Motion:
 
 def speeds_are_rates(library: Library) -> bool:
     """Whether {xdot} = {y}, Eq. (45)."""
-    return library.speed_names == library.freedom_names
+    return library.speed_names == library.coordinate_names
 
 
 @contextmanager

@@ -46,8 +46,8 @@ def simulate(
     Args:
         library: With the output `forward_dynamics`, and `coordinate_rates` where speeds are not rates of
             coordinates. Fixed steps are taken in the precision of its arrays.
-        x: (n,) or (B, n) coordinates at the first time, rad and m; B with fixed steps only.
-        y: Generalized speeds, of the same shape, rad/s and m/s.
+        x: (m,) or (B, m) coordinates at the first time, rad, m or 1; B with fixed steps only.
+        y: (n,) or (B, n) generalized speeds, rad/s and m/s.
         times: (T,) increasing, s: where states are wanted, the first being that of `x` and `y`.
         method: One of `METHODS`. "RK4" is of order 4; "semi-implicit Euler" of order 1 and "leapfrog" of
             order 2 keep the energy of a conservative system near its value for a very long time.
@@ -143,7 +143,7 @@ def _check_library(library: Library, method: str) -> None:
 
 def _state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     dtype = precisions.named(library.storage).dtype
-    first = arguments.state("x", x, (library.n,), dtype)
+    first = arguments.state("x", x, (len(library.coordinate_names),), dtype)
     second = arguments.companion("y", y, (library.n,), first.shape[:-1], dtype, "x")
     for name, array in (("x", first), ("y", second)):
         if not np.isfinite(array).all():

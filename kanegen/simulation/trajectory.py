@@ -22,8 +22,8 @@ class Trajectory:
     Attributes:
         library: What computed the accelerations.
         times: (T,) s.
-        x: (T, n) or (T, B, n) coordinates, rad and m.
-        y: Generalized speeds, rad/s and m/s.
+        x: (T, m) or (T, B, m) coordinates, rad, m or 1.
+        y: (T, n) or (T, B, n) generalized speeds, rad/s and m/s.
         work: (T,) or (T, B) work of the efforts since the first time, J.
         evaluations: Calls of `forward_dynamics`; one for B states.
     """

@@ -75,16 +75,32 @@ class Domain:
     @property
     def size(self) -> int:
         """m, numbers of a state."""
-        return 3 * len(self.system.freedoms) + 2 * self.loads
+        return self.first["torque"] + self.loads
+
+    @cached_property
+    def first(self) -> dict[str, int]:
+        """Where x, y, tau, force and torque begin in a state."""
+        m, n = len(self.system.coordinates), len(self.system.freedoms)
+        return {"x": 0, "y": m, "tau": m + n, "force": m + 2 * n, "torque": m + 2 * n + self.loads}
+
+    @cached_property
+    def elements(self) -> dict[str, dict[str, str]]:
+        """What stands in x, y and tau: by name the unit of the coordinate, or of what the freedom changes."""
+        system = self.system
+        units = [coordinate.unit for coordinate in system.coordinates]
+        own: dict[str, str] = {
+            name: freedom.unit for name, freedom in zip(system.freedom_names, system.freedoms, strict=True)
+        }
+        return {"x": dict(zip(system.coordinate_names, units, strict=True)), "y": own, "tau": own}
 
     @cached_property
     def locking(self) -> dict[int, float]:
         """Where joints with three free angles lock: by place of theta2 in {x} the angle, up to half turns."""
         joints = [body.joint for body in self.system.bodies]
         return {
-            place: 0.0 if joints[freedom.body - 1].ends_alike else np.pi / 2
-            for place, freedom in enumerate(self.system.freedoms)
-            if freedom.index == 1 and joints[freedom.body - 1].turns_freely
+            place: 0.0 if joints[coordinate.body - 1].ends_alike else np.pi / 2
+            for place, coordinate in enumerate(self.system.coordinates)
+            if coordinate.index == 1 and joints[coordinate.body - 1].turns_freely
         }
 
     def sample(self, count: int, seed: int | Sequence[int]) -> Sample:
@@ -111,9 +127,9 @@ class Domain:
 
     def states(self, rows: Floats, stratum: str = UNIFORM) -> Sample:
         """Rows (B, m) as states, on the grid and inside the box."""
-        n, loads = len(self.system.freedoms), self.loads
+        loads = self.loads
         inside = rounded(np.clip(rows, self.low, self.high))
-        x, y, tau, force, torque = np.split(inside, np.cumsum([n, n, n, loads]), axis=1)
+        x, y, tau, force, torque = np.split(inside, [*self.first.values()][1:], axis=1)
         shape = (len(rows), loads // 3, 3)
         states = (
             States(x, y, force.reshape(shape), torque.reshape(shape)) if loads else States(x, y, None, None)
@@ -128,18 +144,17 @@ class Domain:
 
     def as_dict(self) -> dict[str, Any]:
         """The ranges as plain data."""
-        n, names = len(self.system.freedoms), self.system.freedom_names
         pairs = np.stack([self.low, self.high], axis=1).tolist()
         parts: dict[str, Any] = {
-            what: dict(zip(names, pairs[k * n : (k + 1) * n], strict=True))
-            for k, what in enumerate(("x", "y", "tau"))
+            what: dict(zip(names, pairs[self.first[what] :], strict=False))
+            for what, names in self.elements.items()
         }
         if self.loads:
             bodies = [body.name for body in self.system.bodies]
-            for k, what in enumerate(("force", "torque")):
-                start = 3 * n + k * self.loads
-                own = [pairs[start + 3 * row : start + 3 * row + 3] for row in range(len(bodies))]
-                parts[what] = dict(zip(bodies, own, strict=True))
+            for what in ("force", "torque"):
+                start = self.first[what]
+                ranges_of = [pairs[start + 3 * row : start + 3 * row + 3] for row in range(len(bodies))]
+                parts[what] = dict(zip(bodies, ranges_of, strict=True))
         return {**parts, "clearance": self.clearance, "rounded_to": GRID.name}
 
 
@@ -163,8 +178,8 @@ def default_domain(
     states = random_states(system, _EFFORTS)
     forcing = reference.forcing(system, states.x, states.y, states.force, states.torque)
     inertia = np.diagonal(reference.mass_matrix(system, states.x), axis1=1, axis2=2)
-    is_angle = np.array([freedom.is_angle for freedom in system.freedoms])
-    rate = largest.y / np.where(is_angle, 1.0, largest.x)
+    is_angle = np.array([coordinate.is_angle for coordinate in system.coordinates])
+    rate = largest.y / largest.size
     tau = np.maximum(np.abs(forcing).max(axis=0), inertia.max(axis=0) * largest.y * rate)
     high = [np.where(is_angle, angle, largest.x), speed * largest.y, effort * tau]
     if states.force is not None:

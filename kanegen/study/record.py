@@ -44,6 +44,7 @@ def _entry(entry: Entry) -> dict[str, Any]:
         "variant": entry.label,
         "choices": dict(entry.candidate.variant.described()),
         "speeds": entry.candidate.speeds,
+        "coordinates": entry.candidate.coordinates,
         "operations": entry.operations,
         "bytes": entry.size,
         "wrong": entry.wrong,

@@ -56,7 +56,7 @@ class Way:
 def simulated(system: System, study: Study, progress: Progress = lambda stage: None) -> Study:
     """The study with simulations by its best variants and the default one.
 
-    Variants whose speeds are no rates of coordinates, or whose arrays hold pairs, are left out: what they
+    Variants whose speeds are no rates of the coordinates, or whose arrays hold pairs, are left out: what they
     need beside forward dynamics was not timed.
 
     Args:
@@ -93,15 +93,14 @@ def _taking_part(study: Study) -> list[tuple[Candidate, float]]:
     return [
         (candidate, time)
         for candidate, time in best.items()
-        if candidate.speeds is None and candidate.variant.storage != "double-double"
+        if not candidate.changes_system and candidate.variant.storage != "double-double"
     ]
 
 
 def _duration(system: System) -> float:
     """s."""
     largest = ranges(system)
-    angles = np.array([freedom.is_angle for freedom in system.freedoms])
-    return float(_PERIODS * np.median(np.where(angles, 1.0, largest.x) / largest.y))
+    return float(_PERIODS * np.median(largest.size / largest.y))
 
 
 def _library(system: System, candidate: Candidate) -> Library:

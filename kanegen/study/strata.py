@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from kanegen.arrays import Floats
+from kanegen.body import QUATERNION
 from kanegen.check import reference
 from kanegen.study.domain import Domain
 from kanegen.study.samples import Sample, joined
@@ -53,23 +54,29 @@ def _next_to_lock(domain: Domain, rows: Floats, rng: np.random.Generator) -> Flo
 
 
 def _straight(domain: Domain, rows: Floats, rng: np.random.Generator) -> Floats:
-    """Every angle at a small distance from 0 or half a turn, every translation near 0."""
-    freedoms = domain.system.freedoms
-    angles = [place for place, freedom in enumerate(freedoms) if freedom.is_angle]
-    n = len(freedoms)
-    turned = np.zeros((len(rows), n))
+    """Every angle at a small distance from 0 or half a turn, every translation near 0.
+
+    Every quaternion is near one of its basis vectors.
+    """
+    coordinates = domain.system.coordinates
+    angles = [place for place, coordinate in enumerate(coordinates) if coordinate.is_angle]
+    m = len(coordinates)
+    turned = np.zeros((len(rows), m))
     turned[:, angles] = rng.choice([-np.pi, 0.0, np.pi], (len(rows), len(angles)))
-    rows[:, :n] = turned + _small(rng, (len(rows), n)) * domain.high[:n]
+    for first in (place for place, coordinate in enumerate(coordinates) if coordinate.name == QUATERNION[0]):
+        chosen = first + rng.integers(0, len(QUATERNION), len(rows))
+        turned[np.arange(len(rows)), chosen] = domain.high[chosen]
+    rows[:, :m] = turned + _small(rng, (len(rows), m)) * domain.high[:m]
     return rows
 
 
 def _near_equilibrium(domain: Domain, rows: Floats, rng: np.random.Generator) -> Floats:
     """Almost still, and tau almost holds the tree against gravity and loads."""
-    n = len(domain.system.freedoms)
-    rows[:, n : 2 * n] *= np.abs(_small(rng, (len(rows), n)))
+    n, y, tau = len(domain.system.freedoms), domain.first["y"], domain.first["tau"]
+    rows[:, y : y + n] *= np.abs(_small(rng, (len(rows), n)))
     states = domain.states(rows).states
     forcing = reference.forcing(domain.system, states.x, states.y, states.force, states.torque)
-    rows[:, 2 * n : 3 * n] = -forcing * (1 + _small(rng, (len(rows), 1)) * rng.uniform(-1, 1, forcing.shape))
+    rows[:, tau : tau + n] = -forcing * (1 + _small(rng, (len(rows), 1)) * rng.uniform(-1, 1, forcing.shape))
     return rows
 
 

@@ -16,6 +16,7 @@ from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.native import compilers
 from kanegen.study.built import Built, build_all
+from kanegen.study.converting import converted
 from kanegen.study.domain import Domain, default_domain
 from kanegen.study.errors import QUANTILES, Errors
 from kanegen.study.front import Point, front
@@ -23,7 +24,6 @@ from kanegen.study.judge import OBJECTIVES, Judge
 from kanegen.study.outcome import Confirmed, Entry, Study, Terms
 from kanegen.study.samples import Sample
 from kanegen.study.search import climb
-from kanegen.study.speeds import converted
 from kanegen.study.strata import hard_states
 from kanegen.study.times import Times, timed
 from kanegen.study.variants import Candidate, Refusal, candidates

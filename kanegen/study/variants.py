@@ -11,13 +11,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from kanegen import compiler
 from kanegen.errors import OptionError
 from kanegen.semantics import CONTRACTED, FLUSH, RELAXED
 from kanegen.system import System
 from kanegen.variant import AUTO, SINCOS, STRICT, Variant
 
 Changes = Mapping[str, Any]
-"""Fields of a `Variant`, or `SPEEDS`, and their values."""
+"""Fields of a `Variant`, or `OF_THE_SYSTEM`, and their values."""
 
 NATIVE: Changes = {"machine": "native", "optimisation": 3}
 """For this processor."""
@@ -48,6 +49,7 @@ ALONE: tuple[Changes, ...] = (
     {"refinement": 2},
     {"solver": "factorisation", "refinement": 2},
     {"speeds": "angular_velocity"},
+    {"coordinates": "quaternion"},
     {"precision": "double", "storage": "float"},
     {"precision": "long double"},
     {"precision": "long double", "storage": "double"},
@@ -70,8 +72,8 @@ _FAST: Changes = {**_PLAIN, "semantics": RELAXED, **NATIVE}
 ANCHORS: tuple[Changes, ...] = (_PLAIN, _FAST, {**_FAST, "precision": "float"})
 """From where: the strict one, the fast one, and the fast one in single precision."""
 
-SPEEDS = "speeds"
-"""The one choice that belongs to the system: what its generalized speeds are, one of `body.SPEEDS`."""
+OF_THE_SYSTEM = ("speeds", "coordinates")
+"""The choices that belong to it: its generalized speeds, and what stands for orientations."""
 
 
 @dataclass(frozen=True)
@@ -81,22 +83,29 @@ class Candidate:
     Attributes:
         variant: Its choices.
         speeds: Generalized speeds of joints with three free angles, one of `body.SPEEDS`; None as they are.
+        coordinates: Of their orientations, one of `body.ORIENTATIONS`; None as they are.
     """
 
     variant: Variant
     speeds: str | None = None
+    coordinates: str | None = None
 
     @property
     def label(self) -> str:
         """Its choices in a few words."""
         if self == Candidate(STRICT):
             return "default"
-        speeds = {SPEEDS: self.speeds} if self.speeds else {}
-        return described(dict(self.variant.described()) | speeds)
+        own = {name: value for name in OF_THE_SYSTEM if (value := getattr(self, name))}
+        return described(dict(self.variant.described()) | own)
+
+    @property
+    def changes_system(self) -> bool:
+        """Whether its arrays hold something else than those of the system as it is."""
+        return bool(self.speeds or self.coordinates)
 
     def of(self, system: System) -> System:
-        """The system with the speeds of this candidate."""
-        return system if self.speeds is None else system.with_speeds(self.speeds)
+        """The system with the speeds and coordinates of this candidate."""
+        return compiler.described(system, self.speeds, self.coordinates)
 
 
 @dataclass(frozen=True)
@@ -152,8 +161,9 @@ def _short(name: str, value: str) -> str:
 
 
 def _candidate(changes: Changes) -> Candidate:
-    fields = {name: value for name, value in changes.items() if name != SPEEDS}
-    return Candidate(replace(STRICT, **fields), changes.get(SPEEDS))
+    fields = {name: value for name, value in changes.items() if name not in OF_THE_SYSTEM}
+    own = {name: value for name, value in changes.items() if name in OF_THE_SYSTEM}
+    return Candidate(replace(STRICT, **fields), **own)
 
 
 def _merged(levels: Iterable[Changes]) -> Changes:

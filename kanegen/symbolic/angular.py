@@ -19,7 +19,7 @@ class AngularEquations(JointEquations):
     @cached_property
     def relative_rotation(self) -> ImmutableMatrix:
         """[^J R_K] = [R_123] [C_K], from J to K components, Eqs. (2), (4)."""
-        return self._named("relative_rotation", self._angles.rotation * self.joint_orientation)
+        return self._named("relative_rotation", self._orientation.rotation * self.joint_orientation)
 
     @cached_property
     def relative_rotation_rate(self) -> ImmutableMatrix:
@@ -57,8 +57,8 @@ class AngularEquations(JointEquations):
 
     @cached_property
     def angle_rate_inverse(self) -> ImmutableMatrix:
-        """Inverse of Eq. (8), Eq. (9): relative angular velocity to angle rates."""
-        return self._angles.rate_inverse
+        """Inverse of Eq. (8), Eq. (9): relative angular velocity to angle rates, or those of a quaternion."""
+        return self._orientation.rate_inverse
 
     @cached_property
     def relative_angular_velocity(self) -> ImmutableMatrix:

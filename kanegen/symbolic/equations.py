@@ -12,10 +12,11 @@ recursive form instead; both have equal values.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import ImmutableMatrix, Symbol
+from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import OptionError
 from kanegen.symbolic.closed.form import ClosedForm, close
@@ -23,8 +24,8 @@ from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.dynamics import BodyEquations, total
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.numeric import NumericEquations, numeric
-from kanegen.symbolic.symbols import accelerations, coordinate, force, speeds, torque
-from kanegen.system import Freedom, System
+from kanegen.symbolic.symbols import accelerations, coordinates, force, speed, speeds, torque
+from kanegen.system import System
 
 MOST_FREEDOMS = 8
 """Closed forms are not tried beyond this many freedoms."""
@@ -49,12 +50,12 @@ class Equations:
 
     def __repr__(self) -> str:
         """The system and its size."""
-        return f"<Equations of {self.system.name}: {len(self.bodies)} bodies, {len(self.x)} freedoms>"
+        return f"<Equations of {self.system.name}: {len(self.bodies)} bodies, {len(self.y)} freedoms>"
 
     @cached_property
     def x(self) -> ImmutableMatrix:
-        """{x}, (n, 1): free angles (rad), then free translations (m), Eq. (1)."""
-        return ImmutableMatrix([coordinate(f.body, f.index) for f in self.system.freedoms])
+        """{x}, a column: free angles (rad) or quaternions, then free translations (m), Eq. (1)."""
+        return ImmutableMatrix(coordinates(self.system))
 
     @cached_property
     def y(self) -> ImmutableMatrix:
@@ -63,13 +64,17 @@ class Equations:
 
     @cached_property
     def xdot(self) -> ImmutableMatrix:
-        """{xdot}, (n, 1), from {y}: Eq. (45), or Eq. (9) where speeds are angular velocities."""
-        found = dict(zip(self.system.freedoms, self.y, strict=True))
+        """{xdot}, like {x}, from {y}: Eq. (45), or Eq. (9) where speeds are angular velocities."""
+        own: dict[int, Iterator[Expr]] = {}
         for body in self.bodies:
             if body.body.joint.spins:
-                rates = body.angle_rate_inverse * body.relative_angular_velocity
-                found |= {Freedom(body.number, index): rates[index] for index in range(3)}
-        return ImmutableMatrix(list(found.values()))
+                own[body.number] = iter(body.angle_rate_inverse * body.relative_angular_velocity)
+        return ImmutableMatrix(
+            [
+                speed(c.body, c.index) if c.is_translation or c.body not in own else next(own[c.body])
+                for c in self.system.coordinates
+            ]
+        )
 
     @cached_property
     def ydot(self) -> ImmutableMatrix:
@@ -108,12 +113,19 @@ class Equations:
         """[A] and {f} without intermediates, simplified.
 
         Raises:
-            OptionError: If there are more than `MOST_FREEDOMS` freedoms, or an entry grows too long to read.
+            OptionError: If there are more than `MOST_FREEDOMS` freedoms or there is a quaternion, or an entry
+                grows too long to read.
         """
-        if len(self.x) > MOST_FREEDOMS:
+        if len(self.y) > MOST_FREEDOMS:
             raise OptionError(
-                f"system {self.system.name!r} has {len(self.x)} freedoms; closed forms are written for at "
+                f"system {self.system.name!r} has {len(self.y)} freedoms; closed forms are written for at "
                 f"most {MOST_FREEDOMS}. Read equations.A, equations.f and equations.definitions instead."
+            )
+        if any(body.body.joint.is_quaternion for body in self.bodies):
+            raise OptionError(
+                f"system {self.system.name!r} has a quaternion; closed forms are written in sines and "
+                'cosines. Take the coordinates "angles", or read equations.A, equations.f and '
+                "equations.definitions."
             )
         literal = derive(self.system, intermediates=False)
         return close(literal.A, literal.f, literal.bodies, [*literal.y, *self.loads])

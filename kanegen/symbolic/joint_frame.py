@@ -16,13 +16,14 @@ from sympy import Expr, ImmutableMatrix, S
 from kanegen.body import Body
 from kanegen.sequences import NOTES, SEQUENCES
 from kanegen.symbolic.naming import Names
-from kanegen.symbolic.orientation import Angles, constant_sine_cosine
+from kanegen.symbolic.orientation import Angles, Quaternion, constant_sine_cosine
 from kanegen.symbolic.symbols import (
     accelerations,
     column,
     coordinate,
     expression,
     matrix,
+    quaternion,
     speed,
     speeds,
     spin,
@@ -54,12 +55,12 @@ class JointEquations:
     @cached_property
     def sines(self) -> ImmutableMatrix:
         """Sines of the three angles in Eq. (4), (3, 1); numbers where an angle is locked."""
-        return self._named("sines", ImmutableMatrix([self._sine_cosine(index)[0] for index in range(3)]))
+        return self._named("sines", ImmutableMatrix([sine for sine, _ in self._sines_cosines]))
 
     @cached_property
     def cosines(self) -> ImmutableMatrix:
         """Cosines of the three angles in Eq. (4), (3, 1); numbers where an angle is locked."""
-        return self._named("cosines", ImmutableMatrix([self._sine_cosine(index)[1] for index in range(3)]))
+        return self._named("cosines", ImmutableMatrix([cosine for _, cosine in self._sines_cosines]))
 
     @cached_property
     def joint_orientation(self) -> ImmutableMatrix:
@@ -82,9 +83,28 @@ class JointEquations:
         """[C_K]^T {sdot'_K}, as seen from and resolved in J (m/s), as in Eq. (24)."""
         return self._named("offset_rate", self.joint_orientation.T * self._translation_rate)
 
+    @cached_property
+    def quaternion_factor(self) -> ImmutableMatrix:
+        """2 over the squared length of the quaternion, (1, 1); empty where there is none."""
+        if not self.body.joint.is_quaternion:
+            return ImmutableMatrix([])
+        squares = sum((element**2 for element in quaternion(self.number)), start=S.Zero)
+        return self._named("quaternion_factor", ImmutableMatrix([2 / squares]))
+
+    @property
+    def _orientation(self) -> Angles | Quaternion:
+        if self.body.joint.is_quaternion:
+            return Quaternion(quaternion(self.number), self.quaternion_factor[0])
+        return self._angles
+
     @property
     def _angles(self) -> Angles:
         return Angles(self.body.joint.axes, list(self.sines), list(self.cosines))
+
+    @property
+    def _sines_cosines(self) -> list[tuple[Expr, Expr]]:
+        """Of the angles; none where a quaternion stands in their place."""
+        return [] if self.body.joint.is_quaternion else [self._sine_cosine(index) for index in range(3)]
 
     @property
     def _turning_speeds(self) -> ImmutableMatrix:

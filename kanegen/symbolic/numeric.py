@@ -13,7 +13,7 @@ from sympy import Dummy, Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import ArrayError
 from kanegen.symbolic.definitions import Definition
-from kanegen.symbolic.symbols import coordinate, force, parameter, speeds, torque
+from kanegen.symbolic.symbols import coordinates, force, parameter, speeds, torque
 from kanegen.system import System
 
 Floats = NDArray[np.float64]
@@ -35,15 +35,15 @@ class NumericEquations:
         """[A], (n, n).
 
         Args:
-            x: (n,) coordinates (rad, m).
+            x: Coordinates (rad, m, 1).
             parameters: Values of parameters that differ from their defaults, by name.
 
         Raises:
             ArrayError: If `x` has another shape, or holds anything but real numbers.
             ModelError: If a parameter is unknown or its value makes the model unusable.
         """
-        n = len(self.system.freedoms)
-        return np.array(self._mass_matrix(_array(x, (n,), "x"), self._values(parameters)), dtype=float)
+        m = len(self.system.coordinates)
+        return np.array(self._mass_matrix(_array(x, (m,), "x"), self._values(parameters)), dtype=float)
 
     def forcing(
         self,
@@ -56,7 +56,7 @@ class NumericEquations:
         """{f}, (n,).
 
         Args:
-            x: (n,) coordinates (rad, m).
+            x: Coordinates (rad, m, 1).
             y: (n,) generalized speeds (rad/s, m/s).
             force: (N, 3) loads {F'_K} (N); rows of bodies that take no loads are not read.
             torque: (N, 3) loads {M'_K} (N m), likewise.
@@ -66,12 +66,12 @@ class NumericEquations:
             ArrayError: If an array has another shape, or holds anything but real numbers.
             ModelError: If a parameter is unknown or its value makes the model unusable.
         """
-        n, bodies = len(self.system.freedoms), self.system.number_of_bodies
+        m, n, bodies = (len(self.system.coordinates), len(self.system.freedoms), self.system.number_of_bodies)
         loads = [
             np.zeros(3 * bodies) if load is None else _array(load, (bodies, 3), what).ravel()
             for load, what in ((force, "force"), (torque, "torque"))
         ]
-        arguments = (_array(x, (n,), "x"), _array(y, (n,), "y"), *loads, self._values(parameters))
+        arguments = (_array(x, (m,), "x"), _array(y, (n,), "y"), *loads, self._values(parameters))
         return np.array(self._forcing(*arguments), dtype=float).ravel()
 
     def _values(self, changed: Mapping[str, float] | None) -> list[float]:
@@ -84,8 +84,7 @@ def numeric(
 ) -> NumericEquations:
     """Functions that evaluate [A] and {f}, which may hold the symbols of `definitions`."""
     every = [(k, axis) for k in range(1, system.number_of_bodies + 1) for axis in range(3)]
-    x = [coordinate(freedom.body, freedom.index) for freedom in system.freedoms]
-    y = list(speeds(system))
+    x, y = list(coordinates(system)), list(speeds(system))
     forces, torques = [force(k, i) for k, i in every], [torque(k, i) for k, i in every]
     # A parameter may have the name of a function, such as sin; a Dummy cannot.
     private = {parameter(given): Dummy(given.name) for given in system.parameters}

@@ -1,7 +1,8 @@
-"""The three angles of one joint as matrices of sines and cosines: Eqs. (4), (8), (9), (17) for any sequence.
+"""The orientation of one joint as matrices: of three angles, or of a quaternion.
 
-A turn about a basis vector has one sine and one cosine, and what stands here are products of three turns, so
-that every entry is a sum of plain products. For the sequence 1-2-3 they are the matrices of the notes.
+A turn about a basis vector has one sine and one cosine, and what stands here for angles are products of three
+turns, so that every entry is a sum of plain products. For the sequence 1-2-3 they are the matrices of the
+notes, Eqs. (4), (8), (9), (17).
 """
 
 from __future__ import annotations
@@ -89,6 +90,39 @@ class Angles:
         entries[m, m] = entries[n, n] = cosine
         entries[m, n], entries[n, m] = sine, -sine
         return ImmutableMatrix(entries)
+
+
+@dataclass(frozen=True)
+class Quaternion:
+    """Four Euler parameters, a scalar and a vector, of any common length but 0.
+
+    They turn body K from the joint frame as a unit quaternion of their direction does (Kane, Likins and
+    Levinson 1983, section 1.3, where the scalar comes last).
+
+    Attributes:
+        elements: e0, e1, e2, e3.
+        factor: 2 over their squared length.
+    """
+
+    elements: Sequence[Expr]
+    factor: Expr
+
+    @property
+    def rotation(self) -> ImmutableMatrix:
+        """Components in the joint frame to components in body K, in place of [R_123]."""
+        scalar, vector = self.elements[0], ImmutableMatrix(self.elements[1:])
+        turned = skew(vector) * skew(vector) - scalar * skew(vector)
+        return ImmutableMatrix.eye(3) + self.factor * turned
+
+    @property
+    def rate_inverse(self) -> ImmutableMatrix:
+        """(4, 3) from the relative angular velocity to the rates of the elements, in place of Eq. (9).
+
+        They keep the length.
+        """
+        scalar, vector = self.elements[0], ImmutableMatrix(self.elements[1:])
+        below = scalar * ImmutableMatrix.eye(3) + skew(vector)
+        return ImmutableMatrix.vstack(-vector.T, below) / 2
 
 
 def skew(vector: ImmutableMatrix) -> ImmutableMatrix:

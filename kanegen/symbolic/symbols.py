@@ -1,18 +1,19 @@
 """The one place that makes SymPy symbols, so that one name always means one symbol.
 
-`theta_K_i`, `s_K_i` are coordinates, `thetadot_K_i`, `sdot_K_i` their rates, `omegahat_K_i` components of
-relative angular velocities, `thetaddot_K_i`, `sddot_K_i`, `omegahatdot_K_i` the rates of these, `F_K_i`,
-`M_K_i` loads; bodies K and components i count from 1. A parameter is the symbol of its own name. Every symbol
-is real.
+`theta_K_i`, `s_K_i`, `epsilon_K_i` are coordinates, `thetadot_K_i`, `sdot_K_i`, `epsilondot_K_i` their rates,
+`omegahat_K_i` components of relative angular velocities, `thetaddot_K_i`, `sddot_K_i`, `omegahatdot_K_i` the
+rates of speeds, `F_K_i`, `M_K_i` loads; bodies K and components i count from 1, those of epsilon from 0. A
+parameter is the symbol of its own name. Every symbol is real.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import sympy
 from sympy import Expr, Float, Integer, Symbol
 
+from kanegen.body import FREEDOMS, QUATERNION
 from kanegen.numbers import Number, Parameter
 from kanegen.system import System
 
@@ -21,8 +22,28 @@ WHOLE = 2**31
 
 
 def coordinate(body: int, index: int) -> Symbol:
-    """Coordinate of `body` (from 1); `index` 0 to 5 counts `system.FREEDOMS` (rad, m)."""
+    """Coordinate of `body` (from 1); `index` 0 to 5 counts `body.FREEDOMS` (rad, m)."""
     return _freedom("theta", "s", body, index)
+
+
+def quaternion(body: int) -> tuple[Symbol, ...]:
+    """The four that turn `body` (from 1) where they stand in place of angles: e0, e1, e2, e3."""
+    return tuple(real(f"epsilon_{body}_{i}") for i in range(len(QUATERNION)))
+
+
+def quaternion_rate(body: int) -> tuple[Symbol, ...]:
+    """Their time derivatives (1/s)."""
+    return tuple(real(f"epsilondot_{body}_{i}") for i in range(len(QUATERNION)))
+
+
+def coordinates(system: System) -> tuple[Symbol, ...]:
+    """The coordinates {x}."""
+    return _elements(system, coordinate, quaternion)
+
+
+def coordinate_rates(system: System) -> tuple[Symbol, ...]:
+    """Their time derivatives {xdot}."""
+    return _elements(system, speed, quaternion_rate)
 
 
 def speed(body: int, index: int) -> Symbol:
@@ -104,6 +125,17 @@ def matrix(values: Sequence[Sequence[Number]]) -> sympy.ImmutableMatrix:
 def real(name: str) -> Symbol:
     """A real symbol."""
     return Symbol(name, real=True)
+
+
+def _elements(
+    system: System, single: Callable[[int, int], Symbol], four: Callable[[int], Sequence[Symbol]]
+) -> tuple[Symbol, ...]:
+    """By element of {x}."""
+    first = len(FREEDOMS)
+    return tuple(
+        single(c.body, c.index) if c.index < first else four(c.body)[c.index - first]
+        for c in system.coordinates
+    )
 
 
 def _freedom(angle: str, translation: str, body: int, index: int) -> Symbol:

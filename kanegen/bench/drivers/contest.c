@@ -29,13 +29,14 @@ static double *numbers(FILE *file, size_t count)
 
 static States read_states(const char *path)
 {
-    int64_t sizes[2];
+    int64_t sizes[3];
     States states;
     FILE *file = fopen(path, "rb");
-    if (!file || fread(sizes, sizeof *sizes, 2, file) != 2) fail("cannot read the states");
+    if (!file || fread(sizes, sizeof *sizes, 3, file) != 3) fail("cannot read the states");
     states.count = (size_t)sizes[0];
-    states.n = (size_t)sizes[1];
-    states.x = numbers(file, states.count * states.n);
+    states.m = (size_t)sizes[1];
+    states.n = (size_t)sizes[2];
+    states.x = numbers(file, states.count * states.m);
     states.y = numbers(file, states.count * states.n);
     states.tau = numbers(file, states.count * states.n);
     fclose(file);

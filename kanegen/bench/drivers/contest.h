@@ -3,7 +3,8 @@
  *     driver results STATES OUT    one row of OUT for each state: every task's result, one task after the other
  *     driver times STATES SECONDS  a line "task nanoseconds" for each task, the mean over about SECONDS
  *
- * STATES is two int64, how many states there are and n, then all x, all y and all tau, as doubles.
+ * STATES is three int64, how many states there are, the elements of x and n, those of y and of tau; then all x,
+ * all y and all tau, as doubles.
  */
 #ifndef CONTEST_H
 #define CONTEST_H
@@ -16,7 +17,7 @@ extern "C" {
 #endif
 
 typedef struct {
-    size_t count, n;
+    size_t count, m, n;
     const double *x, *y, *tau;
 } States;
 

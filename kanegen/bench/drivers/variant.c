@@ -30,7 +30,7 @@ enum { BLOCK = 32 };
 
 static One *one;
 static Many *many;
-static size_t count, n;
+static size_t count, m, n;
 static real *x, *y, *tau, *y_now, *ydot;
 static double nothing;
 
@@ -43,13 +43,13 @@ static void latency(size_t state)
         const double last = nearest(ydot[i]);
         y_now[i] = of(nearest(y[row + i]) + nothing * (last - last == 0 ? last : 0));
     }
-    one(x + row, y_now, tau + row, ydot);
+    one(x + state * m, y_now, tau + row, ydot);
 }
 
 static void batch(size_t state)
 {
     const size_t first = state - state % BLOCK, row = first * n;
-    many(count - first < BLOCK ? count - first : BLOCK, x + row, y + row, tau + row, ydot);
+    many(count - first < BLOCK ? count - first : BLOCK, x + first * m, y + row, tau + row, ydot);
 }
 
 static void give(size_t from, double *values)
@@ -99,8 +99,9 @@ void contest_setup(const States *states, int argc, char **argv)
     volatile double zero = 0;
     nothing = zero;
     count = states->count;
+    m = states->m;
     n = states->n;
-    x = reals(states->x, count * n);
+    x = reals(states->x, count * m);
     y = reals(states->y, count * n);
     tau = reals(states->tau, count * n);
     y_now = reals(NULL, n);

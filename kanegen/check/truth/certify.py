@@ -123,7 +123,7 @@ def _attempt(
         first = _outputs(names, numbers, a, f, a * numbers.ydot - f)
         a, f = newton_euler.mass_matrix(numbers), newton_euler.forcing(numbers)
         second = _outputs(names, numbers, a, f, newton_euler.inverse_dynamics(numbers, numbers.ydot))
-        scales = units(system, enclosure(equations.A, (len(state.x),) * 2).value.diagonal())
+        scales = units(system, enclosure(equations.A, (len(state.y),) * 2).value.diagonal())
     for results in (first, second):
         for name, result in results.items():
             if not result.is_narrow(scales.of(name), unit_roundoff * WIDTH, unit_roundoff):

@@ -26,8 +26,9 @@ def checked_state(
         ArrayError: If an array has another shape than it must, or is not finite.
     """
     n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
+    coordinates = (len(system.coordinates),)
     return State(
-        x=_floats(x, n, "x"),
+        x=_floats(x, coordinates, "x"),
         y=_floats(y, n, "y"),
         force=_floats(force, loads, "force"),
         torque=_floats(torque, loads, "torque"),

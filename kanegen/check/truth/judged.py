@@ -50,15 +50,15 @@ class JudgedLibrary(Protocol):
         """(B, n), NaN where [A] is singular."""
 
 
-def companion(value: ArrayLike | None, x: Floats, precision: Precision, what: str) -> Floats:
+def companion(value: ArrayLike | None, y: Floats, precision: Precision, what: str) -> Floats:
     """`value` (B, n) as numbers that the library can hold; zeros for None.
 
     Raises:
-        ArrayError: If it does not have the shape of `x`.
+        ArrayError: If it does not have the shape of `y`.
     """
-    array = np.zeros(x.shape) if value is None else np.asarray(value)
-    if array.shape != x.shape:
-        raise ArrayError(f"{what}: expected shape {x.shape}, got {array.shape}.")
+    array = np.zeros(y.shape) if value is None else np.asarray(value)
+    if array.shape != y.shape:
+        raise ArrayError(f"{what}: expected shape {y.shape}, got {array.shape}.")
     return array.astype(precision.dtype).astype(np.float64)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from kanegen.check.truth.balls import arb_mat, beside, cross, diagonal, stacked, unit, zeros
 from kanegen.check.truth.tree import Link, Tree
-from kanegen.check.truth.turns import turned
+from kanegen.check.truth.turns import turned, turned_at_once
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,8 @@ def _frame(link: Link, lower: Frame) -> Frame:
         direction, place = joint.transpose() * unit(i), link.places[3 + i]
         if place is not None:
             axes.append(Axis(place, direction, cross(lower.omega, direction), None, zeros(3, 1)))
-    rotations = [turn * joint for turn in turned(link.angles, link.axes)]
+    turns = turned(link.angles, link.axes) if link.quaternion is None else turned_at_once(link.quaternion)
+    rotations = [turn * joint for turn in turns]
     directions, carriers = _directions(link, rotations, lower.omega)
     for direction, carrier, place in zip(directions, carriers, link.places, strict=False):
         if place is not None:

@@ -92,8 +92,8 @@ def measure(
     names = measurable_outputs(library.outputs, outputs, ydot is not None)
     coarser = min(precision, held, key=lambda precision: precision.digits)
     states = states.rounded(coarser)
-    forces = companion(tau, states.x, coarser, "tau")
-    accelerations = companion(ydot, states.x, coarser, "ydot")
+    forces = companion(tau, states.y, coarser, "tau")
+    accelerations = companion(ydot, states.y, coarser, "ydot")
     found = {name: values(library, name, states, forces, accelerations) for name in names}
     rows: dict[str, list[tuple[float, ...]]] = {name: [] for name in names}
     stored = held.roundoff if held.roundoff > precision.roundoff else 0.0

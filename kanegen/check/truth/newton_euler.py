@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kanegen.check.sequences import renaming
-from kanegen.check.truth.balls import arb, arb_mat, cross, diagonal, skew, square, stacked, zeros
+from kanegen.check.truth.balls import arb, arb_mat, column, cross, diagonal, skew, square, stacked, zeros
 from kanegen.check.truth.tree import Link, Tree
 
 
@@ -105,6 +105,8 @@ def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
 
     The speeds of a link that spins are components of its angular velocity, so [P^AV] is the identity.
     """
+    if link.quaternion is not None:
+        return _rotation(link.quaternion), diagonal(3), zeros(3, 3)
     named = renaming(link.axes)
     (s1, c1), (s2, c2), (s3, c3) = (
         ((sine * named.sign), cosine) for sine, cosine in (angle.sin_cos() for angle in link.angles.entries())
@@ -131,6 +133,14 @@ def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
     if link.spins:
         return after * rotate * square(named.before), diagonal(3), zeros(3, 3)
     return after * rotate * square(named.before), after * rates, after * rates_dot
+
+
+def _rotation(quaternion: arb_mat) -> arb_mat:
+    """What turns components by a quaternion (4, 1) of any length but 0, after Rodrigues."""
+    scalar, one, two, three = quaternion.entries()
+    across = skew(column([one, two, three]))
+    squared = scalar * scalar + one * one + two * two + three * three
+    return diagonal(3) + (across * across - across * scalar) * (2 / squared)
 
 
 def _chosen(ydot: arb_mat, places: Sequence[int | None]) -> arb_mat:

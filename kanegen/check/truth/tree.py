@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 from kanegen.angles import quarter_turns
 from kanegen.arrays import Floats
-from kanegen.body import Joint
+from kanegen.body import FREEDOMS, QUATERNION, Joint
 from kanegen.check.truth.balls import arb, arb_mat, column, nearest_rotation, square
 from kanegen.check.truth.turns import turned
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.sequences import NOTES, SEQUENCES, Axes
-from kanegen.system import Freedom, System
+from kanegen.system import Coordinate, Freedom, System
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class State:
     """One state of a system: arrays of float64, all of the right shape and finite.
 
     Attributes:
-        x: (n,) coordinates (rad, m).
+        x: (m,) coordinates (rad, m, 1).
         y: (n,) generalized speeds.
         force: (N, 3) forces F'_K at G_K, in K (N).
         torque: (N, 3) torques M'_K, in K (N m).
@@ -48,13 +48,14 @@ class Link:
 
     Attributes:
         lower: Number of the lower body J, 0 for the ground.
-        places: Where each of the six freedoms stands in {x}; None where it is locked.
+        places: Where each of the six freedoms stands in {y}; None where it is locked.
         mass: m_K.
         inertia: [I'_{G_K}], in K.
         center: r'_K, from O_K to G_K, in K.
         position: q'_K, from O_J to Q_K, in J.
         orientation: [C_K], from J components to joint-frame components.
-        angles: The three angles, free or locked.
+        angles: The three angles, free or locked; zeros where there is a quaternion.
+        quaternion: (4, 1) what stands in their place; None where nothing does.
         axes: Basis vectors about which they turn, from 0.
         translation: s'_K, in the joint frame.
         rates: Rates of the angles, 0 where locked; or the components of the relative angular velocity in K.
@@ -72,6 +73,7 @@ class Link:
     position: arb_mat
     orientation: arb_mat
     angles: arb_mat
+    quaternion: arb_mat | None
     axes: Axes
     translation: arb_mat
     rates: arb_mat
@@ -111,8 +113,9 @@ def tree(system: System, state: State) -> Tree:
 def _link(system: System, k: int, state: State) -> Link:
     body = system.bodies[k - 1]
     places = tuple(system.places.get(Freedom(k, index)) for index in range(6))
+    standing = tuple(system.coordinate_places.get(Coordinate(k, index)) for index in range(6))
     locked = map_numbers(body.joint.locked, value_of)
-    coordinates = _filled(places, state.x, locked)
+    coordinates = _filled(standing, state.x, locked)
     speeds = _filled(places, state.y, (0.0,) * 6)
     return Link(
         lower=body.lower,
@@ -122,7 +125,8 @@ def _link(system: System, k: int, state: State) -> Link:
         center=column(map_numbers(body.mass_center, value_of)),
         position=column(map_numbers(body.joint.position, value_of)),
         orientation=_orientation(body.joint),
-        angles=column(_angles(body.joint, places, state)),
+        angles=column(_angles(body.joint, standing, state)),
+        quaternion=_quaternion(system, k, state),
         axes=body.joint.axes,
         translation=column(coordinates[3:]),
         rates=column(speeds[:3]),
@@ -144,6 +148,13 @@ def _angles(joint: Joint, places: Sequence[int | None], state: State) -> list[fl
     """The three angles of a joint."""
     pairs = zip(places[:3], joint.locked[:3], strict=True)
     return [_meant(locked) if place is None else float(state.x[place]) for place, locked in pairs]
+
+
+def _quaternion(system: System, k: int, state: State) -> arb_mat | None:
+    if not system.bodies[k - 1].joint.is_quaternion:
+        return None
+    first = system.coordinate_place(k, len(FREEDOMS))
+    return column(state.x[first : first + len(QUATERNION)])
 
 
 def _meant(angle: Number) -> float | arb:

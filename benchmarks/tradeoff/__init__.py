@@ -1,0 +1,1 @@
+"""Speed against accuracy of three models, and certificates of two: what docs/tradeoff holds."""

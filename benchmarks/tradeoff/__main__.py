@@ -1,0 +1,56 @@
+"""Studies speed against accuracy and writes docs/tradeoff; takes about three quarters of an hour.
+
+python -m benchmarks.tradeoff [--models NAME ...] [--budgets ERROR ...] [--docs FOLDER]
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import sys
+from pathlib import Path
+
+from benchmarks import models
+from benchmarks.tradeoff import certificates
+from kanegen.cli.tradeoff import Outputs, Terms, run
+
+DOCS = Path(__file__).parents[2] / "docs" / "tradeoff"
+MODELS = ("eight_body", "panda", "talos_reduced")
+CERTIFIED = ("eight_body", "panda")
+BUDGETS = (1e-6, 1e-9, 1e-12)
+
+
+def main() -> None:
+    options = _options()
+    for name in options.models:
+        outputs = Outputs.chosen(_made(options.docs / name), None, None, simulation=True)
+        outputs.write(run(models.system(name), Terms(), None, True, functools.partial(_say, name)))
+    found = []
+    for name in CERTIFIED if options.budgets else ():
+        for budget in options.budgets:
+            told = functools.partial(_say, f"{name}, {budget:.0e}")
+            found.append(certificates.made(models.system(name), budget, options.docs, told))
+            certificates.write(found, options.docs)
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.tradeoff", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("--models", nargs="*", default=MODELS, choices=models.NAMES, help="to study")
+    parser.add_argument("--budgets", nargs="*", type=float, default=BUDGETS, help="of the certificates")
+    parser.add_argument("--docs", type=Path, default=DOCS)
+    return parser.parse_args()
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _say(what: str, stage: str) -> None:
+    print(f"{what}: {stage}", file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()
