@@ -10,7 +10,7 @@ Example:
     report = kg.compare(system)        # against an independent reference
 """
 
-from kanegen.body import Body, Joint
+from kanegen.body import Body, Joint, Point
 from kanegen.c import Source
 from kanegen.check.report import Report
 from kanegen.compiler import build, compare, derive, generate
@@ -46,6 +46,7 @@ __all__ = [
     "ModelError",
     "OptionError",
     "Parameter",
+    "Point",
     "ReadError",
     "Report",
     "SingularError",

@@ -50,6 +50,7 @@ def _are_its_own(system: System, names: list[str]) -> bool:
     for body in system.bodies:
         joint = body.joint
         used += _names((body.mass, body.inertia, body.mass_center))
+        used += _names(tuple(point.position for point in body.points))
         used += _names((joint.position, joint.orientation, joint.locked))
     return len(names) == len(set(names)) == 3 and all(used.count(name) == 1 for name in names)
 

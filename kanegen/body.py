@@ -158,6 +158,23 @@ class Joint:
 
 
 @dataclass(frozen=True)
+class Point:
+    """A point that moves with a body, such as the tip of a tool.
+
+    Attributes:
+        name: Label, unique in the system.
+        position: From O_K, in body components (m).
+    """
+
+    name: str
+    position: Vector
+
+    def __post_init__(self) -> None:
+        check_label(self.name, "point name")
+        validation.store(self, position=numbers(self.position, (3,), f"point {self.name!r}"))
+
+
+@dataclass(frozen=True)
 class Body:
     """A rigid body and the joint below it.
 
@@ -169,6 +186,7 @@ class Body:
         mass_center: `r'_K`, from O_K to G_K, in body components (m).
         joint: How it hangs on its lower body.
         loads: Whether it takes a force and a torque as inputs.
+        points: Points of it that outputs are about.
     """
 
     name: str
@@ -178,6 +196,7 @@ class Body:
     mass_center: Vector = (0.0, 0.0, 0.0)
     joint: Joint = field(default_factory=Joint)
     loads: bool = False
+    points: tuple[Point, ...] = ()
 
     def __post_init__(self) -> None:
         check_label(self.name, "body name")
@@ -190,6 +209,7 @@ class Body:
                 mass_center=numbers(self.mass_center, (3,), "mass centre"),
                 joint=validation.instances((self.joint,), Joint, "joint")[0],
                 loads=validation.flags((self.loads,), 1, "loads")[0],
+                points=validation.instances(self.points, Point, "points") if self.points else (),
             )
         except ModelError as error:
             raise ModelError(f"body {self.name!r}: {error}") from None
@@ -202,6 +222,7 @@ class Body:
             inertia=map_numbers(self.inertia, change),
             mass_center=map_numbers(self.mass_center, change),
             joint=self.joint.changed(change),
+            points=tuple(Point(p.name, map_numbers(p.position, change)) for p in self.points),
         )
 
     def as_table(self, lower: int | str) -> dict[str, Any]:
@@ -213,4 +234,6 @@ class Body:
         table["inertia"] = map_numbers(self.inertia if xy or xz or yz else (xx, yy, zz), word)
         if self.loads:
             table["loads"] = True
+        if self.points:
+            table["points"] = {point.name: map_numbers(point.position, word) for point in self.points}
         return {**table, "joint": self.joint.as_table()}

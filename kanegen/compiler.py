@@ -44,7 +44,14 @@ from kanegen.recursion import Methods, methods, recursive_form
 from kanegen.recursion.legend import legend
 from kanegen.refining import Decision, decisions
 from kanegen.sequences import NOTES
-from kanegen.signature import EQUATIONS, chosen, functions, input_arrays, output_array
+from kanegen.signature import (
+    EQUATIONS,
+    chosen,
+    functions,
+    input_arrays,
+    output_array,
+    require_available,
+)
 from kanegen.system import System
 from kanegen.variant import STRICT, Variant
 
@@ -106,6 +113,7 @@ def compile_module(
     """
     names, kept = chosen(outputs), passes.all_but(variant.without)
     _require_usable(system)
+    require_available(system, names)
     constants = precisions.named(variant.precision).constants
     choices = decisions(system, methods(system, names, variant.solver), variant)
     ways = [_compiled(system, choice, kept, progress, constants) for choice in choices]
@@ -278,6 +286,7 @@ def facts(system: System) -> ModelFacts:
         planar=_planar(system),
         sequences=_sequences(system),
         speed_names=system.speed_names,
+        points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
     )

@@ -24,10 +24,12 @@ class OutputKind:
     Attributes:
         array: The array that it fills.
         inputs: Names of the arrays that it may read.
+        of_points: Whether it is about points, so that only systems with points have it.
     """
 
     array: Callable[[System], Array]
     inputs: tuple[str, ...]
+    of_points: bool = False
 
 
 def _mass_matrix(system: System) -> Array:
@@ -88,6 +90,26 @@ def _coordinate_rates(system: System) -> Array:
     return Array("xdot", (len(system.coordinates),), units, doc, condition)
 
 
+def _point_positions(system: System) -> Array:
+    doc = "{p_P} of each point from the inertial origin, Eq. (22), inertial components"
+    return Array("point_positions", (len(system.points), 3), "m", doc)
+
+
+def _point_velocities(system: System) -> Array:
+    doc = "{v_P} of each point, Eq. (27), inertial components"
+    return Array("point_velocities", (len(system.points), 3), "m/s", doc)
+
+
+def _point_accelerations(system: System) -> Array:
+    doc = "{a_P} of each point, Eq. (33), without gravity, inertial components"
+    return Array("point_accelerations", (len(system.points), 3), "m/s^2", doc)
+
+
+def _point_jacobians(system: System) -> Array:
+    doc = "[v_P,y] of each point, its partial velocities, Eq. (32), inertial components"
+    return Array("point_jacobians", (len(system.points), 3, len(system.freedoms)), "m, 1", doc)
+
+
 def _error_estimate(system: System) -> Array:
     doc = "about the error of each entry of {ydot} before refinement: how much a first step changes it"
     return Array("error_estimate", (len(system.freedoms),), "rad/s^2, m/s^2", doc)
@@ -116,6 +138,10 @@ OUTPUTS: dict[str, OutputKind] = {
     "mass_center": OutputKind(_mass_center, ("x",)),
     "body_poses": OutputKind(_body_poses, ("x",)),
     "coordinate_rates": OutputKind(_coordinate_rates, ("x", "y")),
+    "point_positions": OutputKind(_point_positions, ("x",), True),
+    "point_velocities": OutputKind(_point_velocities, ("x", "y"), True),
+    "point_accelerations": OutputKind(_point_accelerations, ("x", "y", "ydot"), True),
+    "point_jacobians": OutputKind(_point_jacobians, ("x",), True),
 }
 
 EQUATIONS = ("mass_matrix", "forcing")
@@ -132,6 +158,25 @@ def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
     if not asked:
         raise OptionError(f"no output is asked for. There are {', '.join(OUTPUTS)}.")
     return asked
+
+
+def available(system: System) -> tuple[str, ...]:
+    """The outputs that a system has."""
+    return tuple(name for name, kind in OUTPUTS.items() if system.points or not kind.of_points)
+
+
+def require_available(system: System, outputs: Iterable[str]) -> None:
+    """Make sure that a system has what outputs are about.
+
+    Raises:
+        OptionError: If they are about points and there are none.
+    """
+    for name in outputs:
+        if name not in available(system):
+            raise OptionError(
+                f"output {name!r}: system {system.name!r} has no points. Give a body points in the model "
+                "file, such as points = {tool = [0, 0, 0.1]}, or use System.with_points."
+            )
 
 
 def input_arrays(system: System) -> dict[Array, Elements]:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from kanegen import arrays, validation
-from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, QUATERNION, SPEEDS, Body, Joint
+from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, QUATERNION, SPEEDS, Body, Joint, Point
 from kanegen.choices import require_one
 from kanegen.errors import ModelError, WriteError
 from kanegen.files import write_whole
@@ -111,6 +111,7 @@ class System:
         validation.unique("freedom name", self.freedom_names)
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
+        validation.unique("point name", self.point_names)
         validation.parameter_names(self.parameters, self.number_of_bodies)
 
     @classmethod
@@ -269,6 +270,34 @@ class System:
             for freedom in self.freedoms
         )
 
+    @cached_property
+    def points(self) -> tuple[tuple[int, Point], ...]:
+        """The points of all bodies, body by body, each with the number of its body."""
+        return tuple((k, point) for k, body in enumerate(self.bodies, start=1) for point in body.points)
+
+    @cached_property
+    def point_names(self) -> tuple[str, ...]:
+        """Their names, in this order: that of the rows of outputs that are about points."""
+        return tuple(point.name for _, point in self.points)
+
+    def with_points(self: _S, points: Mapping[str, tuple[str | int, Any]]) -> _S:
+        """The same system with further points.
+
+        Args:
+            points: By name the body, its name or number from 1, and (3,) the position from its origin, in
+                body components (m).
+
+        Raises:
+            ModelError: If there is no such body, a name is taken or unusable, or a position is none.
+        """
+        bodies, names = list(self.bodies), [body.name for body in self.bodies]
+        for name, (body, position) in points.items():
+            if body not in names and body not in range(1, len(names) + 1):
+                raise ModelError(f"point {name!r}: there is no body {body!r}. {did_you_mean(body, names)}")
+            k = names.index(body) if isinstance(body, str) else body - 1
+            bodies[k] = replace(bodies[k], points=(*bodies[k].points, Point(name, position)))
+        return replace(self, bodies=tuple(bodies))
+
     def spins(self, freedom: Freedom) -> bool:
         """Whether the speed at the place of `freedom` is a component of a relative angular velocity."""
         return freedom.is_angle and self.bodies[freedom.body - 1].joint.spins
@@ -341,6 +370,7 @@ class System:
         for body in self.bodies:
             joint = body.joint
             map_numbers((body.mass, body.inertia, body.mass_center), collect)
+            map_numbers(tuple(point.position for point in body.points), collect)
             map_numbers((joint.position, joint.orientation, joint.locked), collect)
         return tuple(found.values())
 

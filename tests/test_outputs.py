@@ -23,7 +23,8 @@ NEW = tuple(READS_SPEEDS)
 
 
 def system(seed: int = 3) -> kg.System:
-    return systems.random_system(np.random.default_rng(seed), 4, loads=True)
+    tree = systems.random_system(np.random.default_rng(seed), 4, loads=True)
+    return tree.with_points({"tip": (4, (0.1, -0.2, 0.3)), "elbow": (2, (0.0, 0.4, 0.0))})
 
 
 def cost(tree: kg.System, *outputs: str) -> int:

@@ -38,6 +38,8 @@ def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, i
         (f"{prefix}_FREEDOMS", len(model.freedom_names), "n, elements of y"),
         (f"{prefix}_BODIES", len(model.body_names), "N"),
     ]
+    if model.points:
+        rows.append((f"{prefix}_POINTS", len(model.points), "points of the bodies"))
     for function in functions:
         if function.name == PREPARE:
             rows += [

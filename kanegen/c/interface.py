@@ -33,6 +33,7 @@ class ModelFacts:
             plane, the function of it that is 0 there: "cos" or "sin".
         parameters: Name and default of each run-time parameter, in the order of the C array.
         legend: Names in the code and what they mean.
+        points: Of each point its name and that of its body.
         sequences: Of the bodies whose angles do not turn about the axes 1-2-3, name and sequence.
     """
 
@@ -49,6 +50,7 @@ class ModelFacts:
     planar: tuple[tuple[int, str], ...] = ()
     sequences: tuple[tuple[str, str], ...] = ()
     speed_names: tuple[str, ...] = ()
+    points: tuple[tuple[str, str], ...] = ()
 
     @property
     def has_quaternions(self) -> bool:

@@ -20,7 +20,7 @@ from kanegen.body import FREEDOMS, Body
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.program.passes import Stage, savings
 from kanegen.sequences import NOTES
-from kanegen.signature import EQUATIONS, OUTPUTS
+from kanegen.signature import EQUATIONS, available
 from kanegen.system import System
 
 TOGETHER = " + ".join(EQUATIONS)
@@ -87,7 +87,7 @@ class Facts:
 def gather(system: System, progress: Callable[[str], None], without: Iterable[str] | None = None) -> Facts:
     """Count what every output costs alone and all together, without some passes if so wished."""
     variant = variants.chosen(without=without)
-    alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in OUTPUTS}
+    alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in available(system)}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}

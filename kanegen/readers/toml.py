@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from kanegen import validation
-from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, SPEEDS, Body, Joint
+from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, SPEEDS, Body, Joint, Point
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.numbers import numbers
 from kanegen.readers.parameters import Parameters
@@ -20,7 +20,7 @@ from kanegen.suggest import did_you_mean
 from kanegen.system import GRAVITY, System
 
 MODEL_KEYS = ("name", "gravity", "parameters", "body")
-BODY_KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "joint")
+BODY_KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "points", "joint")
 JOINT_KEYS = (
     "name",
     "position",
@@ -107,9 +107,19 @@ def _body(table: Table, k: int, numbers_of: Mapping[str, int], parameters: Param
         inertia = _inertia(table.get("inertia", [0, 0, 0]), parameters)
         mass_center = parameters.resolve(table.get("mass_center", ORIGIN), "mass_center")
         joint = _joint(table.get("joint", {}), parameters)
+        points = _points(table.get("points", {}), parameters)
     except ModelError as error:
         raise ModelError(f"body {name!r}: {error}") from None
-    return Body(name, lower, mass, inertia, mass_center, joint, table.get("loads", False))
+    return Body(name, lower, mass, inertia, mass_center, joint, table.get("loads", False), points)
+
+
+def _points(table: Any, parameters: Parameters) -> tuple[Point, ...]:
+    if not isinstance(table, Mapping):
+        raise ModelError("points: write a table such as {tool = [0, 0, 0.1]}.")
+    return tuple(
+        Point(name, numbers(parameters.resolve(position, f"point {name!r}"), (3,), f"point {name!r}"))
+        for name, position in table.items()
+    )
 
 
 def _lower(connection: Any, numbers_of: Mapping[str, int]) -> Any:

@@ -14,6 +14,12 @@ from kanegen.recursion.forcing import forcing, inverse_dynamics
 from kanegen.recursion.forward_dynamics import ArticulatedBodies
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.momentum import kinetic_energy, momentum
+from kanegen.recursion.points import (
+    point_accelerations,
+    point_jacobians,
+    point_positions,
+    point_velocities,
+)
 from kanegen.recursion.poses import body_poses
 from kanegen.recursion.refinement import UNREFINED, Refinement, Solution, Solver
 from kanegen.recursion.tree import Tree, apart, tree
@@ -32,6 +38,10 @@ RECURSIONS: dict[str, dict[str, Recursion]] = {
     "mass_center": {"first moments of mass": mass_center},
     "body_poses": {"turns of the joints": body_poses},
     "coordinate_rates": {"turns of the joints": coordinate_rates},
+    "point_positions": {"turns of the joints": point_positions},
+    "point_velocities": {"velocities of the bodies": point_velocities},
+    "point_accelerations": {"accelerations of the bodies": point_accelerations},
+    "point_jacobians": {"turns of the joints": point_jacobians},
 }
 """The ways to derive each output, by name."""
 

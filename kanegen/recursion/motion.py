@@ -60,14 +60,15 @@ class Motion:
     field: Rows
 
 
-def outward(tree: Tree, *, accelerated: bool) -> dict[int, Motion]:
+def outward(tree: Tree, *, accelerated: bool, weightless: bool = False) -> dict[int, Motion]:
     """The motions of the ground, 0, and of every body.
 
     Args:
         tree: The tree.
         accelerated: With {ydot} as its symbols say, else with {ydot} = 0.
+        weightless: Whether to leave gravity out of the accelerations.
     """
-    gravity = Vector(*(exact(value) for value in tree.system.gravity))
+    gravity = ZERO if weightless else Vector(*(exact(value) for value in tree.system.gravity))
     still = {(i, j): exact(0.0) for i in range(3) for j in range(3)}
     moved = {0: Motion(ZERO, ZERO, negate(gravity), still, (ZERO, ZERO, ZERO))}
     for motion in tree.motions:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from sympy import Expr
 
 from kanegen.recursion.derived import Derived
@@ -17,19 +19,41 @@ Columns = tuple[Vector, Vector, Vector]
 """Of [R_K]: the inertial basis vectors in components of K."""
 
 
+@dataclass(frozen=True)
+class Pose:
+    """Where a body is.
+
+    Attributes:
+        columns: Of [R_K].
+        origin: {p_O_K}, inertial components (m).
+    """
+
+    columns: Columns
+    origin: Vector
+
+    def inertial(self, v: Vector) -> Vector:
+        """A vector of K in inertial components."""
+        return Vector(*(dot(direction, v) for direction in self.columns))
+
+
+def poses(tree: Tree) -> list[Pose]:
+    """Of the ground, 0, and of every body."""
+    found = [Pose((unit(0), unit(1), unit(2)), ZERO)]
+    for motion in tree.motions:
+        lower = found[motion.lower]
+        tree.about(motion.body, "rotation and origin, Eqs. (3), (22)")
+        away = add(lower.origin, lower.inertial(motion.arm))
+        origin = tree.definitions.vector(f"pO_{motion.body}", away)
+        found.append(Pose(_turned(lower.columns, motion, tree.definitions), origin))
+    return found
+
+
 def body_poses(tree: Tree) -> Derived:
     """For every body the rows of [R_K], then {p_O_K}, inertial components."""
-    seen: list[Columns] = [(unit(0), unit(1), unit(2))]
-    origins = [ZERO]
     entries: list[Expr] = []
-    for motion in tree.motions:
-        k, lower = motion.body, seen[motion.lower]
-        tree.about(k, "rotation and origin, Eqs. (3), (22)")
-        arm = Vector(*(dot(direction, motion.arm) for direction in lower))
-        origins.append(tree.definitions.vector(f"pO_{k}", add(origins[motion.lower], arm)))
-        seen.append(_turned(lower, motion, tree.definitions))
-        entries += [direction[row] for row in range(3) for direction in seen[k]]
-        entries += origins[k]
+    for pose in poses(tree)[1:]:
+        entries += [direction[row] for row in range(3) for direction in pose.columns]
+        entries += pose.origin
     return Derived(entries)
 
 
