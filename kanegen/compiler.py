@@ -8,7 +8,8 @@ System
     |  lowering     every definition becomes a few instructions
 Program
     |  passes       Program -> Program, counted
-    |  split        the parameter-only part goes into `prepare`; long functions are arranged by rows
+    |  split        a program for each function; the parameter-only part goes into `prepare`; long functions
+    |               are arranged by rows
 Module
     |  c            long functions are cut; Jinja templates write header, source and what goes with them
 Source
@@ -21,7 +22,7 @@ Report
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from kanegen import library as libraries
 from kanegen import precision as precisions
@@ -39,7 +40,7 @@ from kanegen.lowering import lower
 from kanegen.program import passes
 from kanegen.program.count import operations
 from kanegen.program.ir import Module
-from kanegen.program.split import PARAMETERS, split
+from kanegen.program.split import hoisted, restricted
 from kanegen.recursion import Methods, methods, recursive_form
 from kanegen.recursion.legend import legend
 from kanegen.refining import Decision, decisions
@@ -111,12 +112,12 @@ def compile_module(
         OptionError: If an output is unknown.
         SingularError: If [A] is singular in every state.
     """
-    names, kept = chosen(outputs), passes.all_but(variant.without)
+    names = chosen(outputs)
     _require_usable(system)
     require_available(system, names)
     constants = precisions.named(variant.precision).constants
     choices = decisions(system, methods(system, names, variant.solver), variant)
-    ways = [_compiled(system, choice, kept, progress, constants) for choice in choices]
+    ways = [_compiled(system, choice, variant.without, progress, constants) for choice in choices]
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
 
 
@@ -147,7 +148,7 @@ def _require_usable(system: System) -> None:
 
 
 def _compiled(
-    system: System, choice: Decision, kept: Sequence[passes.Pass], progress: Progress, constants: Constants
+    system: System, choice: Decision, without: Sequence[str], progress: Progress, constants: Constants
 ) -> Compiled:
     """The programs of one way to derive the outputs."""
     progress("deriving")
@@ -157,9 +158,17 @@ def _compiled(
     arrays = {output_array(system, name, form.methods): form.outputs[name] for name in way}
     program = lower(input_arrays(system), form.definitions, arrays, constants)
     progress("optimising")
-    program, stages = passes.run(program, kept)
-    module = split(program, functions(system, tuple(way)), PARAMETERS)
-    return Compiled(module, way, stages, choice.words)
+    program, stages = passes.run(program, passes.all_but(without, passes.SHARED))
+    own = passes.all_but(without, passes.OWN)
+    finished = {
+        name: passes.run(alone, own)
+        for name, alone in restricted(program, functions(system, tuple(way))).items()
+    }
+    *_, (_, (_, *later)) = finished.values()  # of all outputs together, which come last
+    module = hoisted({name: alone for name, (alone, _) in finished.items()})
+    if module.prepare:
+        module = replace(module, prepare=passes.run(module.prepare, own)[0])
+    return Compiled(module, way, (*stages, *later), choice.words)
 
 
 def generate(

@@ -10,7 +10,8 @@ from sympy import Symbol
 from kanegen.choices import several
 from kanegen.errors import OptionError
 from kanegen.program.ir import EVALUATE, Array, Condition
-from kanegen.program.split import PARAMETERS, Signature
+from kanegen.program.selection import PARAMETERS
+from kanegen.program.split import Signature
 from kanegen.symbolic import symbols
 from kanegen.system import System
 

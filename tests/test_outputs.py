@@ -13,12 +13,12 @@ import pytest
 import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.program.count import count
-from kanegen.signature import OUTPUTS
-from kanegen.variant import Variant
+from kanegen.signature import OUTPUTS, available
 from tests import moving_bodies, systems
 from tests.moving_bodies import READS_SPEEDS
 
 FLAGS = "-O1"
+MODELS = Path(__file__).parents[1] / "models"
 NEW = tuple(READS_SPEEDS)
 
 
@@ -66,14 +66,34 @@ def test_what_several_share() -> None:
         assert cost(tree, new, old) <= cost(tree, new) + cost(tree, old) - spared, (new, old)
 
 
-def test_a_function_costs_the_same_whatever_else_is_asked_for() -> None:
-    """But for factoring, which leaves products alone that another output needs as well."""
-    tree, plain = system(), Variant(without=("factor",))
-    every = compile_module(tree, (*NEW, "mass_matrix", "forcing"), variant=plain).module.functions
-    for name in NEW:
-        (alone,) = compile_module(tree, (name,), variant=plain).module.functions.values()
+@pytest.mark.parametrize("seed", range(3))
+def test_a_function_costs_the_same_whatever_else_is_asked_for(seed: int) -> None:
+    """To the operation, for every output of a tree with points."""
+    tree = system(seed)
+    names = [
+        name for name in available(tree) if name not in {"forward_dynamics", "error_estimate", "regularity"}
+    ]
+    every = compile_module(tree, names).module.functions
+    for name in names:
+        (alone,) = compile_module(tree, (name,)).module.functions.values()
         assert count(every[name]) == count(alone), name
-        assert [a.name for a in alone.inputs] == (["x", "y"] if READS_SPEEDS[name] else ["x"])
+        assert [a.name for a in every[name].inputs] == [a.name for a in alone.inputs]
+        if name in NEW:
+            assert [a.name for a in alone.inputs] == (["x", "y"] if READS_SPEEDS[name] else ["x"])
+
+
+def test_parameters_are_prepared_once_for_all() -> None:
+    """A function alone prepares what it needs; several together share it, and none does more in a state."""
+    tree = kg.load(MODELS / "gantry_crane.toml")
+    names = ("mass_matrix", "forcing", "potential_energy")
+    together = compile_module(tree, names).module
+    alone = [compile_module(tree, (name,)).module for name in names]
+    assert together.prepare is not None
+    for name, module in zip(names, alone, strict=True):
+        (function,) = module.functions.values()
+        assert count(together.functions[name]) == count(function), name
+    prepared = [sum(count(module.prepare).values()) for module in alone if module.prepare]
+    assert sum(count(together.prepare).values()) < sum(prepared)
 
 
 @pytest.fixture(scope="module")

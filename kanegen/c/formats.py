@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from kanegen import precision as precisions
 from kanegen.precision import DOUBLE, Precision
 from kanegen.program.cut import WORKSPACE
-from kanegen.program.split import PARAMETERS, PREPARED
+from kanegen.program.selection import PARAMETERS
+from kanegen.program.split import PREPARED
 from kanegen.variant import Variant
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import replace
 
-from kanegen.program.ir import Program
+from kanegen.program.ir import Op, Program
+
+PARAMETERS = "parameters"
+"""The array of run-time parameters."""
 
 
 def needed(program: Program, wanted: Iterable[int], known: Container[int] = ()) -> list[int]:
@@ -37,3 +40,14 @@ def selected(program: Program, order: Sequence[int]) -> Program:
     instructions = (program.instructions[i] for i in order)
     renumbered = tuple(replace(x, operands=tuple(moved[j] for j in x.operands)) for x in instructions)
     return Program(program.inputs, renumbered, tuple(output.renumbered(moved) for output in program.outputs))
+
+
+def parameter_only(program: Program) -> list[bool]:
+    """Which instructions need nothing else; a sign change stays with its user, where it is free."""
+    early: list[bool] = []
+    for instruction in program.instructions:
+        if instruction.op is Op.INPUT:
+            early.append(instruction.array == PARAMETERS)
+        else:
+            early.append(instruction.op is not Op.NEGATE and all(early[j] for j in instruction.operands))
+    return early

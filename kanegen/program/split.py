@@ -12,11 +12,9 @@ from typing import NamedTuple
 from kanegen.program.arrange import arrange
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
-from kanegen.program.ir import Array, Module, Op, Output, Program
+from kanegen.program.ir import EVALUATE, Array, Instruction, Module, Op, Output, Program
 from kanegen.program.passes.prune import prune
-
-PARAMETERS = "parameters"
-"""The array of run-time parameters."""
+from kanegen.program.selection import PARAMETERS, parameter_only
 
 PREPARED = "prepared"
 """The array of what depends on them alone."""
@@ -29,61 +27,88 @@ class Signature(NamedTuple):
     outputs: tuple[str, ...]
 
 
-def split(program: Program, functions: Mapping[str, Signature], parameters: str) -> Module:
-    """One program for every function, and `prepare` where the program reads parameters.
+def restricted(program: Program, functions: Mapping[str, Signature]) -> dict[str, Program]:
+    """One program for every function: what it needs, and nothing else.
 
     Args:
         program: All outputs together.
-        functions: What every function reads and fills; `prepared` goes first where there is one.
-        parameters: Name of the input array that holds run-time parameters.
+        functions: What every function reads and fills; run-time parameters are read by all.
     """
-    prepare = None
-    if any(array.name == parameters for array in program.inputs):
-        prepare, program = _hoist(program, parameters)
-    restricted = {name: _restrict(program, signature) for name, signature in functions.items()}
-    return Module(prepare, restricted)
+    return {name: _restrict(program, signature) for name, signature in functions.items()}
 
 
 def _restrict(program: Program, signature: Signature) -> Program:
-    inputs = tuple(array for array in program.inputs if array.name in (PREPARED, *signature.inputs))
+    inputs = tuple(array for array in program.inputs if array.name in (PARAMETERS, *signature.inputs))
     outputs = tuple(output for output in program.outputs if output.array.name in signature.outputs)
-    return check(arrange(prune(replace(program, inputs=inputs, outputs=outputs))))
+    return prune(replace(program, inputs=inputs, outputs=outputs))
 
 
-def _hoist(program: Program, parameters: str) -> tuple[Program, Program]:
-    """The parameter-only part and the rest, which reads its results as the array `prepared`."""
-    early = _parameter_only(program, parameters)
-    needed = _frontier(program, early)
+def hoisted(programs: Mapping[str, Program]) -> Module:
+    """The functions of a module, and `prepare` where they read parameters.
+
+    What several functions need of the parameters alone is computed once, and all read it as the one array
+    `prepared`.
+
+    Args:
+        programs: By name of function; all read parameters, or none does.
+    """
+    sources = {array for program in programs.values() for array in program.inputs if array.name == PARAMETERS}
+    if not sources:
+        return Module(None, {name: check(arrange(program)) for name, program in programs.items()})
+    early = {name: parameter_only(program) for name, program in programs.items()}
+    first, places = _collected(programs, early, tuple(sources))
+    frontiers = {name: _frontier(program, early[name]) for name, program in programs.items()}
+    needed = sorted({places[name][i] for name, frontier in frontiers.items() for i in frontier})
     array = Array(PREPARED, (max(1, len(needed)),), "SI", "constants that depend on parameters alone")
-    source = tuple(a for a in program.inputs if a.name == parameters)
-    first = Builder(source)
-    moved: dict[int, int] = {}
-    for i, instruction in enumerate(program.instructions):
-        if early[i]:
-            moved[i] = first.copy(instruction, [moved[j] for j in instruction.operands])
-    results = tuple(moved[i] for i in needed) or (first.constant(0.0),)
-    prepare = prune(first.program([Output(array, results)]))
+    prepare = prune(first.program([Output(array, tuple(needed) or (first.constant(0.0),))]))
+    functions = {}
+    for name, program in programs.items():
+        read = {i: needed.index(places[name][i]) for i in frontiers[name]}
+        functions[name] = check(arrange(_rest(program, early[name], read, array)))
+    return Module(prepare, functions)
 
-    rest = Builder((array, *(a for a in program.inputs if a.name != parameters)))
-    place = {value: index for index, value in enumerate(needed)}
-    moved = {}
+
+def _collected(
+    programs: Mapping[str, Program], early: Mapping[str, Sequence[bool]], source: tuple[Array, ...]
+) -> tuple[Builder, dict[str, dict[int, int]]]:
+    """What needs nothing but parameters, each value once; by function and instruction where it stands."""
+    first = Builder(source)
+    known: dict[Instruction, int] = {}
+    places: dict[str, dict[int, int]] = {}
+    for name in sorted(programs, key=lambda name: name != EVALUATE):  # which has the names of everything
+        moved = places[name] = {}
+        for i, instruction in enumerate(programs[name].instructions):
+            if early[name][i]:
+                operands = tuple(moved[j] for j in instruction.operands)
+                bare = replace(instruction, operands=operands, name="", note="")
+                if bare not in known:
+                    made = instruction if instruction.op is Op.INPUT else bare
+                    known[bare] = first.name(first.copy(made, operands), instruction.name, instruction.note)
+                moved[i] = known[bare]
+    return first, places
+
+
+def _rest(program: Program, early: Sequence[bool], read: Mapping[int, int], array: Array) -> Program:
+    """A function that reads `array` where it would compute what needs nothing but parameters.
+
+    Args:
+        program: The function.
+        early: Which of its instructions that are.
+        read: Places in `array`, by those that the others need.
+        array: What `prepare` fills.
+    """
+    rest = Builder((array, *(a for a in program.inputs if a.name != PARAMETERS)))
+    moved: dict[int, int] = {}
+    prepared: dict[int, int] = {}
     for i, instruction in enumerate(program.instructions):
-        if i in place:
-            moved[i] = rest.input(PREPARED, place[i], instruction.name or f"c_{place[i] + 1}")
+        if i in read:
+            place = read[i]
+            if place not in prepared:
+                prepared[place] = rest.input(PREPARED, place, instruction.name or f"c_{place + 1}")
+            moved[i] = prepared[place]
         elif not early[i] or instruction.op is Op.CONSTANT:
             moved[i] = rest.copy(instruction, [moved[j] for j in instruction.operands])
-    return prepare, rest.program([output.renumbered(moved) for output in program.outputs])
-
-
-def _parameter_only(program: Program, parameters: str) -> list[bool]:
-    """Which instructions need nothing else; a sign change stays with its user, where it is free."""
-    early: list[bool] = []
-    for instruction in program.instructions:
-        if instruction.op is Op.INPUT:
-            early.append(instruction.array == parameters)
-        else:
-            early.append(instruction.op is not Op.NEGATE and all(early[j] for j in instruction.operands))
-    return early
+    return rest.program([output.renumbered(moved) for output in program.outputs])
 
 
 def _frontier(program: Program, early: Sequence[bool]) -> list[int]:

@@ -20,8 +20,17 @@ from kanegen.program.passes.prune import prune
 
 Pass = Callable[[Program], Program]
 
-PASSES: tuple[Pass, ...] = (fold, prune, factor, fold)
-"""The order in which they run; sums that have been factored may be equal, so folding comes twice."""
+SHARED: tuple[Pass, ...] = (fold, prune)
+"""Those that run on all outputs together, so that these share what is equal."""
+
+OWN: tuple[Pass, ...] = (factor, fold)
+"""Those that run on every function by itself, so that none costs more because of another.
+
+Sums that have been factored may be equal, so folding comes twice.
+"""
+
+PASSES = (*SHARED, *OWN)
+"""The order in which they run."""
 
 NAMES = tuple(dict.fromkeys(apply.__name__ for apply in PASSES))
 
@@ -43,14 +52,14 @@ def names(without: Iterable[str] | str = ()) -> tuple[str, ...]:
     return several("without", "pass", without, NAMES)
 
 
-def all_but(without: Iterable[str] | str = ()) -> tuple[Pass, ...]:
-    """`PASSES` less those of these names.
+def all_but(without: Iterable[str] | str = (), among: Sequence[Pass] = PASSES) -> tuple[Pass, ...]:
+    """The passes `among` these less those of some names.
 
     Raises:
         OptionError: If there is no pass of such a name.
     """
     left_out = names(without)
-    return tuple(apply for apply in PASSES if apply.__name__ not in left_out)
+    return tuple(apply for apply in among if apply.__name__ not in left_out)
 
 
 def run(program: Program, passes: Sequence[Pass] = PASSES) -> tuple[Program, tuple[Stage, ...]]:

@@ -6,13 +6,21 @@ from collections import Counter
 
 from kanegen.program.builder import Builder
 from kanegen.program.ir import Instruction, Op, Program
+from kanegen.program.selection import PARAMETERS, parameter_only
 
 
 def factor(program: Program) -> Program:
-    """Factor every sum of two products that share a factor and are used nowhere else."""
+    """Factor every sum of two products that share a factor and are used nowhere else.
+
+    A function leaves what depends on parameters alone as it is: that goes into `prepare`, which serves all.
+    """
     uses = Counter(operand for i in program.instructions for operand in i.operands)
     uses.update(program.results())
-    factors = {i: _shared_factor(program, x, uses) for i, x in enumerate(program.instructions)}
+    elsewhere = _prepared(program)
+    factors = {
+        i: None if elsewhere[i] else _shared_factor(program, x, uses)
+        for i, x in enumerate(program.instructions)
+    }
     absorbed = {j for i, shared in factors.items() if shared for j in program.instructions[i].operands}
     builder = Builder(program.inputs)
     moved: dict[int, int] = {}
@@ -26,6 +34,13 @@ def factor(program: Program) -> Program:
         elif i not in absorbed:
             moved[i] = builder.copy(instruction, [moved[j] for j in instruction.operands])
     return builder.program([output.renumbered(moved) for output in program.outputs])
+
+
+def _prepared(program: Program) -> list[bool]:
+    """Which instructions go into `prepare`; none of its own."""
+    if all(array.name == PARAMETERS for array in program.inputs):
+        return [False] * len(program.instructions)
+    return parameter_only(program)
 
 
 def _shared_factor(
