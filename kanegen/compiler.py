@@ -24,9 +24,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from kanegen import derivatives, symbolic
 from kanegen import library as libraries
 from kanegen import precision as precisions
-from kanegen import symbolic
 from kanegen import variant as variants
 from kanegen.anchors import anchors
 from kanegen.c import ModelFacts, Source, render
@@ -35,6 +35,8 @@ from kanegen.check import regularity
 from kanegen.check.compare import Report
 from kanegen.check.compare import compare as compare_with_reference
 from kanegen.constants import Constants
+from kanegen.derivatives import with_needs
+from kanegen.differentiating import differentiated
 from kanegen.errors import OptionError
 from kanegen.lowering import lower
 from kanegen.program import passes
@@ -116,8 +118,8 @@ def compile_module(
     _require_usable(system)
     require_available(system, names)
     constants = precisions.named(variant.precision).constants
-    choices = decisions(system, methods(system, names, variant.solver), variant)
-    ways = [_compiled(system, choice, variant.without, progress, constants) for choice in choices]
+    choices = decisions(system, methods(system, with_needs(names), variant.solver), variant)
+    ways = [_compiled(system, names, choice, variant.without, progress, constants) for choice in choices]
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
 
 
@@ -148,7 +150,12 @@ def _require_usable(system: System) -> None:
 
 
 def _compiled(
-    system: System, choice: Decision, without: Sequence[str], progress: Progress, constants: Constants
+    system: System,
+    names: Sequence[str],
+    choice: Decision,
+    without: Sequence[str],
+    progress: Progress,
+    constants: Constants,
 ) -> Compiled:
     """The programs of one way to derive the outputs."""
     progress("deriving")
@@ -157,18 +164,20 @@ def _compiled(
     progress("lowering")
     arrays = {output_array(system, name, form.methods): form.outputs[name] for name in way}
     program = lower(input_arrays(system), form.definitions, arrays, constants)
+    lowered = dict(zip(way, program.outputs, strict=True))
+    program = differentiated(program, system, lowered, names, constants)
     progress("optimising")
     program, stages = passes.run(program, passes.all_but(without, passes.SHARED))
     own = passes.all_but(without, passes.OWN)
     finished = {
-        name: passes.run(alone, own)
-        for name, alone in restricted(program, functions(system, tuple(way))).items()
+        name: passes.run(alone, own) for name, alone in restricted(program, functions(system, names)).items()
     }
     *_, (_, (_, *later)) = finished.values()  # of all outputs together, which come last
     module = hoisted({name: alone for name, (alone, _) in finished.items()})
     if module.prepare:
         module = replace(module, prepare=passes.run(module.prepare, own)[0])
-    return Compiled(module, way, (*stages, *later), choice.words)
+    taken = {name: way.get(name, derivatives.METHOD) for name in names}
+    return Compiled(module, taken, (*stages, *later), choice.words)
 
 
 def generate(

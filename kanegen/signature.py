@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from sympy import Symbol
 
+from kanegen import derivatives
 from kanegen.choices import several
 from kanegen.errors import OptionError
 from kanegen.program.ir import EVALUATE, Array, Condition
@@ -126,6 +128,11 @@ def _regularity(system: System) -> Array:
 
 LOADS = ("force", "torque")
 
+
+def _derivatives(name: str) -> Callable[[System], Array]:
+    return partial(derivatives.array, name=name)
+
+
 OUTPUTS: dict[str, OutputKind] = {
     "mass_matrix": OutputKind(_mass_matrix, ("x",)),
     "forcing": OutputKind(_forcing, ("x", "y", *LOADS)),
@@ -143,6 +150,13 @@ OUTPUTS: dict[str, OutputKind] = {
     "point_velocities": OutputKind(_point_velocities, ("x", "y"), True),
     "point_accelerations": OutputKind(_point_accelerations, ("x", "y", "ydot"), True),
     "point_jacobians": OutputKind(_point_jacobians, ("x",), True),
+    "forcing_derivatives": OutputKind(_derivatives("forcing_derivatives"), ("x", "y", *LOADS)),
+    "inverse_dynamics_derivatives": OutputKind(
+        _derivatives("inverse_dynamics_derivatives"), ("x", "y", "ydot", *LOADS)
+    ),
+    "forward_dynamics_derivatives": OutputKind(
+        _derivatives("forward_dynamics_derivatives"), ("x", "y", "tau", *LOADS)
+    ),
 }
 
 EQUATIONS = ("mass_matrix", "forcing")

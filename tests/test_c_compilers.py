@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.derivatives import DERIVATIVES
 from kanegen.signature import available
 from tests.handmade import bits, evaluate, module, source
 
@@ -71,7 +72,8 @@ def test_a_function_in_pieces_is_clean_where_none_of_them_reads_an_input(compile
 @pytest.mark.parametrize("precision", ["double", "float"])
 def test_long_functions_in_pieces_are_clean(precision, compiler, tmp_path):
     system = kg.load(MODELS / "eight_body.toml")
-    folder = kg.generate(system, available(system), precision=precision).write(tmp_path / "out")
+    outputs = [name for name in available(system) if name not in DERIVATIVES]
+    folder = kg.generate(system, outputs, precision=precision).write(tmp_path / "out")
     for file in ("eight_body.c", "eight_body_batch.c"):
         assert "eight_body_evaluate" in (folder / file).read_text()
         assert "APART int" in (folder / file).read_text() or "APART lanes_bits" in (folder / file).read_text()

@@ -17,6 +17,7 @@ from rich.tree import Tree
 from kanegen import compiler
 from kanegen import variant as variants
 from kanegen.body import FREEDOMS, Body
+from kanegen.derivatives import DERIVATIVES
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.program.passes import Stage, savings
 from kanegen.sequences import NOTES
@@ -87,7 +88,9 @@ class Facts:
 def gather(system: System, progress: Callable[[str], None], without: Iterable[str] | None = None) -> Facts:
     """Count what every output costs alone and all together, without some passes if so wished."""
     variant = variants.chosen(without=without)
-    alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in available(system)}
+    # Derivatives of a large tree take minutes, and nobody has asked for them.
+    names = [name for name in available(system) if name not in DERIVATIVES]
+    alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}

@@ -30,8 +30,7 @@ accurate there."""
 
 def worth_trying(system: System) -> bool:
     """Whether a factorisation may be the cheaper way, and loses no accuracy."""
-    carriers = _carriers(system)
-    cost = sum(len(carrying) ** 2 for carrying in carriers.values())
+    cost = sum(len(carrying) ** 2 for carrying in carriers(system).values())
     angles = max(0 if body.joint.spins else sum(body.joint.free[:3]) for body in system.bodies)
     return angles <= MOST_ANGLES and cost <= ARTICULATED_COST * len(system.freedoms)
 
@@ -55,7 +54,7 @@ class Factorisation:
         entries = mass_matrix(tree).entries
         a = {(i, j): entries[n * i + j] for i in range(n) for j in range(n)}
         self.diagonal = [a[i, i] for i in range(n)]
-        self._carriers = _carriers(tree.system)
+        self._carriers = carriers(tree.system)
         tree.definitions.about("[A] = [L]^T [D] [L], then {ydot}, Eq. (42)")
         self._factors, pivots = _factorised(a, self._carriers, tree.definitions)
         self.pivots: Sequence[Expr] = [pivots[i] for i in range(n)]
@@ -115,7 +114,7 @@ def _factorised(
     return factors, pivots
 
 
-def _carriers(system: System) -> dict[int, list[int]]:
+def carriers(system: System) -> dict[int, list[int]]:
     """For every freedom, from the outermost inward, the freedoms that carry it."""
     number = system.places
     outward: dict[int, list[int]] = {0: []}
