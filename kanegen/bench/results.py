@@ -15,8 +15,9 @@ TOLERANCE = 1e-10
 
 EQUATIONS = "equations"
 DYNAMICS = "dynamics"
-QUANTITIES = (EQUATIONS, DYNAMICS)
-"""[A] and {f}, and {ydot}."""
+DERIVATIVES = "derivatives"
+QUANTITIES = (EQUATIONS, DYNAMICS, DERIVATIVES)
+"""[A] and {f}, {ydot}, and the derivatives of {ydot} by {x}, {y} and {tau}."""
 
 
 @dataclass(frozen=True)
@@ -35,12 +36,13 @@ class Task:
 
 
 Results = dict[str, Floats]
-"""By task: (B, n + 1, n), [A] with {f} below it, or (B, 1, n), {ydot}."""
+"""By task: (B, n + 1, n), [A] with {f} below it; (B, 1, n), {ydot}; (B, 3 n, n), (n, 3 n) derivatives."""
 
 
 def read(path: Path, tasks: Sequence[Task], n: int) -> Results:
     """The results of every task from a driver's file."""
-    rows = [n + 1 if task.quantity == EQUATIONS else 1 for task in tasks]
+    of = {EQUATIONS: n + 1, DYNAMICS: 1, DERIVATIVES: 3 * n}
+    rows = [of[task.quantity] for task in tasks]
     values = np.fromfile(path).reshape(-1, sum(rows), n)
     parts = np.split(values, np.cumsum(rows)[:-1], axis=1)
     return {task.name: part for task, part in zip(tasks, parts, strict=True)}
@@ -52,12 +54,16 @@ def write(path: Path, results: Results) -> None:
 
 
 def difference(ours: Floats, theirs: Floats) -> float:
-    """Of one task's results: the largest over [A], {f} or {ydot}, relative to the largest entry of each.
+    """Of one task's results: the largest over [A], {f}, {ydot} or derivatives, relative to its largest entry.
 
     {f} counts as no smaller than a thousandth of [A], or its rounding errors would count where it is zero.
     """
     if ours.shape[1] == 1:
         return _relative(ours, theirs, _size(theirs))
+    n = ours.shape[2]
+    if ours.shape[1] == 3 * n:
+        mine, right = (values.reshape(-1, n, 3, n) for values in (ours, theirs))
+        return max(_relative(mine[:, :, k], right[:, :, k], _size(right[:, :, k])) for k in range(3))
     matrix, vector = theirs[:, :-1], theirs[:, -1:]
     least = np.maximum(_size(vector), 1e-3 * _size(matrix))
     return max(_relative(ours[:, :-1], matrix, _size(matrix)), _relative(ours[:, -1:], vector, least))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from kanegen.bench.outcome import Entry, Outcome
-from kanegen.bench.results import DYNAMICS, EQUATIONS, QUANTITIES
+from kanegen.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, QUANTITIES
 
-TITLES = {EQUATIONS: "A + f", DYNAMICS: "forward dynamics"}
+TITLES = {EQUATIONS: "A + f", DYNAMICS: "forward dynamics", DERIVATIVES: "its derivatives"}
 """Of the quantities."""
 
 _WAYS = {"aba": "aba", "cholesky": "Cholesky"}

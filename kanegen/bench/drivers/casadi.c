@@ -7,6 +7,10 @@ typedef int Function(const double **arguments, double **results, long long *inte
 Function equations, dynamics;
 int equations_work(long long *arguments, long long *results, long long *integers, long long *work);
 int dynamics_work(long long *arguments, long long *results, long long *integers, long long *work);
+#ifdef DERIVATIVES
+Function derivatives;
+int derivatives_work(long long *arguments, long long *results, long long *integers, long long *work);
+#endif
 
 typedef struct {
     const double **arguments;
@@ -18,6 +22,10 @@ typedef struct {
 static States pool;
 static double *A, *f, *ydot;
 static Room of_equations, of_dynamics;
+#ifdef DERIVATIVES
+static double *jacobian;
+static Room of_derivatives;
+#endif
 
 static Room room(int (*sizes)(long long *, long long *, long long *, long long *))
 {
@@ -37,15 +45,32 @@ static void run_equations(size_t state)
     equations(r.arguments, r.results, r.integers, r.work, 0);
 }
 
-static void run_dynamics(size_t state)
+static void run(Function *function, Room r, size_t state, double *result)
 {
-    Room r = of_dynamics;
     r.arguments[0] = pool.x + state * pool.n;
     r.arguments[1] = pool.y + state * pool.n;
     r.arguments[2] = pool.tau + state * pool.n;
-    r.results[0] = ydot;
-    dynamics(r.arguments, r.results, r.integers, r.work, 0);
+    r.results[0] = result;
+    function(r.arguments, r.results, r.integers, r.work, 0);
 }
+
+static void run_dynamics(size_t state)
+{
+    run(dynamics, of_dynamics, state, ydot);
+}
+
+#ifdef DERIVATIVES
+static void run_derivatives(size_t state)
+{
+    run(derivatives, of_derivatives, state, jacobian);
+}
+
+static void give_derivatives(size_t state, double *values)
+{
+    (void)state;
+    for (size_t i = 0; i < 3 * pool.n * pool.n; i++) values[i] = jacobian[i];
+}
+#endif
 
 static void give_equations(size_t state, double *values)
 {
@@ -71,6 +96,10 @@ void contest_setup(const States *states, int argc, char **argv)
     ydot = aligned_numbers(pool.n);
     of_equations = room(equations_work);
     of_dynamics = room(dynamics_work);
+#ifdef DERIVATIVES
+    jacobian = aligned_numbers(3 * pool.n * pool.n);
+    of_derivatives = room(derivatives_work);
+#endif
 }
 
 size_t contest_tasks(const Task **tasks)
@@ -78,9 +107,15 @@ size_t contest_tasks(const Task **tasks)
     static Task every[] = {
         {"equations", run_equations, give_equations, 0, 1},
         {"dynamics", run_dynamics, give_dynamics, 0, 1},
+#ifdef DERIVATIVES
+        {"derivatives", run_derivatives, give_derivatives, 0, 1},
+#endif
     };
     every[0].size = pool.n * pool.n + pool.n;
     every[1].size = pool.n;
+#ifdef DERIVATIVES
+    every[2].size = 3 * pool.n * pool.n;
+#endif
     *tasks = every;
     return sizeof every / sizeof *every;
 }

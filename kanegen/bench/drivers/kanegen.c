@@ -12,6 +12,11 @@ void FUNCTION(evaluate_batch)(size_t count, const double *x, const double *y, do
 int FUNCTION(forward_dynamics)(const double *x, const double *y, const double *tau, double *ydot);
 size_t FUNCTION(forward_dynamics_batch)(
     size_t count, const double *x, const double *y, const double *tau, double *ydot);
+#ifdef DERIVATIVES
+int FUNCTION(forward_dynamics_derivatives)(const double *x, const double *y, const double *tau, double *values);
+size_t FUNCTION(forward_dynamics_derivatives_batch)(
+    size_t count, const double *x, const double *y, const double *tau, double *values);
+#endif
 
 /* States of a batch. Its results go to memory that the next batch reuses, as a consumer that works block by
  * block would have it. */
@@ -49,6 +54,23 @@ static void dynamics_batch(size_t state)
     FUNCTION(forward_dynamics_batch)(block(first), pool.x + row, pool.y + row, pool.tau + row, ydot);
 }
 
+#ifdef DERIVATIVES
+static double *jacobians; /* of BLOCK states */
+
+static void derivatives(size_t state)
+{
+    const size_t row = state * pool.n;
+    FUNCTION(forward_dynamics_derivatives)(pool.x + row, pool.y + row, pool.tau + row, jacobians);
+}
+
+static void derivatives_batch(size_t state)
+{
+    const size_t first = state - state % BLOCK, row = first * pool.n;
+    FUNCTION(forward_dynamics_derivatives_batch)
+    (block(first), pool.x + row, pool.y + row, pool.tau + row, jacobians);
+}
+#endif
+
 static double *copied(double *to, const double *from, size_t count)
 {
     while (count--) *to++ = *from++;
@@ -78,6 +100,20 @@ static void give_dynamics_batch(size_t state, double *values)
     copied(values, ydot + state % BLOCK * pool.n, pool.n);
 }
 
+#ifdef DERIVATIVES
+static void give_derivatives(size_t state, double *values)
+{
+    (void)state;
+    copied(values, jacobians, 3 * pool.n * pool.n);
+}
+
+static void give_derivatives_batch(size_t state, double *values)
+{
+    const size_t size = 3 * pool.n * pool.n;
+    copied(values, jacobians + state % BLOCK * size, size);
+}
+#endif
+
 void contest_setup(const States *states, int argc, char **argv)
 {
     (void)argc;
@@ -86,6 +122,9 @@ void contest_setup(const States *states, int argc, char **argv)
     A = aligned_numbers(BLOCK * pool.n * pool.n);
     f = aligned_numbers(BLOCK * pool.n);
     ydot = aligned_numbers(BLOCK * pool.n);
+#ifdef DERIVATIVES
+    jacobians = aligned_numbers(BLOCK * 3 * pool.n * pool.n);
+#endif
 }
 
 size_t contest_tasks(const Task **tasks)
@@ -95,9 +134,16 @@ size_t contest_tasks(const Task **tasks)
         {"dynamics", dynamics, give_dynamics, 0, 1},
         {"equations batch", equations_batch, give_equations_batch, 0, BLOCK},
         {"dynamics batch", dynamics_batch, give_dynamics_batch, 0, BLOCK},
+#ifdef DERIVATIVES
+        {"derivatives", derivatives, give_derivatives, 0, 1},
+        {"derivatives batch", derivatives_batch, give_derivatives_batch, 0, BLOCK},
+#endif
     };
     every[0].size = every[2].size = pool.n * pool.n + pool.n;
     every[1].size = every[3].size = pool.n;
+#ifdef DERIVATIVES
+    every[4].size = every[5].size = 3 * pool.n * pool.n;
+#endif
     *tasks = every;
     return sizeof every / sizeof *every;
 }

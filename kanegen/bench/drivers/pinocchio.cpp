@@ -5,15 +5,17 @@
 //
 // `columns` are the places in x, y and tau of the joint's velocities. Those of a free-flyer hold three
 // translations and the angles 1-2-3 in x, and Pinocchio's own velocities and forces in y and tau. The first
-// line is gravity.
+// line is gravity. A second argument asks for derivatives too, of a model without free-flyers.
 #include "contest.h"
 
+#include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/cholesky.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody.hpp>
 
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -133,9 +135,27 @@ static void give_acceleration(std::size_t, double *values)
     for (int i = 0; i < model.nv; i++) values[place[i]] = acceleration[i];
 }
 
+static void derivatives(std::size_t state)
+{
+    pin::computeABADerivatives(model, *data, q[state], v[state], tau[state]);
+}
+
+// By x, y and tau side by side. Only the upper half of the inverse of the mass matrix is filled.
+static void give_derivatives(std::size_t, double *values)
+{
+    const int n = model.nv;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double *row = values + place[i] * 3 * n;
+            row[place[j]] = data->ddq_dq(i, j);
+            row[n + place[j]] = data->ddq_dv(i, j);
+            row[2 * n + place[j]] = data->Minv(std::min(i, j), std::max(i, j));
+        }
+}
+
 static std::vector<Task> tasks;
 
-void contest_setup(const States *states, int, char **argv)
+void contest_setup(const States *states, int argc, char **argv)
 {
     read_model(argv[0]);
     data = new pin::Data(model);
@@ -144,6 +164,7 @@ void contest_setup(const States *states, int, char **argv)
     tasks = {{"equations", equations, give_equations, n * n + n, 1},
              {"aba", aba, give_acceleration, n, 1},
              {"cholesky", cholesky, give_acceleration, n, 1}};
+    if (argc > 1) tasks.push_back({"derivatives", derivatives, give_derivatives, 3 * n * n, 1});
 }
 
 std::size_t contest_tasks(const Task **result)

@@ -7,12 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kanegen.bench.contestant import Contestant
-from kanegen.bench.results import DYNAMICS, EQUATIONS, Task
+from kanegen.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, Task
 from kanegen.bench.states import States
 from kanegen.system import System
 
 ONE = (Task("equations", EQUATIONS), Task("dynamics", DYNAMICS))
-"""Both quantities, one state a call."""
+"""The equations and their solution, one state a call."""
+
+DERIVED = Task("derivatives", DERIVATIVES)
+"""The derivatives of the solution by {x}, {y} and {tau}, one state a call."""
+
+MOST_DERIVED = 20
+"""Freedoms up to which derivatives are compared; straight-line code of more takes long to compile."""
 
 Makers = Iterator[tuple[str, Callable[[], list[Contestant]]]]
 """Names, and functions that take as long as a compiler takes; they raise MissingError."""
@@ -33,6 +39,16 @@ class Arena:
     states: States
     file: Path
     folder: Path
+
+    @property
+    def derives(self) -> bool:
+        """Whether derivatives are compared."""
+        return len(self.system.freedoms) <= MOST_DERIVED
+
+    @property
+    def one(self) -> tuple[Task, ...]:
+        """What is computed one state a call."""
+        return (*ONE, DERIVED) if self.derives else ONE
 
     def written(self, name: str, text: str) -> str:
         """The path of a new file with `text` in it."""

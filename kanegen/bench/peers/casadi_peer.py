@@ -7,7 +7,7 @@ import functools
 from kanegen.bench.building import compiled, driver
 from kanegen.bench.contestant import Contestant
 from kanegen.bench.optional import module
-from kanegen.bench.peers.arena import ONE, Arena, Makers
+from kanegen.bench.peers.arena import Arena, Makers
 from kanegen.bench.settings import EXACT, NATIVE, Setting
 
 CASADI = "CasADi"
@@ -20,11 +20,12 @@ def makers(arena: Arena) -> Makers:
 
 def _contestants(arena: Arena) -> list[Contestant]:
     module("casadi")
-    files = module("kanegen.bench.peers.casadi_code").code(arena.system)
+    files = module("kanegen.bench.peers.casadi_code").code(arena.system, arena.derives)
     texts = {"casadi.c": driver("casadi.c"), **files}
     return [_contestant(arena, texts, setting) for setting in (EXACT, NATIVE)]
 
 
 def _contestant(arena: Arena, texts: dict[str, str], setting: Setting) -> Contestant:
-    program = compiled("casadi", texts, setting.flags)
-    return Contestant(CASADI, setting, (str(program),), arena.file, ONE)
+    wanted = ("-DDERIVATIVES",) if arena.derives else ()
+    program = compiled("casadi", texts, (*setting.flags, *wanted))
+    return Contestant(CASADI, setting, (str(program),), arena.file, arena.one)

@@ -11,22 +11,27 @@ from kanegen import compiler
 from kanegen.bench.building import compiled, driver
 from kanegen.bench.contestant import Contestant
 from kanegen.bench.outcome import KANEGEN, PYTHON
-from kanegen.bench.peers.arena import ONE, Arena, Makers
-from kanegen.bench.results import DYNAMICS, EQUATIONS, Task
+from kanegen.bench.peers.arena import DERIVED, ONE, Arena, Makers
+from kanegen.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, Task
 from kanegen.bench.settings import EXACT, NATIVE, RELAXED, Setting
 from kanegen.c import Source
 from kanegen.library import load
 from kanegen.signature import EQUATIONS as BOTH
 
 MANY = (Task("equations batch", EQUATIONS, batch=True), Task("dynamics batch", DYNAMICS, batch=True))
+MANY_DERIVED = Task("derivatives batch", DERIVATIVES, batch=True)
 OUTPUTS = {EQUATIONS: BOTH, DYNAMICS: ("forward_dynamics",)}
 
 
 def makers(arena: Arena) -> Makers:
     """One contestant a setting, and one that is a Python process."""
     sources = {quantity: compiler.generate(arena.system, outputs) for quantity, outputs in OUTPUTS.items()}
+    files = _files(sources)
+    if arena.derives:
+        derived = compiler.generate(arena.system, ("forward_dynamics_derivatives",))
+        files |= _files({DERIVATIVES: derived})
     for setting in (EXACT, NATIVE, RELAXED):
-        yield f"{KANEGEN} {setting.name}", functools.partial(_contestant, arena, _files(sources), setting)
+        yield f"{KANEGEN} {setting.name}", functools.partial(_contestant, arena, files, setting)
     yield PYTHON, functools.partial(_from_python, arena, sources)
 
 
@@ -41,9 +46,13 @@ def _files(sources: Mapping[str, Source]) -> dict[str, str]:
 
 
 def _contestant(arena: Arena, files: Mapping[str, str], setting: Setting) -> list[Contestant]:
-    flags = (*setting.flags, f"-DMODEL={arena.system.name}")
+    flags = [*setting.flags, f"-DMODEL={arena.system.name}"]
+    tasks = [*ONE, *MANY]
+    if arena.derives:
+        flags.append("-DDERIVATIVES")
+        tasks += [DERIVED, MANY_DERIVED]
     program = compiled(KANEGEN, {"driver.c": driver("kanegen.c"), **files}, flags)
-    return [Contestant(KANEGEN, setting, (str(program),), arena.file, (*ONE, *MANY))]
+    return [Contestant(KANEGEN, setting, (str(program),), arena.file, tuple(tasks))]
 
 
 def _from_python(arena: Arena, sources: Mapping[str, Source]) -> list[Contestant]:

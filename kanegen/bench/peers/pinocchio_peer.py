@@ -12,7 +12,7 @@ from kanegen.arrays import Floats
 from kanegen.bench.building import compiled, driver
 from kanegen.bench.contestant import Contestant
 from kanegen.bench.optional import headers
-from kanegen.bench.peers.arena import Arena, Makers
+from kanegen.bench.peers.arena import DERIVED, Arena, Makers
 from kanegen.bench.peers.floating import FreeFlyer
 from kanegen.bench.peers.joints import Joint, floating_joints, joints
 from kanegen.bench.results import DYNAMICS, EQUATIONS, Task
@@ -42,8 +42,11 @@ def makers(arena: Arena) -> Makers:
 
 
 def _same(arena: Arena) -> list[Contestant]:
-    table = arena.written("joints", _table(arena.system, joints(arena.system)))
-    return [Contestant(PINOCCHIO, NATIVE, (str(_program()),), arena.file, TWO_WAYS, (table,))]
+    arguments = [arena.written("joints", _table(arena.system, joints(arena.system)))]
+    tasks: tuple[Task, ...] = TWO_WAYS
+    if arena.derives:
+        arguments, tasks = [*arguments, "derivatives"], (*tasks, DERIVED)
+    return [Contestant(PINOCCHIO, NATIVE, (str(_program()),), arena.file, tasks, tuple(arguments))]
 
 
 def _floating(arena: Arena) -> list[Contestant]:
