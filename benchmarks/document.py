@@ -8,6 +8,7 @@ from string import Template
 
 from kanegen.bench import Entry, Outcome, Terms, machine, table
 from kanegen.bench.outcome import KANEGEN, PYTHON
+from kanegen.bench.peers.arena import MOST_DERIVED
 from kanegen.bench.peers.casadi_peer import CASADI
 from kanegen.bench.peers.mujoco_peer import MUJOCO
 from kanegen.bench.peers.pinocchio_peer import FREE_FLYER, PINOCCHIO
@@ -113,6 +114,7 @@ def _method(terms: Terms) -> str:
         "seconds": f"{terms.seconds:g}",
         "tolerance": f"{TOLERANCE:.0e}",
         "most": MOST,
+        "derived": MOST_DERIVED,
         "patience": PATIENCE,
     }
     return template.substitute(numbers).strip()

@@ -22,7 +22,7 @@ from kanegen.bench.outcome import KANEGEN, PYTHON, Absence, Entry, Outcome
 from kanegen.bench.peers import kanegen_peer, pydy_peer
 from kanegen.bench.peers.arena import Arena
 from kanegen.bench.peers.field import contestants
-from kanegen.bench.results import DYNAMICS, EQUATIONS, TOLERANCE, Task, difference
+from kanegen.bench.results import DYNAMICS, EQUATIONS, QUANTITIES, TOLERANCE, Task, difference
 from kanegen.bench.settings import EXACT, NATIVE
 from kanegen.bench.states import States, plain, random_states
 from kanegen.errors import MissingError
@@ -85,7 +85,7 @@ def test_a_compiler_is_enough(alone: Outcome) -> None:
 
 
 def test_batches_are_timed_beside_single_states(alone: Outcome) -> None:
-    for quantity in (EQUATIONS, DYNAMICS):
+    for quantity in QUANTITIES:
         one, many = (alone.best(KANEGEN, quantity, EXACT, batch) for batch in (False, True))
         assert one is not None
         assert many is not None
@@ -127,6 +127,17 @@ def test_who_computes_something_else_is_not_timed(tmp_path: Path) -> None:
     assert not outcome.agrees
     assert outcome.best("liar", EQUATIONS) is None
     assert [row[3] for row in table.rows(outcome, EQUATIONS) if row[0] == "liar"] == ["not timed"] * 2
+
+
+def test_a_derivative_is_compared_with_its_own_size() -> None:
+    """Those by {tau} may be a millionth of those by {x}; an error in them counts all the same."""
+    right = np.ones((2, 2, 3, 2))
+    right[:, :, 2] = 1e-6
+    other = right.copy()
+    other[1, 0, 2, 1] += 1e-12
+    right, other = (values.reshape(2, 6, 2) for values in (right, other))
+    assert difference(other, right) == pytest.approx(1e-6)
+    assert difference(right, right) == 0.0
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, 1.0 + 1e-9])
