@@ -107,15 +107,26 @@ def compile_module(
     outputs: Iterable[str] = EQUATIONS,
     progress: Progress = quiet,
     variant: Variant = STRICT,
+    *,
+    regular: bool = True,
 ) -> Compiled:
     """Straight-line programs for `outputs`, every intermediate shared, by the cheapest methods.
 
+    Args:
+        system: The tree.
+        outputs: Names among `OUTPUTS`.
+        progress: Told the name of each stage.
+        variant: The other choices.
+        regular: Whether [A] must not be singular in every state.
+
     Raises:
         OptionError: If an output is unknown.
-        SingularError: If [A] is singular in every state.
+        SingularError: If [A] is singular in every state and must not be.
     """
     names = chosen(outputs)
-    _require_usable(system)
+    _require_system(system)
+    if regular:
+        _require_usable(system)
     require_available(system, names)
     constants = precisions.named(variant.precision).constants
     choices = decisions(system, methods(system, with_needs(names), variant.solver), variant)

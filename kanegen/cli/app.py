@@ -18,6 +18,7 @@ from kanegen.bench.plot import svg
 from kanegen.bench.record import record
 from kanegen.c.anchors import with_anchors
 from kanegen.cli import bench as benchmark_table
+from kanegen.cli import explain as explanation
 from kanegen.cli import info as information
 from kanegen.cli.given import has_budget
 from kanegen.cli.options import (
@@ -52,6 +53,7 @@ from kanegen.errors import KanegenError, OptionError
 from kanegen.files import require_writable, write_whole
 from kanegen.printing import FORMATS, render
 from kanegen.readers import load
+from kanegen.receipt import page, receipt
 from kanegen.signature import EQUATIONS
 from kanegen.study import EXTRA as STUDY
 from kanegen.study import NEEDS
@@ -250,6 +252,36 @@ def info(
         typer.echo(json.dumps(facts.as_dict(), indent=2))
     else:
         information.show(facts, screen)
+
+
+@app.command()
+def explain(
+    model: Model,
+    output: Outputs = list(EQUATIONS),  # noqa: B006  (as for generate)
+    floating_base: FloatingBase = False,
+    speeds: Speeds = None,
+    coordinates: Coordinates = None,
+    compile_: Annotated[
+        bool, typer.Option("--compile", help="Compile the C of the first and the last program, and time it.")
+    ] = False,
+    as_json: AsJson = False,
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE.html", help="Write a page with the tree drawn.")
+    ] = None,
+) -> None:
+    """Set the program for MODEL beside the general one of its tree: what it saves, and what is left."""
+    if html is not None and html.suffix.lower() != ".html":
+        raise OptionError(f"--html: {html} does not end in .html.")
+    require_writable(html)
+    system = _loaded(model, floating_base, speeds, coordinates)
+    with progress() as report:
+        found = receipt(system, output, compile_, report)
+    if as_json:
+        typer.echo(json.dumps(found.as_dict(), indent=2))
+    else:
+        explanation.show(found, screen)
+    if html is not None:
+        write_whole(html, page.html(found))
 
 
 @app.command()

@@ -1,0 +1,5 @@
+"""What a scene does not need, and what that saves: the specialised program beside the general one."""
+
+from kanegen.receipt.receipt import Receipt, Step, receipt
+
+__all__ = ["Receipt", "Step", "receipt"]

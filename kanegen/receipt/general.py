@@ -1,0 +1,80 @@
+"""The general form of a scene: every freedom free, every number a run-time parameter, loads on every body."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import count
+from typing import Any
+
+from kanegen import rotations
+from kanegen.body import Body, Joint, Point
+from kanegen.numbers import Number, Parameter, map_numbers, value_of
+from kanegen.system import System
+
+PREFIX = "number"
+"""Of the parameters that stand for a scene's numbers."""
+
+
+def with_freedoms(system: System) -> System:
+    """The same tree with all six freedoms at every joint."""
+    return _changed(system, lambda body: replace(body, joint=replace(body.joint, free=(True,) * 6, name="")))
+
+
+def with_loads(system: System) -> System:
+    """The same tree with a force and a torque on every body."""
+    return _changed(system, lambda body: replace(body, loads=True))
+
+
+def opened(system: System) -> System:
+    """The same system with a run-time parameter for every number, zeros included."""
+    taken = {parameter.name for parameter in system.parameters}
+    names = (name for k in count(1) if (name := f"{PREFIX}{k}") not in taken)
+
+    def open_(value: Number) -> Number:
+        return value if isinstance(value, Parameter) else Parameter(next(names), value)
+
+    def joint(of: Joint) -> Joint:
+        angles: Any = of.orientation
+        if isinstance(angles[0], tuple):
+            angles = rotations.angles_123(map_numbers(angles, value_of))
+        return replace(
+            of,
+            position=map_numbers(of.position, open_),
+            orientation=map_numbers(angles, open_),
+            locked=tuple(0.0 if free else open_(v) for free, v in zip(of.free, of.locked, strict=True)),
+        )
+
+    def body(of: Body) -> Body:
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = of.inertia
+        xx, yy, zz, xy, xz, yz = (open_(value) for value in (xx, yy, zz, xy, xz, yz))
+        return replace(
+            of,
+            mass=open_(of.mass),
+            inertia=((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)),
+            mass_center=map_numbers(of.mass_center, open_),
+            joint=joint(of.joint),
+            points=tuple(Point(p.name, map_numbers(p.position, open_)) for p in of.points),
+        )
+
+    return replace(_changed(system, body), gravity=map_numbers(system.gravity, open_))
+
+
+def steps(system: System) -> Iterator[tuple[str, System]]:
+    """From the general form to the scene, one choice after the other.
+
+    The bodies of the first hang together as those of the scene do, and nothing else is known of them: what
+    the scene locks are coordinates there.
+
+    Yields:
+        What the scene does without, in words, and the system that is left.
+    """
+    loaded = with_loads(system)
+    yield "nothing", opened(with_freedoms(loaded))
+    yield "locked freedoms", opened(loaded)
+    yield "loads", opened(system)
+    yield "run-time numbers", system
+
+
+def _changed(system: System, change: Callable[[Body], Body]) -> System:
+    return replace(system, bodies=tuple(change(body) for body in system.bodies))

@@ -1,0 +1,214 @@
+"""The receipt of a scene; and that what is specialised computes what the general program does."""
+
+from __future__ import annotations
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import kanegen as kg
+from kanegen.arrays import SystemArrays
+from kanegen.check.kinematics import kinematics
+from kanegen.check.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches, rounding_bound
+from kanegen.check.matrices import skew
+from kanegen.check.states import random_states
+from kanegen.cli.app import app
+from kanegen.compiler import compile_module
+from kanegen.numbers import map_numbers, value_of
+from kanegen.program.count import count
+from kanegen.program.evaluate import evaluate
+from kanegen.receipt import receipt
+from kanegen.receipt.general import steps
+from kanegen.receipt.page import drawing, html
+from kanegen.system import Coordinate, Freedom
+from tests import systems
+from tests.robots import robot_file
+
+MODELS = sorted((Path(__file__).parents[1] / "models").glob("*.toml"))
+
+
+def results(system: kg.System, given: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """[A] and {f} of the program that becomes C."""
+    module = compile_module(system, regular=False).module
+    given = given | {name: np.zeros((system.number_of_bodies, 3)) for name in ("force", "torque")} | given
+    values = {name: np.ravel(value) for name, value in given.items()}
+    if module.prepare is not None:
+        parameters = [parameter.value for parameter in system.parameters]
+        values["prepared"] = evaluate(module.prepare, {"parameters": parameters}, np)["prepared"]
+    function = module.functions["evaluate"]
+    found = evaluate(function, {array.name: values[array.name] for array in function.inputs}, np)
+    n = len(system.freedoms)
+    return np.array(found["A"], float).reshape(n, n), np.array(found["f"], float)
+
+
+def require_equal(system: kg.System, seed: int) -> None:
+    """At the locked state, to the rounding of two programs; loads act on the bodies that take them."""
+    (_, general), *_ = steps(system)
+    sample = random_states(system, 1, seed)
+    given = {"x": sample.x[0], "y": sample.y[0]}
+    if sample.force is not None and sample.torque is not None:
+        given |= {"force": sample.force[0], "torque": sample.torque[0]}
+    x, y = np.zeros(len(general.coordinates)), np.zeros(len(general.freedoms))
+    for coordinate, place in general.coordinate_places.items():
+        locked = map_numbers(system.bodies[coordinate.body - 1].joint.locked, value_of)
+        known = system.coordinate_places.get(coordinate)
+        x[place] = locked[coordinate.index] if known is None else given["x"][known]
+    free = [general.places[freedom] for freedom in system.freedoms]
+    y[free] = given["y"]
+    matrix, forcing = results(general, given | {"x": x, "y": y})
+    special_matrix, special_forcing = results(system, given)
+    arrays = system.values()
+    reach = reaches(arrays, kinematics(arrays, given["x"], given["y"]), given["y"])
+    limit = 2 * rounding_bound(system.number_of_bodies)
+    force, torque = given.get("force"), given.get("torque")
+    assert (
+        np.abs(special_matrix - matrix[np.ix_(free, free)]) <= limit * mass_matrix_magnitude(arrays, reach)
+    ).all()
+    assert (
+        np.abs(special_forcing - forcing[free]) <= limit * forcing_magnitude(arrays, reach, force, torque)
+    ).all()
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda path: path.stem)
+def test_models_compute_what_their_general_programs_do(model: Path) -> None:
+    for seed in range(3):
+        require_equal(kg.load(model), seed)
+
+
+@pytest.mark.parametrize("robot", ["ur5_robot", "panda"])
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
+def test_so_do_robots(robot: str) -> None:
+    require_equal(kg.load(robot_file(robot)), 1)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_so_do_random_scenes(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    require_equal(systems.random_system(rng, int(rng.integers(1, 5))), seed)
+
+
+@pytest.mark.slow
+def test_so_do_two_hundred() -> None:
+    for seed in range(200):
+        rng = np.random.default_rng([1, seed])
+        require_equal(systems.random_system(rng, int(rng.integers(1, 6)), orientations=bool(seed % 4)), seed)
+
+
+def test_a_locked_joint_stands_where_it_was() -> None:
+    """The coordinates of the general program are those of the scene and the locked values."""
+    system = systems.random_system(np.random.default_rng(5), 3)
+    (_, general), *_, (_, last) = steps(system)
+    assert last == system
+    assert len(general.freedoms) == 18
+    assert set(system.freedoms) <= {Freedom(c.body, c.index) for c in general.coordinates}
+    assert Coordinate(1, 0) in general.coordinate_places
+    assert all(body.loads for body in general.bodies)
+    assert not any(isinstance(body.mass, float) for body in general.bodies)
+
+
+def test_operations_fall_and_add_up() -> None:
+    found = receipt(kg.load(MODELS[0].parent / "gantry_crane.toml"), ("mass_matrix", "forcing"))
+    totals = [step.total for step in found.steps]
+    assert totals == sorted(totals, reverse=True)
+    assert sum(found.bodies.values()) == totals[-1]
+    assert found.ratio == totals[0] / totals[-1] > 20
+    assert [step.without for step in found.steps] == [
+        "nothing",
+        "locked freedoms",
+        "loads",
+        "run-time numbers",
+    ]
+    assert found.alone.keys() == {"mass_matrix", "forcing"}
+    alone = compile_module(found.system, ("forcing",)).module.functions["forcing"]
+    assert found.alone["forcing"] == sum(count(alone).values())
+    assert json.loads(json.dumps(found.as_dict()))["steps"][0]["operations"] == found.steps[0].operations
+
+
+def remade(arrays: SystemArrays, **changed: object) -> kg.System:
+    kept = {name: getattr(arrays, name) for name in arrays.__dataclass_fields__}
+    return kg.System.from_arrays(**(kept | changed))
+
+
+def lumped(system: kg.System, moving: int) -> kg.System:
+    """The first bodies alone, each with the mass and inertia of what is welded to it."""
+    arrays = system.values()
+    n = len(system.freedoms)
+    bodies = kinematics(arrays, np.zeros(n), np.zeros(n))
+    carrier = list(range(moving))
+    for lower in arrays.connection[moving:]:
+        carrier.append(carrier[lower - 1])
+    masses, centers, inertias = [], [], []
+    for k in range(moving):
+        own = [m for m, carrying in enumerate(carrier) if carrying == k]
+        turns = [bodies[m].rotation @ bodies[k].rotation.T for m in own]
+        # {p'_G} is resolved in its own body.
+        points = [
+            turn.T @ bodies[m].center_position - bodies[k].position
+            for m, turn in zip(own, turns, strict=True)
+        ]
+        mass = arrays.mass[own].sum()
+        center = sum(arrays.mass[m] * point for m, point in zip(own, points, strict=True)) / mass
+        inertia = np.zeros((3, 3))
+        for m, turn, point in zip(own, turns, points, strict=True):
+            arm = skew(point - center)
+            inertia += turn.T @ arrays.inertia[m] @ turn - arrays.mass[m] * arm @ arm
+        masses.append(mass)
+        centers.append(center)
+        inertias.append((inertia + inertia.T) / 2)
+    first = {
+        name: getattr(arrays, name)[:moving]
+        for name in arrays.__dataclass_fields__
+        if name not in {"gravity", "mass", "mass_center", "inertia"}
+    }
+    return kg.System.from_arrays(
+        **first, gravity=arrays.gravity, mass=masses, mass_center=centers, inertia=inertias
+    )
+
+
+def test_welded_bodies_cost_what_lumped_ones_do() -> None:
+    """Bodies 4 to 8 of eight, welded, against three bodies that have their mass: the same equations."""
+    eight = systems.eight_body(loads=False).values()
+    free = eight.free.copy()
+    free[3:] = False
+    rng = np.random.default_rng(8)
+    welded = remade(eight, free=free, locked=rng.uniform(-1, 1, (8, 6)) * ~free)
+    direct = lumped(welded, 3)
+    found = receipt(welded)
+    assert all(found.bodies.get(k, 0) == 0 for k in range(4, 9))
+    assert found.steps[-1].total <= 1.1 * receipt(direct).steps[-1].total
+    sample = random_states(direct, 2)
+    given = {"x": sample.x[0], "y": sample.y[0]}
+    for one, other in zip(results(welded, given), results(direct, given), strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
+
+
+def test_the_page_draws_every_body(tmp_path: Path) -> None:
+    found = receipt(systems.eight_body(), ("mass_matrix",))
+    places = [(box.x, box.y) for box in drawing(found).boxes]
+    assert len(set(places)) == 8
+    assert len(drawing(found).lines) == 7
+    texts: list[str] = []
+
+    class Reader(HTMLParser):
+        def handle_data(self, data: str) -> None:
+            texts.append(data.strip())
+
+    page = html(found)
+    Reader().feed(page)
+    assert {f"body{k}" for k in range(1, 9)} <= set(texts)
+    assert "http" not in page
+
+
+def test_the_command(tmp_path: Path) -> None:
+    model, run = str(MODELS[0]), CliRunner()
+    shown = run.invoke(app, ["explain", model, "--html", str(tmp_path / "page.html")])
+    assert shown.exit_code == 0
+    assert "run-time numbers" in shown.output
+    assert (tmp_path / "page.html").read_text().startswith("<!DOCTYPE html>")
+    data = json.loads(run.invoke(app, ["explain", model, "--json", "--compile"]).output)
+    assert data["steps"][0]["seconds"] > 0
+    assert data["steps"][1]["seconds"] is None
