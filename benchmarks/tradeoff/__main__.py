@@ -12,7 +12,12 @@ from pathlib import Path
 
 from benchmarks import models
 from benchmarks.tradeoff import certificates
-from kanegen.cli.tradeoff import Outputs, Terms, run
+from kanegen.files import write_whole
+from kanegen.study import document, runs
+from kanegen.study.outcome import Study
+from kanegen.study.plot import svg
+from kanegen.study.simulating import simulated
+from kanegen.study.study import study
 
 DOCS = Path(__file__).parents[2] / "docs" / "tradeoff"
 MODELS = ("eight_body", "panda", "talos_reduced")
@@ -23,14 +28,16 @@ BUDGETS = (1e-6, 1e-9, 1e-12)
 def main() -> None:
     options = _options()
     for name in options.models:
-        outputs = Outputs.chosen(_made(options.docs / name), None, None, simulation=True)
-        outputs.write(run(models.system(name), Terms(), None, True, functools.partial(_say, name)))
-    found = []
+        told = functools.partial(_say, name)
+        system = models.system(name)
+        found = simulated(system, study(system, progress=told), told)
+        _write(found, options.docs / name)
+    lines = []
     for name in CERTIFIED if options.budgets else ():
         for budget in options.budgets:
             told = functools.partial(_say, f"{name}, {budget:.0e}")
-            found.append(certificates.made(models.system(name), budget, options.docs, told))
-            certificates.write(found, options.docs)
+            lines.append(certificates.made(models.system(name), budget, options.docs, told))
+            certificates.write(lines, options.docs)
 
 
 def _options() -> argparse.Namespace:
@@ -43,9 +50,11 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _made(folder: Path) -> Path:
+def _write(found: Study, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    return folder
+    write_whole(folder / "tradeoff.md", document.markdown(found))
+    write_whole(folder / "tradeoff.svg", svg(found))
+    write_whole(folder / "tradeoff-simulation.svg", runs.svg(found))
 
 
 def _say(what: str, stage: str) -> None:
