@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -43,6 +43,10 @@ extremes: $(VENV)/.tests $(VENV)/.bench
 # Study speed against accuracy of three models and rewrite docs/tradeoff; takes about three quarters of an hour.
 tradeoff: $(VENV)/.bench
 	$(BIN)/python -m benchmarks.tradeoff
+
+# What five scenes do without; rewrites docs/scenes.md in a few minutes.
+scenes: $(VENV)/.bench
+	$(BIN)/python -m benchmarks.scenes
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

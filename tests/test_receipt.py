@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import kanegen as kg
+from benchmarks import scenes
 from kanegen.arrays import SystemArrays
 from kanegen.check.kinematics import kinematics
 from kanegen.check.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches, rounding_bound
@@ -126,6 +127,12 @@ def test_operations_fall_and_add_up() -> None:
     alone = compile_module(found.system, ("forcing",)).module.functions["forcing"]
     assert found.alone["forcing"] == sum(count(alone).values())
     assert json.loads(json.dumps(found.as_dict()))["steps"][0]["operations"] == found.steps[0].operations
+
+
+def test_two_rods_locked_to_a_plane() -> None:
+    """[A] and {f} of the textbook's pendulum, from bodies that know more than a plane."""
+    assert receipt(scenes.pendulum()).steps[-1].total <= 30
+    require_equal(scenes.pendulum(), 2)
 
 
 def remade(arrays: SystemArrays, **changed: object) -> kg.System:
