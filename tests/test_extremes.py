@@ -72,9 +72,11 @@ def test_the_report() -> None:
     rows = [
         Row("double", 1e-15, 2e-15, "16 N u chi", "1 chain"),
         Row("float", 2, 0, "0 states", "x", "bad luck"),
+        Row("wrong", math.inf, 1e-3, "T(u)", "x", "no result"),
     ]
     text = document({"X1": rows})
-    assert "1 of 2 rows hold, in 1 subjects." in text
+    assert "1 of 3 rows hold, in 1 subjects." in text
+    assert "- X1, wrong: inf where 1.0e-03 is allowed. No result." in text
     assert "- X1, float: 2 where 0 is allowed. Bad luck." in text
     assert "| double | 1.0e-15 | 2.0e-15 | holds | 16 N u chi | 1 chain |" in text
     assert set(plot.PANELS) <= SUBJECTS.keys()

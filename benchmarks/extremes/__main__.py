@@ -31,6 +31,9 @@ def main() -> None:
         if subject.number in (options.only or [subject.number]):
             print(f"{subject.number} {subject.title}", file=sys.stderr, flush=True)
             results[subject.number] = list(subject.rows(size))
+            for row in results[subject.number]:
+                if not row.holds:
+                    print(f"  missed: {row.case}, {row.figure:.1e}, limit {row.limit:.1e}", file=sys.stderr)
     if options.only:
         print(document(results))
     else:

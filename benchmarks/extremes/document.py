@@ -59,7 +59,7 @@ def _table(rows: Sequence[Row]) -> str:
 
 
 def _figure(value: float) -> str:
-    return str(int(value)) if value == int(value) and abs(value) < 1e6 else f"{value:.1e}"
+    return str(int(value)) if abs(value) < 1e6 and value == int(value) else f"{value:.1e}"
 
 
 def _sentence(cause: str) -> str:
