@@ -1,4 +1,5 @@
-/* Calls forward dynamics state by state and as a batch; sanitizers end the program at what they object to. */
+/* Calls forward dynamics state by state and as a batch; sanitizers end the program at what they object to. What is
+ * printed is how many states are refused, not in how many a result is said to be inaccurate. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -12,8 +13,8 @@ int main(int argc, char **argv)
     REAL *found = malloc(count * N * sizeof *found);
     int wrong = 0;
     if (!found) return 1;
-    for (size_t i = 0; i < count; ++i) wrong += ONE(x + N*i, y + N*i, tau + N*i, found + N*i);
-    wrong += MANY(count, x, y, tau, found);
+    for (size_t i = 0; i < count; ++i) wrong += ONE(x + N*i, y + N*i, tau + N*i, found + N*i) > 0;
+    MANY(count, x, y, tau, found);
     printf("%d\n", wrong);
     free(x), free(y), free(tau), free(found);
     return 0;
