@@ -185,7 +185,7 @@ def test_a_file_that_cannot_be_saved(tmp_path: Path) -> None:
 def test_models_are_regular(path: Path) -> None:
     system = load(path)
     assert system.name == path.stem
-    x = np.random.default_rng(7).uniform(-1, 1, (20, len(system.freedoms)))
+    x = np.random.default_rng(7).uniform(-1, 1, (20, len(system.coordinates)))
     assert np.linalg.eigvalsh(reference.mass_matrix(system, x)).min() > 0
 
 
