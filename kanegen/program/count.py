@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from kanegen.program.ir import EVALUATE, Module, Op, Program
+from kanegen.program.ir import Module, Op, Program
 
 COUNTED = {
     Op.ADD: "add",
@@ -25,6 +25,5 @@ def count(program: Program) -> dict[str, int]:
 
 def operations(module: Module) -> dict[str, int]:
     """What one evaluation of all outputs together costs; "prepare" is the parameter-only step."""
-    together = module.functions.get(EVALUATE) or next(iter(module.functions.values()))
     prepare = sum(count(module.prepare).values()) if module.prepare else 0
-    return {**count(together), "prepare": prepare}
+    return {**count(module.together), "prepare": prepare}

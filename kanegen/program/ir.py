@@ -180,3 +180,8 @@ class Module:
 
     prepare: Program | None
     functions: dict[str, Program]
+
+    @property
+    def together(self) -> Program:
+        """The program of all requested outputs."""
+        return self.functions.get(EVALUATE) or next(iter(self.functions.values()))

@@ -61,9 +61,10 @@ def hoisted(programs: Mapping[str, Program]) -> Module:
     needed = sorted({places[name][i] for name, frontier in frontiers.items() for i in frontier})
     array = Array(PREPARED, (max(1, len(needed)),), "SI", "constants that depend on parameters alone")
     prepare = prune(first.program([Output(array, tuple(needed) or (first.constant(0.0),))]))
+    order = {value: place for place, value in enumerate(needed)}
     functions = {}
     for name, program in programs.items():
-        read = {i: needed.index(places[name][i]) for i in frontiers[name]}
+        read = {i: order[places[name][i]] for i in frontiers[name]}
         functions[name] = check(arrange(_rest(program, early[name], read, array)))
     return Module(prepare, functions)
 

@@ -59,14 +59,14 @@ def drawing(receipt: Receipt) -> Drawing:
     """Every body right of its lower body; where a body carries several, they stand below each other."""
     most = max((n for k, n in receipt.bodies.items() if k != SYSTEM), default=1)
     places: dict[int, tuple[int, int]] = {}
-    boxes, lines, row = [], [], 0
+    boxes, lines, rows_taken, continued = [], [], 0, {0}
     for k in _depth_first(receipt.system.connection):
         lower = receipt.system.connection[k - 1]
-        column, beside = (places[lower][0] + 1, places[lower][1]) if lower else (0, row)
-        if not lower or any(place[0] == column and place[1] >= beside for place in places.values()):
-            beside = max((place[1] for place in places.values()), default=-1) + 1
+        column, beside = (places[lower][0] + 1, places[lower][1]) if lower else (0, 0)
+        if lower in continued:
+            beside, rows_taken = rows_taken, rows_taken + 1
+        continued.add(lower)
         places[k] = column, beside
-        row = max(row, beside + 1)
         x, y = GAP + column * (WIDTH + 3 * GAP), GAP + beside * (HEIGHT + GAP)
         cost = receipt.bodies.get(k, 0)
         body = receipt.system.bodies[k - 1]

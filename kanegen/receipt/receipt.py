@@ -10,7 +10,8 @@ from kanegen import compiler
 from kanegen.c import Source, render
 from kanegen.compiler import Compiled, Progress, quiet
 from kanegen.native import compilers
-from kanegen.program.ir import EVALUATE
+from kanegen.program.count import count
+from kanegen.program.split import PREPARED
 from kanegen.receipt.compiling import seconds_to_compile
 from kanegen.receipt.costs import by_body
 from kanegen.receipt.general import steps
@@ -113,21 +114,18 @@ def receipt(
         ends = number in (0, len(stages) - 1)
         made = compiled if stage == system else compiler.compile_module(stage, names, regular=False)
         found.append(_step(without, stage, made, timed and ends))
-    programs = compiled.module.functions
-    together = programs.get(EVALUATE) or next(iter(programs.values()))
-    alone = {name: sum(by_body(programs[name]).values()) for name in names}
-    return Receipt(system, names, tuple(found), by_body(together), alone)
+    alone = {name: sum(count(compiled.module.functions[name]).values()) for name in names}
+    return Receipt(system, names, tuple(found), by_body(compiled.module.together), alone)
 
 
 def _step(without: str, system: System, compiled: Compiled, timed: bool) -> Step:
     module = compiled.module
-    together = module.functions.get(EVALUATE) or next(iter(module.functions.values()))
     source: Source = render(compiler.facts(system), module, compiled.operations, STRICT, {})
     return Step(
         without=without,
         freedoms=len(system.freedoms),
         parameters=len(system.parameters),
-        inputs=sum(array.size for array in together.inputs if array.name != "prepared"),
+        inputs=sum(array.size for array in module.together.inputs if array.name != PREPARED),
         operations=compiled.operations,
         bytes=len(source.files[f"{system.name}.c"].encode()),
         seconds=seconds_to_compile(source) if timed else None,
