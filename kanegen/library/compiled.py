@@ -4,18 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypedDict, Unpack
 
 from numpy.typing import ArrayLike
 
 from kanegen.c import Source
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.evaluation import Evaluation
-from kanegen.native.calls import Call, Native
+from kanegen.native.arguments import Floats
+from kanegen.native.calls import ARGUMENTS, FURTHER, Call, Native, Values
 from kanegen.numbers import finite
 from kanegen.precision import named
 from kanegen.program.ir import EVALUATE
 from kanegen.suggest import did_you_mean
+
+
+class Given(TypedDict, total=False):
+    """What only some models read; one may serve all states of a batch.
+
+    Attributes:
+        t: () or (B,) the time, s, where a load depends on it.
+    """
+
+    t: ArrayLike
 
 
 class Compiled:
@@ -27,6 +38,8 @@ class Compiled:
         self._constants = native.constants(self._parameters)
         model = native.source.model
         self._takes_loads = model.takes_loads
+        inputs = {array.name for function in native.source.functions for array in function.inputs}
+        self._further = tuple(name for name in FURTHER if name in inputs)
         self._together = native.calls.get(EVALUATE) or native.calls[self.outputs[0]]
 
     def __repr__(self) -> str:
@@ -126,6 +139,7 @@ class Compiled:
         *,
         ydot: ArrayLike | None = None,
         tau: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Evaluation:
         """Every output at once, which costs less than one after the other.
 
@@ -139,6 +153,7 @@ class Compiled:
             torque: As in `forcing`.
             ydot: As in `inverse_dynamics`; needed where that is among the outputs.
             tau: As in `forward_dynamics`.
+            given: As in `forcing`.
 
         Returns:
             The outputs in order, each also an attribute of its name.
@@ -146,10 +161,8 @@ class Compiled:
         Raises:
             ArrayError, SingularError: As the functions of the outputs.
         """
-        if force is not None or torque is not None:
-            self._require_loads(force)
         values = (x, y, ydot, tau, force, torque)
-        return Evaluation(self.outputs, self._together(self._constants, values))
+        return Evaluation(self.outputs, self._run(self._together, values, given))
 
     def _call(self, name: str) -> Call:
         call = self._native.calls.get(name)
@@ -160,12 +173,36 @@ class Compiled:
             )
         return call
 
-    def _require_loads(self, force: object) -> None:
-        if not self._takes_loads:
-            name = "torque" if force is None else "force"
+    def _run(self, call: Call, values: Values, given: Given) -> list[Floats]:
+        """Call C.
+
+        Args:
+            call: The function.
+            values: The first of `ARGUMENTS`, none where there are no more.
+            given: The others, by name.
+
+        Raises:
+            ArrayError: If a value does not fit, is missing, or is for nothing in this system.
+        """
+        loads = values[4:]
+        if loads and not self._takes_loads and not (loads[0] is None and loads[1] is None):
+            name = "torque" if loads[0] is None else "force"
             raise ArrayError(
                 f"{name}: no body of system {self.name!r} takes loads. Say which do in the model's loads."
             )
+        if given or self._further:
+            values = self._completed(values, given)
+        return call(self._constants, values)
+
+    def _completed(self, values: Values, given: Given) -> Values:
+        """One for each of `ARGUMENTS`."""
+        for name in given:
+            if name not in FURTHER:
+                raise ArrayError(f"{name}: there is no such argument. {did_you_mean(name, ARGUMENTS)}")
+            if name not in self._further:
+                raise ArrayError(f"{name}: no output of system {self.name!r} depends on it. Leave it out.")
+        absent = len(ARGUMENTS) - len(FURTHER) - len(values)
+        return (*values, *(None,) * absent, *map(given.get, FURTHER))
 
 
 def _reopen(kind: type[Compiled], source: Source, path: Path, parameters: Mapping[str, float]) -> Compiled:

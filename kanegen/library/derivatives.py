@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Unpack
+
 from numpy.typing import ArrayLike
 
 from kanegen.choices import require_one
 from kanegen.derivatives import DERIVATIVES, columns
-from kanegen.library.compiled import Compiled
+from kanegen.library.compiled import Compiled, Given
 from kanegen.native.arguments import Floats
 
 
@@ -14,7 +16,12 @@ class Derivatives(Compiled):
     """Of {f}, of generalized forces and of {ydot}."""
 
     def forcing_derivatives(
-        self, x: ArrayLike, y: ArrayLike, force: ArrayLike | None = None, torque: ArrayLike | None = None
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Floats:
         """Derivatives of {f} by {x}, {y} and the run-time parameters; `derivative_columns` says where.
 
@@ -23,6 +30,7 @@ class Derivatives(Compiled):
             y: Generalized speeds.
             force: Forces on the bodies.
             torque: Torques on the bodies.
+            given: Further inputs.
 
         Returns:
             (n, K) or (B, n, K): a row for each freedom, in N m and N over the units of what it is by.
@@ -30,9 +38,7 @@ class Derivatives(Compiled):
         Raises:
             ArrayError, OptionError: As `forcing`.
         """
-        if force is not None or torque is not None:
-            self._require_loads(force)
-        return self._call("forcing_derivatives")(self._constants, (x, y, None, None, force, torque))[0]
+        return self._run(self._call("forcing_derivatives"), (x, y, None, None, force, torque), given)[0]
 
     def inverse_dynamics_derivatives(
         self,
@@ -41,6 +47,7 @@ class Derivatives(Compiled):
         ydot: ArrayLike,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Floats:
         """Derivatives of [A]{ydot} - {f} by {x}, {y} and the run-time parameters; by {ydot} it is [A].
 
@@ -50,6 +57,7 @@ class Derivatives(Compiled):
             ydot: Their rates.
             force: Forces on the bodies.
             torque: Torques on the bodies.
+            given: Further inputs.
 
         Returns:
             (n, K) or (B, n, K), as `forcing_derivatives`.
@@ -57,10 +65,8 @@ class Derivatives(Compiled):
         Raises:
             ArrayError, OptionError: As `inverse_dynamics`.
         """
-        if force is not None or torque is not None:
-            self._require_loads(force)
         values = (x, y, ydot, None, force, torque)
-        return self._call("inverse_dynamics_derivatives")(self._constants, values)[0]
+        return self._run(self._call("inverse_dynamics_derivatives"), values, given)[0]
 
     def forward_dynamics_derivatives(
         self,
@@ -69,6 +75,7 @@ class Derivatives(Compiled):
         tau: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Floats:
         """Derivatives of {ydot} by {x}, {y}, {tau}, which are [A]^-1, and the run-time parameters.
 
@@ -78,6 +85,7 @@ class Derivatives(Compiled):
             tau: Generalized forces.
             force: Forces on the bodies.
             torque: Torques on the bodies.
+            given: Further inputs.
 
         Returns:
             (n, K) or (B, n, K), in rad/s^2 and m/s^2 over the units of what they are by; NaN where [A] is
@@ -86,10 +94,8 @@ class Derivatives(Compiled):
         Raises:
             ArrayError, OptionError, SingularError: As `forward_dynamics`.
         """
-        if force is not None or torque is not None:
-            self._require_loads(force)
         values = (x, y, None, tau, force, torque)
-        return self._call("forward_dynamics_derivatives")(self._constants, values)[0]
+        return self._run(self._call("forward_dynamics_derivatives"), values, given)[0]
 
     def derivative_columns(self, output: str) -> dict[str, slice]:
         """Which of the last axis of an output of derivatives is by "x", "y", "tau" and "parameters".

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import warnings
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.diagnosis import Diagnosis, diagnosis
 from kanegen.errors import ArrayError, KanegenWarning
-from kanegen.library.compiled import Compiled
+from kanegen.library.compiled import Compiled, Given
 from kanegen.native.arguments import Floats
 
 
 class Dynamics(Compiled):
     """[A], {f} and {ydot}, and how far this can be trusted."""
 
-    def mass_matrix(self, x: ArrayLike) -> Floats:
+    def mass_matrix(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
         """[A] of Eq. (43).
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
+            given: As in `forcing`.
 
         Returns:
             (n, n) or (B, n, n), in kg m^2, kg m and kg.
@@ -29,10 +31,15 @@ class Dynamics(Compiled):
             ArrayError: If an argument has the wrong shape or type.
             OptionError: If this output was not generated.
         """
-        return self._call("mass_matrix")(self._constants, (x,))[0]
+        return self._run(self._call("mass_matrix"), (x,), given)[0]
 
     def forcing(
-        self, x: ArrayLike, y: ArrayLike, force: ArrayLike | None = None, torque: ArrayLike | None = None
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Floats:
         """{f} of Eq. (44).
 
@@ -42,6 +49,7 @@ class Dynamics(Compiled):
             force: (N, 3) or (B, N, 3) force on each body at its mass centre, in body components, N; one
                 (N, 3) acts in every state of a batch, None is zero.
             torque: The same for the torque on each body, N m.
+            given: Further inputs, by name, where the system has any.
 
         Returns:
             (n,) or (B, n), in N m and N.
@@ -50,9 +58,7 @@ class Dynamics(Compiled):
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If this output was not generated.
         """
-        if force is not None or torque is not None:
-            self._require_loads(force)
-        return self._call("forcing")(self._constants, (x, y, None, None, force, torque))[0]
+        return self._run(self._call("forcing"), (x, y, None, None, force, torque), given)[0]
 
     def inverse_dynamics(
         self,
@@ -61,6 +67,7 @@ class Dynamics(Compiled):
         ydot: ArrayLike,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Floats:
         """[A]{ydot} - {f}: the generalized forces that produce {ydot}, beside loads and gravity.
 
@@ -70,6 +77,7 @@ class Dynamics(Compiled):
             ydot: Their rates, of the shape of `y`, rad/s^2 and m/s^2.
             force: As in `forcing`.
             torque: As in `forcing`.
+            given: As in `forcing`.
 
         Returns:
             (n,) or (B, n), in N m and N.
@@ -78,10 +86,8 @@ class Dynamics(Compiled):
             ArrayError: As in `forcing`.
             OptionError: If this output was not generated.
         """
-        if force is not None or torque is not None:
-            self._require_loads(force)
         values = (x, y, ydot, None, force, torque)
-        return self._call("inverse_dynamics")(self._constants, values)[0]
+        return self._run(self._call("inverse_dynamics"), values, given)[0]
 
     def forward_dynamics(
         self,
@@ -90,6 +96,7 @@ class Dynamics(Compiled):
         tau: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Floats:
         """{ydot} of [A]{ydot} = {f} + {tau}.
 
@@ -100,6 +107,7 @@ class Dynamics(Compiled):
                 state of a batch, None is zero.
             force: As in `forcing`.
             torque: As in `forcing`.
+            given: As in `forcing`.
 
         Returns:
             (n,) or (B, n), in rad/s^2 and m/s^2. States of a batch in which [A] is singular have NaN, and a
@@ -111,10 +119,8 @@ class Dynamics(Compiled):
             OptionError: If this output was not generated.
             SingularError: If [A] is singular in the one state, or the state is not finite; names the freedom.
         """
-        if force is not None or torque is not None:
-            self._require_loads(force)
         values = (x, y, None, tau, force, torque)
-        return self._call("forward_dynamics")(self._constants, values)[0]
+        return self._run(self._call("forward_dynamics"), values, given)[0]
 
     def error_estimate(
         self,
@@ -123,6 +129,7 @@ class Dynamics(Compiled):
         tau: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Floats:
         """How much a first step of refinement changes each entry of {ydot}: about its error without any.
 
@@ -134,6 +141,7 @@ class Dynamics(Compiled):
             tau: Generalized forces.
             force: Forces on the bodies.
             torque: Torques on the bodies.
+            given: Further inputs.
 
         Returns:
             (n,) or (B, n), in rad/s^2 and m/s^2, not negative.
@@ -141,12 +149,10 @@ class Dynamics(Compiled):
         Raises:
             ArrayError, OptionError, SingularError: As `forward_dynamics`.
         """
-        if force is not None or torque is not None:
-            self._require_loads(force)
         values = (x, y, None, tau, force, torque)
-        return self._call("error_estimate")(self._constants, values)[0]
+        return self._run(self._call("error_estimate"), values, given)[0]
 
-    def regularity(self, x: ArrayLike) -> Floats:
+    def regularity(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
         """For each freedom its pivot in the elimination over its inertia, the entry on the diagonal of [A].
 
         That is the share that is left where the freedoms eliminated before it may move: 1 where they do not
@@ -156,6 +162,7 @@ class Dynamics(Compiled):
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
+            given: As in `forcing`.
 
         Returns:
             (n,) or (B, n).
@@ -164,7 +171,7 @@ class Dynamics(Compiled):
             ArrayError: If `x` has the wrong shape or type.
             OptionError: If this output was not generated.
         """
-        return self._call("regularity")(self._constants, (x,))[0]
+        return self._run(self._call("regularity"), (x,), given)[0]
 
     def diagnose(
         self,
@@ -173,6 +180,7 @@ class Dynamics(Compiled):
         tau: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
+        **given: Unpack[Given],
     ) -> Diagnosis:
         """How far `forward_dynamics` can be trusted in these states, and which freedom is the worst.
 
@@ -184,6 +192,7 @@ class Dynamics(Compiled):
             tau: Generalized forces.
             force: Forces on the bodies.
             torque: Torques on the bodies.
+            given: Further inputs.
 
         Raises:
             ArrayError: As `forward_dynamics`, and if there is no state.
@@ -195,6 +204,6 @@ class Dynamics(Compiled):
         if not len(x):
             raise ArrayError("diagnose: there is no state, the batch is empty.")
         with warnings.catch_warnings(action="ignore", category=KanegenWarning):
-            acceleration = self.forward_dynamics(x, y, tau, force, torque)
-            estimate = self.error_estimate(x, y, tau, force, torque)
-        return diagnosis(self.source.model, x, acceleration, estimate, self.regularity(x))
+            acceleration = self.forward_dynamics(x, y, tau, force, torque, **given)
+            estimate = self.error_estimate(x, y, tau, force, torque, **given)
+        return diagnosis(self.source.model, x, acceleration, estimate, self.regularity(x, **given))

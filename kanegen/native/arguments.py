@@ -69,6 +69,17 @@ def companion(
     return array
 
 
+def required(name: str, value: object, what: str) -> object:
+    """What must be passed where a function reads it.
+
+    Raises:
+        ArrayError: If it was not.
+    """
+    if value is None:
+        raise ArrayError(f"{name}: it is missing, and the result depends on it. Pass {name}=..., {what}.")
+    return value
+
+
 def load(
     name: str, value: object, shape: Shape, batch: Shape, dtype: np.dtype[Any], unloaded: Mapping[int, str]
 ) -> Floats:

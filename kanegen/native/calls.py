@@ -18,26 +18,32 @@ from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import BuildError, KanegenWarning, SingularError
 from kanegen.native import environment
-from kanegen.native.arguments import Floats, companion, load, state
+from kanegen.native.arguments import Floats, companion, load, required, state
 from kanegen.precision import Precision
 
 LOADS = frozenset({"force", "torque"})
 """Arguments with a row for every body, of which only some take any."""
 
 OPTIONAL = LOADS | {"tau"}
-"""Arguments that may be left out, which is zero, and that one batch may share."""
+"""Arguments that may be left out, which is zero."""
 
 _STAY = getattr(os, "RTLD_NODELETE", 0)
 """A library is never unmapped: threads of its OpenMP runtime outlive the `Library` that started them."""
 
-_CALLER = 4
+_CALLER = 5
 """Frames from a warning here to the line that called a method of the library."""
 
 Pointers = tuple[Any, ...]
 """C pointers; each keeps its array alive."""
 
-ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque")
+FURTHER = {"t": "the time in s"}
+"""Arguments that only some models have, and what they are."""
+
+ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *FURTHER)
 """What a user may pass, in the order in which `Call` takes it."""
+
+COMMON = OPTIONAL | FURTHER.keys()
+"""Arguments of which one may serve all states of a batch."""
 
 Values = tuple[object, ...]
 """One for each of `ARGUMENTS`, None where there is none."""
@@ -219,9 +225,10 @@ class Call:
         arrays = [state(first, values[k], shape, self._dtype)]
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
         for name, k, shape in others:
-            if name in OPTIONAL:
+            if name in COMMON:
                 unloaded = self._unloaded if name in LOADS else {}
-                arrays.append(load(name, values[k], shape, batch, self._dtype, unloaded))
+                value = values[k] if name in OPTIONAL else required(name, values[k], FURTHER[name])
+                arrays.append(load(name, value, shape, batch, self._dtype, unloaded))
             else:
                 arrays.append(companion(name, values[k], shape, batch, self._dtype, first))
         return arrays, batch
