@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from kanegen import validation
 from kanegen.errors import ModelError
+from kanegen.force_elements import ForceElement
+from kanegen.force_elements.names import Place
 from kanegen.numbers import listed, numbers
 from kanegen.rotations import rotation_123
 
@@ -35,6 +37,10 @@ class SystemArrays:
     sequence: tuple[str, ...]  # (N,)
     speeds: tuple[str, ...]  # (N,)
     coordinates: tuple[str, ...]  # (N,)
+    force_elements: tuple[ForceElement, ...]
+    variables: Mapping[str, Place]  # of expressions, by name
+    points: Mapping[str, tuple[int, Floats]]  # by name the body, from 1, and the (3,) position
+    loaded_points: Flags  # (P,)
 
 
 def system_arrays(
@@ -46,6 +52,10 @@ def system_arrays(
     sequence: tuple[str, ...],
     speeds: tuple[str, ...],
     coordinates: tuple[str, ...],
+    force_elements: tuple[ForceElement, ...],
+    variables: Mapping[str, Place],
+    points: Mapping[str, tuple[int, Any]],
+    loaded_points: Any,
     **floats: Any,
 ) -> SystemArrays:
     """`SystemArrays` from nested tuples; orientations given as 1-2-3 angles become matrices."""
@@ -57,6 +67,10 @@ def system_arrays(
         sequence=sequence,
         speeds=speeds,
         coordinates=coordinates,
+        force_elements=force_elements,
+        variables=variables,
+        points={name: (k, np.array(position, dtype=np.float64)) for name, (k, position) in points.items()},
+        loaded_points=np.array(loaded_points, dtype=np.bool_),
         **{name: np.array(value, dtype=np.float64) for name, value in floats.items()},
     )
 

@@ -164,14 +164,27 @@ class Point:
     Attributes:
         name: Label, unique in the system.
         position: From O_K, in body components (m).
+        loads: Whether it takes a force and a moment as inputs, inertial components.
     """
 
     name: str
     position: Vector
+    loads: bool = False
 
     def __post_init__(self) -> None:
         check_label(self.name, "point name")
-        validation.store(self, position=numbers(self.position, (3,), f"point {self.name!r}"))
+        what = f"point {self.name!r}"
+        position = numbers(self.position, (3,), what)
+        validation.store(self, position=position, loads=validation.flags((self.loads,), 1, what)[0])
+
+    def changed(self, change: Callable[[Number], Number]) -> Point:
+        """The same point with `change` applied to every number."""
+        return replace(self, position=map_numbers(self.position, change))
+
+    def as_word(self) -> Any:
+        """The point in the words of a model file: its position, or a table where there is more to say."""
+        position = map_numbers(self.position, word)
+        return {"position": position, "loads": True} if self.loads else position
 
 
 @dataclass(frozen=True)
@@ -222,7 +235,7 @@ class Body:
             inertia=map_numbers(self.inertia, change),
             mass_center=map_numbers(self.mass_center, change),
             joint=self.joint.changed(change),
-            points=tuple(Point(p.name, map_numbers(p.position, change)) for p in self.points),
+            points=tuple(point.changed(change) for point in self.points),
         )
 
     def as_table(self, lower: int | str) -> dict[str, Any]:
@@ -235,5 +248,5 @@ class Body:
         if self.loads:
             table["loads"] = True
         if self.points:
-            table["points"] = {point.name: map_numbers(point.position, word) for point in self.points}
+            table["points"] = {point.name: point.as_word() for point in self.points}
         return {**table, "joint": self.joint.as_table()}

@@ -316,6 +316,8 @@ def facts(system: System) -> ModelFacts:
         sequences=_sequences(system),
         speed_names=system.speed_names,
         points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
+        loaded_points=tuple(point.loads for _, point in system.points),
+        force_elements=tuple(element.words for element in system.force_elements),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
     )

@@ -17,9 +17,6 @@ from kanegen.symbolic.definitions import Definition
 
 FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
 
-POWERS = (2, -1, sympy.S.Half)
-"""Squares, reciprocals and square roots are all that a recursion makes of powers."""
-
 
 def lower(
     inputs: Mapping[Array, Sequence[tuple[Symbol, str]]],
@@ -79,17 +76,30 @@ class _Lowering:
             return self._sum(arguments)
         if expression.is_Mul:
             return reduce(self.builder.multiply, (self.value(factor) for factor in arguments))
-        if expression.is_Pow and arguments[1] in POWERS:
+        if expression.is_Pow and (2 * arguments[1]).is_Integer:
+            return self._power(self.value(arguments[0]), int(2 * arguments[1]))
+        if isinstance(expression, sympy.Abs | sympy.sign):
             base = self.value(arguments[0])
-            if arguments[1] == -1:
-                return self.builder.divide(self.builder.constant(self.constants.number(1, 1)), base)
-            if arguments[1] == sympy.S.Half:
-                return self.builder.function(Op.SQRT, base)
-            return self.builder.multiply(base, base)
+            size = self.builder.function(Op.SQRT, self.builder.multiply(base, base))
+            return size if isinstance(expression, sympy.Abs) else self.builder.divide(base, size)
         function = FUNCTIONS.get(type(expression))
         if function is not None:
             return self.builder.function(function, self.value(arguments[0]))
         raise TypeError(f"no instruction for {type(expression).__name__}: {expression}")
+
+    def _power(self, base: int, halves: int) -> int:
+        """A power whose exponent is a number of halves, by squaring."""
+        if halves < 0:
+            one = self.builder.constant(self.constants.number(1, 1))
+            return self.builder.divide(one, self._power(base, -halves))
+        factors = [self.builder.function(Op.SQRT, base)] if halves % 2 else []
+        whole = halves // 2
+        while whole:
+            if whole % 2:
+                factors.append(base)
+            whole //= 2
+            base = self.builder.multiply(base, base) if whole else base
+        return reduce(self.builder.multiply, factors)
 
     def _sum(self, terms: Sequence[Expr]) -> int:
         """Left to right; a number last, where SymPy puts it first.

@@ -126,7 +126,8 @@ def _regularity(system: System) -> Array:
     return Array("regularity", (len(system.freedoms),), "1", doc)
 
 
-LOADS = ("force", "torque")
+LOADS = ("force", "torque", "point_force", "point_moment", "t")
+"""What may act on a system beside gravity and {tau}, or decide about it."""
 
 
 def _derivatives(name: str) -> Callable[[System], Array]:
@@ -224,6 +225,15 @@ def input_arrays(system: System) -> dict[Array, Elements]:
         torque = Array("torque", (bodies, 3), "N m", "{M'_K}, the torque " + doc.format("as a couple"))
         arrays[force] = _named([symbols.force(k, axis) for k, axis in every])
         arrays[torque] = _named([symbols.torque(k, axis) for k, axis in every])
+    if any(point.loads for _, point in system.points):
+        places = [(number, axis) for number in range(1, len(system.points) + 1) for axis in range(3)]
+        doc = "on the body of each point, inertial components"
+        acting = Array("point_force", (len(system.points), 3), "N", f"the force {doc}, acting there")
+        couple = Array("point_moment", (len(system.points), 3), "N m", f"the moment {doc}, as a couple")
+        arrays[acting] = _named([symbols.point_force(number, axis) for number, axis in places])
+        arrays[couple] = _named([symbols.point_moment(number, axis) for number, axis in places])
+    if system.depends_on_time:
+        arrays[Array("t", (), "s", "the time")] = _named([symbols.time()])
     return arrays
 
 

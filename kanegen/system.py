@@ -18,6 +18,9 @@ from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, QUATERNION, SPEEDS, B
 from kanegen.choices import require_one
 from kanegen.errors import ModelError, WriteError
 from kanegen.files import write_whole
+from kanegen.force_elements import KINDS, ForceElement
+from kanegen.force_elements.expression import TIME
+from kanegen.force_elements.names import resolved, variable_places
 from kanegen.names import check_identifier
 from kanegen.numbers import Number, Parameter, Vector, map_numbers, numbers, value_of, word
 from kanegen.sequences import NOTES
@@ -90,7 +93,7 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class System:
-    """A tree of rigid bodies, its gravity and its name.
+    """A tree of rigid bodies, its gravity, what else acts on it, and its name.
 
     Raises:
         ModelError: If the tree, a number or a name is not usable.
@@ -99,10 +102,12 @@ class System:
     name: str
     bodies: tuple[Body, ...]
     gravity: Vector = GRAVITY
+    force_elements: tuple[ForceElement, ...] = ()
 
     def __post_init__(self) -> None:
         check_identifier(self.name, "system name")
         bodies = validation.instances(self.bodies, Body, "bodies")
+        elements = validation.instances(self.force_elements, ForceElement, "force_elements")
         validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
@@ -112,7 +117,10 @@ class System:
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
         validation.unique("point name", self.point_names)
+        validation.store(self, force_elements=resolved(elements, self.bodies))
         validation.parameter_names(self.parameters, self.number_of_bodies)
+        if self.depends_on_time and any(parameter.name == TIME for parameter in self.parameters):
+            raise ModelError(f"parameter name {TIME!r} is the time in expressions. Choose another name.")
 
     @classmethod
     def from_arrays(
@@ -298,6 +306,23 @@ class System:
             bodies[k] = replace(bodies[k], points=(*bodies[k].points, Point(name, position)))
         return replace(self, bodies=tuple(bodies))
 
+    def with_force_elements(self: _S, *elements: ForceElement) -> _S:
+        """The same system with further force elements.
+
+        Raises:
+            ModelError: If a name stands for nothing, or an element makes no sense where it acts.
+        """
+        return replace(self, force_elements=(*self.force_elements, *elements))
+
+    @cached_property
+    def depends_on_time(self) -> bool:
+        """Whether a force element does."""
+        return any(
+            TIME in expression.variables
+            for element in self.force_elements
+            for expression in element.expressions()
+        )
+
     def spins(self, freedom: Freedom) -> bool:
         """Whether the speed at the place of `freedom` is a component of a relative angular velocity."""
         return freedom.is_angle and self.bodies[freedom.body - 1].joint.spins
@@ -372,6 +397,9 @@ class System:
             map_numbers((body.mass, body.inertia, body.mass_center), collect)
             map_numbers(tuple(point.position for point in body.points), collect)
             map_numbers((joint.position, joint.orientation, joint.locked), collect)
+        for element in self.force_elements:
+            for value in element.numbers():
+                collect(value)
         return tuple(found.values())
 
     def with_parameters(self: _S, values: Mapping[str, float]) -> _S:
@@ -390,8 +418,15 @@ class System:
                 return Parameter(value.name, values[value.name])
             return value
 
+        return self.changed(change)
+
+    def changed(self: _S, change: Callable[[Number], Number]) -> _S:
+        """The same system with `change` applied to every number."""
         bodies = tuple(body.changed(change) for body in self.bodies)
-        return replace(self, bodies=bodies, gravity=map_numbers(self.gravity, change))
+        elements = tuple(element.changed(change) for element in self.force_elements)
+        return replace(
+            self, bodies=bodies, gravity=map_numbers(self.gravity, change), force_elements=elements
+        )
 
     def values(self) -> arrays.SystemArrays:
         """Every number of the model as NumPy arrays, parameters at their defaults."""
@@ -410,6 +445,10 @@ class System:
             sequence=tuple(joint.sequence for joint in joints),
             speeds=tuple(joint.speeds for joint in joints),
             coordinates=tuple(joint.coordinates for joint in joints),
+            force_elements=tuple(element.changed(value_of) for element in self.force_elements),
+            variables=variable_places(self.bodies),
+            points={p.name: (k, map_numbers(p.position, value_of)) for k, p in self.points},
+            loaded_points=tuple(point.loads for _, point in self.points),
         )
 
     def as_table(self) -> dict[str, Any]:
@@ -420,7 +459,9 @@ class System:
         # In a file, "ground" always means the ground; a body of this name is called by its number.
         names = ["ground", *(body.name for body in self.bodies)]
         words = [k if k > 0 and name == "ground" else name for k, name in enumerate(names)]
-        return {**table, "body": [body.as_table(words[body.lower]) for body in self.bodies]}
+        table["body"] = [body.as_table(words[body.lower]) for body in self.bodies]
+        elements = {kind: [e.as_table() for e in self.force_elements if type(e) is kind] for kind in KINDS}
+        return table | {kind.KEY: tables for kind, tables in elements.items() if tables}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a TOML model file; loading it gives an equal system.

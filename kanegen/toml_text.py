@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def toml_text(table: Mapping[str, Any]) -> str:
@@ -28,9 +31,13 @@ def toml_text(table: Mapping[str, Any]) -> str:
 def _pairs(table: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
     for key, value in table.items():
         if isinstance(value, dict):
-            yield from _pairs(value, f"{prefix}{key}.")
+            yield from _pairs(value, f"{prefix}{_key(key)}.")
         else:
-            yield f"{prefix}{key} = {_value(value)}"
+            yield f"{prefix}{_key(key)} = {_value(value)}"
+
+
+def _key(key: str) -> str:
+    return key if _BARE.fullmatch(key) else json.dumps(key)
 
 
 def _value(value: Any) -> str:

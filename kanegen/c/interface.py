@@ -34,6 +34,8 @@ class ModelFacts:
         parameters: Name and default of each run-time parameter, in the order of the C array.
         legend: Names in the code and what they mean.
         points: Of each point its name and that of its body.
+        loaded_points: For each point whether it takes a force and a moment.
+        force_elements: What acts beside loads and gravity, a line each.
         sequences: Of the bodies whose angles do not turn about the axes 1-2-3, name and sequence.
     """
 
@@ -51,6 +53,15 @@ class ModelFacts:
     sequences: tuple[tuple[str, str], ...] = ()
     speed_names: tuple[str, ...] = ()
     points: tuple[tuple[str, str], ...] = ()
+    loaded_points: tuple[bool, ...] = ()
+    force_elements: tuple[str, ...] = ()
+
+    def unloaded(self, kind: str) -> dict[int, str]:
+        """The rows of what takes no loads, "body" or "point", and what it is."""
+        points = [name for name, _ in self.points]
+        named = {"body": (self.body_names, self.loaded), "point": (points, self.loaded_points)}[kind]
+        rows = enumerate(zip(*named, strict=True))
+        return {row: f"{kind} {name!r}" for row, (name, is_loaded) in rows if not is_loaded}
 
     @property
     def has_quaternions(self) -> bool:

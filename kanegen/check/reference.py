@@ -7,11 +7,13 @@ columns of locked freedoms are dropped before the sums. Nothing is done for spee
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.arrays import SystemArrays
+from kanegen.check.force_elements import Acting, contributions
 from kanegen.check.kinematics import BodyKinematics, coordinate_count, free_columns, full_order, kinematics
 from kanegen.check.matrices import Numbers, apply, transposed
 from kanegen.errors import ArrayError
@@ -29,6 +31,7 @@ class ForcingTerms:
         transport: `- m [v_G,y]^T (omega x v_G)`.
         angular: `- [omega_y]^T [I] [domega_y/dt] {y}`.
         gyroscopic: `- [omega_y]^T (omega x [I] omega)`.
+        elements: Force elements, and loads on points.
     """
 
     loads: Numbers
@@ -37,6 +40,7 @@ class ForcingTerms:
     transport: Numbers
     angular: Numbers
     gyroscopic: Numbers
+    elements: Numbers
 
     @property
     def total(self) -> Numbers:
@@ -77,6 +81,7 @@ def forcing(
     y: ArrayLike,
     force: ArrayLike | None = None,
     torque: ArrayLike | None = None,
+    **given: Unpack[Given],
 ) -> Numbers:
     """{f} of Eq. (44).
 
@@ -87,6 +92,7 @@ def forcing(
         force: (N, 3) or (B, N, 3) forces F'_K at G_K, in K (N); default none. Every row counts, also of
             bodies for which generated code takes no loads.
         torque: Like `force`: torques M'_K, in K (N m).
+        given: Loads on points and the time.
 
     Returns:
         (n,) or (B, n).
@@ -94,7 +100,7 @@ def forcing(
     Raises:
         ArrayError: If an array has another shape.
     """
-    return forcing_terms(system, x, y, force, torque).total
+    return forcing_terms(system, x, y, force, torque, **given).total
 
 
 def forcing_terms(
@@ -103,6 +109,7 @@ def forcing_terms(
     y: ArrayLike,
     force: ArrayLike | None = None,
     torque: ArrayLike | None = None,
+    **given: Unpack[Given],
 ) -> ForcingTerms:
     """The separate sums of Eq. (44); arguments as `forcing`."""
     system = arrays_of(system)
@@ -112,26 +119,26 @@ def forcing_terms(
     forces, torques = load(system, force, x, "force"), load(system, torque, x, "torque")
     speeds = full_order(system, y, np.zeros((len(system.mass), 6)))
     free = free_columns(system)
+    moving = kinematics(system, x, y)
     bodies = [
         _body_terms(system, k, body, speeds, forces[..., k, :], torques[..., k, :])
-        for k, body in enumerate(kinematics(system, x, y))
+        for k, body in enumerate(moving)
     ]
     zero = np.zeros_like(speeds[..., free])
+    elements = contributions(system, moving, x, speeds, acting(system, x, **given))
     return ForcingTerms(
-        **{
-            field.name: sum((getattr(terms, field.name)[..., free] for terms in bodies), start=zero)
-            for field in fields(ForcingTerms)
-        }
+        **{name: sum((terms[name][..., free] for terms in bodies), start=zero) for name in bodies[0]},
+        elements=sum((part.value[..., free] for part in elements), start=zero),
     )
 
 
 def _body_terms(
     system: SystemArrays, k: int, body: BodyKinematics, speeds: Numbers, force: Numbers, torque: Numbers
-) -> ForcingTerms:
+) -> dict[str, Numbers]:
     """Body K's part of Eq. (44), each (..., 6N)."""
     mass, inertia = system.mass[k], system.inertia[k]
     center, spin = transposed(body.center_y), transposed(body.omega_y)
-    return ForcingTerms(
+    return dict(
         loads=apply(center, force) + apply(spin, torque),  # (37)
         gravity=apply(center, mass * apply(body.rotation, system.gravity)),
         acceleration=-apply(center, mass * apply(body.center_y_dot, speeds)),  # (39)
@@ -165,6 +172,31 @@ def state(system: SystemArrays, value: ArrayLike, what: str, count: int) -> Numb
     if array.ndim not in (1, 2) or array.shape[-1] != count:
         raise ArrayError(f"{what} has shape {array.shape}; expected ({count},) or (B, {count}).")
     return array
+
+
+class Given(TypedDict, total=False):
+    """What acts on points, and the time.
+
+    Attributes:
+        point_force: (P, 3) or (B, P, 3) forces at the points, inertial components (N); default none.
+        point_moment: Like `point_force`: moments (N m).
+        t: () or (B,) the time (s); default 0.
+    """
+
+    point_force: ArrayLike | None
+    point_moment: ArrayLike | None
+    t: ArrayLike | None
+
+
+def acting(system: SystemArrays, x: Numbers, **given: Unpack[Given]) -> Acting:
+    """What acts on points in the states `x`, and the time."""
+    none = np.zeros((len(system.points), 3))
+    force, moment, t = given.get("point_force"), given.get("point_moment"), given.get("t")
+    return Acting(
+        force=none if force is None else np.asarray(force),
+        moment=none if moment is None else np.asarray(moment),
+        t=np.zeros(x.shape[:-1]) + (0.0 if t is None else np.asarray(t)),
+    )
 
 
 def load(system: SystemArrays, value: ArrayLike | None, x: Numbers, what: str) -> Numbers:

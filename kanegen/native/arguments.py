@@ -91,7 +91,7 @@ def load(
         shape: (N, 3) for loads on bodies, and a last axis for numbers in parts.
         batch: `()` or `(B,)`.
         dtype: Of the numbers.
-        unloaded: Rows of bodies that take no loads, with their names.
+        unloaded: Rows of what takes no loads, and what it is.
 
     Raises:
         ArrayError: If the shape is another, or a body that takes no loads would get one.
@@ -103,12 +103,12 @@ def load(
     if array.shape not in (shape, full):
         either = f"{shape} or {full}" if batch else f"{shape}"
         raise ArrayError(f"{name}: expected shape {either}, got {array.shape}.")
-    rows = np.moveaxis(array, array.ndim - len(shape), 0)
+    rows = np.moveaxis(array, array.ndim - len(shape), 0) if unloaded else ()
     row = next((row for row in unloaded if rows[row].any()), None)
     if row is not None:
         raise ArrayError(
-            f"{name}: row {row} is not zero, but body {unloaded[row]!r} takes no loads. Say that it does in "
-            "the model's loads."
+            f"{name}: row {row} is not zero, but {unloaded[row]} takes no loads. Say that it does in the "
+            "model's loads."
         )
     return array if array.shape == full else np.ascontiguousarray(np.broadcast_to(array, full))
 

@@ -21,10 +21,10 @@ from kanegen.native import environment
 from kanegen.native.arguments import Floats, companion, load, required, state
 from kanegen.precision import Precision
 
-LOADS = frozenset({"force", "torque"})
-"""Arguments with a row for every body, of which only some take any."""
+LOADS = {"force": "body", "torque": "body", "point_force": "point", "point_moment": "point"}
+"""Arguments with a row for everything of a kind, of which only some take any."""
 
-OPTIONAL = LOADS | {"tau"}
+OPTIONAL = LOADS.keys() | {"tau"}
 """Arguments that may be left out, which is zero."""
 
 _STAY = getattr(os, "RTLD_NODELETE", 0)
@@ -36,7 +36,7 @@ _CALLER = 5
 Pointers = tuple[Any, ...]
 """C pointers; each keeps its array alive."""
 
-FURTHER = {"t": "the time in s"}
+FURTHER = {"point_force": "in N", "point_moment": "in N m", "t": "the time in s"}
 """Arguments that only some models have, and what they are."""
 
 ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *FURTHER)
@@ -122,11 +122,9 @@ class Call:
         own = [array for array in f.inputs if array.name not in f.shared]
         self._inputs = [(array.name, places.get(array.name, 0), array.shape + taken.tail) for array in own]
         self._outputs = [array.shape + given.tail for array in f.outputs]
-        bodies = enumerate(zip(model.body_names, model.loaded, strict=True))
-        self._unloaded = {row: name for row, (name, is_loaded) in bodies if not is_loaded}
-        checked = LOADS if self._unloaded else frozenset()
+        self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
         self._plan = [
-            (k, shape, self._zeros(shape) if n in OPTIONAL else None, n not in checked)
+            (k, shape, self._zeros(shape) if n in OPTIONAL else None, not self._unloaded.get(n))
             for n, k, shape in self._inputs
         ]
 
@@ -226,7 +224,7 @@ class Call:
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
         for name, k, shape in others:
             if name in COMMON:
-                unloaded = self._unloaded if name in LOADS else {}
+                unloaded = self._unloaded.get(name, {})
                 value = values[k] if name in OPTIONAL else required(name, values[k], FURTHER[name])
                 arrays.append(load(name, value, shape, batch, self._dtype, unloaded))
             else:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from kanegen.errors import ModelError
+from kanegen.force_elements import Expression
 from kanegen.numbers import Parameter
 from kanegen.suggest import did_you_mean
 
@@ -44,6 +45,11 @@ class Parameters:
             raise ModelError(f"{what}: a string stands for a parameter, but there is no {value!r}. {hint}")
         self.used.add(value)
         return self.known[value]
+
+    def noted(self, expression: Expression) -> Expression:
+        """An expression, after taking note of the parameters in it."""
+        self.used.update(value.name for value in expression.numbers() if isinstance(value, Parameter))
+        return expression
 
     def unused(self) -> list[str]:
         """Names that no number of the model has used, in the file's order."""

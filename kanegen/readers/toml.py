@@ -13,14 +13,17 @@ from kanegen import validation
 from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, SPEEDS, Body, Joint, Point
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.numbers import numbers
+from kanegen.readers import force_elements
+from kanegen.readers.keys import check_keys
 from kanegen.readers.parameters import Parameters
 from kanegen.readers.text import read_text
 from kanegen.sequences import NOTES
 from kanegen.suggest import did_you_mean
 from kanegen.system import GRAVITY, System
 
-MODEL_KEYS = ("name", "gravity", "parameters", "body")
+MODEL_KEYS = ("name", "gravity", "parameters", "body", *force_elements.KEYS)
 BODY_KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "points", "joint")
+POINT_KEYS = ("position", "loads")
 JOINT_KEYS = (
     "name",
     "position",
@@ -80,7 +83,7 @@ def parsed(text: str, where: str | Path) -> Table:
 
 
 def _system(table: Table, path: Path) -> System:
-    _check_keys(table, MODEL_KEYS)
+    check_keys(table, MODEL_KEYS)
     parameters = Parameters.read(table.get("parameters", {}))
     tables = table.get("body", [])
     if not isinstance(tables, list) or not tables or not all(isinstance(entry, Mapping) for entry in tables):
@@ -92,7 +95,8 @@ def _system(table: Table, path: Path) -> System:
         numbers_of.setdefault(body.name, k)
         bodies.append(body)
     gravity = parameters.resolve(table.get("gravity", GRAVITY), "gravity")
-    system = System(table.get("name", path.stem), tuple(bodies), gravity)
+    elements = force_elements.read_force_elements(table, parameters)
+    system = System(table.get("name", path.stem), tuple(bodies), gravity, elements)
     if unused := parameters.unused():
         warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
     return system
@@ -101,7 +105,7 @@ def _system(table: Table, path: Path) -> System:
 def _body(table: Table, k: int, numbers_of: Mapping[str, int], parameters: Parameters) -> Body:
     name = table.get("name", f"body{k}")
     try:
-        _check_keys(table, BODY_KEYS, required=("connection", "mass"))
+        check_keys(table, BODY_KEYS, required=("connection", "mass"))
         lower = _lower(table["connection"], numbers_of)
         mass = parameters.resolve(table["mass"], "mass")
         inertia = _inertia(table.get("inertia", [0, 0, 0]), parameters)
@@ -116,10 +120,15 @@ def _body(table: Table, k: int, numbers_of: Mapping[str, int], parameters: Param
 def _points(table: Any, parameters: Parameters) -> tuple[Point, ...]:
     if not isinstance(table, Mapping):
         raise ModelError("points: write a table such as {tool = [0, 0, 0.1]}.")
-    return tuple(
-        Point(name, numbers(parameters.resolve(position, f"point {name!r}"), (3,), f"point {name!r}"))
-        for name, position in table.items()
-    )
+    return tuple(_point(name, value, parameters) for name, value in table.items())
+
+
+def _point(name: str, value: Any, parameters: Parameters) -> Point:
+    what = f"point {name!r}"
+    table = value if isinstance(value, Mapping) else {"position": value}
+    check_keys(table, POINT_KEYS, required=POINT_KEYS[:1], what=f"{what}: ")
+    position = numbers(parameters.resolve(table["position"], what), (3,), what)
+    return Point(name, position, table.get("loads", False))
 
 
 def _lower(connection: Any, numbers_of: Mapping[str, int]) -> Any:
@@ -135,7 +144,7 @@ def _lower(connection: Any, numbers_of: Mapping[str, int]) -> Any:
 
 def _inertia(value: Any, parameters: Parameters) -> Any:
     if isinstance(value, Mapping):
-        _check_keys(value, INERTIA_KEYS, required=INERTIA_KEYS[:3])
+        check_keys(value, INERTIA_KEYS, required=INERTIA_KEYS[:3])
         entries = [value.get(key, 0) for key in INERTIA_KEYS]
         xx, yy, zz, xy, xz, yz = parameters.resolve(entries, "inertia")
         return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
@@ -149,7 +158,7 @@ def _inertia(value: Any, parameters: Parameters) -> Any:
 def _joint(table: Any, parameters: Parameters) -> Joint:
     if not isinstance(table, Mapping):
         raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
-    _check_keys(table, JOINT_KEYS, what="joint: ")
+    check_keys(table, JOINT_KEYS, what="joint: ")
     free = _free(table.get("free", "all"))
     return Joint(
         position=parameters.resolve(table.get("position", ORIGIN), "joint position"),
@@ -188,17 +197,8 @@ def _free(value: Any) -> tuple[bool, ...]:
 def _locked(table: Any, free: tuple[bool, ...], parameters: Parameters) -> Any:
     if not isinstance(table, Mapping):
         raise ModelError("locked: write a table such as {theta1 = 0.5}.")
-    _check_keys(table, FREEDOMS, what="locked: ")
+    check_keys(table, FREEDOMS, what="locked: ")
     for name, is_free in zip(FREEDOMS, free, strict=True):
         if is_free and name in table:
             raise ModelError(f"locked: {name!r} is free. Delete it here, or leave it out of free.")
     return tuple(parameters.resolve(table.get(name, 0), f"locked {name}") for name in FREEDOMS)
-
-
-def _check_keys(table: Table, known: tuple[str, ...], required: tuple[str, ...] = (), what: str = "") -> None:
-    for key in table:
-        if key not in known:
-            raise ModelError(f"{what}unknown key {key!r}. {did_you_mean(key, known)}")
-    for key in required:
-        if key not in table:
-            raise ModelError(f"{what}{key} is missing.")

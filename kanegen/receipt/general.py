@@ -8,7 +8,7 @@ from itertools import count
 from typing import Any
 
 from kanegen import rotations
-from kanegen.body import Body, Joint, Point
+from kanegen.body import Body, Joint
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.system import System
 
@@ -54,10 +54,13 @@ def opened(system: System) -> System:
             inertia=((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)),
             mass_center=map_numbers(of.mass_center, open_),
             joint=joint(of.joint),
-            points=tuple(Point(p.name, map_numbers(p.position, open_)) for p in of.points),
+            points=tuple(point.changed(open_) for point in of.points),
         )
 
-    return replace(_changed(system, body), gravity=map_numbers(system.gravity, open_))
+    elements = tuple(element.changed(open_) for element in system.force_elements)
+    return replace(
+        _changed(system, body), gravity=map_numbers(system.gravity, open_), force_elements=elements
+    )
 
 
 def steps(system: System) -> Iterator[tuple[str, System]]:

@@ -9,6 +9,7 @@ from sympy import Add, Expr
 from kanegen.errors import ModelError
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.joints import exact
+from kanegen.recursion.loads import stored_energy
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract
 from kanegen.symbolic.definitions import Vector
@@ -69,6 +70,6 @@ def mass_center(tree: Tree) -> Derived:
 
 
 def potential_energy(tree: Tree) -> Derived:
-    """Minus the work of gravity from the inertial origin, m g . p_G over all bodies."""
+    """Minus the work of gravity from the inertial origin, m g . p_G, and what force elements store."""
     gravity = Vector(*(exact(value) for value in tree.system.gravity))
-    return Derived([-dot(gravity, first_moments(tree).moments[0])])
+    return Derived([stored_energy(tree) - dot(gravity, first_moments(tree).moments[0])])

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sympy import Expr
+from sympy import Expr, S
 
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.joint_motion import NO_FREEDOM
+from kanegen.recursion.loads import efforts
 from kanegen.recursion.motion import Requirement, requirements
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import add, cross, dot
@@ -29,7 +30,7 @@ def inverse_dynamics(tree: Tree) -> Derived:
 
 
 def works(tree: Tree, needs: Sequence[Requirement]) -> list[Expr]:
-    """The generalized forces that do the work of what each body needs."""
+    """The generalized forces that do the work of what each body needs, less those of force elements."""
     definitions = tree.definitions
     carried = [Requirement() for _ in tree.motions]
     result: dict[int, Expr] = {}
@@ -52,4 +53,6 @@ def works(tree: Tree, needs: Sequence[Requirement]) -> list[Expr]:
                 definitions.vector(f"F_{k}s", add(carried[j - 1].force, force)),
                 definitions.vector(f"M_{k}s", add(carried[j - 1].moment, shifted)),
             )
-    return [result[i] for i in range(len(tree.system.freedoms))]
+    acting = efforts(tree)
+    freedoms = enumerate(tree.system.freedoms)
+    return [result[i] - acting.get((freedom.body, freedom.index), S.Zero) for i, freedom in freedoms]

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from sympy import Expr
+from sympy import Expr, S
 
 from kanegen.recursion.articulated import Articulated, Elimination, rigid
 from kanegen.recursion.joint_motion import JointMotion
+from kanegen.recursion.loads import efforts
 from kanegen.recursion.motion import Requirement
 from kanegen.recursion.rates import angle_rates
 from kanegen.recursion.stops import (
@@ -136,9 +137,12 @@ class ArticulatedBodies:
         return [result[i] for i in range(len(found))]
 
     def _efforts(self) -> list[Expr]:
-        """{tau} as forces and torques along the free components."""
-        tree, definitions = self.tree, self.tree.definitions
-        result = dict(enumerate(generalized_force(f.body, f.index) for f in tree.system.freedoms))
+        """{tau} and the efforts of force elements, as forces and torques along the free components."""
+        tree, definitions, acting = self.tree, self.tree.definitions, efforts(self.tree)
+        result: dict[int, Expr] = {}
+        for i, f in enumerate(tree.system.freedoms):
+            effort = generalized_force(f.body, f.index) + acting.get((f.body, f.index), S.Zero)
+            result[i] = definitions.define(f"te_{i}", effort)
         for motion in tree.motions:
             tree.about(motion.body, "efforts in the body, Eq. (9)")
             if slides_freely(motion):

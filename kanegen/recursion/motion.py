@@ -14,6 +14,7 @@ from sympy import Expr
 from kanegen.recursion.bodies import Inertia
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joints import exact
+from kanegen.recursion.loads import UNLOADED, Applied, applied
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, multiply, negate, scale, subtract, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
@@ -134,11 +135,14 @@ def requirements(tree: Tree, *, accelerated: bool) -> list[Requirement]:
         tree: The tree.
         accelerated: With {ydot} as its symbols say, else with {ydot} = 0.
     """
-    moved = outward(tree, accelerated=accelerated)
-    return [required(tree, motion.body, moved[motion.body]) for motion in tree.motions]
+    moved, loads = outward(tree, accelerated=accelerated), applied(tree)
+    return [
+        _required(tree, motion.body, moved[motion.body], loads.get(motion.body, UNLOADED))
+        for motion in tree.motions
+    ]
 
 
-def required(tree: Tree, k: int, motion: Motion) -> Requirement:
+def _required(tree: Tree, k: int, motion: Motion, applied: Applied) -> Requirement:
     """What the motion of body `k` needs, less its loads: its terms of Eqs. (38) and (44)."""
     body, inertia, definitions = tree.system.bodies[k - 1], tree.inertias[k - 1], tree.definitions
     tree.about(k, "force and moment about its origin, Eq. (44)")
@@ -152,8 +156,8 @@ def required(tree: Tree, k: int, motion: Motion) -> Requirement:
         arm = definitions.vector(f"r_{k}", subtract(center, tree.motions[k - 1].origin))
         force = subtract(force, load)
         moment = subtract(subtract(moment, torque), cross(arm, load))
-    named = definitions.vector(f"F_{k}own", force)
-    return Requirement(named, definitions.vector(f"M_{k}own", moment))
+    named = definitions.vector(f"F_{k}own", subtract(force, applied.force))
+    return Requirement(named, definitions.vector(f"M_{k}own", subtract(moment, applied.moment)))
 
 
 def _rotational(inertia: Inertia, motion: Motion, definitions: Definitions, k: int) -> Vector:

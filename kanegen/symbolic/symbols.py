@@ -89,6 +89,21 @@ def torque(body: int, axis: int) -> Symbol:
     return real(f"M_{body}_{axis + 1}")
 
 
+def point_force(number: int, axis: int) -> Symbol:
+    """Component `axis` (0 to 2) of the force at the point `number` (from 1), inertial components (N)."""
+    return real(f"FP_{number}_{axis + 1}")
+
+
+def point_moment(number: int, axis: int) -> Symbol:
+    """Component `axis` (0 to 2) of the moment there, inertial components (N m)."""
+    return real(f"MP_{number}_{axis + 1}")
+
+
+def time() -> Symbol:
+    """The time (s)."""
+    return real("t")
+
+
 def generalized_force(body: int, index: int) -> Symbol:
     """Generalized force on the freedom `index` (0 to 5) of `body`, beside loads and gravity (N m, N)."""
     return real(f"tau_{body}_{index + 1}")

@@ -1,0 +1,25 @@
+"""Which keys a table of a model file may have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from kanegen.errors import ModelError
+from kanegen.suggest import did_you_mean
+
+
+def check_keys(
+    table: Mapping[str, Any], known: Sequence[str], required: Sequence[str] = (), what: str = ""
+) -> None:
+    """Make sure that a table has no key but `known` ones, and all that are `required`.
+
+    Raises:
+        ModelError: If it does not; begins with `what`.
+    """
+    for key in table:
+        if key not in known:
+            raise ModelError(f"{what}unknown key {key!r}. {did_you_mean(key, known)}")
+    for key in required:
+        if key not in table:
+            raise ModelError(f"{what}{key} is missing.")

@@ -1,0 +1,126 @@
+"""What force elements and loads on points do: efforts on freedoms, forces on bodies, and stored energy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from sympy import Add, Expr, Rational
+
+from kanegen.force_elements import Drive, JointSpring, PointLoad, Potential
+from kanegen.force_elements.names import Place, coordinate_places, speed_places
+from kanegen.numbers import Number
+from kanegen.recursion.joints import exact
+from kanegen.recursion.springs import outward, ties
+from kanegen.recursion.tree import Tree
+from kanegen.recursion.vectors import ZERO, add, cross, negate, subtract
+from kanegen.symbolic.definitions import Vector
+from kanegen.symbolic.expressions import Variables, gradient
+from kanegen.symbolic.symbols import coordinate, point_force, point_moment
+
+HALF = Rational(1, 2)
+
+
+@dataclass(frozen=True)
+class Applied:
+    """A force and a moment about the origin of a body, in its frame (N, N m)."""
+
+    force: Vector = ZERO
+    moment: Vector = ZERO
+
+
+UNLOADED = Applied()
+
+
+def efforts(tree: Tree) -> dict[Place, Expr]:
+    """What joint springs, drives and potentials add to the generalized forces, locked freedoms included."""
+    found: dict[Place, list[Expr]] = {}
+    for place, effort in _efforts(tree):
+        found.setdefault(place, []).append(effort)
+    tree.definitions.about("Efforts of force elements")
+    return {
+        (k, index): tree.definitions.define(f"e_{k}_{index + 1}", Add(*parts))
+        for (k, index), parts in found.items()
+    }
+
+
+def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
+    bodies, variables = tree.system.bodies, Variables(tree.system, exact)
+    coordinates, speeds = coordinate_places(bodies), speed_places(bodies)
+    for element in tree.system.force_elements:
+        match element:
+            case JointSpring(name, stiffness, rest, damping):
+                pull = exact(stiffness) * (variables.coordinate(name) - exact(rest))
+                yield coordinates[name], -pull - exact(damping) * variables.rate(name)
+            case Drive(name, effort):
+                yield speeds[name], variables.value(effort)
+            case Potential(energy):
+                # Of coordinates whose rates are speeds; the gradient at locked ones moves nothing.
+                places = {coordinate(*place): place for place in coordinates.values() if place[1] < 6}
+                for symbol, slope in gradient(variables.value(energy), list(places)).items():
+                    yield places[symbol], -slope
+
+
+def applied(tree: Tree) -> dict[int, Applied]:
+    """What springs and loads on points do to the bodies."""
+    found: dict[int, Applied] = {}
+    for k, load in _applied(tree):
+        both = found.get(k, UNLOADED)
+        found[k] = Applied(add(both.force, load.force), add(both.moment, load.moment))
+    return found
+
+
+def _applied(tree: Tree) -> Iterator[tuple[int, Applied]]:
+    for tie in ties(tree):
+        pull = tie.pull(tree.definitions)
+        for k, position, force in zip(tie.bodies, tie.positions, (pull, negate(pull)), strict=True):
+            if k:
+                tree.about(k, f"force of spring {tie.number}")
+                turned = outward(tree, k, tie.frame, force, f"ks_{tie.number}")
+                yield k, _at(tree, k, position, turned)
+    places = {point.name: (k, point) for k, point in tree.system.points}
+    variables = Variables(tree.system, exact)
+    for number, element in enumerate(tree.system.force_elements, start=1):
+        if isinstance(element, PointLoad):
+            k, point = places[element.point]
+            force, moment = (
+                Vector(*map(variables.value, values)) for values in (element.force, element.moment)
+            )
+            yield k, _inertial(tree, k, point.position, force, moment, f"pl_{number}")
+    for number, (k, point) in enumerate(tree.system.points, start=1):
+        if point.loads:
+            force, moment = (
+                Vector(*(symbol(number, axis) for axis in range(3))) for symbol in (point_force, point_moment)
+            )
+            yield k, _inertial(tree, k, point.position, force, moment, f"pi_{number}")
+
+
+def _inertial(
+    tree: Tree, k: int, position: Sequence[Number], force: Vector, moment: Vector, name: str
+) -> Applied:
+    """A force at a point of body `k` and a moment, both in inertial components."""
+    tree.about(k, "load on a point")
+    at = Vector(*map(exact, position))
+    turned = _at(tree, k, at, outward(tree, k, 0, force, f"{name}F"))
+    return Applied(turned.force, add(turned.moment, outward(tree, k, 0, moment, f"{name}M")))
+
+
+def _at(tree: Tree, k: int, position: Vector, force: Vector) -> Applied:
+    """A force at a point of body `k`, in its frame."""
+    arm = tree.definitions.vector(f"r_{k}l", subtract(position, tree.motions[k - 1].origin))
+    return Applied(force, cross(arm, force))
+
+
+def stored_energy(tree: Tree) -> Expr:
+    """Of springs and potentials (J)."""
+    parts: list[Expr] = []
+    variables = Variables(tree.system, exact)
+    for element in tree.system.force_elements:
+        if isinstance(element, JointSpring):
+            stretch = variables.coordinate(element.freedom) - exact(element.rest)
+            stretch = tree.definitions.define("es", stretch)
+            parts.append(HALF * exact(element.stiffness) * stretch**2)
+        elif isinstance(element, Potential):
+            parts.append(variables.value(element.energy))
+    parts += [tie.energy(tree.definitions) for tie in ties(tree)]
+    return Add(*parts)

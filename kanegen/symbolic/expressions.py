@@ -1,0 +1,102 @@
+"""Expressions of force elements in SymPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy
+from sympy import Expr, S, Symbol
+
+from kanegen.body import FREEDOMS
+from kanegen.errors import ModelError
+from kanegen.force_elements.expression import TIME, Constant, Expression, Node, Variable
+from kanegen.force_elements.names import Place, coordinate_places, speed_places, variable_places
+from kanegen.numbers import Number
+from kanegen.symbolic.symbols import coordinate, quaternion, speed, spin, time
+from kanegen.system import System
+
+_OPERATIONS: dict[str, Callable[..., Expr]] = {
+    "+": lambda a, b: a + b,
+    "-": lambda a, b: a - b,
+    "*": lambda a, b: a * b,
+    "/": lambda a, b: a / b,
+    "^": lambda a, b: a**b,
+    "negate": lambda a: -a,
+    "abs": sympy.Abs,
+    "cos": sympy.cos,
+    "sin": sympy.sin,
+    "sqrt": sympy.sqrt,
+    "tan": lambda a: sympy.sin(a) / sympy.cos(a),
+}
+
+
+@dataclass(frozen=True)
+class Variables:
+    """What names in force elements are in SymPy.
+
+    Attributes:
+        system: Of which.
+        number: How its numbers are written.
+    """
+
+    system: System
+    number: Callable[[Number], Expr]
+
+    def value(self, expression: Expression) -> Expr:
+        """An expression.
+
+        Raises:
+            ModelError: If it divides by zero, or takes the root of a negative number, in every state.
+        """
+        value = self._value(expression.root)
+        if value.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
+            raise ModelError(
+                f"expression {str(expression)!r} has no value: in every state it divides by zero or takes "
+                "the root of a negative number."
+            )
+        return value
+
+    def coordinate(self, name: str) -> Expr:
+        """A coordinate, or the value at which it is locked."""
+        return self._coordinate(coordinate_places(self.system.bodies)[name])
+
+    def rate(self, name: str) -> Expr:
+        """A speed; zero where it is locked."""
+        return self._speed(speed_places(self.system.bodies)[name])
+
+    def _value(self, node: Node) -> Expr:
+        if isinstance(node, Constant):
+            return self.number(node.value)
+        if isinstance(node, Variable):
+            return time() if node.name == TIME else self._variable(node.name)
+        return _OPERATIONS[node.operator](*(self._value(operand) for operand in node.operands))
+
+    def _variable(self, name: str) -> Expr:
+        place = self._places[name]
+        return self._coordinate(place) if name.startswith("x.") else self._speed(place)
+
+    @cached_property
+    def _places(self) -> dict[str, Place]:
+        return variable_places(self.system.bodies)
+
+    def _coordinate(self, place: Place) -> Expr:
+        k, index = place
+        joint = self.system.bodies[k - 1].joint
+        if index >= len(FREEDOMS):
+            return quaternion(k)[index - len(FREEDOMS)]
+        return coordinate(k, index) if joint.free[index] else self.number(joint.locked[index])
+
+    def _speed(self, place: Place) -> Expr:
+        k, index = place
+        joint = self.system.bodies[k - 1].joint
+        if not joint.free[index]:
+            return S.Zero
+        return spin(k, index) if joint.spins and index < 3 else speed(k, index)
+
+
+def gradient(energy: Expr, by: Sequence[Symbol]) -> dict[Symbol, Expr]:
+    """The derivatives of an energy that are not zero."""
+    found = {symbol: sympy.diff(energy, symbol) for symbol in by}
+    return {symbol: value for symbol, value in found.items() if value != 0}
