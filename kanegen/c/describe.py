@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ from kanegen.c.declarations import declarator
 from kanegen.c.formats import Formats, uniform
 from kanegen.c.interface import PREPARE, Function, ModelFacts
 from kanegen.c.lanes import Lanes
-from kanegen.c.layout import columns
+from kanegen.c.layout import WIDTH, columns
 from kanegen.c.sincos import Sincos
 from kanegen.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
 from kanegen.program.ir import Array
@@ -97,6 +98,19 @@ def loads(model: ModelFacts) -> list[tuple[int, str]]:
     return [(row, name) for row, (name, is_loaded) in enumerate(pairs) if is_loaded]
 
 
+def point_loads(model: ModelFacts) -> list[tuple[int, str]]:
+    """Row of point_force and point_moment, name of the point, for every point that takes them."""
+    pairs = zip((name for name, _ in model.points), model.loaded_points, strict=True)
+    return [(row, name) for row, (name, is_loaded) in enumerate(pairs) if is_loaded]
+
+
+def force_elements(model: ModelFacts) -> list[str]:
+    """Lines of a comment that say what they are."""
+    width = WIDTH - len(" *     ")
+    lines = [textwrap.wrap(words, width, subsequent_indent="    ") for words in model.force_elements]
+    return [line for wrapped in lines for line in wrapped]
+
+
 def example_inputs(
     model: ModelFacts, functions: Sequence[Function], formats: Formats
 ) -> list[tuple[str, list[str]]]:
@@ -121,12 +135,16 @@ def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple
     """An initial value and a label for every element; parameters have their defaults."""
     if function.name == PREPARE:
         return [(default, name) for name, default in model.parameters]
-    if len(array.shape) == 1:
+    if not array.shape:
+        labels = [array.unit]
+    elif len(array.shape) == 1:
         labels = list(model.coordinate_names)
         if array.name != "x":
             labels = [speed or name for speed, name in zip(model.speeds, model.freedom_names, strict=True)]
     else:
-        labels = [f"{body}, {axis}" for body in model.body_names for axis in "xyz"]
+        of_points = array.shape[0] == len(model.points) and array.name.startswith("point_")
+        rows = [name for name, _ in model.points] if of_points else model.body_names
+        labels = [f"{name}, {axis}" for name in rows for axis in "xyz"]
     return [((1 + i % 7) / 10, label) for i, label in enumerate(labels)]
 
 

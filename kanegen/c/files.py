@@ -123,6 +123,8 @@ def render(
         "freedoms": describe.freedoms(model),
         "coordinates": describe.coordinates(model),
         "loads": describe.loads(model),
+        "point_loads": describe.point_loads(model),
+        "force_elements": describe.force_elements(model),
         "operations": describe.operations(operations),
         "sines": textwrap.wrap(describe.sines(sincos, precision), WIDTH - len(" * ")),
         "stack": describe.batch_stack(functions, lanes_, held) if lanes_ else 0,

@@ -13,7 +13,7 @@ the reference (`magnitudes`), and D = diag(S_A)^(1/2), which takes the units fro
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import Any, Protocol, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from kanegen.check.measure import StateErrors, joined, state_errors
 from kanegen.check.report import Accuracy, Evaluation, Report
 from kanegen.check.states import States, random_states
 from kanegen.errors import OptionError
+from kanegen.given import Given
 from kanegen.precision import DOUBLE, Precision
 from kanegen.system import System
 
@@ -54,9 +55,14 @@ class ComparedLibrary(Protocol):
         """(B, n, n) from (B, n)."""
 
     def forcing(
-        self, x: Floats, y: Floats, force: Floats | None = None, torque: Floats | None = None
+        self,
+        x: Floats,
+        y: Floats,
+        force: Floats | None = None,
+        torque: Floats | None = None,
+        **given: Unpack[Given],
     ) -> NDArray[Any]:
-        """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3)."""
+        """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3), and what `States.given` holds."""
 
 
 def compare(
@@ -116,7 +122,9 @@ def _batch_errors(
     x, y, force, torque = states.x, states.y, states.force, states.torque
     given_x, given_y = storage.stored(x), storage.stored(y)
     given_force, given_torque = (None if f is None else storage.stored(f) for f in (force, torque))
-    reach = reaches(arrays, kinematics(arrays, x, y), y)
+    given = {name: storage.stored(values) for name, values in states.given.items()}
+    bodies = kinematics(arrays, x, y)
+    reach = reaches(arrays, bodies, y)
     matrix_size = mass_matrix_magnitude(arrays, reach)
     diagonal = np.einsum("bii->bi", matrix_size)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
@@ -127,9 +135,10 @@ def _batch_errors(
         value = storage.nearest(library.mass_matrix(given_x))
         errors["mass_matrix"] = state_errors(value, truth, matrix_size, scales, limit)
     if "forcing" in outputs:
-        truth = reference.forcing(arrays, x, y, force, torque)
+        truth = reference.forcing(arrays, x, y, force, torque, **states.given)
         size = forcing_magnitude(arrays, reach, force, torque)
-        found = library.forcing(given_x, given_y, force=given_force, torque=given_torque)
+        size = size + reference.element_magnitude(arrays, bodies, x, y, **states.given)
+        found = library.forcing(given_x, given_y, force=given_force, torque=given_torque, **given)
         value = storage.nearest(found)
         errors["forcing"] = state_errors(value, truth, size, scale, limit)
     return errors
@@ -170,6 +179,7 @@ def _accuracy(system: System, sample: States, output: str, errors: StateErrors, 
             y=_row(sample.y[worst]),
             force=None if sample.force is None else tuple(_row(row) for row in sample.force[worst]),
             torque=None if sample.torque is None else tuple(_row(row) for row in sample.torque[worst]),
+            given={name: values[worst].tolist() for name, values in sample.given.items()},
         ),
     )
 

@@ -7,7 +7,7 @@ columns of locked freedoms are dropped before the sums. Nothing is done for spee
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TypedDict, Unpack
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,7 @@ from kanegen.check.force_elements import Acting, contributions
 from kanegen.check.kinematics import BodyKinematics, coordinate_count, free_columns, full_order, kinematics
 from kanegen.check.matrices import Numbers, apply, transposed
 from kanegen.errors import ArrayError
+from kanegen.given import Given
 from kanegen.system import System
 
 
@@ -174,18 +175,25 @@ def state(system: SystemArrays, value: ArrayLike, what: str, count: int) -> Numb
     return array
 
 
-class Given(TypedDict, total=False):
-    """What acts on points, and the time.
+def element_magnitude(
+    system: SystemArrays,
+    bodies: tuple[BodyKinematics, ...],
+    x: Numbers,
+    y: Numbers,
+    **given: Unpack[Given],
+) -> Numbers:
+    """(..., n) what the generalized forces of force elements and loads on points are rounded by.
 
-    Attributes:
-        point_force: (P, 3) or (B, P, 3) forces at the points, inertial components (N); default none.
-        point_moment: Like `point_force`: moments (N m).
-        t: () or (B,) the time (s); default 0.
+    Args:
+        system: The numbers of the tree.
+        bodies: Their kinematics.
+        x: (..., m) coordinates.
+        y: (..., n) generalized speeds.
+        given: As in `forcing`.
     """
-
-    point_force: ArrayLike | None
-    point_moment: ArrayLike | None
-    t: ArrayLike | None
+    speeds, free = full_order(system, y, np.zeros((len(system.mass), 6))), free_columns(system)
+    parts = contributions(system, bodies, x, speeds, acting(system, x, **given))
+    return sum((part.size[..., free] for part in parts), start=np.zeros(y.shape))
 
 
 def acting(system: SystemArrays, x: Numbers, **given: Unpack[Given]) -> Acting:

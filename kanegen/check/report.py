@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -21,6 +22,7 @@ class Evaluation:
         y: (n,) generalized speeds (rad/s, m/s).
         force: (N, 3) forces (N), or None.
         torque: (N, 3) torques (N m), or None.
+        given: What only some systems read, by name of the argument.
     """
 
     state: int
@@ -31,6 +33,7 @@ class Evaluation:
     y: Row
     force: tuple[Row, ...] | None
     torque: tuple[Row, ...] | None
+    given: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -140,6 +143,7 @@ def _failure(accuracy: Accuracy) -> str:
     bad = accuracy.not_finite
     counted = f"{accuracy.output}: {bad} state{' is' if bad == 1 else 's are'} not finite\n" if bad else ""
     loads = "" if worst.force is None else f"\n  force = {worst.force!r}\n  torque = {worst.torque!r}"
+    loads += "".join(f"\n  {name} = {value!r}" for name, value in worst.given.items())
     return (
         f"{counted}{accuracy.output}: worst in state {worst.state}, entry {worst.entry}: "
         f"{worst.value!r} instead of {worst.reference!r}\n  x = {worst.x!r}\n  y = {worst.y!r}{loads}"

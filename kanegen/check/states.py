@@ -7,15 +7,20 @@ states, whatever else is computed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
 from kanegen.check.kinematics import free_columns
 from kanegen.check.matrices import length
+from kanegen.force_elements.expression import TIME
 from kanegen.precision import Precision
 from kanegen.system import System
+
+PERIODS = 8
+"""How many times what a body swings in the time may be."""
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2."""
@@ -30,12 +35,14 @@ class States:
         y: (B, n) generalized speeds (rad/s, m/s).
         force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if none does.
         torque: (B, N, 3) torques (N m), likewise.
+        given: What only some systems read, by name: "point_force" and "point_moment" (B, P, 3), "t" (B,).
     """
 
     x: Floats
     y: Floats
     force: Floats | None
     torque: Floats | None
+    given: Mapping[str, Floats] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """B."""
@@ -46,13 +53,15 @@ class States:
         rows = slice(start, stop)
         force = None if self.force is None else self.force[rows]
         torque = None if self.torque is None else self.torque[rows]
-        return States(self.x[rows], self.y[rows], force, torque)
+        given = {name: values[rows] for name, values in self.given.items()}
+        return States(self.x[rows], self.y[rows], force, torque, given)
 
     def rounded(self, precision: Precision) -> States:
         """The nearest states that `precision` can hold, so that rounding them is no error of a program."""
         force = None if self.force is None else _rounded(self.force, precision)
         torque = None if self.torque is None else _rounded(self.torque, precision)
-        return States(_rounded(self.x, precision), _rounded(self.y, precision), force, torque)
+        given = {name: _rounded(values, precision) for name, values in self.given.items()}
+        return States(_rounded(self.x, precision), _rounded(self.y, precision), force, torque, given)
 
 
 @dataclass(frozen=True)
@@ -67,6 +76,7 @@ class Ranges:
     y: Floats
     force: Floats
     torque: Floats
+    given: Mapping[str, Floats]
 
 
 def ranges(system: System | SystemArrays) -> Ranges:
@@ -81,13 +91,31 @@ def ranges(system: System | SystemArrays) -> Ranges:
         for held, free in zip(arrays.coordinates, arrays.free, strict=True)
     ]
     weight = np.where(arrays.loads, mass, 0.0) * acceleration
+    of_points = [k - 1 for k, _ in arrays.points.values()]
+    at_points = np.where(arrays.loaded_points, mass[of_points] * acceleration, 0.0)
+    given = {
+        "point_force": np.tile(at_points[:, None], 3),
+        "point_moment": np.tile((at_points * size[of_points])[:, None], 3),
+        "t": np.array(PERIODS * np.sqrt(size.max() / acceleration)),
+    }
     return Ranges(
         x=np.concatenate([*turning, lengths]),
         size=np.concatenate([np.ones(arrays.free[:, :3].sum()), lengths]),
         y=np.repeat(np.concatenate([rate, rate * size]), 3)[free],
         force=np.tile(weight[:, None], 3),
         torque=np.tile((weight * size)[:, None], 3),
+        given={name: given[name] for name in _read(arrays)},
     )
+
+
+def _read(arrays: SystemArrays) -> Iterator[str]:
+    """Names of the `States.given` that a system reads."""
+    if arrays.loaded_points.any():
+        yield from ("point_force", "point_moment")
+    if any(
+        TIME in written.variables for element in arrays.force_elements for written in element.expressions()
+    ):
+        yield "t"
 
 
 def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:
@@ -106,9 +134,11 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
     arrays = system.values() if isinstance(system, System) else system
     rng, largest = np.random.default_rng(seed), ranges(arrays)
     x, y = _uniform(rng, count, largest.x), _uniform(rng, count, largest.y)
-    if not arrays.loads.any():
-        return States(x, y, None, None)
-    return States(x, y, _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque))
+    force = torque = None
+    if arrays.loads.any():
+        force, torque = _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque)
+    given = {name: _uniform(rng, count, scale) for name, scale in largest.given.items()}
+    return States(x, y, force, torque, given)
 
 
 def _rounded(values: Floats, precision: Precision) -> Floats:

@@ -4,34 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self, TypedDict, Unpack
+from typing import Any, Self, Unpack
 
 from numpy.typing import ArrayLike
 
 from kanegen.c import Source
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.evaluation import Evaluation
+from kanegen.given import Given
 from kanegen.native.arguments import Floats
 from kanegen.native.calls import ARGUMENTS, FURTHER, Call, Native, Values
 from kanegen.numbers import finite
 from kanegen.precision import named
 from kanegen.program.ir import EVALUATE
 from kanegen.suggest import did_you_mean
-
-
-class Given(TypedDict, total=False):
-    """What only some models read; one may serve all states of a batch.
-
-    Attributes:
-        point_force: (P, 3) or (B, P, 3) force on each point that takes loads, inertial components, N; None is
-            zero.
-        point_moment: The same for the moment on its body, N m.
-        t: () or (B,) the time, s, where a force element depends on it.
-    """
-
-    point_force: ArrayLike | None
-    point_moment: ArrayLike | None
-    t: ArrayLike
 
 
 class Compiled:

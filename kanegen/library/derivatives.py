@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from kanegen.choices import require_one
 from kanegen.derivatives import DERIVATIVES, columns
-from kanegen.library.compiled import Compiled, Given
+from kanegen.given import Given
+from kanegen.library.compiled import Compiled
 from kanegen.native.arguments import Floats
 
 

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from kanegen.diagnosis import Diagnosis, diagnosis
 from kanegen.errors import ArrayError, KanegenWarning
-from kanegen.library.compiled import Compiled, Given
+from kanegen.given import Given
+from kanegen.library.compiled import Compiled
 from kanegen.native.arguments import Floats
 
 

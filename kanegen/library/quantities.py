@@ -6,7 +6,8 @@ from typing import Unpack
 
 from numpy.typing import ArrayLike
 
-from kanegen.library.compiled import Compiled, Given
+from kanegen.given import Given
+from kanegen.library.compiled import Compiled
 from kanegen.native.arguments import Floats
 
 

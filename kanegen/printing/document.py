@@ -203,6 +203,17 @@ def _loads(equations: Equations) -> Iterator[Section]:
             f"torque (N m). Loaded: {bodies}."
         )
         yield Section("Loads", note, ())
+    points = [(number, p) for number, (_, p) in enumerate(equations.system.points, start=1) if p.loads]
+    if points:
+        named = ", ".join(f"{number} ({point.name})" for number, point in points)
+        note = (
+            "FP_P_i and MP_P_i are inertial components of a force at point P (N) and of a moment on its body "
+            f"(N m). Loaded: {named}."
+        )
+        yield Section("Loads on points", note, ())
+    if equations.system.force_elements:
+        words = "; ".join(element.words for element in equations.system.force_elements)
+        yield Section("Force elements", f"{words}.", ())
 
 
 def _equation(left: Symbol, right: Expr, names: Names) -> Equation:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import keyword
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
+import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.printing.document import kinematics
 from kanegen.printing.printers import python
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.numeric import needed_definitions
-from kanegen.symbolic.symbols import force, parameter, real, torque
+from kanegen.symbolic.symbols import force, parameter, point_force, point_moment, real, torque
 
 TAKEN = frozenset(
     [
-        *"A PARAMETERS coordinate_rates cos f force forcing mass_matrix np parameters sin torque x y".split(),
+        *"A PARAMETERS coordinate_rates copysign cos f force forcing mass_matrix np parameters".split(),
+        *"point_force point_moment sin sqrt t torque x y".split(),
         *keyword.kwlist,
     ]
 )
@@ -31,7 +33,13 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
         f: (n, 1) {f}.
     """
     names = _names([p.name for p in equations.system.parameters])
-    head = [_docstring(equations), "from math import cos, sin", "import numpy as np", _parameters(equations)]
+    functions = ", ".join(sorted({"cos", "sin", *_roots(equations, f)}))
+    head = [
+        _docstring(equations),
+        f"from math import {functions}",
+        "import numpy as np",
+        _parameters(equations),
+    ]
     parts = [
         "\n\n".join(head),
         _mass_matrix(equations, A, names),
@@ -40,6 +48,15 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
     if not equations.system.speeds_are_rates:
         parts.append(_coordinate_rates(equations, names))
     return "\n\n\n".join(parts) + "\n"
+
+
+def _roots(equations: Equations, f: ImmutableMatrix) -> Iterable[str]:
+    """Functions of `math` beside sine and cosine, which force elements may need."""
+    values = [*f, *(definition.value for definition in equations.definitions)]
+    if any(value.has(sympy.Pow) and any(p.exp.q == 2 for p in value.atoms(sympy.Pow)) for value in values):
+        yield "sqrt"
+    if any(value.has(sympy.sign) for value in values):
+        yield "copysign"
 
 
 def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
@@ -100,8 +117,11 @@ def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, S
 
 def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
     m, n, bodies = len(equations.x), len(equations.y), len(equations.bodies)
+    system = equations.system
+    further = ", point_force=None, point_moment=None" * any(point.loads for _, point in system.points)
+    further += ", t=0.0" * system.depends_on_time
     lines = [
-        "def forcing(x, y, force=None, torque=None, parameters=PARAMETERS):",
+        f"def forcing(x, y, force=None, torque=None, parameters=PARAMETERS{further}):",
         f'    """{{f}} of Eq. (44), ({n},), at x, ({m},), and y, ({n},), under loads, ({bodies}, 3)."""',
         *_unpacked(equations.x, "x"),
         *_unpacked(equations.y, "y"),
@@ -126,12 +146,20 @@ def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
 
 
 def _loads(equations: Equations) -> Iterable[str]:
-    for name, symbol in (("force", force), ("torque", torque)):
-        for body in equations.bodies:
-            if body.body.loads:
-                components = ", ".join(str(symbol(body.number, axis)) for axis in range(3))
-                row = f"{name}[{body.number - 1}]"
-                yield f"    {components} = (0.0, 0.0, 0.0) if {name} is None else {row}"
+    bodies = [body.body.loads for body in equations.bodies]
+    points = [point.loads for _, point in equations.system.points]
+    yield from _rows("force", force, bodies)
+    yield from _rows("torque", torque, bodies)
+    yield from _rows("point_force", point_force, points)
+    yield from _rows("point_moment", point_moment, points)
+
+
+def _rows(name: str, symbol: Callable[..., Symbol], loaded: Sequence[bool]) -> Iterable[str]:
+    """Assignments of the components of a load in the rows that take any."""
+    for row, takes in enumerate(loaded):
+        if takes:
+            components = ", ".join(str(symbol(row + 1, axis)) for axis in range(3))
+            yield f"    {components} = (0.0, 0.0, 0.0) if {name} is None else {name}[{row}]"
 
 
 def _body(equations: Equations, values: Sequence[Expr], names: dict[Symbol, Symbol]) -> Iterable[str]:

@@ -13,15 +13,17 @@ recursive form instead; both have equal values.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
+import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import OptionError
 from kanegen.symbolic.closed.form import ClosedForm, close
-from kanegen.symbolic.definitions import Definition
+from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.dynamics import BodyEquations, total
+from kanegen.symbolic.force_elements import ElementForces
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.numeric import NumericEquations, numeric
 from kanegen.symbolic.symbols import accelerations, coordinates, force, speed, speeds, torque
@@ -29,6 +31,9 @@ from kanegen.system import System
 
 MOST_FREEDOMS = 8
 """Closed forms are not tried beyond this many freedoms."""
+
+MOST_OPERATIONS = 500
+"""Closed forms hold at most this many operations of force elements."""
 
 MOST_FREEDOMS_WITHOUT_NAMES = 6
 """Up to this many freedoms `derive` writes everything out; beyond, it names intermediates."""
@@ -94,23 +99,34 @@ class Equations:
 
     @cached_property
     def f(self) -> ImmutableMatrix:
-        """{f}, (n, 1): the right side, Eq. (44); weight and load symbols are its forces and torques."""
-        return total(body.forcing for body in self.bodies)
+        """{f}, (n, 1): the right side, Eq. (44); weight, loads and force elements are its forces."""
+        return total([*(body.forcing for body in self.bodies), self.element_forces])
 
     @cached_property
     def generalized_forces(self) -> ImmutableMatrix:
-        """{F_y}, (n, 1): the part of {f} that weight and loads make, Eq. (37)."""
-        return total(body.generalized_forces for body in self.bodies)
+        """{F_y}, (n, 1): the part of {f} that weight, loads and force elements make, Eq. (37)."""
+        return total([*(body.generalized_forces for body in self.bodies), self.element_forces])
+
+    @cached_property
+    def element_forces(self) -> ImmutableMatrix:
+        """(n, 1): the part of {F_y} that force elements and loads on points make."""
+        return self._elements.total
+
+    @cached_property
+    def _elements(self) -> ElementForces:
+        taken = [parameter.name for parameter in self.system.parameters]
+        return ElementForces(self.system, self.bodies, Definitions(taken) if self.intermediates else None)
 
     @cached_property
     def definitions(self) -> tuple[Definition, ...]:
         """What every symbol of an intermediate stands for, in order of evaluation; empty without them."""
         if not self.intermediates:
             return ()
-        return tuple(definition for body in self.bodies for definition in body.definitions)
+        of_bodies = tuple(definition for body in self.bodies for definition in body.definitions)
+        return of_bodies + self._elements.definitions
 
     def closed_form(self) -> ClosedForm:
-        """[A] and {f} without intermediates, simplified.
+        """[A] and {f} without intermediates, simplified; what force elements add is as it was given.
 
         Raises:
             OptionError: If there are more than `MOST_FREEDOMS` freedoms or there is a quaternion, or an entry
@@ -128,7 +144,15 @@ class Equations:
                 "equations.definitions."
             )
         literal = derive(self.system, intermediates=False)
-        return close(literal.A, literal.f, literal.bodies, [*literal.y, *self.loads])
+        f = total(body.forcing for body in literal.bodies)
+        closed = close(literal.A, f, literal.bodies, [*literal.y, *self.loads])
+        if sum(sympy.count_ops(entry) for entry in literal.element_forces) > MOST_OPERATIONS:
+            raise OptionError(
+                f"system {self.system.name!r}: what its force elements add is too long to be read without "
+                "intermediates. Print it with intermediates instead (closed=False), or read equations.A, "
+                "equations.f and equations.definitions."
+            )
+        return replace(closed, f=total([closed.f, literal.element_forces]))
 
     def lambdify(self) -> NumericEquations:
         """NumPy functions of [A] and {f}, for looking into small things; `kg.build` is faster by far."""

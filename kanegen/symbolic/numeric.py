@@ -13,7 +13,16 @@ from sympy import Dummy, Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import ArrayError
 from kanegen.symbolic.definitions import Definition
-from kanegen.symbolic.symbols import coordinates, force, parameter, speeds, torque
+from kanegen.symbolic.symbols import (
+    coordinates,
+    force,
+    parameter,
+    point_force,
+    point_moment,
+    speeds,
+    time,
+    torque,
+)
 from kanegen.system import System
 
 Floats = NDArray[np.float64]
@@ -52,6 +61,9 @@ class NumericEquations:
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
         parameters: Mapping[str, float] | None = None,
+        point_force: ArrayLike | None = None,
+        point_moment: ArrayLike | None = None,
+        t: float = 0.0,
     ) -> Floats:
         """{f}, (n,).
 
@@ -61,17 +73,28 @@ class NumericEquations:
             force: (N, 3) loads {F'_K} (N); rows of bodies that take no loads are not read.
             torque: (N, 3) loads {M'_K} (N m), likewise.
             parameters: Values of parameters that differ from their defaults, by name.
+            point_force: (P, 3) forces at the points (N); rows of points that take no loads are not read.
+            point_moment: (P, 3) moments (N m), likewise.
+            t: Time (s).
 
         Raises:
             ArrayError: If an array has another shape, or holds anything but real numbers.
             ModelError: If a parameter is unknown or its value makes the model unusable.
         """
         m, n, bodies = (len(self.system.coordinates), len(self.system.freedoms), self.system.number_of_bodies)
+        points = len(self.system.points)
+        given = (
+            (force, bodies, "force"),
+            (torque, bodies, "torque"),
+            (point_force, points, "point_force"),
+            (point_moment, points, "point_moment"),
+        )
         loads = [
-            np.zeros(3 * bodies) if load is None else _array(load, (bodies, 3), what).ravel()
-            for load, what in ((force, "force"), (torque, "torque"))
+            np.zeros(3 * rows) if load is None else _array(load, (rows, 3), what).ravel()
+            for load, rows, what in given
         ]
-        arguments = (_array(x, (m,), "x"), _array(y, (n,), "y"), *loads, self._values(parameters))
+        state = _array(x, (m,), "x"), _array(y, (n,), "y")
+        arguments = (*state, *loads, [float(t)], self._values(parameters))
         return np.array(self._forcing(*arguments), dtype=float).ravel()
 
     def _values(self, changed: Mapping[str, float] | None) -> list[float]:
@@ -85,7 +108,9 @@ def numeric(
     """Functions that evaluate [A] and {f}, which may hold the symbols of `definitions`."""
     every = [(k, axis) for k in range(1, system.number_of_bodies + 1) for axis in range(3)]
     x, y = list(coordinates(system)), list(speeds(system))
-    forces, torques = [force(k, i) for k, i in every], [torque(k, i) for k, i in every]
+    at_points = [(k, axis) for k in range(1, len(system.points) + 1) for axis in range(3)]
+    kinds = (force, every), (torque, every), (point_force, at_points), (point_moment, at_points)
+    loads = [[symbol(k, axis) for k, axis in places] for symbol, places in kinds]
     # A parameter may have the name of a function, such as sin; a Dummy cannot.
     private = {parameter(given): Dummy(given.name) for given in system.parameters}
     if private:
@@ -95,7 +120,7 @@ def numeric(
     return NumericEquations(
         system,
         _function([x, parameters], A, definitions),
-        _function([x, y, forces, torques, parameters], f, definitions),
+        _function([x, y, *loads, [time()], parameters], f, definitions),
     )
 
 
