@@ -25,6 +25,16 @@ from kanegen.errors import (
     SingularError,
     WriteError,
 )
+from kanegen.force_elements import (
+    Drive,
+    Expression,
+    ForceElement,
+    JointSpring,
+    PointLoad,
+    Potential,
+    Spring,
+    parse,
+)
 from kanegen.library import Library
 from kanegen.numbers import Parameter
 from kanegen.readers import load
@@ -38,8 +48,12 @@ __all__ = [
     "ArrayError",
     "Body",
     "BuildError",
+    "Drive",
     "Equations",
+    "Expression",
+    "ForceElement",
     "Joint",
+    "JointSpring",
     "KanegenError",
     "KanegenWarning",
     "Library",
@@ -47,10 +61,13 @@ __all__ = [
     "OptionError",
     "Parameter",
     "Point",
+    "PointLoad",
+    "Potential",
     "ReadError",
     "Report",
     "SingularError",
     "Source",
+    "Spring",
     "System",
     "Variant",
     "WriteError",
@@ -60,5 +77,6 @@ __all__ = [
     "derive",
     "generate",
     "load",
+    "parse",
     "reanchored",
 ]

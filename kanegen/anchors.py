@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from kanegen.body import Joint
+from kanegen.body import Body, Joint
 from kanegen.c.anchors import Anchor
 from kanegen.errors import OptionError
+from kanegen.force_elements.names import coordinates_named
 from kanegen.numbers import Parameter, map_numbers
 from kanegen.system import Freedom, System
 
@@ -18,15 +19,19 @@ def require_free_frame(system: System, k: int) -> None:
         OptionError: If it cannot; says why, and how to mend it.
     """
     body = system.bodies[k - 1]
-    if held := _held(system, body.joint):
+    if held := _held(system, body):
         raise OptionError(f"body {body.name!r} cannot be re-anchored: {held}.")
 
 
-def _held(system: System, joint: Joint) -> str:
+def _held(system: System, body: Body) -> str:
     """What refers to the joint frame; "" if nothing does."""
+    joint = body.joint
     slides, parameters = joint.free[3:], orientation_parameters(joint)
     if not joint.turns_freely:
         return "its three angles are not all free. Leave it out"
+    moved = (f"x.{body.name}.", f"y.{body.name}.s", f"y.{body.name}.theta")
+    if any(name.startswith(moved) for name in coordinates_named(system.force_elements)):
+        return "a force element names its coordinates, which would mean others. Leave it out"
     if joint.is_quaternion:
         return "it has a quaternion, which is regular everywhere. Leave it out"
     if any(slides) and not all(slides):
@@ -52,6 +57,8 @@ def _are_its_own(system: System, names: list[str]) -> bool:
         used += _names((body.mass, body.inertia, body.mass_center))
         used += _names(tuple(point.position for point in body.points))
         used += _names((joint.position, joint.orientation, joint.locked))
+    elements = [value for element in system.force_elements for value in element.numbers()]
+    used += _names(tuple(elements))
     return len(names) == len(set(names)) == 3 and all(used.count(name) == 1 for name in names)
 
 
@@ -77,7 +84,7 @@ def anchors(system: System) -> tuple[Anchor, ...]:
     parameters = [parameter.name for parameter in system.parameters]
     for k, body in enumerate(system.bodies, start=1):
         names = orientation_parameters(body.joint)
-        if names and not _held(system, body.joint):
+        if names and not _held(system, body):
             one, two, three = (parameters.index(name) for name in names)
             angles, slides = range(3), range(3, 6) if body.joint.free[3] else ()
             found.append(

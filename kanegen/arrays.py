@@ -21,6 +21,23 @@ Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
+class ForceArrays:
+    """What acts beside gravity and loads on bodies.
+
+    Attributes:
+        elements: Parameters at their defaults.
+        variables: Of expressions, by name.
+        points: By name the body, from 1, and the (3,) position from its origin, in its components (m).
+        loaded: (P,) which points take a force and a moment.
+    """
+
+    elements: tuple[ForceElement, ...]
+    variables: Mapping[str, Place]
+    points: Mapping[str, tuple[int, Floats]]
+    loaded: Flags
+
+
+@dataclass(frozen=True)
 class SystemArrays:
     """The numbers of a system of N bodies; row K - 1 belongs to body K. Units as `System.from_arrays`."""
 
@@ -37,10 +54,7 @@ class SystemArrays:
     sequence: tuple[str, ...]  # (N,)
     speeds: tuple[str, ...]  # (N,)
     coordinates: tuple[str, ...]  # (N,)
-    force_elements: tuple[ForceElement, ...]
-    variables: Mapping[str, Place]  # of expressions, by name
-    points: Mapping[str, tuple[int, Floats]]  # by name the body, from 1, and the (3,) position
-    loaded_points: Flags  # (P,)
+    forces: ForceArrays
 
 
 def system_arrays(
@@ -52,10 +66,7 @@ def system_arrays(
     sequence: tuple[str, ...],
     speeds: tuple[str, ...],
     coordinates: tuple[str, ...],
-    force_elements: tuple[ForceElement, ...],
-    variables: Mapping[str, Place],
-    points: Mapping[str, tuple[int, Any]],
-    loaded_points: Any,
+    forces: ForceArrays,
     **floats: Any,
 ) -> SystemArrays:
     """`SystemArrays` from nested tuples; orientations given as 1-2-3 angles become matrices."""
@@ -67,10 +78,7 @@ def system_arrays(
         sequence=sequence,
         speeds=speeds,
         coordinates=coordinates,
-        force_elements=force_elements,
-        variables=variables,
-        points={name: (k, np.array(position, dtype=np.float64)) for name, (k, position) in points.items()},
-        loaded_points=np.array(loaded_points, dtype=np.bool_),
+        forces=forces,
         **{name: np.array(value, dtype=np.float64) for name, value in floats.items()},
     )
 

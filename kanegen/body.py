@@ -238,6 +238,11 @@ class Body:
             points=tuple(point.changed(change) for point in self.points),
         )
 
+    def unloaded(self) -> Body:
+        """The same body without loads as inputs, on it and its points."""
+        points = tuple(replace(point, loads=False) for point in self.points)
+        return replace(self, loads=False, points=points)
+
     def as_table(self, lower: int | str) -> dict[str, Any]:
         """The body in the words of a model file, `lower` being its connection there; defaults left out."""
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia

@@ -13,6 +13,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
+import numpy as np
+
 from kanegen import arrays, validation
 from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, QUATERNION, SPEEDS, Body, Joint, Point
 from kanegen.choices import require_one
@@ -445,10 +447,16 @@ class System:
             sequence=tuple(joint.sequence for joint in joints),
             speeds=tuple(joint.speeds for joint in joints),
             coordinates=tuple(joint.coordinates for joint in joints),
-            force_elements=tuple(element.changed(value_of) for element in self.force_elements),
+            forces=self._forces(),
+        )
+
+    def _forces(self) -> arrays.ForceArrays:
+        places = {p.name: (k, np.array(map_numbers(p.position, value_of))) for k, p in self.points}
+        return arrays.ForceArrays(
+            elements=tuple(element.changed(value_of) for element in self.force_elements),
             variables=variable_places(self.bodies),
-            points={p.name: (k, map_numbers(p.position, value_of)) for k, p in self.points},
-            loaded_points=tuple(point.loads for _, point in self.points),
+            points=places,
+            loaded=np.array([point.loads for _, point in self.points], dtype=np.bool_),
         )
 
     def as_table(self) -> dict[str, Any]:

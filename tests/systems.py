@@ -148,7 +148,12 @@ def random_state(system: System, seed: int = 0) -> States:
 
 def from_values(arrays: SystemArrays) -> System:
     """The system that has these numbers."""
-    return System.from_arrays(**{field.name: getattr(arrays, field.name) for field in fields(arrays)})
+    return System.from_arrays(**rows(arrays))
+
+
+def rows(arrays: SystemArrays) -> dict[str, object]:
+    """Its arguments of `System.from_arrays`."""
+    return {field.name: getattr(arrays, field.name) for field in fields(arrays) if field.name != "forces"}
 
 
 def rescaled(arrays: SystemArrays, mass: float, length: float, time: float) -> SystemArrays:

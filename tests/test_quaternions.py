@@ -43,7 +43,7 @@ def with_some(seed: int) -> kg.System:
 def remade(system: kg.System, what: str, value: list[str]) -> kg.System:
     """The same system with one array changed."""
     arrays = system.values()
-    kept = {name: getattr(arrays, name) for name in arrays.__dataclass_fields__}
+    kept = systems.rows(arrays)
     return kg.System.from_arrays(**(kept | {what: value}))
 
 
@@ -77,14 +77,7 @@ def test_angles_of_the_same_orientation(seed: int) -> None:
     turned = with_some(seed)
     angles = mixed(seed).with_speeds(SPINS).with_coordinates("angles")
     rates = [b.joint.speeds for b in turned.bodies]
-    angles = kg.System.from_arrays(
-        **{
-            name: getattr(angles.values(), name)
-            for name in turned.values().__dataclass_fields__
-            if name != "speeds"
-        },
-        speeds=rates,
-    )
+    angles = kg.System.from_arrays(**(systems.rows(angles.values()) | {"speeds": rates}))
     given = state(angles, seed)
     x = np.empty(len(turned.coordinates))
     for coordinate, place in turned.coordinate_places.items():

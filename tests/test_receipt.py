@@ -16,6 +16,7 @@ from kanegen.arrays import SystemArrays
 from kanegen.check.kinematics import kinematics
 from kanegen.check.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches, rounding_bound
 from kanegen.check.matrices import skew
+from kanegen.check.reference import element_magnitude
 from kanegen.check.states import random_states
 from kanegen.cli.app import app
 from kanegen.compiler import compile_module
@@ -53,6 +54,8 @@ def require_equal(system: kg.System, seed: int) -> None:
     given = {"x": sample.x[0], "y": sample.y[0]}
     if sample.force is not None and sample.torque is not None:
         given |= {"force": sample.force[0], "torque": sample.torque[0]}
+    further = {name: rows[0] for name, rows in sample.given.items()}
+    given |= further
     x, y = np.zeros(len(general.coordinates)), np.zeros(len(general.freedoms))
     for coordinate, place in general.coordinate_places.items():
         locked = map_numbers(system.bodies[coordinate.body - 1].joint.locked, value_of)
@@ -63,15 +66,16 @@ def require_equal(system: kg.System, seed: int) -> None:
     matrix, forcing = results(general, given | {"x": x, "y": y})
     special_matrix, special_forcing = results(system, given)
     arrays = system.values()
-    reach = reaches(arrays, kinematics(arrays, given["x"], given["y"]), given["y"])
+    bodies = kinematics(arrays, given["x"], given["y"])
+    reach = reaches(arrays, bodies, given["y"])
     limit = 2 * rounding_bound(system.number_of_bodies)
     force, torque = given.get("force"), given.get("torque")
     assert (
         np.abs(special_matrix - matrix[np.ix_(free, free)]) <= limit * mass_matrix_magnitude(arrays, reach)
     ).all()
-    assert (
-        np.abs(special_forcing - forcing[free]) <= limit * forcing_magnitude(arrays, reach, force, torque)
-    ).all()
+    size = forcing_magnitude(arrays, reach, force, torque)
+    size = size + element_magnitude(arrays, bodies, given["x"], given["y"], **further)
+    assert (np.abs(special_forcing - forcing[free]) <= limit * size).all()
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda path: path.stem)
@@ -136,7 +140,7 @@ def test_two_rods_locked_to_a_plane() -> None:
 
 
 def remade(arrays: SystemArrays, **changed: object) -> kg.System:
-    kept = {name: getattr(arrays, name) for name in arrays.__dataclass_fields__}
+    kept = systems.rows(arrays)
     return kg.System.from_arrays(**(kept | changed))
 
 
@@ -167,8 +171,8 @@ def lumped(system: kg.System, moving: int) -> kg.System:
         centers.append(center)
         inertias.append((inertia + inertia.T) / 2)
     first = {
-        name: getattr(arrays, name)[:moving]
-        for name in arrays.__dataclass_fields__
+        name: values[:moving]
+        for name, values in systems.rows(arrays).items()
         if name not in {"gravity", "mass", "mass_center", "inertia"}
     }
     return kg.System.from_arrays(

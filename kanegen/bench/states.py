@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from kanegen.arrays import Floats
-from kanegen.numbers import map_numbers, value_of
+from kanegen.numbers import value_of
 from kanegen.system import System
 
 
@@ -60,8 +60,11 @@ def plain(system: System) -> tuple[System, tuple[str, ...]]:
     notes = []
     if any(body.loads for body in system.bodies):
         notes.append("loads are switched off: not everything that is timed takes them")
+    if system.force_elements or any(point.loads for _, point in system.points):
+        notes.append("force elements and loads on points are left out: not everything that is timed has them")
     if system.parameters:
         names = ", ".join(parameter.name for parameter in system.parameters)
         notes.append(f"run-time parameters are constants, at their defaults: {names}")
-    bodies = tuple(replace(body.changed(value_of), loads=False) for body in system.bodies)
-    return replace(system, bodies=bodies, gravity=map_numbers(system.gravity, value_of)), tuple(notes)
+    fixed = system.changed(value_of)
+    bodies = tuple(body.unloaded() for body in fixed.bodies)
+    return replace(fixed, bodies=bodies, force_elements=()), tuple(notes)

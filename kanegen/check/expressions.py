@@ -158,7 +158,7 @@ class Rounded:
     def sqrt(self) -> Rounded:
         """Of what is positive."""
         root = np.sqrt(self.value)
-        return _rounded(root, self.error / (2 * root))
+        return _rounded(root, self.error / (2 * np.abs(root)))
 
     def abs(self) -> Rounded:
         """Its magnitude."""

@@ -68,7 +68,7 @@ def contributions(
         acting: Loads on points, and the time.
     """
     scene = _Scene(system, bodies, _variables(system, x, speeds, acting.t), speeds)
-    for element in system.force_elements:
+    for element in system.forces.elements:
         match element:
             case JointSpring(name, stiffness, rest, damping):
                 stretch = scene.variables[f"x.{name}"] - value_of(rest)
@@ -84,7 +84,7 @@ def contributions(
                 yield scene.tied(element)
             case PointLoad(name, force, moment):
                 yield scene.loaded(name, *(scene.vector(of) for of in (force, moment)))
-    for number, name in enumerate(system.points):
+    for number, name in enumerate(system.forces.points):
         yield scene.loaded(name, *((v[..., number, :],) * 2 for v in (acting.force, acting.moment)))
 
 
@@ -126,7 +126,7 @@ class _Scene:
 
     def on_freedom(self, name: str, effort: Numbers, size: Numbers) -> Contribution:
         """An effort at a coordinate or a speed."""
-        k, index = self.system.variables[name]
+        k, index = self.system.forces.variables[name]
         kind, axis = divmod(index, 3)
         place = 3 * (kind * len(self.bodies) + k - 1) + axis
         value, sizes = np.zeros_like(self.speeds), np.zeros(self.speeds.shape)
@@ -138,18 +138,18 @@ class _Scene:
         self, point: str, force: tuple[Numbers, Numbers], moment: tuple[Numbers, Numbers]
     ) -> Contribution:
         """A force at a point and a moment on its body, each with the size of its rounding."""
-        k, arm = self.system.points[point]
+        k, arm = self.system.forces.points[point]
         seen, omega_y = self._seen(k, arm), self._turning(k)
         value = apply(transposed(seen.velocity_y), force[0]) + apply(transposed(omega_y), moment[0])
-        size = length(force[1])[..., None] * (
-            length(seen.velocity_y, -2) + seen.reach[..., None] * length(omega_y, -2)
+        size = _size(force[1])[..., None] * (
+            _size(seen.velocity_y, -2) + seen.reach[..., None] * _size(omega_y, -2)
         )
-        return Contribution(value, size + length(moment[1])[..., None] * length(omega_y, -2))
+        return Contribution(value, size + _size(moment[1])[..., None] * _size(omega_y, -2))
 
     def tied(self, spring: Spring) -> Contribution:
         """A spring between two points."""
         one, two = (
-            self._seen(*self.system.points[end]) if isinstance(end, str) else self._fixed(end)
+            self._seen(*self.system.forces.points[end]) if isinstance(end, str) else self._fixed(end)
             for end in spring.between
         )
         stiffness, rest, damping = map(value_of, (spring.stiffness, spring.rest_length, spring.damping))
@@ -163,17 +163,17 @@ class _Scene:
         off = one.reach + two.reach
         drag = (
             abs(damping)
-            * (np.abs(rate).sum(axis=-1) + length(self.speeds) * off)
+            * (np.abs(rate).sum(axis=-1) + _size(self.speeds) * off)
             * (1 + off / np.abs(distance))
         )
         size = abs(stiffness) * (off + abs(rest) * (1 + off / np.abs(distance))) + drag
-        lengths = length(np.abs(one.velocity_y) + np.abs(two.velocity_y), -2)
+        lengths = _size(one.velocity_y, -2) + _size(two.velocity_y, -2)
         return Contribution(value, size[..., None] * (lengths + off[..., None] * self._turned))
 
     @property
     def _turned(self) -> Numbers:
         """(..., 6N) how much each freedom turns any body at most."""
-        turned: Numbers = np.max([length(body.omega_y, -2) for body in self.bodies], axis=0)
+        turned: Numbers = np.max([_size(body.omega_y, -2) for body in self.bodies], axis=0)
         return turned
 
     def _turning(self, k: int) -> Numbers:
@@ -187,13 +187,13 @@ class _Scene:
         out = transposed(body.rotation)
         velocity_y = out @ (body.relative_rotation @ body.origin_y - skew(arm) @ body.omega_y)
         position = apply(out, body.position + arm)
-        return _Seen(position, apply(velocity_y, self.speeds), velocity_y, self._reach(k) + length(arm))
+        return _Seen(position, apply(velocity_y, self.speeds), velocity_y, self._reach(k) + _size(arm))
 
     def _reach(self, k: int) -> Numbers:
         """How far it is to O of body `k` along the tree."""
         reach = np.zeros(self.speeds.shape[:-1])
         while k:
-            reach = reach + length(np.abs(self.bodies[k - 1].offset))
+            reach = reach + _size(self.bodies[k - 1].offset)
             k = int(self.system.connection[k - 1])
         return reach
 
@@ -202,7 +202,12 @@ class _Scene:
         at = np.array([value_of(value) for value in position])
         still = np.zeros((*self.speeds.shape[:-1], 3), self.speeds.dtype)
         columns = np.zeros((*still.shape, self.speeds.shape[-1]), self.speeds.dtype)
-        return _Seen(still + at, still, columns, still[..., 0].real + length(at))
+        return _Seen(still + at, still, columns, still[..., 0].real + _size(at))
+
+
+def _size(vectors: Numbers, axis: int = -1) -> Numbers:
+    """Lengths, of complex vectors too, which carry derivatives."""
+    return length(np.abs(vectors), axis)
 
 
 def _steady(number: float) -> Dual:
@@ -213,7 +218,7 @@ def _variables(system: SystemArrays, x: Numbers, speeds: Numbers, t: Numbers) ->
     """The values of all names."""
     orientations, translations = by_body(system, x)
     found: dict[str, Numbers] = {TIME: t}
-    for name, (k, index) in system.variables.items():
+    for name, (k, index) in system.forces.variables.items():
         kind, axis = divmod(index, 3) if index < len(FREEDOMS) else (0, index - len(FREEDOMS))
         if name.startswith("x."):
             found[name] = (orientations, translations)[kind][k - 1][..., axis]

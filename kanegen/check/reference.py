@@ -198,7 +198,7 @@ def element_magnitude(
 
 def acting(system: SystemArrays, x: Numbers, **given: Unpack[Given]) -> Acting:
     """What acts on points in the states `x`, and the time."""
-    none = np.zeros((len(system.points), 3))
+    none = np.zeros((len(system.forces.points), 3))
     force, moment, t = given.get("point_force"), given.get("point_moment"), given.get("t")
     return Acting(
         force=none if force is None else np.asarray(force),

@@ -91,8 +91,8 @@ def ranges(system: System | SystemArrays) -> Ranges:
         for held, free in zip(arrays.coordinates, arrays.free, strict=True)
     ]
     weight = np.where(arrays.loads, mass, 0.0) * acceleration
-    of_points = [k - 1 for k, _ in arrays.points.values()]
-    at_points = np.where(arrays.loaded_points, mass[of_points] * acceleration, 0.0)
+    of_points = [k - 1 for k, _ in arrays.forces.points.values()]
+    at_points = np.where(arrays.forces.loaded, mass[of_points] * acceleration, 0.0)
     given = {
         "point_force": np.tile(at_points[:, None], 3),
         "point_moment": np.tile((at_points * size[of_points])[:, None], 3),
@@ -110,10 +110,10 @@ def ranges(system: System | SystemArrays) -> Ranges:
 
 def _read(arrays: SystemArrays) -> Iterator[str]:
     """Names of the `States.given` that a system reads."""
-    if arrays.loaded_points.any():
+    if arrays.forces.loaded.any():
         yield from ("point_force", "point_moment")
     if any(
-        TIME in written.variables for element in arrays.force_elements for written in element.expressions()
+        TIME in written.variables for element in arrays.forces.elements for written in element.expressions()
     ):
         yield "t"
 

@@ -11,6 +11,7 @@ The signs bind as in Python, whose parser makes the tree; whatever else it can h
 from __future__ import annotations
 
 import ast
+import warnings
 from collections.abc import Iterable
 
 from kanegen.errors import ModelError
@@ -57,7 +58,8 @@ def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
     if len(text) > LONGEST:
         raise ModelError(f"an expression has {len(text)} characters; at most {LONGEST} are read.")
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        with warnings.catch_warnings(action="ignore"):  # of what is refused below
+            tree = ast.parse(text.strip(), mode="eval")
     except SyntaxError as error:
         where = f" near column {error.offset}" if error.offset else ""
         raise ModelError(f"{_quoted(text)}: no expression{where}.") from None

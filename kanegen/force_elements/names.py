@@ -73,6 +73,16 @@ def resolved(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[
     return tuple(sorted(found, key=lambda element: KINDS.index(type(element))))
 
 
+def coordinates_named(elements: Iterable[ForceElement]) -> set[str]:
+    """The names of the coordinates and speeds that elements act by or on, as variables."""
+    found: set[str] = set()
+    for element in elements:
+        found |= {name for expression in element.expressions() for name in expression.variables}
+        if isinstance(element, JointSpring | Drive):
+            found |= {f"x.{element.freedom}", f"y.{element.freedom}"}
+    return found
+
+
 @dataclass(frozen=True)
 class _Names:
     """Of one kind: what each may be called, and what it is called."""

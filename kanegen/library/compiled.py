@@ -85,6 +85,11 @@ class Compiled:
         return self.source.outputs
 
     @property
+    def further_inputs(self) -> tuple[str, ...]:
+        """Names of the inputs that are passed by name, because only some systems have them."""
+        return self._further
+
+    @property
     def precision(self) -> str:
         """The arithmetic of its C: "double", "float", "long double" or "double-double"."""
         return self.source.precision

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.errors import OptionError, SingularError
+from kanegen.given import Given
 from kanegen.library import Library
 from kanegen.native.arguments import Floats
 
@@ -72,7 +73,7 @@ class Motion:
         self.evaluations += 1
         tau = None if self.effort is None else self._efforts(time, x, y)
         with _told_when(time):
-            found = self.library.forward_dynamics(x, y, tau)
+            found = self.library.forward_dynamics(x, y, tau, **self._given(time))
         power = np.zeros(y.shape[:-1], y.dtype) if tau is None else np.sum(y * tau, axis=-1)
         return found, power
 
@@ -86,6 +87,9 @@ class Motion:
             return y
         with _told_when(time):
             return self.library.coordinate_rates(x, y)
+
+    def _given(self, time: float) -> Given:
+        return {"t": time} if "t" in self.library.further_inputs else {}
 
     def _efforts(self, time: float, x: Floats, y: Floats) -> Floats:
         assert self.effort is not None

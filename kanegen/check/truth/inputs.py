@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from kanegen.arrays import Floats
 from kanegen.check.truth.tree import State
-from kanegen.errors import ArrayError
+from kanegen.errors import ArrayError, OptionError
 from kanegen.system import System
 
 
@@ -24,7 +24,13 @@ def checked_state(
 
     Raises:
         ArrayError: If an array has another shape than it must, or is not finite.
+        OptionError: If the system has force elements.
     """
+    if system.force_elements:
+        raise OptionError(
+            f"system {system.name!r} has force elements, of which no exact results are known. Leave them out "
+            "with dataclasses.replace(system, force_elements=())."
+        )
     n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
     coordinates = (len(system.coordinates),)
     return State(
