@@ -316,6 +316,8 @@ def facts(system: System) -> ModelFacts:
         sequences=_sequences(system),
         speed_names=system.speed_names,
         points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
+        poses=system.pose_names,
+        reactions=tuple(zip(system.reaction_names, (f.effort for f in system.reacting), strict=True)),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
     )

@@ -34,6 +34,8 @@ class ModelFacts:
         parameters: Name and default of each run-time parameter, in the order of the C array.
         legend: Names in the code and what they mean.
         points: Of each point its name and that of its body.
+        poses: Names of the bodies that `body_poses` gives, in the order of its rows.
+        reactions: Of each locked direction that `reaction_loads` gives, its name and the unit of its load.
         sequences: Of the bodies whose angles do not turn about the axes 1-2-3, name and sequence.
     """
 
@@ -51,6 +53,8 @@ class ModelFacts:
     sequences: tuple[tuple[str, str], ...] = ()
     speed_names: tuple[str, ...] = ()
     points: tuple[tuple[str, str], ...] = ()
+    poses: tuple[str, ...] = ()
+    reactions: tuple[tuple[str, str], ...] = ()
 
     @property
     def has_quaternions(self) -> bool:

@@ -76,18 +76,18 @@ class Quantities(Compiled):
         return self._call("mass_center")(self._constants, (x,))[0]
 
     def body_poses(self, x: ArrayLike) -> Floats:
-        """Rotation and origin of every body: Eqs. (3) and (22).
+        """Rotation and origin of every body, or of those that the system names: Eqs. (3) and (22).
 
-        Body K has `poses[..., K - 1, :, :]`. Its rows 0 to 2 are [R_K], which takes inertial components to
-        body components, so they are the basis vectors of K in inertial components; row 3 is the position of
-        O_K from the inertial origin, in inertial components (m). A point {r'} of K is at
+        Body K, which is `pose_names[i]`, has `poses[..., i, :, :]`. Its rows 0 to 2 are [R_K], which takes
+        inertial components to body components, so they are the basis vectors of K in inertial components; row
+        3 is the position of O_K from the inertial origin, in inertial components (m). A point {r'} of K is at
         [R_K]^T {r'} + {p_O_K}.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
 
         Returns:
-            (N, 4, 3) or (B, N, 4, 3).
+            (N, 4, 3) or (B, N, 4, 3), N being the number of `pose_names`.
 
         Raises:
             ArrayError: If `x` has the wrong shape or type.
