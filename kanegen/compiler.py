@@ -318,6 +318,8 @@ def facts(system: System) -> ModelFacts:
         points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
         loaded_points=tuple(point.loads for _, point in system.points),
         force_elements=tuple(element.words for element in system.force_elements),
+        poses=system.pose_names,
+        reactions=tuple(zip(system.reaction_names, (f.effort for f in system.reacting), strict=True)),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -21,18 +21,43 @@ Elements = tuple[tuple[Symbol, str], ...]
 
 
 @dataclass(frozen=True)
+class Subject:
+    """What an output is about that not every system has.
+
+    Attributes:
+        found: What a system has of it.
+        missing: What to say of a system that has none, and how to mend it.
+    """
+
+    found: Callable[[System], Sized]
+    missing: str
+
+
+POINTS = Subject(
+    lambda system: system.points,
+    "has no points. Give a body points in the model file, such as points = {tool = [0, 0, 0.1]}, or use "
+    "System.with_points.",
+)
+
+REACTIONS = Subject(
+    lambda system: system.reacting,
+    "has no locked directions, all joints move freely. Lock some, or ask for inverse_dynamics.",
+)
+
+
+@dataclass(frozen=True)
 class OutputKind:
     """An output that can be asked for.
 
     Attributes:
         array: The array that it fills.
         inputs: Names of the arrays that it may read.
-        of_points: Whether it is about points, so that only systems with points have it.
+        subject: What it is about, so that only systems with it have the output; None where all do.
     """
 
     array: Callable[[System], Array]
     inputs: tuple[str, ...]
-    of_points: bool = False
+    subject: Subject | None = None
 
 
 def _mass_matrix(system: System) -> Array:
@@ -52,6 +77,14 @@ def _generalized_force(system: System) -> Array:
 def _acceleration(system: System) -> Array:
     doc = "{ydot} of [A]{ydot} = {f} + {tau}, Eq. (42)"
     return Array("acceleration", (len(system.freedoms),), "rad/s^2, m/s^2", doc)
+
+
+def _reaction_loads(system: System) -> Array:
+    doc = (
+        "what holds locked directions, beside loads and gravity: for an angle the moment about O_K and its "
+        "axis, for a translation the force along it"
+    )
+    return Array("reaction_loads", (len(system.reacting),), "N m, N", doc)
 
 
 def _kinetic_energy(system: System) -> Array:
@@ -79,11 +112,12 @@ def _mass_center(system: System) -> Array:
 
 
 def _body_poses(system: System) -> Array:
+    which = "body" if system.poses is None else "chosen body"
     doc = (
-        "for each body the rows of [R_K], Eq. (3), which takes inertial to body components, then its origin "
-        "{p_O_K}, Eq. (22), inertial components"
+        f"for each {which} the rows of [R_K], Eq. (3), which takes inertial to body components, "
+        "then its origin {p_O_K}, Eq. (22), inertial components"
     )
-    return Array("body_poses", (system.number_of_bodies, 4, 3), "1, m", doc)
+    return Array("body_poses", (len(system.posed), 4, 3), "1, m", doc)
 
 
 def _coordinate_rates(system: System) -> Array:
@@ -138,6 +172,7 @@ OUTPUTS: dict[str, OutputKind] = {
     "mass_matrix": OutputKind(_mass_matrix, ("x",)),
     "forcing": OutputKind(_forcing, ("x", "y", *LOADS)),
     "inverse_dynamics": OutputKind(_generalized_force, ("x", "y", "ydot", *LOADS)),
+    "reaction_loads": OutputKind(_reaction_loads, ("x", "y", "ydot", *LOADS), REACTIONS),
     "forward_dynamics": OutputKind(_acceleration, ("x", "y", "tau", *LOADS)),
     "error_estimate": OutputKind(_error_estimate, ("x", "y", "tau", *LOADS)),
     "regularity": OutputKind(_regularity, ("x",)),
@@ -147,10 +182,10 @@ OUTPUTS: dict[str, OutputKind] = {
     "mass_center": OutputKind(_mass_center, ("x",)),
     "body_poses": OutputKind(_body_poses, ("x",)),
     "coordinate_rates": OutputKind(_coordinate_rates, ("x", "y")),
-    "point_positions": OutputKind(_point_positions, ("x",), True),
-    "point_velocities": OutputKind(_point_velocities, ("x", "y"), True),
-    "point_accelerations": OutputKind(_point_accelerations, ("x", "y", "ydot"), True),
-    "point_jacobians": OutputKind(_point_jacobians, ("x",), True),
+    "point_positions": OutputKind(_point_positions, ("x",), POINTS),
+    "point_velocities": OutputKind(_point_velocities, ("x", "y"), POINTS),
+    "point_accelerations": OutputKind(_point_accelerations, ("x", "y", "ydot"), POINTS),
+    "point_jacobians": OutputKind(_point_jacobians, ("x",), POINTS),
     "forcing_derivatives": OutputKind(_derivatives("forcing_derivatives"), ("x", "y", *LOADS)),
     "inverse_dynamics_derivatives": OutputKind(
         _derivatives("inverse_dynamics_derivatives"), ("x", "y", "ydot", *LOADS)
@@ -178,21 +213,19 @@ def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
 
 def available(system: System) -> tuple[str, ...]:
     """The outputs that a system has."""
-    return tuple(name for name, kind in OUTPUTS.items() if system.points or not kind.of_points)
+    return tuple(name for name, kind in OUTPUTS.items() if not kind.subject or kind.subject.found(system))
 
 
 def require_available(system: System, outputs: Iterable[str]) -> None:
     """Make sure that a system has what outputs are about.
 
     Raises:
-        OptionError: If they are about points and there are none.
+        OptionError: If they are about points, or locked directions, and there are none.
     """
     for name in outputs:
-        if name not in available(system):
-            raise OptionError(
-                f"output {name!r}: system {system.name!r} has no points. Give a body points in the model "
-                "file, such as points = {tool = [0, 0, 0.1]}, or use System.with_points."
-            )
+        subject = OUTPUTS[name].subject
+        if subject and not subject.found(system):
+            raise OptionError(f"output {name!r}: system {system.name!r} {subject.missing}")
 
 
 def input_arrays(system: System) -> dict[Array, Elements]:

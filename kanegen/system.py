@@ -7,7 +7,7 @@ up {x}; the locked ones leave {x}, {y}, [A] and {f}.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from kanegen import arrays, validation
+from kanegen import arrays, reported, validation
 from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, QUATERNION, SPEEDS, Body, Joint, Point
 from kanegen.choices import require_one
 from kanegen.errors import ModelError, WriteError
@@ -37,7 +37,7 @@ _S = TypeVar("_S", bound="System")
 
 @dataclass(frozen=True)
 class Freedom:
-    """One free coordinate: `index` counts `FREEDOMS`, `body` counts bodies from 1."""
+    """One of the six freedoms of a body: `index` counts `FREEDOMS`, `body` counts bodies from 1."""
 
     body: int
     index: int
@@ -56,6 +56,11 @@ class Freedom:
     def unit(self) -> Literal["rad", "m"]:
         """Unit of the coordinate."""
         return "rad" if self.is_angle else "m"
+
+    @property
+    def effort(self) -> Literal["N m", "N"]:
+        """Unit of its generalized force."""
+        return "N m" if self.is_angle else "N"
 
 
 @dataclass(frozen=True)
@@ -95,7 +100,16 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class System:
-    """A tree of rigid bodies, its gravity, what else acts on it, and its name.
+    """A tree of rigid bodies, its gravity, what else acts on it, its name, and what outputs are about.
+
+    Attributes:
+        name: A C identifier; prefix of everything in the generated code.
+        bodies: Lower bodies first.
+        gravity: Inertial components (m/s^2).
+        force_elements: Springs, dampers, drives, loads on points, potentials.
+        poses: Names of the bodies that `body_poses` gives, in the order of its rows; None for all.
+        reactions: Names of the locked directions that `reaction_loads` gives, `<body>.theta2` or `<body>.s1`,
+            in its order; None for all.
 
     Raises:
         ModelError: If the tree, a number or a name is not usable.
@@ -105,6 +119,8 @@ class System:
     bodies: tuple[Body, ...]
     gravity: Vector = GRAVITY
     force_elements: tuple[ForceElement, ...] = ()
+    poses: tuple[str, ...] | None = None
+    reactions: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         check_identifier(self.name, "system name")
@@ -113,6 +129,8 @@ class System:
         validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
+        validation.store(self, poses=reported.poses(self.bodies, self.poses))
+        validation.store(self, reactions=reported.reactions(self.bodies, self.reactions))
         if not self.freedoms:
             raise ModelError(f"system {self.name!r} has no free freedom: every joint is locked.")
         validation.unique("freedom name", self.freedom_names)
@@ -300,11 +318,9 @@ class System:
         Raises:
             ModelError: If there is no such body, a name is taken or unusable, or a position is none.
         """
-        bodies, names = list(self.bodies), [body.name for body in self.bodies]
+        bodies = list(self.bodies)
         for name, (body, position) in points.items():
-            if body not in names and body not in range(1, len(names) + 1):
-                raise ModelError(f"point {name!r}: there is no body {body!r}. {did_you_mean(body, names)}")
-            k = names.index(body) if isinstance(body, str) else body - 1
+            k = reported.body_number(bodies, body, f"point {name!r}") - 1
             bodies[k] = replace(bodies[k], points=(*bodies[k].points, Point(name, position)))
         return replace(self, bodies=tuple(bodies))
 
@@ -324,6 +340,51 @@ class System:
             for element in self.force_elements
             for expression in element.expressions()
         )
+
+    @cached_property
+    def pose_names(self) -> tuple[str, ...]:
+        """Names of the bodies of `body_poses`, in the order of its rows."""
+        return tuple(body.name for body in self.bodies) if self.poses is None else self.poses
+
+    @cached_property
+    def posed(self) -> tuple[int, ...]:
+        """Their numbers, from 1."""
+        numbers_of = {body.name: k for k, body in enumerate(self.bodies, start=1)}
+        return tuple(numbers_of[name] for name in self.pose_names)
+
+    def with_poses(self: _S, bodies: Iterable[str | int] | None) -> _S:
+        """The same system with other bodies in `body_poses`.
+
+        Args:
+            bodies: Names, or numbers from 1, in the order of the rows; None for all.
+
+        Raises:
+            ModelError: If one does not exist or is there twice, or there is none.
+        """
+        return replace(self, poses=reported.poses(self.bodies, bodies))
+
+    @cached_property
+    def reaction_names(self) -> tuple[str, ...]:
+        """Names of the locked directions of `reaction_loads`, in its order; by default that of {y}."""
+        return tuple(reported.locked(self.bodies)) if self.reactions is None else self.reactions
+
+    @cached_property
+    def reacting(self) -> tuple[Freedom, ...]:
+        """The same as freedoms."""
+        known = reported.locked(self.bodies)
+        return tuple(Freedom(*known[name]) for name in self.reaction_names)
+
+    def with_reactions(self: _S, directions: Iterable[str] | None) -> _S:
+        """The same system with other directions in `reaction_loads`.
+
+        Args:
+            directions: Names of locked freedoms such as `<body>.theta2`, in the order of the loads; None for
+                all.
+
+        Raises:
+            ModelError: If one is free, does not exist or is there twice, or there is none.
+        """
+        return replace(self, reactions=reported.reactions(self.bodies, directions))
 
     def spins(self, freedom: Freedom) -> bool:
         """Whether the speed at the place of `freedom` is a component of a relative angular velocity."""
@@ -464,6 +525,9 @@ class System:
         table: dict[str, Any] = {"name": self.name, "gravity": map_numbers(self.gravity, word)}
         if self.parameters:
             table["parameters"] = {parameter.name: parameter.value for parameter in self.parameters}
+        outputs = {"body_poses": self.poses, "reaction_loads": self.reactions}
+        if chosen := {output: names for output, names in outputs.items() if names}:
+            table["outputs"] = chosen
         # In a file, "ground" always means the ground; a body of this name is called by its number.
         names = ["ground", *(body.name for body in self.bodies)]
         words = [k if k > 0 and name == "ground" else name for k, name in enumerate(names)]

@@ -154,12 +154,29 @@ def test_info_as_json() -> None:
         (("generate", PENDULUM, "-o", "/proc/nowhere/x"), "/proc/nowhere"),
         (("generate", PENDULUM, "-o", "x", "--without", "factr"), "Did you mean 'factor'?"),
         (("check", PENDULUM, "--floating-base"), "floating_base"),
+        (("generate", PENDULUM, "-o", "x", "--poses", "lower"), "--poses: only with --output body_poses"),
+        (("explain", PENDULUM, "--output", "body_poses", "--poses", "lwer"), "Did you mean 'lower'?"),
+        (
+            ("generate", PENDULUM, "-o", "x", "--output", "reaction_loads", "--reactions", "lower.theta3"),
+            "'lower.theta3' is free",
+        ),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(arguments: tuple[str, ...], message: str) -> None:
     done = kanegen(*arguments, status=2)
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_what_outputs_are_about(tmp_path: Path) -> None:
+    outputs = ("--output", "body_poses", "--output", "reaction_loads")
+    about = ("--poses", "lower", "--reactions", "lower.s1, upper.s2")
+    kanegen("generate", PENDULUM, "-o", str(tmp_path), *outputs, *about)
+    header = (tmp_path / "double_pendulum.h").read_text()
+    assert "0  lower.s1  N\n *     1  upper.s2  N\n" in header
+    assert "double body_poses[1 * 4 * 3]" in header
+    rest = json.loads(kanegen("explain", PENDULUM, *outputs, *about, "--json").stdout)["steps"][-1]["total"]
+    assert rest < json.loads(kanegen("explain", PENDULUM, *outputs, "--json").stdout)["steps"][-1]["total"]
 
 
 def test_unknown_command_and_missing_folder_get_usage() -> None:

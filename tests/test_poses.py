@@ -129,3 +129,48 @@ def test_operations_by_hand() -> None:
     assert operations(fewer) == tuple(
         r + 2 * a + j + t for r, a, j, t in zip(root, arm, joint, last, strict=True)
     )
+
+
+def test_chosen_bodies_are_rows_of_all_and_cost_what_they_need() -> None:
+    rng = np.random.default_rng(9)
+    system = systems.random_system(rng, 6, connection=(0, 1, 2, 1, 4, 4), free=JOINTS["gimbals"])
+    some = system.with_poses([5, "body1"])
+    assert (some.posed, some.pose_names) == ((5, 1), ("body5", "body1"))
+    library, every = kg.build(some, "body_poses", flags="-O1"), kg.build(system, "body_poses", flags="-O1")
+    assert library.pose_names == ("body5", "body1")
+    x = rng.normal(size=(5, len(system.freedoms)))
+    found = library.body_poses(x)
+    assert found.shape == (5, 2, 4, 3)
+    assert found == pytest.approx(every.body_poses(x)[:, [4, 0]], abs=1e-15)
+    assert library.body_poses(x[2]).tolist() == found[2].tolist()
+    assert sum(operations(system.with_poses([1]))) < sum(operations(some)) < sum(operations(system))
+    header = library.source.files["tree.h"]
+    assert "0  body5\n *     1  body1\n" in header
+    assert "for each chosen body" in header
+    assert "double body_poses[2 * 4 * 3]" in header
+
+
+def test_a_choice_changes_no_other_output() -> None:
+    system = kg.load("models/gantry_crane.toml")
+    some = system.with_poses([system.bodies[-1].name])
+    assert kg.generate(some).files == kg.generate(system).files
+    assert some.with_poses(None) == system
+
+
+@pytest.mark.parametrize(
+    ("bodies", "message"),
+    [
+        (["trolly"], r"body poses: there is no body 'trolly'\. Did you mean 'trolley'\?"),
+        ([0], r"there is no body 0\."),
+        ([9], r"there is no body 9\."),
+        ([True], r"there is no body True\."),
+        ([["trolley"]], r"there is no body \['trolley'\]"),
+        (2.5, r"there is no body 2\.5"),
+        ([], r"body poses: none is chosen\. Name one"),
+        (["trolley", 1, "trolley"], r"body poses: '\w+' is named twice\. Name it once"),
+    ],
+)
+def test_what_is_no_choice_of_bodies(bodies: object, message: str) -> None:
+    system = kg.load("models/gantry_crane.toml")
+    with pytest.raises(kg.ModelError, match=message):
+        system.with_poses(bodies)  # type: ignore[arg-type]

@@ -108,6 +108,18 @@ def test_right_angles_are_exact(tmp_path: Path) -> None:
     assert c == ((math.cos(off), math.sin(off), 0), (-math.sin(off), math.cos(off), 0), (0, 0, 1))
 
 
+def test_outputs_are_about_bodies_and_directions(tmp_path: Path) -> None:
+    """Bodies by name or number; in the order in which they stand."""
+    outputs = '[outputs]\nbody_poses = ["c", 1]\nreaction_loads = ["c.s1", "c.theta2"]\n'
+    other = ONE_BODY.replace('"b"', '"c"') + 'joint.free = ["theta3"]\n'
+    system = read(tmp_path, outputs + ONE_BODY + other)
+    assert (system.poses, system.posed) == (("c", "b"), (2, 1))
+    assert system.reactions == system.reaction_names == ("c.s1", "c.theta2")
+    plain = read(tmp_path, ONE_BODY + other)
+    assert (plain.poses, plain.reactions) == (None, None)
+    assert plain.reaction_names == ("c.theta1", "c.theta2", "c.s1", "c.s2", "c.s3")
+
+
 def test_angles_follow_equation_4(tmp_path: Path) -> None:
     a, b, c = 0.3, -0.7, 1.1
     system = read(tmp_path, f"{ONE_BODY}joint.orientation_angles = [{a}, {b}, {c}]\n")

@@ -41,6 +41,11 @@ def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, i
     ]
     if model.points:
         rows.append((f"{prefix}_POINTS", len(model.points), "points of the bodies"))
+    asked = [function.name for function in functions]
+    if chosen := poses(model, asked):
+        rows.append((f"{prefix}_POSES", len(chosen), "bodies with poses"))
+    if loads := reactions(model, asked):
+        rows.append((f"{prefix}_REACTIONS", len(loads), "locked directions with reaction loads"))
     for function in functions:
         if function.name == PREPARE:
             rows += [
@@ -109,6 +114,18 @@ def force_elements(model: ModelFacts) -> list[str]:
     width = WIDTH - len(" *     ")
     lines = [textwrap.wrap(words, width, subsequent_indent="    ") for words in model.force_elements]
     return [line for wrapped in lines for line in wrapped]
+
+
+def poses(model: ModelFacts, outputs: Sequence[str]) -> list[tuple[int, str]]:
+    """Row of poses and name of the body, where they are computed and not of all bodies in their order."""
+    some = "body_poses" in outputs and model.poses != model.body_names
+    return list(enumerate(model.poses)) if some else []
+
+
+def reactions(model: ModelFacts, outputs: Sequence[str]) -> list[tuple[int, str, str]]:
+    """Place, name of the locked direction, unit of its reaction load, where they are computed."""
+    asked = "reaction_loads" in outputs
+    return [(place, *names) for place, names in enumerate(model.reactions)] if asked else []
 
 
 def example_inputs(

@@ -122,6 +122,8 @@ def render(
         "judged": [f"`{model.name}_{function.name}`" for function in functions if function.judged],
         "freedoms": describe.freedoms(model),
         "coordinates": describe.coordinates(model),
+        "poses": describe.poses(model, outputs),
+        "reactions": describe.reactions(model, outputs),
         "loads": describe.loads(model),
         "point_loads": describe.point_loads(model),
         "force_elements": describe.force_elements(model),

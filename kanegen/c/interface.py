@@ -36,6 +36,8 @@ class ModelFacts:
         points: Of each point its name and that of its body.
         loaded_points: For each point whether it takes a force and a moment.
         force_elements: What acts beside loads and gravity, a line each.
+        poses: Names of the bodies that `body_poses` gives, in the order of its rows.
+        reactions: Of each locked direction that `reaction_loads` gives, its name and the unit of its load.
         sequences: Of the bodies whose angles do not turn about the axes 1-2-3, name and sequence.
     """
 
@@ -55,6 +57,8 @@ class ModelFacts:
     points: tuple[tuple[str, str], ...] = ()
     loaded_points: tuple[bool, ...] = ()
     force_elements: tuple[str, ...] = ()
+    poses: tuple[str, ...] = ()
+    reactions: tuple[tuple[str, str], ...] = ()
 
     def unloaded(self, kind: str) -> dict[int, str]:
         """The rows of what takes no loads, "body" or "point", and what it is."""

@@ -35,7 +35,9 @@ from kanegen.cli.options import (
     Objective,
     Outputs,
     Plot,
+    Poses,
     Quantile,
+    Reactions,
     Reanchoring,
     Reproducible,
     Search,
@@ -48,6 +50,7 @@ from kanegen.cli.options import (
     Waves,
     Without,
 )
+from kanegen.cli.reported import reporting
 from kanegen.cli.terminal import FAILED, fail, progress, screen, show_warnings
 from kanegen.errors import KanegenError, OptionError
 from kanegen.files import require_writable, write_whole
@@ -94,6 +97,8 @@ def generate(  # noqa: PLR0913  (an argument for every option)
         Path, typer.Option("--output-dir", "-o", help="Folder for the files; made if absent.")
     ],
     output: Outputs = list(EQUATIONS),  # noqa: B006  (typer reads the default, nobody changes it)
+    poses: Poses = None,
+    reactions: Reactions = None,
     floating_base: FloatingBase = False,
     force: Annotated[
         bool, typer.Option("--force", help="Write also where the folder holds files of another origin.")
@@ -126,7 +131,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     `pip install 'kanegen[study]'`.
     """
     chosen = has_budget(context)
-    system = _loaded(model, floating_base, speeds, coordinates)
+    system = reporting(_loaded(model, floating_base, speeds, coordinates), output, poses, reactions)
     wanted = anchors(system) if reanchoring else ()
     if chosen:
         command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
@@ -258,6 +263,8 @@ def info(
 def explain(
     model: Model,
     output: Outputs = list(EQUATIONS),  # noqa: B006  (as for generate)
+    poses: Poses = None,
+    reactions: Reactions = None,
     floating_base: FloatingBase = False,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
@@ -273,7 +280,7 @@ def explain(
     if html is not None and html.suffix.lower() != ".html":
         raise OptionError(f"--html: {html} does not end in .html.")
     require_writable(html)
-    system = _loaded(model, floating_base, speeds, coordinates)
+    system = reporting(_loaded(model, floating_base, speeds, coordinates), output, poses, reactions)
     with progress() as report:
         found = receipt(system, output, compile_, report)
     if as_json:

@@ -22,7 +22,7 @@ TERMS = (
 )
 """Options that say how."""
 
-CHOICES = ("tier", "without", "storage", "sincos", "output", "reanchoring")
+CHOICES = ("tier", "without", "storage", "sincos", "output", "poses", "reactions", "reanchoring")
 """Options that would choose something themselves."""
 
 

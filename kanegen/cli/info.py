@@ -76,6 +76,16 @@ class Facts:
                 for name, freedom in zip(system.freedom_names, system.freedoms, strict=True)
             ],
             "speeds": list(system.speed_names),
+            "poses": list(system.pose_names),
+            "reactions": [
+                {
+                    "name": name,
+                    "body": freedom.body,
+                    "freedom": FREEDOMS[freedom.index],
+                    "unit": freedom.effort,
+                }
+                for name, freedom in zip(system.reaction_names, system.reacting, strict=True)
+            ],
             "parameters": {parameter.name: parameter.value for parameter in system.parameters},
             "operations": self.operations,
             "methods": self.methods,

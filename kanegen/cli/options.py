@@ -23,6 +23,16 @@ Outputs = Annotated[
     list[str],
     typer.Option("--output", metavar="NAME", help=f"What to compute, repeatable: {', '.join(OUTPUTS)}."),
 ]
+Poses = Annotated[
+    str | None,
+    typer.Option("--poses", metavar="NAMES", help="Bodies of output body_poses, such as tool,base."),
+]
+Reactions = Annotated[
+    str | None,
+    typer.Option(
+        "--reactions", metavar="NAMES", help="Directions of output reaction_loads, such as arm.theta2,arm.s1."
+    ),
+]
 Without = Annotated[
     list[str] | None,
     typer.Option("--without", metavar="PASS", help=f"Leave a pass out, repeatable: {', '.join(NAMES)}."),

@@ -80,6 +80,16 @@ class Compiled:
         return tuple(name for name, _ in self.source.model.points)
 
     @property
+    def pose_names(self) -> tuple[str, ...]:
+        """Names of the bodies of `body_poses`, in the order of its rows."""
+        return self.source.model.poses
+
+    @property
+    def reaction_names(self) -> tuple[str, ...]:
+        """Names of the locked directions of `reaction_loads`, in its order."""
+        return tuple(name for name, _ in self.source.model.reactions)
+
+    @property
     def outputs(self) -> tuple[str, ...]:
         """What it can compute."""
         return self.source.outputs

@@ -9,6 +9,7 @@ from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
 from kanegen.library.points import Points
 from kanegen.library.quantities import Quantities
+from kanegen.library.reactions import Reactions
 from kanegen.native.build import build
 from kanegen.native.calls import Native
 
@@ -35,7 +36,7 @@ def load(
     return Library(Native(source, build(source, compiler, flags, threads)), dict(source.model.parameters))
 
 
-class Library(Dynamics, Quantities, Points, Derivatives):
+class Library(Dynamics, Reactions, Quantities, Points, Derivatives):
     """The functions of a model, with values of its parameters.
 
     The coordinates of a state are an array of shape (m,), m being n where there are no quaternions, and its

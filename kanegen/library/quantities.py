@@ -83,11 +83,11 @@ class Quantities(Compiled):
         return self._run(self._call("mass_center"), (x,), given)[0]
 
     def body_poses(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """Rotation and origin of every body: Eqs. (3) and (22).
+        """Rotation and origin of every body, or of those that the system names: Eqs. (3) and (22).
 
-        Body K has `poses[..., K - 1, :, :]`. Its rows 0 to 2 are [R_K], which takes inertial components to
-        body components, so they are the basis vectors of K in inertial components; row 3 is the position of
-        O_K from the inertial origin, in inertial components (m). A point {r'} of K is at
+        Body K, which is `pose_names[i]`, has `poses[..., i, :, :]`. Its rows 0 to 2 are [R_K], which takes
+        inertial components to body components, so they are the basis vectors of K in inertial components; row
+        3 is the position of O_K from the inertial origin, in inertial components (m). A point {r'} of K is at
         [R_K]^T {r'} + {p_O_K}.
 
         Args:
@@ -95,7 +95,7 @@ class Quantities(Compiled):
             given: As in `forcing`.
 
         Returns:
-            (N, 4, 3) or (B, N, 4, 3).
+            (N, 4, 3) or (B, N, 4, 3), N being the number of `pose_names`.
 
         Raises:
             ArrayError: If `x` has the wrong shape or type.

@@ -21,7 +21,8 @@ from kanegen.sequences import NOTES
 from kanegen.suggest import did_you_mean
 from kanegen.system import GRAVITY, System
 
-MODEL_KEYS = ("name", "gravity", "parameters", "body", *force_elements.KEYS)
+MODEL_KEYS = ("name", "gravity", "parameters", "outputs", "body", *force_elements.KEYS)
+OUTPUT_KEYS = ("body_poses", "reaction_loads")
 BODY_KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "points", "joint")
 POINT_KEYS = ("position", "loads")
 JOINT_KEYS = (
@@ -96,10 +97,20 @@ def _system(table: Table, path: Path) -> System:
         bodies.append(body)
     gravity = parameters.resolve(table.get("gravity", GRAVITY), "gravity")
     elements = force_elements.read_force_elements(table, parameters)
-    system = System(table.get("name", path.stem), tuple(bodies), gravity, elements)
+    chosen = _outputs(table.get("outputs", {}))
+    system = System(table.get("name", path.stem), tuple(bodies), gravity, elements, *chosen)
     if unused := parameters.unused():
         warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
     return system
+
+
+def _outputs(table: Any) -> tuple[Any, Any]:
+    """The bodies of `body_poses` and the locked directions of `reaction_loads`; None for all."""
+    if not isinstance(table, Mapping):
+        raise ModelError('outputs: write a table, [outputs], with lines such as body_poses = ["tool"].')
+    check_keys(table, OUTPUT_KEYS, what="outputs: ")
+    poses, reactions = (table.get(key) for key in OUTPUT_KEYS)
+    return poses, reactions
 
 
 def _body(table: Table, k: int, numbers_of: Mapping[str, int], parameters: Parameters) -> Body:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import count
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 from kanegen import rotations
 from kanegen.body import Body, Joint
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
+from kanegen.signature import chosen
 from kanegen.system import System
 
 PREFIX = "number"
@@ -17,8 +18,19 @@ PREFIX = "number"
 
 
 def with_freedoms(system: System) -> System:
-    """The same tree with all six freedoms at every joint."""
+    """The same tree with all six freedoms at every joint; reaction loads are efforts there."""
+    system = replace(system, reactions=None)
     return _changed(system, lambda body: replace(body, joint=replace(body.joint, free=(True,) * 6, name="")))
+
+
+def answering(system: System, outputs: Sequence[str]) -> tuple[str, ...]:
+    """The outputs of a general form that hold what `outputs` of the scene do.
+
+    What the scene locks may be free there: then its reaction loads are among the efforts.
+    """
+    if system.reacting:
+        return tuple(outputs)
+    return chosen("inverse_dynamics" if name == "reaction_loads" else name for name in outputs)
 
 
 def with_loads(system: System) -> System:

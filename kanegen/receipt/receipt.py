@@ -14,7 +14,7 @@ from kanegen.program.count import count
 from kanegen.program.split import PREPARED
 from kanegen.receipt.compiling import seconds_to_compile
 from kanegen.receipt.costs import by_body
-from kanegen.receipt.general import steps
+from kanegen.receipt.general import answering, steps
 from kanegen.signature import EQUATIONS, chosen
 from kanegen.system import System
 from kanegen.variant import STRICT
@@ -112,7 +112,9 @@ def receipt(
     for number, (without, stage) in enumerate(stages):
         progress(f"without {without}")
         ends = number in (0, len(stages) - 1)
-        made = compiled if stage == system else compiler.compile_module(stage, names, regular=False)
+        made = compiled
+        if stage != system:
+            made = compiler.compile_module(stage, answering(stage, names), regular=False)
         found.append(_step(without, stage, made, timed and ends))
     alone = {name: sum(count(compiled.module.functions[name]).values()) for name in names}
     return Receipt(system, names, tuple(found), by_body(compiled.module.together), alone)

@@ -7,16 +7,18 @@ Walker and Paul 1980; Featherstone 2008, section 5.3).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from sympy import Expr, S
 
 from kanegen.recursion.derived import Derived
-from kanegen.recursion.joint_motion import NO_FREEDOM
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
 from kanegen.recursion.loads import efforts
 from kanegen.recursion.motion import Requirement, requirements
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import add, cross, dot
+from kanegen.symbolic.definitions import Vector
 
 
 def forcing(tree: Tree) -> Derived:
@@ -29,30 +31,58 @@ def inverse_dynamics(tree: Tree) -> Derived:
     return Derived(works(tree, requirements(tree, accelerated=True)))
 
 
+@dataclass(frozen=True)
+class Passage:
+    """What a joint carries: the force and moment that its body needs, with all that hangs on it.
+
+    Attributes:
+        motion: The joint.
+        above: Both, about the origin of K and in its frame.
+        moments: The moment above each of the turns of the joint.
+        force: The force in the frame of J.
+    """
+
+    motion: JointMotion
+    above: Requirement
+    moments: tuple[Vector, ...]
+    force: Vector
+
+
 def works(tree: Tree, needs: Sequence[Requirement]) -> list[Expr]:
     """The generalized forces that do the work of what each body needs, less those of force elements."""
+    result: dict[int, Expr] = {}
+    for passage in passages(tree, needs):
+        motion = passage.motion
+        result |= {spin.freedom: passage.above.moment[spin.axis] for spin in motion.spins}
+        for step, moment in zip(motion.steps, passage.moments, strict=True):
+            if step.freedom != NO_FREEDOM:
+                result[step.freedom] = moment[step.axis]
+        for slide in motion.slides:
+            work = dot(slide.direction, passage.force)
+            result[slide.freedom] = tree.definitions.define(f"f_{slide.freedom}", work)
+    acting = efforts(tree)
+    freedoms = enumerate(tree.system.freedoms)
+    return [result[i] - acting.get((freedom.body, freedom.index), S.Zero) for i, freedom in freedoms]
+
+
+def passages(tree: Tree, needs: Sequence[Requirement]) -> Iterator[Passage]:
+    """What each body needs on its way inward, joint by joint."""
     definitions = tree.definitions
     carried = [Requirement() for _ in tree.motions]
-    result: dict[int, Expr] = {}
     for motion in reversed(tree.motions):
         k, j, own = motion.body, motion.lower, needs[motion.body - 1]
         tree.about(k, "force and moment about its origin, Eq. (44)")
         force = definitions.vector(f"F_{k}", add(own.force, carried[k - 1].force))
         moment = definitions.vector(f"M_{k}", add(own.moment, carried[k - 1].moment))
-        result |= {spin.freedom: moment[spin.axis] for spin in motion.spins}
+        above, moments = Requirement(force, moment), []
         for step in reversed(motion.steps):
-            if step.freedom != NO_FREEDOM:
-                result[step.freedom] = moment[step.axis]
+            moments.append(moment)
             force = definitions.vector(f"F_{step.frame}", step.turn.down(force))
             moment = definitions.vector(f"M_{step.frame}", step.turn.down(moment))
-        for slide in motion.slides:
-            result[slide.freedom] = definitions.define(f"f_{slide.freedom}", dot(slide.direction, force))
+        yield Passage(motion, above, tuple(reversed(moments)), force)
         if j:
             shifted = definitions.vector(f"M_{k}j", add(moment, cross(motion.offset, force)))
             carried[j - 1] = Requirement(
                 definitions.vector(f"F_{k}s", add(carried[j - 1].force, force)),
                 definitions.vector(f"M_{k}s", add(carried[j - 1].moment, shifted)),
             )
-    acting = efforts(tree)
-    freedoms = enumerate(tree.system.freedoms)
-    return [result[i] - acting.get((freedom.body, freedom.index), S.Zero) for i, freedom in freedoms]

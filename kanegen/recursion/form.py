@@ -21,6 +21,7 @@ from kanegen.recursion.points import (
     point_velocities,
 )
 from kanegen.recursion.poses import body_poses
+from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import UNREFINED, Refinement, Solution, Solver
 from kanegen.recursion.tree import Tree, apart, tree
 from kanegen.symbolic.definitions import Definition
@@ -32,6 +33,7 @@ RECURSIONS: dict[str, dict[str, Recursion]] = {
     "mass_matrix": {"composite bodies": mass_matrix},
     "forcing": {"recursion of forces": forcing},
     "inverse_dynamics": {"recursion of forces": inverse_dynamics},
+    "reaction_loads": {"recursion of forces": reaction_loads},
     "kinetic_energy": {"velocities of the bodies": kinetic_energy},
     "potential_energy": {"first moments of mass": potential_energy},
     "momentum": {"velocities of the bodies": momentum},

@@ -12,6 +12,7 @@ from kanegen.recursion.vectors import ZERO, add, scale, unit
 from kanegen.symbolic.definitions import Vector
 
 NO_FREEDOM = -1
+NO_ANGLE = -1
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class Step:
         sine: Of the angle.
         cosine: Of the angle.
         frame: Suffix for the names of quantities seen below this turn.
+        angle: Which of the joint's three angles turns it, free or locked, from 0; or `NO_ANGLE`.
     """
 
     turn: Turn
@@ -37,6 +39,7 @@ class Step:
     acceleration: Expr = S.Zero
     sine: Expr = S.Zero
     cosine: Expr = S.One
+    angle: int = NO_ANGLE
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,7 @@ class JointMotion:
         body: K.
         lower: J, 0 for the ground.
         arm: From O_J to O_K, in J (m): {q'_K} + [C_K]^T {s'_K}.
+        directions: Of the three translations, free or locked, in J: basis vectors of the joint frame.
         offset: From the origin of J to that of K, in J (m): `arm` and what the `origin` of both adds.
         origin: From O_K to the point of K that serves as its origin, in K (m); see `_origin`.
         slides: The free translations.
@@ -97,6 +101,7 @@ class JointMotion:
     body: int
     lower: int
     arm: Vector
+    directions: tuple[Vector, Vector, Vector]
     offset: Vector
     origin: Vector
     slides: tuple[Slide, ...]

@@ -36,7 +36,8 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     number = system.places
     definitions.about(f"Body {k} ({body.name}): the joint, Eqs. (4), (22)")
     constant = _orientation(body, k, definitions)
-    directions = [definitions.vector(f"u_{k}_{i + 1}", down(constant, unit(i))) for i in range(3)]
+    along = [definitions.vector(f"u_{k}_{i + 1}", down(constant, unit(i))) for i in range(3)]
+    directions = along[0], along[1], along[2]
     arm = Vector(*(exact(value) for value in body.joint.position))
     slides: list[Slide] = []
     for axis in range(3):
@@ -51,7 +52,9 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     if not body.joint.is_quaternion:
         angles = [_angle_step(body, k, index, number, definitions) for index in range(3)]
     offset = subtract(arm, below)
-    motion = JointMotion(k, body.lower, arm, offset, ZERO, tuple(slides), _moving(fixed), _moving(angles))
+    motion = JointMotion(
+        k, body.lower, arm, directions, offset, ZERO, tuple(slides), _moving(fixed), _moving(angles)
+    )
     if body.joint.spins:
         spins = [Spin(number[Freedom(k, i)], i, spin(k, i), spin_rate(k, i)) for i in range(3)]
         motion = _spinning(replace(motion, spins=tuple(spins)), definitions)
@@ -116,7 +119,7 @@ def _angle_step(body: Body, k: int, index: int, number: dict[Freedom, int], defi
     frame, axis = f"{k}a{index + 1}", body.joint.axes[index]
     if not body.joint.free[index]:
         locked = body.joint.locked[index]
-        return Step(_locked_turn(f"{k}_{index + 1}", axis, locked, definitions), frame)
+        return Step(_locked_turn(f"{k}_{index + 1}", axis, locked, definitions), frame, angle=index)
     angle = coordinate(k, index)
     sine = definitions.define(f"S_{k}_{index + 1}", sympy.sin(angle))
     cosine = definitions.define(f"C_{k}_{index + 1}", sympy.cos(angle))
@@ -129,6 +132,7 @@ def _angle_step(body: Body, k: int, index: int, number: dict[Freedom, int], defi
         acceleration(k, index),
         sine,
         cosine,
+        index,
     )
 
 

@@ -15,8 +15,8 @@ from kanegen.recursion.springs import outward, ties
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, negate, subtract
 from kanegen.symbolic.definitions import Vector
-from kanegen.symbolic.expressions import Variables, gradient
-from kanegen.symbolic.symbols import coordinate, point_force, point_moment
+from kanegen.symbolic.expressions import Variables
+from kanegen.symbolic.symbols import point_force, point_moment
 
 HALF = Rational(1, 2)
 
@@ -55,10 +55,8 @@ def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
             case Drive(name, effort):
                 yield speeds[name], variables.value(effort)
             case Potential(energy):
-                # Of coordinates whose rates are speeds; the gradient at locked ones moves nothing.
-                places = {coordinate(*place): place for place in coordinates.values() if place[1] < 6}
-                for symbol, slope in gradient(variables.value(energy), list(places)).items():
-                    yield places[symbol], -slope
+                for place, slope in variables.slopes(energy).items():
+                    yield place, -slope
 
 
 def applied(tree: Tree) -> dict[int, Applied]:

@@ -49,9 +49,10 @@ def poses(tree: Tree) -> list[Pose]:
 
 
 def body_poses(tree: Tree) -> Derived:
-    """For every body the rows of [R_K], then {p_O_K}, inertial components."""
+    """For every body that the system reports the rows of [R_K], then {p_O_K}, inertial components."""
     entries: list[Expr] = []
-    for pose in poses(tree)[1:]:
+    seen = poses(tree)
+    for pose in (seen[k] for k in tree.system.posed):
         entries += [direction[row] for row in range(3) for direction in pose.columns]
         entries += pose.origin
     return Derived(entries)

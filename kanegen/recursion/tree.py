@@ -8,7 +8,7 @@ change (base inertial parameters: Gautier and Khalil 1990).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from sympy import S
@@ -60,7 +60,7 @@ def tree(system: System, constants: Constants = DOUBLES) -> Tree:
     for k, body in enumerate(system.bodies, start=1):
         below = motions[body.lower - 1].origin if body.lower else ZERO
         motions.append(joint_motion(system, k, below, definitions))
-    return _grouped(system, motions, definitions, apart=False)
+    return _grouped(system, motions, definitions, lambda motion: True)
 
 
 def apart(tree: Tree) -> Tree:
@@ -69,16 +69,25 @@ def apart(tree: Tree) -> Tree:
     A sum of two inertias is rounded as the larger is, which may be all there is of the smaller one. What the
     tree needs for given accelerations, body by body, is then still accurate.
     """
-    return _grouped(tree.system, tree.motions, tree.definitions, apart=True)
+    return _grouped(tree.system, tree.motions, tree.definitions, lambda motion: not motion.turns)
+
+
+def ungrouped(tree: Tree) -> Tree:
+    """The same tree, where every body keeps its inertia: what joints carry depends on which side has it."""
+    return _grouped(tree.system, tree.motions, tree.definitions, lambda motion: False)
 
 
 def _grouped(
-    system: System, motions: Sequence[JointMotion], definitions: Definitions, *, apart: bool
+    system: System,
+    motions: Sequence[JointMotion],
+    definitions: Definitions,
+    passes: Callable[[JointMotion], bool],
 ) -> Tree:
+    """The tree in which the bodies whose joints `passes` names give the lower body what they can."""
     own = [Inertia(), *(body_inertia(system, m.body, m.origin, definitions) for m in motions)]
     for motion in reversed(motions):
         k, j = motion.body, motion.lower
-        if not (apart and motion.turns):
+        if passes(motion):
             own[k], passed = _regrouped(own[k], motion, definitions)
             own[j] = own[j].plus(passed, f"{j}r{k}", definitions)
     ground, *kept = own

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import sympy
-from sympy import Expr, S, Symbol
+from sympy import Expr, S
 
 from kanegen.body import FREEDOMS
 from kanegen.errors import ModelError
@@ -39,10 +39,12 @@ class Variables:
     Attributes:
         system: Of which.
         number: How its numbers are written.
+        opened: Whether locked coordinates stay symbols.
     """
 
     system: System
     number: Callable[[Number], Expr]
+    opened: bool = False
 
     def value(self, expression: Expression) -> Expr:
         """An expression.
@@ -50,13 +52,21 @@ class Variables:
         Raises:
             ModelError: If it divides by zero, or takes the root of a negative number, in every state.
         """
-        value = self._value(expression.root)
-        if value.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
-            raise ModelError(
-                f"expression {str(expression)!r} has no value: in every state it divides by zero or takes "
-                "the root of a negative number."
-            )
-        return value
+        return _existing(self._value(expression.root), expression)
+
+    def slopes(self, energy: Expression) -> dict[Place, Expr]:
+        """The derivatives of an energy by the coordinates that it depends on, locked ones included.
+
+        Raises:
+            ModelError: As `value`.
+        """
+        places = {name: self._places[name] for name in energy.variables}
+        held = {coordinate(*place): self._coordinate(place) for place in places.values()}
+        value = replace(self, opened=True).value(energy)
+        return {
+            place: _existing(sympy.diff(value, coordinate(*place)).xreplace(held), energy)
+            for place in places.values()
+        }
 
     def coordinate(self, name: str) -> Expr:
         """A coordinate, or the value at which it is locked."""
@@ -86,7 +96,8 @@ class Variables:
         joint = self.system.bodies[k - 1].joint
         if index >= len(FREEDOMS):
             return quaternion(k)[index - len(FREEDOMS)]
-        return coordinate(k, index) if joint.free[index] else self.number(joint.locked[index])
+        is_open = joint.free[index] or self.opened
+        return coordinate(k, index) if is_open else self.number(joint.locked[index])
 
     def _speed(self, place: Place) -> Expr:
         k, index = place
@@ -96,7 +107,10 @@ class Variables:
         return spin(k, index) if joint.spins and index < 3 else speed(k, index)
 
 
-def gradient(energy: Expr, by: Sequence[Symbol]) -> dict[Symbol, Expr]:
-    """The derivatives of an energy that are not zero."""
-    found = {symbol: sympy.diff(energy, symbol) for symbol in by}
-    return {symbol: value for symbol, value in found.items() if value != 0}
+def _existing(value: Expr, expression: Expression) -> Expr:
+    if value.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
+        raise ModelError(
+            f"expression {str(expression)!r} has no value: in every state it divides by zero or takes the "
+            "root of a negative number."
+        )
+    return value

@@ -14,9 +14,9 @@ from kanegen.force_elements.elements import End
 from kanegen.force_elements.names import coordinate_places, speed_places
 from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.dynamics import BodyEquations, total
-from kanegen.symbolic.expressions import Variables, gradient
+from kanegen.symbolic.expressions import Variables
 from kanegen.symbolic.orientation import skew
-from kanegen.symbolic.symbols import column, coordinate, expression, point_force, point_moment, speeds
+from kanegen.symbolic.symbols import column, expression, point_force, point_moment, speeds
 from kanegen.system import Freedom, System
 
 
@@ -66,9 +66,8 @@ class ElementForces:
                 case Drive(name, effort):
                     yield self._on(Freedom(*speed[name]), variables.value(effort))
                 case Potential(energy):
-                    by = {coordinate(f.body, f.index): f for f in self.system.freedoms}
-                    for symbol, slope in gradient(variables.value(energy), list(by)).items():
-                        yield self._on(by[symbol], -slope)
+                    for place, slope in variables.slopes(energy).items():
+                        yield self._on(Freedom(*place), -slope)
 
     def _pulls(self) -> Iterator[ImmutableMatrix]:
         """Of springs between points."""

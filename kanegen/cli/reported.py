@@ -1,0 +1,39 @@
+"""What outputs are about, as options name it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from kanegen.errors import OptionError
+from kanegen.system import System
+
+
+def reporting(system: System, outputs: Sequence[str], poses: str | None, reactions: str | None) -> System:
+    """The system with the bodies of `body_poses` and the directions of `reaction_loads` that are given.
+
+    Args:
+        system: The tree.
+        outputs: What is asked for.
+        poses: Names with commas between them; None leaves what the model says.
+        reactions: Likewise.
+
+    Raises:
+        OptionError: If an option is about an output that is not asked for.
+        ModelError: If a name is none of the system's.
+    """
+    if poses is not None:
+        _require("--poses", "body_poses", outputs)
+        system = system.with_poses(_names(poses))
+    if reactions is not None:
+        _require("--reactions", "reaction_loads", outputs)
+        system = system.with_reactions(_names(reactions))
+    return system
+
+
+def _require(option: str, output: str, outputs: Sequence[str]) -> None:
+    if output not in outputs:
+        raise OptionError(f"{option}: only with --output {output}. Add that, or leave {option} out.")
+
+
+def _names(text: str) -> list[str]:
+    return [name for word in text.split(",") if (name := word.strip())]
