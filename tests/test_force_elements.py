@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,19 +10,24 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import kanegen as kg
 from kanegen.check import reference
 from kanegen.check.states import States, random_states
 from kanegen.check.truth import truth
+from kanegen.cli.app import app
 from kanegen.compiler import compile_module
 from kanegen.force_elements import Drive, JointSpring, PointLoad, Potential, Spring, parse
 from kanegen.numbers import Parameter
 from kanegen.program.count import count
+from kanegen.signature import available
 from kanegen.simulation import simulate
 from kanegen.symbolic import derive
 from tests import systems
+from tests.test_c_compilers import CPP, WARNINGS, C, run
 from tests.test_energies import values
+from tests.test_reactions import efforts, reactions
 from tests.test_receipt import require_equal
 
 K, W = Parameter("k", 3.0), Parameter("w", 2.0)
@@ -294,6 +300,24 @@ def test_specialised_and_general_programs_agree(seed: int) -> None:
     require_equal(replace(system, bodies=tuple(body.unloaded() for body in system.bodies)), seed)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_locked_joints_carry_what_acts_on_them(seed: int) -> None:
+    """Also elements on locked freedoms, which move nothing."""
+    system = driven(seed, 3)
+    locked = system.reaction_names[:2]
+    system = system.with_force_elements(
+        JointSpring(locked[0], 6.0, 0.4, 2.0),
+        Drive(locked[1], parse(f"2 + x.{locked[0]}*t")),
+        Potential(parse(f"x.{locked[1]}**2*cos(x.{system.freedom_names[0]})")),
+    )
+    states = random_states(system, 1, seed)
+    rows = {"ydot": states.y[0][::-1], "force": np.zeros((3, 3)), "torque": np.zeros((3, 3))}
+    state = given(states, system) | rows
+    every = efforts(system, state)
+    expected = np.array([every[freedom] for freedom in system.reacting])
+    assert reactions(system, state) == pytest.approx(expected, abs=1e-13 * max(map(abs, every.values())))
+
+
 def test_names_outlive_locking() -> None:
     """A joint's own name and the order of freedoms may change; what the elements mean does not."""
     system = systems.chain(2)
@@ -322,6 +346,45 @@ def test_files_keep_everything(tmp_path: Path) -> None:
     again = kg.load(tmp_path / "tree.toml")
     assert again.force_elements == system.force_elements
     assert again == system
+
+
+def test_no_gravity(tmp_path: Path) -> None:
+    (tmp_path / "free.toml").write_text('gravity = "none"\n[[body]]\nconnection = 0\nmass = 1\n')
+    assert kg.load(tmp_path / "free.toml").gravity == (0.0, 0.0, 0.0)
+
+
+def test_the_command_line(tmp_path: Path) -> None:
+    """A model with everything is generated, checked and described; a wrong one is one line."""
+    file = tmp_path / "tree.toml"
+    driven(6).save(file)
+    runner = CliRunner()
+    for command in ("info", "explain", "check", "equations"):
+        found = runner.invoke(app, [command, str(file)], catch_exceptions=False)
+        assert found.exit_code == 0, found.output
+        if command != "check":
+            assert "potential" in found.output or command == "explain"
+    elements = json.loads(runner.invoke(app, ["info", str(file), "--json"]).stdout)["force_elements"]
+    assert [one["kind"] for one in elements] == [element.KEY for element in driven(6).force_elements]
+    text = file.read_text().replace("sin(w * t)", "exec(w)")
+    file.write_text(text)
+    found = runner.invoke(app, ["info", str(file)])
+    assert found.exit_code == 2
+    assert "there is no function 'exec'" in " ".join(found.output.split())
+    assert "Traceback" not in found.output
+
+
+def test_c_is_clean(tmp_path: Path) -> None:
+    """In C and C++, with every warning an error; the example runs."""
+    outputs = [name for name in available(driven(6)) if not name.endswith("derivatives")]
+    source = kg.generate(driven(6), outputs)
+    source.write(tmp_path)
+    name = source.model.name
+    files = (f"{name}.c", f"{name}_batch.c", "main.c")
+    run(*C["gcc"], "-std=c99", "-O1", *WARNINGS, *files, "-lm", "-o", "example", folder=tmp_path)
+    assert "forward_dynamics" in run("./example", folder=tmp_path)
+    run(
+        *CPP["g++"], "-x", "c++", "-std=c++11", "-fsyntax-only", "-Wall", "-Werror", files[2], folder=tmp_path
+    )
 
 
 def test_time_is_missing() -> None:

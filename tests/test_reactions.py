@@ -60,7 +60,8 @@ def efforts(system: kg.System, given: Arrays) -> dict[Freedom, float]:
     y[places], ydot[places] = given["y"], given["ydot"]
     takes = np.array([body.loads for body in system.bodies])[:, None]
     loads = (given[name] * takes for name in ("force", "torque"))
-    needed = reference.mass_matrix(whole, x) @ ydot - reference.forcing(whole, x, y, *loads)
+    further = {name: given[name] for name in ("point_force", "point_moment", "t") if name in given}
+    needed = reference.mass_matrix(whole, x) @ ydot - reference.forcing(whole, x, y, *loads, **further)
     return dict(zip(whole.freedoms, needed, strict=True))
 
 

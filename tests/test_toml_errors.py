@@ -78,6 +78,51 @@ def with_joint(line: str) -> str:
             with_joint("orientation_angles = [[1,0,0],[0,1,0],[0,0,1]]"),
             r"orientation_angles\[0\]: .* not a number",
         ),
+        ("gravity = 'non'\n" + ONE_BODY, r"gravity: a string stands for a parameter, but there is no 'non'"),
+        (ONE_BODY + "points = {p = {position = [0, 0, 0], load = true}}\n", r"point 'p': unknown key 'load'"),
+        (ONE_BODY + "points = {p = {loads = true}}\n", r"point 'p': position is missing"),
+        (
+            ONE_BODY + "points = {p = {position = [0, 0, 0], loads = 1}}\n",
+            r"point 'p': 1 is not true or false",
+        ),
+        (ONE_BODY + "[spring]\n", r"spring: begin each with a line \[\[spring\]\]"),
+        (ONE_BODY + "[[spring]]\nstiffness = 1\n", r"spring 1: between is missing"),
+        (
+            ONE_BODY + "[[spring]]\nbetween = ['p', 'p']\nstiffness = 1\n",
+            r"spring 1: spring between 'p' and itself",
+        ),
+        (
+            ONE_BODY
+            + "points = {p = [0, 0, 0], q = [1, 0, 0]}\n[[spring]]\nbetween = ['p', 'q']\nstiffness = 1\n",
+            r"spring between 'p' and 'q': both ends are on one body",
+        ),
+        (ONE_BODY + "[[spring]]\nbetween = ['p', [0, 0, 0]]\nstiffness = 1\n", r"there is no point 'p'"),
+        (
+            ONE_BODY + "[[spring]]\nbetween = [[0, 0, 1], [0, 0, 'h']]\nstiffness = 1\n",
+            r"spring 1: .* no 'h'",
+        ),
+        (ONE_BODY + "[[joint_spring]]\nfreedom = 'b.s1'\nstifness = 1\n", r"Did you mean 'stiffness'"),
+        (
+            ONE_BODY + "[[joint_spring]]\nfreedom = 'b.s1'\nstiffness = 'k'\n",
+            r"joint_spring 1: stiffness: .*'k'",
+        ),
+        (ONE_BODY + "[[joint_spring]]\nfreedom = 'c.s1'\nstiffness = 1\n", r"there is no coordinate 'c\.s1'"),
+        (
+            ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'exp(t)'\n",
+            r"drive 1: .*there is no function 'exp'",
+        ),
+        (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'k*t'\n", r"drive: 'k' stands for nothing"),
+        (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 't.real'\n", r"only x and y have elements"),
+        (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 't**999'\n", r"drive 1: .*a huge power"),
+        (
+            ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = [1]\n",
+            r"drive 1: expression: \[.*is not a number",
+        ),
+        (ONE_BODY + "[[point_load]]\npoint = 'q'\nforce = [1, 2, 3]\n", r"point_load: there is no point 'q'"),
+        (
+            ONE_BODY + "[[potential]]\nenergy = 'y.b.s1'\n",
+            r"potential 1: potential energy 'y\.b\.s1' depends on",
+        ),
         (ONE_BODY + "joint.orientation_angles = [0,0,1]\njoint.orientation = 1\n", r"Keep one"),
     ],
 )

@@ -87,6 +87,9 @@ class Facts:
                 for name, freedom in zip(system.reaction_names, system.reacting, strict=True)
             ],
             "parameters": {parameter.name: parameter.value for parameter in system.parameters},
+            "force_elements": [
+                {"kind": element.KEY, **element.as_table()} for element in system.force_elements
+            ],
             "operations": self.operations,
             "methods": self.methods,
             "refinement": self.refinement,
@@ -126,6 +129,9 @@ def show(facts: Facts, console: Console) -> None:
     if system.parameters:
         console.print("\n[bold]Parameters[/], with their defaults")
         console.print(_parameters(system))
+    if system.force_elements:
+        console.print("\n[bold]Force elements[/]")
+        console.print(escape("\n".join(element.words for element in system.force_elements)))
     console.print("\n[bold]Operations[/] of one evaluation")
     console.print(_costs(facts))
     saved = ", ".join(f"{name} {number}" for name, number in savings(facts.stages).items())

@@ -39,6 +39,7 @@ JOINT_KEYS = (
 INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 GROUND = "ground"
+NO_GRAVITY = "none"
 ORIGIN = (0, 0, 0)
 
 Table = Mapping[str, Any]
@@ -95,7 +96,8 @@ def _system(table: Table, path: Path) -> System:
         body = _body(entry, k, numbers_of, parameters)
         numbers_of.setdefault(body.name, k)
         bodies.append(body)
-    gravity = parameters.resolve(table.get("gravity", GRAVITY), "gravity")
+    gravity = table.get("gravity", GRAVITY)
+    gravity = (0, 0, 0) if gravity == NO_GRAVITY else parameters.resolve(gravity, "gravity")
     elements = force_elements.read_force_elements(table, parameters)
     chosen = _outputs(table.get("outputs", {}))
     system = System(table.get("name", path.stem), tuple(bodies), gravity, elements, *chosen)
