@@ -35,6 +35,7 @@ class SystemArrays:
     sequence: tuple[str, ...]  # (N,)
     speeds: tuple[str, ...]  # (N,)
     coordinates: tuple[str, ...]  # (N,)
+    prescribed: Flags  # (N, 6)
 
 
 def system_arrays(
@@ -46,6 +47,7 @@ def system_arrays(
     sequence: tuple[str, ...],
     speeds: tuple[str, ...],
     coordinates: tuple[str, ...],
+    prescribed: Any,
     **floats: Any,
 ) -> SystemArrays:
     """`SystemArrays` from nested tuples; orientations given as 1-2-3 angles become matrices."""
@@ -57,6 +59,7 @@ def system_arrays(
         sequence=sequence,
         speeds=speeds,
         coordinates=coordinates,
+        prescribed=np.array(prescribed, dtype=np.bool_),
         **{name: np.array(value, dtype=np.float64) for name, value in floats.items()},
     )
 

@@ -318,6 +318,10 @@ def facts(system: System) -> ModelFacts:
         points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
+        prescribed=tuple(
+            (name, freedom.unit)
+            for name, freedom in zip(system.prescribed_names, system.prescribed, strict=True)
+        ),
     )
 
 

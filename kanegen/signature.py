@@ -26,13 +26,41 @@ class OutputKind:
 
     Attributes:
         array: The array that it fills.
-        inputs: Names of the arrays that it may read.
-        of_points: Whether it is about points, so that only systems with points have it.
+        inputs: Names of the arrays that it may read, beside those of `EVERYWHERE`.
+        needs: What only some systems have, and it is about; a key of `NEEDS`, or "" where all have it.
     """
 
     array: Callable[[System], Array]
     inputs: tuple[str, ...]
-    of_points: bool = False
+    needs: str = ""
+
+
+@dataclass(frozen=True)
+class Need:
+    """What only some systems have.
+
+    Attributes:
+        is_met: Whether a system has it.
+        mended: How it gets it.
+    """
+
+    is_met: Callable[[System], bool]
+    mended: str
+
+
+NEEDS = {
+    "points": Need(
+        lambda system: bool(system.points),
+        "Give a body points in the model file, such as points = {tool = [0, 0, 0.1]}, or use "
+        "System.with_points.",
+    ),
+    "prescribed freedoms": Need(
+        lambda system: bool(system.prescribed),
+        'Prescribe some in the model file, such as prescribed = ["theta1"] in a joint, or use '
+        "System.with_prescribed.",
+    ),
+}
+"""By what it is called."""
 
 
 def _mass_matrix(system: System) -> Array:
@@ -126,7 +154,15 @@ def _regularity(system: System) -> Array:
     return Array("regularity", (len(system.freedoms),), "1", doc)
 
 
+def _prescribed_efforts(system: System) -> Array:
+    doc = "generalized forces that act at the prescribed freedoms, beside loads and gravity"
+    return Array("prescribed_efforts", (len(system.prescribed),), "N m, N", doc)
+
+
 LOADS = ("force", "torque")
+
+EVERYWHERE = ("prescribed",)
+"""Arrays that every output may read."""
 
 
 def _derivatives(name: str) -> Callable[[System], Array]:
@@ -146,10 +182,11 @@ OUTPUTS: dict[str, OutputKind] = {
     "mass_center": OutputKind(_mass_center, ("x",)),
     "body_poses": OutputKind(_body_poses, ("x",)),
     "coordinate_rates": OutputKind(_coordinate_rates, ("x", "y")),
-    "point_positions": OutputKind(_point_positions, ("x",), True),
-    "point_velocities": OutputKind(_point_velocities, ("x", "y"), True),
-    "point_accelerations": OutputKind(_point_accelerations, ("x", "y", "ydot"), True),
-    "point_jacobians": OutputKind(_point_jacobians, ("x",), True),
+    "point_positions": OutputKind(_point_positions, ("x",), "points"),
+    "point_velocities": OutputKind(_point_velocities, ("x", "y"), "points"),
+    "point_accelerations": OutputKind(_point_accelerations, ("x", "y", "ydot"), "points"),
+    "point_jacobians": OutputKind(_point_jacobians, ("x",), "points"),
+    "prescribed_efforts": OutputKind(_prescribed_efforts, ("x", "y", "ydot", *LOADS), "prescribed freedoms"),
     "forcing_derivatives": OutputKind(_derivatives("forcing_derivatives"), ("x", "y", *LOADS)),
     "inverse_dynamics_derivatives": OutputKind(
         _derivatives("inverse_dynamics_derivatives"), ("x", "y", "ydot", *LOADS)
@@ -177,21 +214,19 @@ def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
 
 def available(system: System) -> tuple[str, ...]:
     """The outputs that a system has."""
-    return tuple(name for name, kind in OUTPUTS.items() if system.points or not kind.of_points)
+    return tuple(name for name, kind in OUTPUTS.items() if not kind.needs or NEEDS[kind.needs].is_met(system))
 
 
 def require_available(system: System, outputs: Iterable[str]) -> None:
     """Make sure that a system has what outputs are about.
 
     Raises:
-        OptionError: If they are about points and there are none.
+        OptionError: If they are about something that there is not.
     """
     for name in outputs:
         if name not in available(system):
-            raise OptionError(
-                f"output {name!r}: system {system.name!r} has no points. Give a body points in the model "
-                "file, such as points = {tool = [0, 0, 0.1]}, or use System.with_points."
-            )
+            what = OUTPUTS[name].needs
+            raise OptionError(f"output {name!r}: system {system.name!r} has no {what}. {NEEDS[what].mended}")
 
 
 def input_arrays(system: System) -> dict[Array, Elements]:
@@ -224,6 +259,10 @@ def input_arrays(system: System) -> dict[Array, Elements]:
         torque = Array("torque", (bodies, 3), "N m", "{M'_K}, the torque " + doc.format("as a couple"))
         arrays[force] = _named([symbols.force(k, axis) for k, axis in every])
         arrays[torque] = _named([symbols.torque(k, axis) for k, axis in every])
+    if system.prescribed:
+        doc = "the prescribed freedoms: a row of values, one of rates, one of second derivatives"
+        array = Array("prescribed", (3, len(system.prescribed)), "rad, m; 1/s; 1/s^2", doc)
+        arrays[array] = _named(symbols.prescribed(system))
     return arrays
 
 
@@ -246,12 +285,13 @@ def _named(elements: Sequence[Symbol]) -> Elements:
 def functions(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
     """One function for every output, and `EVALUATE` for all of them where there are several."""
     available = [array.name for array in input_arrays(system)]
+    read = {name: {*OUTPUTS[name].inputs, *EVERYWHERE} for name in outputs}
     groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}
     if len(outputs) > 1:
         groups[EVALUATE] = tuple(outputs)
     return {
         function: Signature(
-            inputs=tuple(a for a in available if any(a in OUTPUTS[name].inputs for name in group)),
+            inputs=tuple(a for a in available if any(a in read[name] for name in group)),
             outputs=tuple(OUTPUTS[name].array(system).name for name in group),
         )
         for function, group in groups.items()

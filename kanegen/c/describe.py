@@ -40,6 +40,8 @@ def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, i
     ]
     if model.points:
         rows.append((f"{prefix}_POINTS", len(model.points), "points of the bodies"))
+    if model.prescribed:
+        rows.append((f"{prefix}_PRESCRIBED", len(model.prescribed), "p, prescribed freedoms"))
     for function in functions:
         if function.name == PREPARE:
             rows += [
@@ -121,7 +123,10 @@ def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple
     """An initial value and a label for every element; parameters have their defaults."""
     if function.name == PREPARE:
         return [(default, name) for name, default in model.parameters]
-    if len(array.shape) == 1:
+    if array.name == "prescribed":
+        rows = ("{}", "rate of {}", "second derivative of {}")
+        labels = [row.format(name) for row in rows for name in model.prescribed_names]
+    elif len(array.shape) == 1:
         labels = list(model.coordinate_names)
         if array.name != "x":
             labels = [speed or name for speed, name in zip(model.speeds, model.freedom_names, strict=True)]

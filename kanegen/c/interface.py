@@ -35,6 +35,7 @@ class ModelFacts:
         legend: Names in the code and what they mean.
         points: Of each point its name and that of its body.
         sequences: Of the bodies whose angles do not turn about the axes 1-2-3, name and sequence.
+        prescribed: Of each prescribed freedom its name and its unit, "rad" or "m".
     """
 
     name: str
@@ -51,6 +52,12 @@ class ModelFacts:
     sequences: tuple[tuple[str, str], ...] = ()
     speed_names: tuple[str, ...] = ()
     points: tuple[tuple[str, str], ...] = ()
+    prescribed: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def prescribed_names(self) -> tuple[str, ...]:
+        """p names of the freedoms whose motion is an input."""
+        return tuple(name for name, _ in self.prescribed)
 
     @property
     def has_quaternions(self) -> bool:

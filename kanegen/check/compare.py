@@ -12,7 +12,7 @@ the reference (`magnitudes`), and D = diag(S_A)^(1/2), which takes the units fro
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 import numpy as np
@@ -50,13 +50,13 @@ class ComparedLibrary(Protocol):
     def outputs(self) -> tuple[str, ...]:
         """Names of what it computes."""
 
-    def mass_matrix(self, x: Floats) -> NDArray[Any]:
-        """(B, n, n) from (B, n)."""
+    @property
+    def mass_matrix(self) -> Callable[..., NDArray[Any]]:
+        """(B, n, n) from (B, n), and from `States.further` by name."""
 
-    def forcing(
-        self, x: Floats, y: Floats, force: Floats | None = None, torque: Floats | None = None
-    ) -> NDArray[Any]:
-        """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3)."""
+    @property
+    def forcing(self) -> Callable[..., NDArray[Any]]:
+        """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3) by name, and from `States.further`."""
 
 
 def compare(
@@ -116,20 +116,22 @@ def _batch_errors(
     x, y, force, torque = states.x, states.y, states.force, states.torque
     given_x, given_y = storage.stored(x), storage.stored(y)
     given_force, given_torque = (None if f is None else storage.stored(f) for f in (force, torque))
-    reach = reaches(arrays, kinematics(arrays, x, y), y)
+    further = {name: storage.stored(value) for name, value in states.further.items()}
+    told = states.motion
+    reach = reaches(arrays, kinematics(arrays, x, y, told), y, told)
     matrix_size = mass_matrix_magnitude(arrays, reach)
     diagonal = np.einsum("bii->bi", matrix_size)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     errors = {}
     if "mass_matrix" in outputs:
-        truth = reference.mass_matrix(arrays, x)
+        truth = reference.mass_matrix(arrays, x, told)
         scales = scale[:, :, None] * scale[:, None, :]
-        value = storage.nearest(library.mass_matrix(given_x))
+        value = storage.nearest(library.mass_matrix(given_x, **further))
         errors["mass_matrix"] = state_errors(value, truth, matrix_size, scales, limit)
     if "forcing" in outputs:
-        truth = reference.forcing(arrays, x, y, force, torque)
+        truth = reference.forcing(arrays, x, y, force, torque, told)
         size = forcing_magnitude(arrays, reach, force, torque)
-        found = library.forcing(given_x, given_y, force=given_force, torque=given_torque)
+        found = library.forcing(given_x, given_y, force=given_force, torque=given_torque, **further)
         value = storage.nearest(found)
         errors["forcing"] = state_errors(value, truth, size, scale, limit)
     return errors
@@ -170,6 +172,9 @@ def _accuracy(system: System, sample: States, output: str, errors: StateErrors, 
             y=_row(sample.y[worst]),
             force=None if sample.force is None else tuple(_row(row) for row in sample.force[worst]),
             torque=None if sample.torque is None else tuple(_row(row) for row in sample.torque[worst]),
+            prescribed=None
+            if sample.prescribed is None
+            else tuple(_row(row) for row in sample.prescribed[worst]),
         ),
     )
 

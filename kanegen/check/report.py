@@ -21,6 +21,7 @@ class Evaluation:
         y: (n,) generalized speeds (rad/s, m/s).
         force: (N, 3) forces (N), or None.
         torque: (N, 3) torques (N m), or None.
+        prescribed: (3, p) values, rates and second derivatives of the prescribed freedoms, or None.
     """
 
     state: int
@@ -31,6 +32,7 @@ class Evaluation:
     y: Row
     force: tuple[Row, ...] | None
     torque: tuple[Row, ...] | None
+    prescribed: tuple[Row, ...] | None
 
 
 @dataclass(frozen=True)
@@ -139,10 +141,11 @@ def _failure(accuracy: Accuracy) -> str:
     worst = accuracy.worst
     bad = accuracy.not_finite
     counted = f"{accuracy.output}: {bad} state{' is' if bad == 1 else 's are'} not finite\n" if bad else ""
-    loads = "" if worst.force is None else f"\n  force = {worst.force!r}\n  torque = {worst.torque!r}"
+    given = "" if worst.force is None else f"\n  force = {worst.force!r}\n  torque = {worst.torque!r}"
+    given += "" if worst.prescribed is None else f"\n  prescribed = {worst.prescribed!r}"
     return (
         f"{counted}{accuracy.output}: worst in state {worst.state}, entry {worst.entry}: "
-        f"{worst.value!r} instead of {worst.reference!r}\n  x = {worst.x!r}\n  y = {worst.y!r}{loads}"
+        f"{worst.value!r} instead of {worst.reference!r}\n  x = {worst.x!r}\n  y = {worst.y!r}{given}"
     )
 
 

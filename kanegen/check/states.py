@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
-from kanegen.check.kinematics import free_columns
+from kanegen.check.kinematics import free_columns, prescribed_columns
 from kanegen.check.matrices import length
 from kanegen.precision import Precision
 from kanegen.system import System
@@ -30,29 +30,44 @@ class States:
         y: (B, n) generalized speeds (rad/s, m/s).
         force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if none does.
         torque: (B, N, 3) torques (N m), likewise.
+        prescribed: (B, 3, p) values, rates and second derivatives of the prescribed freedoms; None if there
+            is none.
     """
 
     x: Floats
     y: Floats
     force: Floats | None
     torque: Floats | None
+    prescribed: Floats | None = None
 
     def __len__(self) -> int:
         """B."""
         return len(self.x)
+
+    @property
+    def further(self) -> dict[str, Floats]:
+        """Inputs that only some systems have, by name."""
+        return {} if self.prescribed is None else {"prescribed": self.prescribed}
+
+    @property
+    def motion(self) -> Floats:
+        """(B, 3, p) `prescribed`, p being 0 where it is None."""
+        return np.zeros((len(self), 3, 0)) if self.prescribed is None else self.prescribed
 
     def part(self, start: int, stop: int) -> States:
         """States number `start` to `stop` - 1."""
         rows = slice(start, stop)
         force = None if self.force is None else self.force[rows]
         torque = None if self.torque is None else self.torque[rows]
-        return States(self.x[rows], self.y[rows], force, torque)
+        prescribed = None if self.prescribed is None else self.prescribed[rows]
+        return States(self.x[rows], self.y[rows], force, torque, prescribed)
 
     def rounded(self, precision: Precision) -> States:
         """The nearest states that `precision` can hold, so that rounding them is no error of a program."""
         force = None if self.force is None else _rounded(self.force, precision)
         torque = None if self.torque is None else _rounded(self.torque, precision)
-        return States(_rounded(self.x, precision), _rounded(self.y, precision), force, torque)
+        prescribed = None if self.prescribed is None else _rounded(self.prescribed, precision)
+        return States(_rounded(self.x, precision), _rounded(self.y, precision), force, torque, prescribed)
 
 
 @dataclass(frozen=True)
@@ -67,6 +82,7 @@ class Ranges:
     y: Floats
     force: Floats
     torque: Floats
+    prescribed: Floats
 
 
 def ranges(system: System | SystemArrays) -> Ranges:
@@ -81,12 +97,16 @@ def ranges(system: System | SystemArrays) -> Ranges:
         for held, free in zip(arrays.coordinates, arrays.free, strict=True)
     ]
     weight = np.where(arrays.loads, mass, 0.0) * acceleration
+    given = prescribed_columns(arrays)
+    moved = [np.concatenate([np.full_like(size, np.pi), size])]
+    moved += [np.concatenate([rate**power, rate**power * size]) for power in (1, 2)]
     return Ranges(
         x=np.concatenate([*turning, lengths]),
         size=np.concatenate([np.ones(arrays.free[:, :3].sum()), lengths]),
         y=np.repeat(np.concatenate([rate, rate * size]), 3)[free],
         force=np.tile(weight[:, None], 3),
         torque=np.tile((weight * size)[:, None], 3),
+        prescribed=np.stack([np.repeat(each, 3)[given] for each in moved]),
     )
 
 
@@ -106,9 +126,12 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
     arrays = system.values() if isinstance(system, System) else system
     rng, largest = np.random.default_rng(seed), ranges(arrays)
     x, y = _uniform(rng, count, largest.x), _uniform(rng, count, largest.y)
-    if not arrays.loads.any():
-        return States(x, y, None, None)
-    return States(x, y, _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque))
+    force = torque = prescribed = None
+    if arrays.loads.any():
+        force, torque = _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque)
+    if arrays.prescribed.any():
+        prescribed = _uniform(rng, count, largest.prescribed)
+    return States(x, y, force, torque, prescribed)
 
 
 def _rounded(values: Floats, precision: Precision) -> Floats:

@@ -24,9 +24,12 @@ class Given(TypedDict, total=False):
 
     Attributes:
         t: () or (B,) the time, s, where a load depends on it.
+        prescribed: (3, p) or (B, 3, p) values (rad, m), rates and second derivatives of the prescribed
+            freedoms, in the order of `prescribed_names`.
     """
 
     t: ArrayLike
+    prescribed: ArrayLike
 
 
 class Compiled:
@@ -87,6 +90,11 @@ class Compiled:
     def point_names(self) -> tuple[str, ...]:
         """Names of the points, in the order of the rows of outputs about them."""
         return tuple(name for name, _ in self.source.model.points)
+
+    @property
+    def prescribed_names(self) -> tuple[str, ...]:
+        """p names of the prescribed freedoms, in the order of the columns of `prescribed`."""
+        return self.source.model.prescribed_names
 
     @property
     def outputs(self) -> tuple[str, ...]:

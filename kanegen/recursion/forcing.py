@@ -2,7 +2,7 @@
 
 Outward go the motions, inward the force and moment about each origin that they need, less the loads. Their
 work on a freedom is the generalized force that it needs; with {ydot} = 0 this is minus its entry of {f} (Luh,
-Walker and Paul 1980; Featherstone 2008, section 5.3).
+Walker and Paul 1980; Featherstone 2008, section 5.3). Freedoms that are prescribed need such a force as well.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from sympy import Expr
 
 from kanegen.recursion.derived import Derived
-from kanegen.recursion.joint_motion import NO_FREEDOM
 from kanegen.recursion.motion import Requirement, requirements
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import add, cross, dot
@@ -28,8 +27,21 @@ def inverse_dynamics(tree: Tree) -> Derived:
     return Derived(works(tree, requirements(tree, accelerated=True)))
 
 
+def prescribed_efforts(tree: Tree) -> Derived:
+    """The generalized forces that act at the prescribed freedoms, beside loads and gravity."""
+    found = _works(tree, requirements(tree, accelerated=True))
+    first = len(tree.system.freedoms)
+    return Derived([found[first + i] for i in range(len(tree.system.prescribed))])
+
+
 def works(tree: Tree, needs: Sequence[Requirement]) -> list[Expr]:
     """The generalized forces that do the work of what each body needs."""
+    found = _works(tree, needs)
+    return [found[i] for i in range(len(tree.system.freedoms))]
+
+
+def _works(tree: Tree, needs: Sequence[Requirement]) -> dict[int, Expr]:
+    """The same by number of a freedom, prescribed ones behind the others."""
     definitions = tree.definitions
     carried = [Requirement() for _ in tree.motions]
     result: dict[int, Expr] = {}
@@ -40,16 +52,16 @@ def works(tree: Tree, needs: Sequence[Requirement]) -> list[Expr]:
         moment = definitions.vector(f"M_{k}", add(own.moment, carried[k - 1].moment))
         result |= {spin.freedom: moment[spin.axis] for spin in motion.spins}
         for step in reversed(motion.steps):
-            if step.freedom != NO_FREEDOM:
-                result[step.freedom] = moment[step.axis]
+            if step.moves:
+                result[step.number] = moment[step.axis]
             force = definitions.vector(f"F_{step.frame}", step.turn.down(force))
             moment = definitions.vector(f"M_{step.frame}", step.turn.down(moment))
-        for slide in motion.slides:
-            result[slide.freedom] = definitions.define(f"f_{slide.freedom}", dot(slide.direction, force))
+        for slide in motion.sliding:
+            result[slide.number] = definitions.define(f"f_{slide.number}", dot(slide.direction, force))
         if j:
             shifted = definitions.vector(f"M_{k}j", add(moment, cross(motion.offset, force)))
             carried[j - 1] = Requirement(
                 definitions.vector(f"F_{k}s", add(carried[j - 1].force, force)),
                 definitions.vector(f"M_{k}s", add(carried[j - 1].moment, shifted)),
             )
-    return [result[i] for i in range(len(tree.system.freedoms))]
+    return result
