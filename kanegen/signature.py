@@ -261,7 +261,7 @@ def input_arrays(system: System) -> dict[Array, Elements]:
         arrays[torque] = _named([symbols.torque(k, axis) for k, axis in every])
     if system.prescribed:
         doc = "the prescribed freedoms: a row of values, one of rates, one of second derivatives"
-        array = Array("prescribed", (3, len(system.prescribed)), "rad, m; 1/s; 1/s^2", doc)
+        array = Array("prescribed", (3, len(system.prescribed)), "rad, m; rad/s, m/s; rad/s^2, m/s^2", doc)
         arrays[array] = _named(symbols.prescribed(system))
     return arrays
 

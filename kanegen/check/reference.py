@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kanegen.arrays import SystemArrays
 from kanegen.check.kinematics import (
+    UNPRESCRIBED,
     BodyKinematics,
     coordinate_count,
     free_columns,
@@ -234,7 +235,11 @@ def motion(system: SystemArrays, value: ArrayLike | None, x: Numbers) -> Numbers
         ArrayError: If it has another shape; None is for systems without them.
     """
     count = int(system.prescribed.sum())
-    array = np.zeros((3, 0)) if value is None else np.asarray(value)
+    if value is None and count:
+        raise ArrayError(
+            f"prescribed: it is missing. Pass (3, {count}) values, rates and second derivatives."
+        )
+    array = UNPRESCRIBED if value is None else np.asarray(value)
     if array.shape not in {(3, count), (*x.shape[:-1], 3, count)}:
         raise ArrayError(f"prescribed has shape {array.shape}; expected (3, {count}), or one for each state.")
     return array

@@ -15,7 +15,8 @@ from kanegen.symbolic.symbols import force, parameter, real, torque
 
 TAKEN = frozenset(
     [
-        *"A PARAMETERS coordinate_rates cos f force forcing mass_matrix np parameters sin torque x y".split(),
+        *"A PARAMETERS coordinate_rates cos f force forcing mass_matrix np parameters".split(),
+        *"prescribed sin torque x y".split(),
         *keyword.kwlist,
     ]
 )
@@ -74,6 +75,10 @@ def _docstring(equations: Equations) -> str:
         lines.append(f"    x[{i}] = {x}, {name} ({coordinate.unit})")
         if i in speeds:
             lines.append(speeds[i])
+    for i, (name, freedom) in enumerate(zip(system.prescribed_names, system.prescribed, strict=True)):
+        lines.append(f"    prescribed[0][{i}] = {equations.prescribed[0, i]}, {name} ({freedom.unit})")
+    if system.prescribed:
+        lines += ["", "prescribed[1] and prescribed[2] are their rates and second derivatives."]
     return "\n".join([*lines, '"""'])
 
 
@@ -84,11 +89,13 @@ def _parameters(equations: Equations) -> str:
 
 def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
     n = len(equations.y)
+    told = _argument(equations)
     entries = {(i, j): A[i, j] for i in range(n) for j in range(i, n) if A[i, j]}
     lines = [
-        "def mass_matrix(x, parameters=PARAMETERS):",
+        f"def mass_matrix(x{told}, parameters=PARAMETERS):",
         f'    """[A] of Eq. (43), ({n}, {n}), at the coordinates x, ({len(equations.x)},)."""',
         *_unpacked(equations.x, "x"),
+        *_motion(equations),
         *_body(equations, list(entries.values()), names),
         f"    A = np.zeros(({n}, {n}))",
     ]
@@ -101,10 +108,11 @@ def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, S
 def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
     m, n, bodies = len(equations.x), len(equations.y), len(equations.bodies)
     lines = [
-        "def forcing(x, y, force=None, torque=None, parameters=PARAMETERS):",
+        f"def forcing(x, y{_argument(equations)}, force=None, torque=None, parameters=PARAMETERS):",
         f'    """{{f}} of Eq. (44), ({n},), at x, ({m},), and y, ({n},), under loads, ({bodies}, 3)."""',
         *_unpacked(equations.x, "x"),
         *_unpacked(equations.y, "y"),
+        *_motion(equations),
         *_loads(equations),
         *_body(equations, list(f), names),
         f"    f = np.zeros({n})",
@@ -123,6 +131,17 @@ def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
         f"    return np.array([{', '.join(python(value.xreplace(names)) for value in equations.xdot)}])",
     ]
     return "\n".join(lines)
+
+
+def _argument(equations: Equations) -> str:
+    return ", prescribed" if equations.system.prescribed else ""
+
+
+def _motion(equations: Equations) -> Iterable[str]:
+    """Assignments of what is prescribed, a row a line."""
+    if equations.system.prescribed:
+        for i in range(3):
+            yield from _unpacked(equations.prescribed[i, :], f"prescribed[{i}]")
 
 
 def _loads(equations: Equations) -> Iterable[str]:

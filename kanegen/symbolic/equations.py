@@ -24,7 +24,15 @@ from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.dynamics import BodyEquations, total
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.numeric import NumericEquations, numeric
-from kanegen.symbolic.symbols import accelerations, coordinates, force, speed, speeds, torque
+from kanegen.symbolic.symbols import (
+    accelerations,
+    coordinates,
+    force,
+    prescribed,
+    speed,
+    speeds,
+    torque,
+)
 from kanegen.system import System
 
 MOST_FREEDOMS = 8
@@ -82,6 +90,11 @@ class Equations:
         return ImmutableMatrix(accelerations(self.system))
 
     @cached_property
+    def prescribed(self) -> ImmutableMatrix:
+        """(3, p): values (rad, m), rates and second derivatives of the prescribed freedoms."""
+        return ImmutableMatrix(3, len(self.system.prescribed), prescribed(self.system))
+
+    @cached_property
     def loads(self) -> tuple[Symbol, ...]:
         """The load symbols `F_K_i` and `M_K_i` (N, N m) of the bodies that take loads."""
         loaded = [body.number for body in self.bodies if body.body.loads]
@@ -128,7 +141,8 @@ class Equations:
                 "equations.definitions."
             )
         literal = derive(self.system, intermediates=False)
-        return close(literal.A, literal.f, literal.bodies, [*literal.y, *self.loads])
+        motion = [*literal.y, *self.loads, *self.prescribed[1:, :]]
+        return close(literal.A, literal.f, literal.bodies, motion)
 
     def lambdify(self) -> NumericEquations:
         """NumPy functions of [A] and {f}, for looking into small things; `kg.build` is faster by far."""

@@ -13,7 +13,7 @@ from sympy import Dummy, Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import ArrayError
 from kanegen.symbolic.definitions import Definition
-from kanegen.symbolic.symbols import coordinates, force, parameter, speeds, torque
+from kanegen.symbolic.symbols import coordinates, force, parameter, prescribed, speeds, torque
 from kanegen.system import System
 
 Floats = NDArray[np.float64]
@@ -31,19 +31,26 @@ class NumericEquations:
     _mass_matrix: Callable[..., Any]
     _forcing: Callable[..., Any]
 
-    def mass_matrix(self, x: ArrayLike, parameters: Mapping[str, float] | None = None) -> Floats:
+    def mass_matrix(
+        self,
+        x: ArrayLike,
+        parameters: Mapping[str, float] | None = None,
+        prescribed: ArrayLike | None = None,
+    ) -> Floats:
         """[A], (n, n).
 
         Args:
             x: Coordinates (rad, m, 1).
             parameters: Values of parameters that differ from their defaults, by name.
+            prescribed: (3, p) values, rates and second derivatives of the prescribed freedoms.
 
         Raises:
             ArrayError: If `x` has another shape, or holds anything but real numbers.
             ModelError: If a parameter is unknown or its value makes the model unusable.
         """
         m = len(self.system.coordinates)
-        return np.array(self._mass_matrix(_array(x, (m,), "x"), self._values(parameters)), dtype=float)
+        arguments = (_array(x, (m,), "x"), self._motion(prescribed), self._values(parameters))
+        return np.array(self._mass_matrix(*arguments), dtype=float)
 
     def forcing(
         self,
@@ -52,6 +59,7 @@ class NumericEquations:
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
         parameters: Mapping[str, float] | None = None,
+        prescribed: ArrayLike | None = None,
     ) -> Floats:
         """{f}, (n,).
 
@@ -61,6 +69,7 @@ class NumericEquations:
             force: (N, 3) loads {F'_K} (N); rows of bodies that take no loads are not read.
             torque: (N, 3) loads {M'_K} (N m), likewise.
             parameters: Values of parameters that differ from their defaults, by name.
+            prescribed: As in `mass_matrix`.
 
         Raises:
             ArrayError: If an array has another shape, or holds anything but real numbers.
@@ -71,8 +80,14 @@ class NumericEquations:
             np.zeros(3 * bodies) if load is None else _array(load, (bodies, 3), what).ravel()
             for load, what in ((force, "force"), (torque, "torque"))
         ]
-        arguments = (_array(x, (m,), "x"), _array(y, (n,), "y"), *loads, self._values(parameters))
-        return np.array(self._forcing(*arguments), dtype=float).ravel()
+        state = (_array(x, (m,), "x"), _array(y, (n,), "y"), self._motion(prescribed))
+        return np.array(self._forcing(*state, *loads, self._values(parameters)), dtype=float).ravel()
+
+    def _motion(self, prescribed: ArrayLike | None) -> Floats:
+        """Row after row; None is for systems without prescribed freedoms."""
+        count = len(self.system.prescribed)
+        given = np.zeros((3, 0)) if prescribed is None else prescribed
+        return _array(given, (3, count), "prescribed").ravel()
 
     def _values(self, changed: Mapping[str, float] | None) -> list[float]:
         system = self.system.with_parameters(changed or {})
@@ -91,11 +106,11 @@ def numeric(
     if private:
         A, f = A.xreplace(private), f.xreplace(private)
         definitions = [replace(d, value=d.value.xreplace(private)) for d in definitions]
-    parameters = list(private.values())
+    parameters, told = list(private.values()), list(prescribed(system))
     return NumericEquations(
         system,
-        _function([x, parameters], A, definitions),
-        _function([x, y, forces, torques, parameters], f, definitions),
+        _function([x, told, parameters], A, definitions),
+        _function([x, y, told, forces, torques, parameters], f, definitions),
     )
 
 

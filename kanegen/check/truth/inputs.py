@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from kanegen.arrays import Floats
 from kanegen.check.truth.tree import State
 from kanegen.errors import ArrayError
+from kanegen.prescribed import require_unprescribed
 from kanegen.system import System
 
 
@@ -24,7 +25,9 @@ def checked_state(
 
     Raises:
         ArrayError: If an array has another shape than it must, or is not finite.
+        OptionError: If a freedom is prescribed.
     """
+    require_unprescribed(system, "truth")
     n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
     coordinates = (len(system.coordinates),)
     return State(
