@@ -154,6 +154,12 @@ class Joint:
         """Whether the last angle turns about the axis of the first, as in 3-1-3."""
         return self.axes[0] == self.axes[2]
 
+    def prescribing(self, index: int) -> Joint:
+        """The same joint where freedom `index` of `FREEDOMS`, free so far, is prescribed."""
+        free = tuple(flag and i != index for i, flag in enumerate(self.free))
+        told = tuple(flag or i == index for i, flag in enumerate(self.prescribed))
+        return replace(self, free=free, prescribed=told)
+
     def changed(self, change: Callable[[Number], Number]) -> Joint:
         """The same joint with `change` applied to every number."""
         return replace(

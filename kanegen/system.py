@@ -166,9 +166,9 @@ class System:
         centers = numbers(mass_center, (count, 3), "mass_center")
         positions = numbers(joint_position, (count, 3), "joint_position")
         orientations = rows.numbers(joint_orientation, (3, 3), IDENTITY, "joint_orientation")
-        moved = rows.flags(prescribed, 6, False, "prescribed")
-        frees = tuple(tuple(not flag for flag in row) for row in moved)
-        frees = frees if free is None else rows.flags(free, 6, True, "free")
+        told = rows.flags(prescribed, 6, False, "prescribed")
+        rest = tuple(tuple(not flag for flag in row) for row in told)
+        frees = rest if free is None else rows.flags(free, 6, True, "free")
         lockeds = rows.numbers(locked, (6,), (0.0,) * 6, "locked")
         loaded = rows.loads(loads)
         kinds = rows.names(speeds, "speeds")
@@ -179,7 +179,7 @@ class System:
             try:
                 turning = {"sequence": order[k], "speeds": kinds[k], "coordinates": held[k]}
                 joint = Joint(
-                    positions[k], orientations[k], frees[k], lockeds[k], **turning, prescribed=moved[k]
+                    positions[k], orientations[k], frees[k], lockeds[k], **turning, prescribed=told[k]
                 )
             except ModelError as error:
                 raise ModelError(f"body {k + 1}: {error}") from None
@@ -319,32 +319,28 @@ class System:
             bodies[k] = replace(bodies[k], points=(*bodies[k].points, Point(name, position)))
         return replace(self, bodies=tuple(bodies))
 
-    def with_prescribed(self: _S, names: Iterable[str]) -> _S:
+    def with_prescribed(self: _S, names: Iterable[str] | str) -> _S:
         """The same system, where the motion of some freedoms is an input; they leave {x}, {y}, [A] and {f}.
 
         Args:
-            names: Of free freedoms, as in `freedom_names`.
+            names: Of free freedoms, one or several: `freedom_names`, or `<body>.theta1` ... `<body>.s3`.
 
         Raises:
             ModelError: If there is no such freedom, it is locked, or a joint cannot do without it.
         """
         every = {self._freedom_name(freedom): freedom for freedom in self._ordered(lambda joint: (True,) * 6)}
         bodies = list(self.bodies)
-        for name in names:
+        for name in (names,) if isinstance(names, str) else names:
             if name not in every:
                 free = [known for known, freedom in every.items() if freedom in self.places]
                 raise ModelError(f"prescribed: there is no freedom {name!r}. {did_you_mean(name, free)}")
             k, index = every[name].body - 1, every[name].index
-            joint = bodies[k].joint
-            if not joint.moving[index]:
+            if not bodies[k].joint.moving[index]:
                 raise ModelError(f"prescribed: {name!r} is locked; free it, then prescribe it.")
-            still_free = tuple(flag and i != index for i, flag in enumerate(joint.free))
-            told = tuple(flag or i == index for i, flag in enumerate(joint.prescribed))
             try:
-                joint = replace(joint, free=still_free, prescribed=told)
+                bodies[k] = replace(bodies[k], joint=bodies[k].joint.prescribing(index))
             except ModelError as error:
                 raise ModelError(f"prescribed: {name!r}: {error}") from None
-            bodies[k] = replace(bodies[k], joint=joint)
         return replace(self, bodies=tuple(bodies))
 
     def spins(self, freedom: Freedom) -> bool:
