@@ -38,6 +38,8 @@ def _held(system: System, body: Body) -> str:
         return (
             "it slides along some axes of its joint frame only. Free all three translations, or leave it out"
         )
+    if any(joint.prescribed):
+        return "it has a translation that is prescribed in its joint frame. Leave it out"
     if any(isinstance(value, Parameter) for value in joint.locked) or (parameters and any(joint.locked)):
         return (
             "parameters meet a locked translation in its joint frame. Put the translation into its position"

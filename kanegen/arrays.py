@@ -55,6 +55,7 @@ class SystemArrays:
     speeds: tuple[str, ...]  # (N,)
     coordinates: tuple[str, ...]  # (N,)
     forces: ForceArrays
+    prescribed: Flags  # (N, 6)
 
 
 def system_arrays(
@@ -67,6 +68,7 @@ def system_arrays(
     speeds: tuple[str, ...],
     coordinates: tuple[str, ...],
     forces: ForceArrays,
+    prescribed: Any,
     **floats: Any,
 ) -> SystemArrays:
     """`SystemArrays` from nested tuples; orientations given as 1-2-3 angles become matrices."""
@@ -79,6 +81,7 @@ def system_arrays(
         speeds=speeds,
         coordinates=coordinates,
         forces=forces,
+        prescribed=np.array(prescribed, dtype=np.bool_),
         **{name: np.array(value, dtype=np.float64) for name, value in floats.items()},
     )
 

@@ -3,12 +3,13 @@
 Seen from J, the point Q_K stands at `position`; there the joint frame has the constant orientation [C_K]; in
 it the origin O_K is displaced by s'_K; and body K is turned by three body-fixed angles, by default in the
 sequence 1-2-3 of the notes, so that [^J R_K] = [R_123] [C_K]. Any of the six freedoms can be locked at a
-value. Where all three angles are free, a quaternion can take their place.
+value, or prescribed: the body then moves by it as it is told. Where all three angles are free, a quaternion
+can take their place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -33,6 +34,11 @@ QUATERNION = ("e0", "e1", "e2", "e3")
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
+def named(flags: Iterable[bool]) -> tuple[str, ...]:
+    """Those of `FREEDOMS` whose flags are set."""
+    return tuple(name for name, flag in zip(FREEDOMS, flags, strict=True) if flag)
+
+
 @dataclass(frozen=True)
 class Joint:
     """How a body is attached to its lower body J.
@@ -43,7 +49,7 @@ class Joint:
             constant 1-2-3 angles (rad) where an angle is to stay a parameter. Angles that are all plain
             numbers become the matrix, with exact zeros and ones at right angles.
         free: Which of `FREEDOMS` are free.
-        locked: Values of those that are not (rad, m); 0 at the free ones.
+        locked: Values of those that neither are free nor prescribed (rad, m); 0 at the others.
         name: Name of the joint in a robot file; names the freedom where there is only one.
         speeds: One of `SPEEDS`. The components of `omega_hat'_K`, Eq. (8), keep [A] regular where the rates
             of the angles lose their meaning; they need three free angles.
@@ -52,6 +58,8 @@ class Joint:
             of body K.
         coordinates: One of `ORIENTATIONS`. Instead of three free angles, {x} then holds `QUATERNION`; their
             length has no meaning. The speeds are the components of `omega_hat'_K`, whatever `speeds` says.
+        prescribed: Which of `FREEDOMS` move as they are told: their values, rates and second derivatives are
+            inputs. None of them is free.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
@@ -62,6 +70,7 @@ class Joint:
     speeds: str = SPEEDS[0]
     sequence: str = sequences.NOTES
     coordinates: str = ORIENTATIONS[0]
+    prescribed: tuple[bool, ...] = (False,) * 6
 
     def __post_init__(self) -> None:
         if self.name != "":
@@ -72,9 +81,22 @@ class Joint:
         orientation = validation.orientation(self.orientation)
         locked = tuple(0.0 if is_free else value for is_free, value in zip(free, locked, strict=True))
         validation.store(self, position=position, orientation=orientation, free=free, locked=locked)
+        validation.store(self, prescribed=validation.flags(self.prescribed, 6, "prescribed"))
+        self._check_prescribed()
         sequences.check(self.sequence)
         self._check_coordinates()
         self._check_speeds()
+
+    def _check_prescribed(self) -> None:
+        for name, *what in zip(FREEDOMS, self.prescribed, self.free, self.locked, strict=True):
+            is_prescribed, is_free, value = what
+            if is_prescribed and is_free:
+                raise ModelError(f"prescribed: {name!r} is free as well. A freedom is one or the other.")
+            if is_prescribed and value != 0:
+                raise ModelError(
+                    f"prescribed: {name!r} is locked at {word(value)!r}. Leave one out: a prescribed freedom "
+                    "gets its values at run time."
+                )
 
     def _check_coordinates(self) -> None:
         if self.coordinates not in ORIENTATIONS:
@@ -103,6 +125,11 @@ class Joint:
             )
 
     @property
+    def moving(self) -> tuple[bool, ...]:
+        """Which of `FREEDOMS` move: those that are free or prescribed."""
+        return tuple(a or b for a, b in zip(self.free, self.prescribed, strict=True))
+
+    @property
     def turns_freely(self) -> bool:
         """Whether all three angles are free."""
         return all(self.free[:3])
@@ -127,6 +154,12 @@ class Joint:
         """Whether the last angle turns about the axis of the first, as in 3-1-3."""
         return self.axes[0] == self.axes[2]
 
+    def prescribing(self, index: int) -> Joint:
+        """The same joint where freedom `index` of `FREEDOMS`, free so far, is prescribed."""
+        free = tuple(flag and i != index for i, flag in enumerate(self.free))
+        told = tuple(flag or i == index for i, flag in enumerate(self.prescribed))
+        return replace(self, free=free, prescribed=told)
+
     def changed(self, change: Callable[[Number], Number]) -> Joint:
         """The same joint with `change` applied to every number."""
         return replace(
@@ -146,8 +179,9 @@ class Joint:
             table[key] = map_numbers(self.orientation, word)
         if self.sequence != sequences.NOTES:
             table["sequence"] = self.sequence
-        free = tuple(name for name, is_free in zip(FREEDOMS, self.free, strict=True) if is_free)
-        table["free"] = "all" if all(self.free) else free or "none"
+        table["free"] = "all" if all(self.free) else named(self.free) or "none"
+        if any(self.prescribed):
+            table["prescribed"] = named(self.prescribed)
         locked = zip(FREEDOMS, self.locked, strict=True)
         table["locked"] = {name: word(value) for name, value in locked if value}
         if self.is_quaternion:

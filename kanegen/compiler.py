@@ -322,6 +322,10 @@ def facts(system: System) -> ModelFacts:
         reactions=tuple(zip(system.reaction_names, (f.effort for f in system.reacting), strict=True)),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
+        prescribed=tuple(
+            (name, freedom.unit)
+            for name, freedom in zip(system.prescribed_names, system.prescribed, strict=True)
+        ),
     )
 
 

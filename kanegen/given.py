@@ -7,8 +7,8 @@ from typing import TypedDict
 from numpy.typing import ArrayLike
 
 
-class Given(TypedDict, total=False):
-    """One of each may serve all states of a batch.
+class GivenLoads(TypedDict, total=False):
+    """Of force elements and points; one of each may serve all states of a batch.
 
     Attributes:
         point_force: (P, 3) or (B, P, 3) force on each point that takes loads, inertial components, N; None is
@@ -20,3 +20,14 @@ class Given(TypedDict, total=False):
     point_force: ArrayLike | None
     point_moment: ArrayLike | None
     t: ArrayLike
+
+
+class Given(GivenLoads, total=False):
+    """And of prescribed freedoms.
+
+    Attributes:
+        prescribed: (3, p) or (B, 3, p) values (rad, m), rates and second derivatives of the prescribed
+            freedoms, in the order of `prescribed_names`.
+    """
+
+    prescribed: ArrayLike

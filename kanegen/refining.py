@@ -116,7 +116,7 @@ def _states(system: System) -> States:
 
 
 def _condition(system: System, states: States) -> float:
-    matrix = reference.mass_matrix(system, states.x)
+    matrix = reference.mass_matrix(system, states.x, states.motion)
     scale = 1 / np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
     condition: Floats = np.linalg.cond(matrix * scale[:, :, None] * scale[:, None, :])
     return float(np.max(np.where(np.isnan(condition), np.inf, condition)))

@@ -45,7 +45,7 @@ def locked(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
         for indices in (range(3), range(3, 6))
         for k, body in enumerate(bodies, start=1)
         for index in indices
-        if not body.joint.free[index]
+        if not body.joint.moving[index]
     }
 
 
@@ -80,8 +80,14 @@ def reactions(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
 
 def _refusal(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
     """Why a name is no locked direction, and what to do."""
-    if name in [f"{body.name}.{freedom}" for body in bodies for freedom in FREEDOMS]:
-        return f"{name!r} is free; its effort is what inverse_dynamics gives. Lock it, or leave it out."
+    for body in bodies:
+        for index, freedom in enumerate(FREEDOMS):
+            if name == f"{body.name}.{freedom}":
+                is_free = body.joint.free[index]
+                moves, output = (
+                    ("free", "inverse_dynamics") if is_free else ("prescribed", "prescribed_efforts")
+                )
+                return f"{name!r} is {moves}; its effort is what {output} gives. Lock it, or leave it out."
     if not known:
         return "no direction of a joint is locked. Lock one, or take inverse_dynamics."
     return f"there is no locked direction {name!r}. {did_you_mean(name, known)}"

@@ -45,13 +45,20 @@ REACTIONS = Subject(
 )
 
 
+PRESCRIBED = Subject(
+    lambda system: system.prescribed,
+    'has no prescribed freedoms. Prescribe some in the model file, such as prescribed = ["theta1"] in a '
+    "joint, or use System.with_prescribed.",
+)
+
+
 @dataclass(frozen=True)
 class OutputKind:
     """An output that can be asked for.
 
     Attributes:
         array: The array that it fills.
-        inputs: Names of the arrays that it may read.
+        inputs: Names of the arrays that it may read, beside those of `EVERYWHERE`.
         subject: What it is about, so that only systems with it have the output; None where all do.
     """
 
@@ -160,8 +167,16 @@ def _regularity(system: System) -> Array:
     return Array("regularity", (len(system.freedoms),), "1", doc)
 
 
+def _prescribed_efforts(system: System) -> Array:
+    doc = "generalized forces that act at the prescribed freedoms, beside loads and gravity"
+    return Array("prescribed_efforts", (len(system.prescribed),), "N m, N", doc)
+
+
 LOADS = ("force", "torque", "point_force", "point_moment", "t")
 """What may act on a system beside gravity and {tau}, or decide about it."""
+
+EVERYWHERE = ("prescribed",)
+"""Arrays that every output may read."""
 
 
 def _derivatives(name: str) -> Callable[[System], Array]:
@@ -186,6 +201,7 @@ OUTPUTS: dict[str, OutputKind] = {
     "point_velocities": OutputKind(_point_velocities, ("x", "y"), POINTS),
     "point_accelerations": OutputKind(_point_accelerations, ("x", "y", "ydot"), POINTS),
     "point_jacobians": OutputKind(_point_jacobians, ("x",), POINTS),
+    "prescribed_efforts": OutputKind(_prescribed_efforts, ("x", "y", "ydot", *LOADS), PRESCRIBED),
     "forcing_derivatives": OutputKind(_derivatives("forcing_derivatives"), ("x", "y", *LOADS)),
     "inverse_dynamics_derivatives": OutputKind(
         _derivatives("inverse_dynamics_derivatives"), ("x", "y", "ydot", *LOADS)
@@ -220,7 +236,7 @@ def require_available(system: System, outputs: Iterable[str]) -> None:
     """Make sure that a system has what outputs are about.
 
     Raises:
-        OptionError: If they are about points, or locked directions, and there are none.
+        OptionError: If they are about something that there is not.
     """
     for name in outputs:
         subject = OUTPUTS[name].subject
@@ -267,6 +283,10 @@ def input_arrays(system: System) -> dict[Array, Elements]:
         arrays[couple] = _named([symbols.point_moment(number, axis) for number, axis in places])
     if system.depends_on_time:
         arrays[Array("t", (), "s", "the time")] = _named([symbols.time()])
+    if system.prescribed:
+        doc = "the prescribed freedoms: a row of values, one of rates, one of second derivatives"
+        array = Array("prescribed", (3, len(system.prescribed)), "rad, m; rad/s, m/s; rad/s^2, m/s^2", doc)
+        arrays[array] = _named(symbols.prescribed(system))
     return arrays
 
 
@@ -289,12 +309,13 @@ def _named(elements: Sequence[Symbol]) -> Elements:
 def functions(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
     """One function for every output, and `EVALUATE` for all of them where there are several."""
     available = [array.name for array in input_arrays(system)]
+    read = {name: {*OUTPUTS[name].inputs, *EVERYWHERE} for name in outputs}
     groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}
     if len(outputs) > 1:
         groups[EVALUATE] = tuple(outputs)
     return {
         function: Signature(
-            inputs=tuple(a for a in available if any(a in OUTPUTS[name].inputs for name in group)),
+            inputs=tuple(a for a in available if any(a in read[name] for name in group)),
             outputs=tuple(OUTPUTS[name].array(system).name for name in group),
         )
         for function, group in groups.items()

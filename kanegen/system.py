@@ -1,7 +1,7 @@
 """A tree of rigid bodies: the source language of kanegen.
 
 Body K (numbered from 1) hangs on its lower body J = L(K) < K, 0 being the ground. Its free coordinates make
-up {x}; the locked ones leave {x}, {y}, [A] and {f}.
+up {x}; the locked ones leave {x}, {y}, [A] and {f}, and so do the prescribed ones, whose motion is an input.
 """
 
 from __future__ import annotations
@@ -132,8 +132,9 @@ class System:
         validation.store(self, poses=reported.poses(self.bodies, self.poses))
         validation.store(self, reactions=reported.reactions(self.bodies, self.reactions))
         if not self.freedoms:
-            raise ModelError(f"system {self.name!r} has no free freedom: every joint is locked.")
-        validation.unique("freedom name", self.freedom_names)
+            what = "locked or prescribed" if self.prescribed else "locked"
+            raise ModelError(f"system {self.name!r} has no free freedom: every joint is {what}.")
+        validation.unique("freedom name", (*self.freedom_names, *self.prescribed_names))
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
         validation.unique("point name", self.point_names)
@@ -159,6 +160,7 @@ class System:
         sequence: Any = NOTES,
         speeds: Any = SPEEDS[0],
         coordinates: Any = ORIENTATIONS[0],
+        prescribed: Any = None,
     ) -> _S:
         """A system from one array a quantity; body K is row K - 1 and is called `bodyK`.
 
@@ -171,7 +173,7 @@ class System:
             mass_center: (N, 3) from O_K to G_K, in body components, m.
             joint_position: (N, 3) from O_J to Q_K, in lower body components, m.
             joint_orientation: (N, 3, 3) rotations, lower body to joint frame; default identity.
-            free: (N, 6) bool, columns as `FREEDOMS`; default all free.
+            free: (N, 6) bool, columns as `FREEDOMS`; default all but those that are prescribed.
             locked: (N, 6) values of the locked freedoms, rad and m; default 0.
             gravity: (3,) inertial components, m/s^2.
             loads: None, True or (N,) bool: bodies that take force and torque inputs.
@@ -179,6 +181,7 @@ class System:
             sequence: One name or (N,) names of `sequences.SEQUENCES`: about which axes the angles turn.
             speeds: One name or (N,) names of `body.SPEEDS`: what the speeds of the angles are.
             coordinates: One name or (N,) names of `body.ORIENTATIONS`: what stands for the orientation.
+            prescribed: (N, 6) bool: freedoms whose motion is an input; default none.
 
         Raises:
             ModelError: If a shape, a number, the tree or the name is not usable.
@@ -191,7 +194,9 @@ class System:
         centers = numbers(mass_center, (count, 3), "mass_center")
         positions = numbers(joint_position, (count, 3), "joint_position")
         orientations = rows.numbers(joint_orientation, (3, 3), IDENTITY, "joint_orientation")
-        frees = rows.flags(free, 6, True, "free")
+        told = rows.flags(prescribed, 6, False, "prescribed")
+        rest = tuple(tuple(not flag for flag in row) for row in told)
+        frees = rest if free is None else rows.flags(free, 6, True, "free")
         lockeds = rows.numbers(locked, (6,), (0.0,) * 6, "locked")
         loaded = rows.loads(loads)
         kinds = rows.names(speeds, "speeds")
@@ -201,7 +206,9 @@ class System:
         for k in range(count):
             try:
                 turning = {"sequence": order[k], "speeds": kinds[k], "coordinates": held[k]}
-                joint = Joint(positions[k], orientations[k], frees[k], lockeds[k], **turning)
+                joint = Joint(
+                    positions[k], orientations[k], frees[k], lockeds[k], **turning, prescribed=told[k]
+                )
             except ModelError as error:
                 raise ModelError(f"body {k + 1}: {error}") from None
             label = f"body{k + 1}"
@@ -221,11 +228,25 @@ class System:
     @cached_property
     def freedoms(self) -> tuple[Freedom, ...]:
         """The freedoms in the order of {y}: those of angles of all bodies, then of translations (Eq. 1)."""
+        return self._ordered(lambda joint: joint.free)
+
+    @cached_property
+    def prescribed(self) -> tuple[Freedom, ...]:
+        """The freedoms whose motion is an input, in the same order."""
+        return self._ordered(lambda joint: joint.prescribed)
+
+    @cached_property
+    def prescribed_names(self) -> tuple[str, ...]:
+        """Their names, made as `freedom_names`: the order of the columns of the input `prescribed`."""
+        return tuple(self._freedom_name(freedom) for freedom in self.prescribed)
+
+    def _ordered(self, which: Callable[[Joint], tuple[bool, ...]]) -> tuple[Freedom, ...]:
+        """Some freedoms of each joint in the order of Eq. (1)."""
         every = [
             Freedom(k, index)
             for k, body in enumerate(self.bodies, start=1)
-            for index, is_free in enumerate(body.joint.free)
-            if is_free
+            for index, is_one in enumerate(which(body.joint))
+            if is_one
         ]
         return tuple(f for f in every if f.is_angle) + tuple(f for f in every if not f.is_angle)
 
@@ -386,6 +407,30 @@ class System:
         """
         return replace(self, reactions=reported.reactions(self.bodies, directions))
 
+    def with_prescribed(self: _S, names: Iterable[str] | str) -> _S:
+        """The same system, where the motion of some freedoms is an input; they leave {x}, {y}, [A] and {f}.
+
+        Args:
+            names: Of free freedoms, one or several: `freedom_names`, or `<body>.theta1` ... `<body>.s3`.
+
+        Raises:
+            ModelError: If there is no such freedom, it is locked, or a joint cannot do without it.
+        """
+        every = {self._freedom_name(freedom): freedom for freedom in self._ordered(lambda joint: (True,) * 6)}
+        bodies = list(self.bodies)
+        for name in (names,) if isinstance(names, str) else names:
+            if name not in every:
+                free = [known for known, freedom in every.items() if freedom in self.places]
+                raise ModelError(f"prescribed: there is no freedom {name!r}. {did_you_mean(name, free)}")
+            k, index = every[name].body - 1, every[name].index
+            if not bodies[k].joint.moving[index]:
+                raise ModelError(f"prescribed: {name!r} is locked; free it, then prescribe it.")
+            try:
+                bodies[k] = replace(bodies[k], joint=bodies[k].joint.prescribing(index))
+            except ModelError as error:
+                raise ModelError(f"prescribed: {name!r}: {error}") from None
+        return replace(self, bodies=tuple(bodies))
+
     def spins(self, freedom: Freedom) -> bool:
         """Whether the speed at the place of `freedom` is a component of a relative angular velocity."""
         return freedom.is_angle and self.bodies[freedom.body - 1].joint.spins
@@ -438,7 +483,7 @@ class System:
 
     def _freedom_name(self, freedom: Freedom) -> str:
         body = self.bodies[freedom.body - 1]
-        if body.joint.name and sum(body.joint.free) == 1:
+        if body.joint.name and body.joint.moving[freedom.index] and sum(body.joint.moving) == 1:
             return body.joint.name
         return f"{body.name}.{FREEDOMS[freedom.index]}"
 
@@ -508,6 +553,7 @@ class System:
             sequence=tuple(joint.sequence for joint in joints),
             speeds=tuple(joint.speeds for joint in joints),
             coordinates=tuple(joint.coordinates for joint in joints),
+            prescribed=tuple(joint.prescribed for joint in joints),
             forces=self._forces(),
         )
 

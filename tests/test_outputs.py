@@ -13,7 +13,7 @@ import pytest
 import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.program.count import count
-from kanegen.signature import OUTPUTS, available
+from kanegen.signature import available
 from tests import moving_bodies, systems
 from tests.moving_bodies import READS_SPEEDS
 
@@ -98,7 +98,7 @@ def test_parameters_are_prepared_once_for_all() -> None:
 
 @pytest.fixture(scope="module")
 def library() -> kg.Library:
-    return kg.build(system(), tuple(OUTPUTS), flags=FLAGS)
+    return kg.build(system(), available(system()), flags=FLAGS)
 
 
 def test_one_state_and_many_in_c(library: kg.Library) -> None:

@@ -65,9 +65,9 @@ def require_equal(system: kg.System, seed: int) -> None:
     y[free] = given["y"]
     matrix, forcing = results(general, given | {"x": x, "y": y})
     special_matrix, special_forcing = results(system, given)
-    arrays = system.values()
-    bodies = kinematics(arrays, given["x"], given["y"])
-    reach = reaches(arrays, bodies, given["y"])
+    arrays, told = system.values(), sample.motion[0]
+    bodies = kinematics(arrays, given["x"], given["y"], told)
+    reach = reaches(arrays, bodies, given["y"], told)
     limit = 2 * rounding_bound(system.number_of_bodies)
     force, torque = given.get("force"), given.get("torque")
     assert (
@@ -94,6 +94,17 @@ def test_so_do_robots(robot: str) -> None:
 def test_so_do_random_scenes(seed: int) -> None:
     rng = np.random.default_rng(seed)
     require_equal(systems.random_system(rng, int(rng.integers(1, 5))), seed)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_so_do_scenes_with_prescribed_freedoms(seed: int) -> None:
+    """What the scene prescribes the general program prescribes."""
+    rng = np.random.default_rng([2, seed])
+    system = systems.random_system(rng, 3, free=systems.flags(3, ["theta1", "theta3", "s2"]))
+    system = system.with_prescribed(rng.choice(system.freedom_names, 4, replace=False).tolist())
+    (_, general), *_ = steps(system)
+    assert len(general.freedoms) == 14
+    require_equal(system, seed)
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from kanegen.bench.peers.field import PEERS, contestants
 from kanegen.bench.results import Results, difference
 from kanegen.bench.states import plain, random_states
 from kanegen.errors import MissingError, OptionError
+from kanegen.prescribed import require_unprescribed
 from kanegen.system import System
 
 Progress = Callable[[str], None]
@@ -33,10 +34,11 @@ def compete(
     Raises:
         BuildError: If there is no C compiler.
         MissingError: If nobody can compute the model.
-        OptionError: If a peer is unknown, or the generalized speeds are not the rates of the coordinates,
-            which are all that the peers know.
+        OptionError: If a peer is unknown, a freedom is prescribed, or the generalized speeds are not the
+            rates of the coordinates, which are all that the peers know.
         SingularError: If [A] is singular in every state.
     """
+    require_unprescribed(system, "contest")
     if not system.speeds_are_rates:
         raise OptionError(
             f"system {system.name!r}: its generalized speeds are components of angular velocities, and a "

@@ -46,6 +46,8 @@ def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, i
         rows.append((f"{prefix}_POSES", len(chosen), "bodies with poses"))
     if loads := reactions(model, asked):
         rows.append((f"{prefix}_REACTIONS", len(loads), "locked directions with reaction loads"))
+    if model.prescribed:
+        rows.append((f"{prefix}_PRESCRIBED", len(model.prescribed), "p, prescribed freedoms"))
     for function in functions:
         if function.name == PREPARE:
             rows += [
@@ -152,7 +154,10 @@ def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple
     """An initial value and a label for every element; parameters have their defaults."""
     if function.name == PREPARE:
         return [(default, name) for name, default in model.parameters]
-    if not array.shape:
+    if array.name == "prescribed":
+        phrases = ("{}", "rate of {}", "second derivative of {}")
+        labels = [phrase.format(name) for phrase in phrases for name in model.prescribed_names]
+    elif not array.shape:
         labels = [array.unit]
     elif len(array.shape) == 1:
         labels = list(model.coordinate_names)

@@ -39,6 +39,7 @@ class ModelFacts:
         poses: Names of the bodies that `body_poses` gives, in the order of its rows.
         reactions: Of each locked direction that `reaction_loads` gives, its name and the unit of its load.
         sequences: Of the bodies whose angles do not turn about the axes 1-2-3, name and sequence.
+        prescribed: Of each prescribed freedom its name and its unit, "rad" or "m".
     """
 
     name: str
@@ -59,6 +60,12 @@ class ModelFacts:
     force_elements: tuple[str, ...] = ()
     poses: tuple[str, ...] = ()
     reactions: tuple[tuple[str, str], ...] = ()
+    prescribed: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def prescribed_names(self) -> tuple[str, ...]:
+        """p names of the freedoms whose motion is an input."""
+        return tuple(name for name, _ in self.prescribed)
 
     def unloaded(self, kind: str) -> dict[int, str]:
         """The rows of what takes no loads, "body" or "point", and what it is."""

@@ -12,8 +12,8 @@ the reference (`magnitudes`), and D = diag(S_A)^(1/2), which takes the units fro
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, Protocol, Unpack
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,6 @@ from kanegen.check.measure import StateErrors, joined, state_errors
 from kanegen.check.report import Accuracy, Evaluation, Report
 from kanegen.check.states import States, random_states
 from kanegen.errors import OptionError
-from kanegen.given import Given
 from kanegen.precision import DOUBLE, Precision
 from kanegen.system import System
 
@@ -51,18 +50,13 @@ class ComparedLibrary(Protocol):
     def outputs(self) -> tuple[str, ...]:
         """Names of what it computes."""
 
-    def mass_matrix(self, x: Floats) -> NDArray[Any]:
-        """(B, n, n) from (B, n)."""
+    @property
+    def mass_matrix(self) -> Callable[..., NDArray[Any]]:
+        """(B, n, n) from (B, n), and from `States.given` by name."""
 
-    def forcing(
-        self,
-        x: Floats,
-        y: Floats,
-        force: Floats | None = None,
-        torque: Floats | None = None,
-        **given: Unpack[Given],
-    ) -> NDArray[Any]:
-        """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3), and what `States.given` holds."""
+    @property
+    def forcing(self) -> Callable[..., NDArray[Any]]:
+        """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3) by name, and from `States.given`."""
 
 
 def compare(
@@ -123,16 +117,17 @@ def _batch_errors(
     given_x, given_y = storage.stored(x), storage.stored(y)
     given_force, given_torque = (None if f is None else storage.stored(f) for f in (force, torque))
     given = {name: storage.stored(values) for name, values in states.given.items()}
-    bodies = kinematics(arrays, x, y)
-    reach = reaches(arrays, bodies, y)
+    told = states.motion
+    bodies = kinematics(arrays, x, y, told)
+    reach = reaches(arrays, bodies, y, told)
     matrix_size = mass_matrix_magnitude(arrays, reach)
     diagonal = np.einsum("bii->bi", matrix_size)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     errors = {}
     if "mass_matrix" in outputs:
-        truth = reference.mass_matrix(arrays, x)
+        truth = reference.mass_matrix(arrays, x, told)
         scales = scale[:, :, None] * scale[:, None, :]
-        value = storage.nearest(library.mass_matrix(given_x))
+        value = storage.nearest(library.mass_matrix(given_x, **given))
         errors["mass_matrix"] = state_errors(value, truth, matrix_size, scales, limit)
     if "forcing" in outputs:
         truth = reference.forcing(arrays, x, y, force, torque, **states.given)

@@ -56,18 +56,22 @@ class _Seen:
 
 
 def contributions(
-    system: SystemArrays, bodies: tuple[BodyKinematics, ...], x: Numbers, speeds: Numbers, acting: Acting
+    system: SystemArrays,
+    bodies: tuple[BodyKinematics, ...],
+    coordinates: tuple[Numbers, Numbers],
+    speeds: Numbers,
+    acting: Acting,
 ) -> Iterator[Contribution]:
     """What each element and each loaded point adds.
 
     Args:
         system: The numbers of the tree.
         bodies: Their kinematics.
-        x: (..., m) coordinates.
+        coordinates: (..., m) those in {x}, and (..., p) those that are prescribed.
         speeds: (..., 6N) in the order of Eq. (1).
         acting: Loads on points, and the time.
     """
-    scene = _Scene(system, bodies, _variables(system, x, speeds, acting.t), speeds)
+    scene = _Scene(system, bodies, _variables(system, coordinates, speeds, acting.t), speeds)
     for element in system.forces.elements:
         match element:
             case JointSpring(name, stiffness, rest, damping):
@@ -214,9 +218,11 @@ def _steady(number: float) -> Dual:
     return Dual(Rounded(number, 0.0), Rounded(0.0, 0.0))
 
 
-def _variables(system: SystemArrays, x: Numbers, speeds: Numbers, t: Numbers) -> dict[str, Numbers]:
+def _variables(
+    system: SystemArrays, coordinates: tuple[Numbers, Numbers], speeds: Numbers, t: Numbers
+) -> dict[str, Numbers]:
     """The values of all names."""
-    orientations, translations = by_body(system, x)
+    orientations, translations = by_body(system, *coordinates)
     found: dict[str, Numbers] = {TIME: t}
     for name, (k, index) in system.forces.variables.items():
         kind, axis = divmod(index, 3) if index < len(FREEDOMS) else (0, index - len(FREEDOMS))

@@ -1,8 +1,8 @@
 """Equations (1)-(35) of the notes, written down in NumPy as they stand there.
 
 Every body has its partial velocity matrices of size (3, 6N) and their time derivatives, built outward from
-those of its lower body. Columns of locked freedoms are present too; the reader drops them last. Nothing
-here shares code with the derivation that becomes C.
+those of its lower body. Columns of locked and of prescribed freedoms are present too; the reader drops them
+last. Nothing here shares code with the derivation that becomes C.
 
 The arithmetic is that of the state: float64, longdouble, complex (for complex-step derivatives), and object
 arrays of high-precision numbers that know `sin` and `cos`. In shapes, `...` is the batch: nothing, or (B,).
@@ -30,6 +30,9 @@ from kanegen.check.matrices import (
 )
 from kanegen.check.sequences import renaming
 from kanegen.sequences import SEQUENCES
+
+UNPRESCRIBED = np.zeros((3, 0))
+"""Of a system without prescribed freedoms."""
 
 
 @dataclass(frozen=True)
@@ -78,20 +81,23 @@ class BodyKinematics:
     center_velocity: Numbers
 
 
-def kinematics(system: SystemArrays, x: Numbers, y: Numbers) -> tuple[BodyKinematics, ...]:
+def kinematics(
+    system: SystemArrays, x: Numbers, y: Numbers, prescribed: Numbers = UNPRESCRIBED
+) -> tuple[BodyKinematics, ...]:
     """The matrices of bodies 1 to N.
 
     Args:
         system: The numbers of the tree.
         x: (..., m) coordinates (rad, m, 1).
         y: (..., n) generalized speeds (rad/s, m/s).
+        prescribed: (..., 3, p) values, rates and second derivatives of the prescribed freedoms.
 
     Where the speeds of a body's angles are components of its relative angular velocity, [P^AV_K] is the
     identity and its rate zero.
     """
     count = len(system.mass)
-    speeds = full_order(system, y, np.zeros((count, 6)))
-    orientations, translations = by_body(system, x)
+    speeds = full_order(system, y, prescribed[..., 1, :])
+    orientations, translations = by_body(system, x, prescribed[..., 0, :])
     rates, translation_rates = _by_body(speeds)
     bodies = [_ground(count, speeds.dtype)]
     for k in range(count):
@@ -105,19 +111,26 @@ def free_columns(system: SystemArrays) -> NDArray[np.bool_]:
     return np.concatenate([system.free[:, :3].ravel(), system.free[:, 3:].ravel()])
 
 
-def by_body(system: SystemArrays, x: Numbers) -> tuple[list[Numbers], list[Numbers]]:
+def prescribed_columns(system: SystemArrays) -> NDArray[np.bool_]:
+    """(6N,) which are prescribed."""
+    return np.concatenate([system.prescribed[:, :3].ravel(), system.prescribed[:, 3:].ravel()])
+
+
+def by_body(system: SystemArrays, x: Numbers, prescribed: Numbers) -> tuple[list[Numbers], list[Numbers]]:
     """For each body its (..., 3) angles or (..., 4) quaternion, and its (..., 3) translation."""
-    rest, parts = x, []
+    rest, told, parts = x, prescribed, []
+    dtype = np.result_type(x.dtype, prescribed.dtype, system.locked.dtype)
     for columns in (slice(0, 3), slice(3, 6)):
         found = []
         for k, held in enumerate(system.coordinates):
             if held == "quaternion" and columns.start == 0:
                 own, rest = rest[..., :4], rest[..., 4:]
             else:
-                free = system.free[k, columns]
-                own = np.empty((*x.shape[:-1], 3), np.result_type(x.dtype, system.locked.dtype))
+                free, moved = system.free[k, columns], system.prescribed[k, columns]
+                own = np.empty((*x.shape[:-1], 3), dtype)
                 own[...] = system.locked[k, columns]
                 own[..., free], rest = rest[..., : free.sum()], rest[..., free.sum() :]
+                own[..., moved], told = told[..., : moved.sum()], told[..., moved.sum() :]
             found.append(own)
         parts.append(found)
     return parts[0], parts[1]
@@ -128,13 +141,12 @@ def coordinate_count(system: SystemArrays) -> int:
     return int(free_columns(system).sum()) + system.coordinates.count("quaternion")
 
 
-def full_order(system: SystemArrays, values: Numbers, locked: Numbers) -> Numbers:
-    """(..., 6N) in the order of Eq. (1): `values` (..., n) where free, `locked` (N, 6) elsewhere."""
-    every = np.concatenate([locked[:, :3].ravel(), locked[:, 3:].ravel()])
-    dtype = np.result_type(values.dtype, every.dtype)
-    full = np.empty((*values.shape[:-1], every.size), dtype)
-    full[...] = every
+def full_order(system: SystemArrays, values: Numbers, prescribed: Numbers) -> Numbers:
+    """(..., 6N) in the order of Eq. (1), from (..., n) of free and (..., p) of prescribed freedoms."""
+    dtype = np.result_type(values.dtype, prescribed.dtype, np.float64)
+    full = np.full((*values.shape[:-1], system.free.size), 0.0, dtype)
     full[..., free_columns(system)] = values
+    full[..., prescribed_columns(system)] = prescribed
     return full
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
-from kanegen.check.kinematics import BodyKinematics, free_columns, full_order
+from kanegen.check.kinematics import UNPRESCRIBED, BodyKinematics, free_columns, full_order
 from kanegen.check.matrices import Numbers, apply, length, transposed
 from kanegen.precision import DOUBLE, Precision
 
@@ -29,8 +29,8 @@ class Reach:
         center_y: (..., 6N) columns of those of this body's mass centre, and of everything before it.
         rate: (...) angular velocities, absolute and relative.
         velocity: (...) velocities of the origins.
-        rate_dot: (...) angular accelerations at constant speeds.
-        velocity_dot: (...) accelerations of the origins at constant speeds.
+        rate_dot: (...) angular accelerations at constant speeds, save for those that are prescribed.
+        velocity_dot: (...) accelerations of the origins, likewise.
         center_acceleration: (...) acceleration of this body's mass centre, and of everything before it.
     """
 
@@ -44,18 +44,27 @@ class Reach:
     center_acceleration: Floats
 
 
-def reaches(system: SystemArrays, bodies: tuple[BodyKinematics, ...], y: Numbers) -> tuple[Reach, ...]:
-    """The reach of bodies 1 to N, from their kinematics and the speeds `y` (..., n)."""
+def reaches(
+    system: SystemArrays,
+    bodies: tuple[BodyKinematics, ...],
+    y: Numbers,
+    prescribed: Numbers = UNPRESCRIBED,
+) -> tuple[Reach, ...]:
+    """The reach of bodies 1 to N, from their kinematics, the speeds `y` (..., n) and what is prescribed."""
     count = len(bodies)
-    speeds = full_order(system, y, np.zeros((count, 6)))
+    speeds = full_order(system, y, prescribed[..., 1, :])
+    given = full_order(system, np.zeros_like(y), prescribed[..., 2, :])
     zero, columns = np.zeros(y.shape[:-1]), np.zeros((*y.shape[:-1], 6 * count))
     found = [Reach(columns, columns, columns, zero, zero, zero, zero, zero)]
     for k, body in enumerate(bodies):
-        found.append(_reach(system, k, body, found[system.connection[k]], speeds))
+        found.append(_reach(system, k, body, found[system.connection[k]], speeds, given))
     return tuple(found[1:])
 
 
-def _reach(system: SystemArrays, k: int, body: BodyKinematics, lower: Reach, speeds: Numbers) -> Reach:
+def _reach(
+    system: SystemArrays, k: int, body: BodyKinematics, lower: Reach, speeds: Numbers, given: Numbers
+) -> Reach:
+    """`speeds` and `given` are (..., 6N) all speeds, and the accelerations that are prescribed."""
     arm = np.maximum(length(body.offset), length(system.joint_position[k]))
     lever = length(system.mass_center[k])
     omega_y = length(body.omega_y, axis=-2)
@@ -66,16 +75,25 @@ def _reach(system: SystemArrays, k: int, body: BodyKinematics, lower: Reach, spe
     velocity = _largest(
         lower.velocity, length(apply(body.origin_y, speeds)), length(body.offset_dot), lower.rate * arm
     )
-    rate_dot = _largest(lower.rate_dot, length(apply(body.omega_y_dot, speeds)), rate * rate)
+    turning, moving = given[..., 3 * k : 3 * k + 3], apply(body.origin_y, given)
+    rate_dot = _largest(
+        lower.rate_dot,
+        length(apply(body.omega_y_dot, speeds)),
+        length(apply(body.omega_y, given)),
+        length(turning),
+        rate * rate,
+    )
     velocity_dot = _largest(
         lower.velocity_dot,
         length(apply(body.origin_y_dot, speeds)),
+        length(moving),
         lower.rate_dot * arm,
         rate * velocity,
     )
     center_acceleration = _largest(
         velocity_dot,
         length(apply(body.center_y_dot, speeds)),
+        length(apply(body.center_y, given)),
         rate_dot * lever,
         rate * length(body.center_velocity),
         rate * rate * lever,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
-from kanegen.check.kinematics import free_columns, kinematics
+from kanegen.check.kinematics import UNPRESCRIBED, free_columns, kinematics
 from kanegen.check.magnitudes import reaches
 from kanegen.validation import INERTIA_ROUNDING
 
@@ -34,13 +34,15 @@ class MovingRows:
     magnitudes: Floats
 
 
-def moving_rows(arrays: SystemArrays, x: Floats, order: Sequence[int]) -> MovingRows:
-    """The rows where {x} is `x`, with the freedoms in the given order."""
+def moving_rows(
+    arrays: SystemArrays, x: Floats, order: Sequence[int], prescribed: Floats = UNPRESCRIBED
+) -> MovingRows:
+    """The rows where {x} is `x` and `prescribed` stands as it does, with the freedoms in the given order."""
     columns = np.flatnonzero(free_columns(arrays))[list(order)]
     still = np.zeros(len(columns))
-    bodies = kinematics(arrays, x, still)
+    bodies = kinematics(arrays, x, still, prescribed)
     blocks, sizes = [], []
-    for k, reach in enumerate(reaches(arrays, bodies, still)):
+    for k, reach in enumerate(reaches(arrays, bodies, still, prescribed)):
         if arrays.mass[k] > 0:
             blocks.append(bodies[k].center_y[:, columns])
             sizes.append(reach.center_y[columns])

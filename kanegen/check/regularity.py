@@ -35,8 +35,9 @@ def require_regular(system: System) -> None:
     arrays = system.values()
     inward = _inward(system)
     motion: list[int] = []
-    for x in random_states(arrays, STATES).x:
-        motion = _empty_motion(moving_rows(arrays, x, inward))
+    states = random_states(arrays, STATES)
+    for x, told in zip(states.x, states.motion, strict=True):
+        motion = _empty_motion(moving_rows(arrays, x, inward, told))
         if not motion:
             return
     raise SingularError(_message(system, [inward[i] for i in motion]))

@@ -142,11 +142,11 @@ def _failure(accuracy: Accuracy) -> str:
     worst = accuracy.worst
     bad = accuracy.not_finite
     counted = f"{accuracy.output}: {bad} state{' is' if bad == 1 else 's are'} not finite\n" if bad else ""
-    loads = "" if worst.force is None else f"\n  force = {worst.force!r}\n  torque = {worst.torque!r}"
-    loads += "".join(f"\n  {name} = {value!r}" for name, value in worst.given.items())
+    given = "" if worst.force is None else f"\n  force = {worst.force!r}\n  torque = {worst.torque!r}"
+    given += "".join(f"\n  {name} = {value!r}" for name, value in worst.given.items())
     return (
         f"{counted}{accuracy.output}: worst in state {worst.state}, entry {worst.entry}: "
-        f"{worst.value!r} instead of {worst.reference!r}\n  x = {worst.x!r}\n  y = {worst.y!r}{loads}"
+        f"{worst.value!r} instead of {worst.reference!r}\n  x = {worst.x!r}\n  y = {worst.y!r}{given}"
     )
 
 

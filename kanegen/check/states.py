@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
-from kanegen.check.kinematics import free_columns
+from kanegen.check.kinematics import free_columns, prescribed_columns
 from kanegen.check.matrices import length
 from kanegen.force_elements.expression import TIME
 from kanegen.precision import Precision
@@ -35,7 +35,8 @@ class States:
         y: (B, n) generalized speeds (rad/s, m/s).
         force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if none does.
         torque: (B, N, 3) torques (N m), likewise.
-        given: What only some systems read, by name: "point_force" and "point_moment" (B, P, 3), "t" (B,).
+        given: What only some systems read, by name: "point_force" and "point_moment" (B, P, 3), "t" (B,), and
+            "prescribed" (B, 3, p), the values, rates and second derivatives of the prescribed freedoms.
     """
 
     x: Floats
@@ -47,6 +48,11 @@ class States:
     def __len__(self) -> int:
         """B."""
         return len(self.x)
+
+    @property
+    def motion(self) -> Floats:
+        """(B, 3, p) that of the prescribed freedoms, p being 0 where there are none."""
+        return self.given.get("prescribed", np.zeros((len(self), 3, 0)))
 
     def part(self, start: int, stop: int) -> States:
         """States number `start` to `stop` - 1."""
@@ -93,10 +99,14 @@ def ranges(system: System | SystemArrays) -> Ranges:
     weight = np.where(arrays.loads, mass, 0.0) * acceleration
     of_points = [k - 1 for k, _ in arrays.forces.points.values()]
     at_points = np.where(arrays.forces.loaded, mass[of_points] * acceleration, 0.0)
+    told = prescribed_columns(arrays)
+    moved = [np.concatenate([np.full_like(size, np.pi), size])]
+    moved += [np.concatenate([rate**power, rate**power * size]) for power in (1, 2)]
     given = {
         "point_force": np.tile(at_points[:, None], 3),
         "point_moment": np.tile((at_points * size[of_points])[:, None], 3),
         "t": np.array(PERIODS * np.sqrt(size.max() / acceleration)),
+        "prescribed": np.stack([np.repeat(each, 3)[told] for each in moved]),
     }
     return Ranges(
         x=np.concatenate([*turning, lengths]),
@@ -116,6 +126,8 @@ def _read(arrays: SystemArrays) -> Iterator[str]:
         TIME in written.variables for element in arrays.forces.elements for written in element.expressions()
     ):
         yield "t"
+    if arrays.prescribed.any():
+        yield "prescribed"
 
 
 def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:

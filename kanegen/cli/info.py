@@ -16,7 +16,7 @@ from rich.tree import Tree
 
 from kanegen import compiler
 from kanegen import variant as variants
-from kanegen.body import FREEDOMS, Body
+from kanegen.body import FREEDOMS, Body, named
 from kanegen.derivatives import DERIVATIVES
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.program.passes import Stage, savings
@@ -60,7 +60,8 @@ class Facts:
                     "name": body.name,
                     "connection": body.lower,
                     "mass": value_of(body.mass),
-                    "free": _free(body),
+                    "free": named(body.joint.free),
+                    "prescribed": named(body.joint.prescribed),
                     "coordinates": body.joint.coordinates,
                     "sequence": body.joint.sequence,
                     "loads": body.loads,
@@ -74,6 +75,10 @@ class Facts:
             "freedoms": [
                 {"name": name, "body": freedom.body, "freedom": FREEDOMS[freedom.index], "unit": freedom.unit}
                 for name, freedom in zip(system.freedom_names, system.freedoms, strict=True)
+            ],
+            "prescribed": [
+                {"name": name, "body": freedom.body, "freedom": FREEDOMS[freedom.index], "unit": freedom.unit}
+                for name, freedom in zip(system.prescribed_names, system.prescribed, strict=True)
             ],
             "speeds": list(system.speed_names),
             "poses": list(system.pose_names),
@@ -126,6 +131,9 @@ def show(facts: Facts, console: Console) -> None:
     else:
         console.print("\n[bold]Freedoms[/], in the order of x and y")
     console.print(_freedoms(system))
+    if system.prescribed:
+        console.print("\n[bold]Prescribed freedoms[/], in the order of the columns of prescribed")
+        console.print(_prescribed(system))
     if system.parameters:
         console.print("\n[bold]Parameters[/], with their defaults")
         console.print(_parameters(system))
@@ -144,7 +152,7 @@ def _tree(system: System) -> Tree:
     tree = Tree("ground")
     branches = [tree]
     for k, body in enumerate(system.bodies, start=1):
-        free = escape(" ".join(_free(body)) or "welded")
+        free = escape(_moving(body) or "welded")
         if body.joint.is_quaternion:
             free = f"{free} (quaternion)"
         if body.joint.sequence != NOTES:
@@ -170,6 +178,12 @@ def _freedoms(system: System) -> Columns:
     return Columns(cells, column_first=True, padding=(0, 3))
 
 
+def _prescribed(system: System) -> Columns:
+    rows = zip(system.prescribed_names, system.prescribed, strict=True)
+    cells = [f"{i} {escape(name)} ({freedom.unit})" for i, (name, freedom) in enumerate(rows)]
+    return Columns(cells, column_first=True, padding=(0, 3))
+
+
 def _parameters(system: System) -> Table:
     table = Table("name", "default", box=box.SIMPLE_HEAD)
     for parameter in system.parameters:
@@ -190,8 +204,9 @@ def _costs(facts: Facts) -> Table:
     return table
 
 
-def _free(body: Body) -> list[str]:
-    return [name for name, is_free in zip(FREEDOMS, body.joint.free, strict=True) if is_free]
+def _moving(body: Body) -> str:
+    kinds = (("", body.joint.free), ("prescribed ", body.joint.prescribed))
+    return ", ".join(word + " ".join(named(flags)) for word, flags in kinds if any(flags))
 
 
 def _text(value: Number) -> str:

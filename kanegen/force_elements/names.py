@@ -49,10 +49,10 @@ def speed_places(bodies: Sequence[Body]) -> dict[str, Place]:
 
 
 def _aliased(found: dict[str, Place], bodies: Sequence[Body]) -> dict[str, Place]:
-    """Also by the name of a joint that has one freedom."""
+    """Also by the name of a joint of which one freedom moves."""
     for k, body in enumerate(bodies, start=1):
-        if body.joint.name and sum(body.joint.free) == 1:
-            found.setdefault(body.joint.name, (k, body.joint.free.index(True)))
+        if body.joint.name and sum(body.joint.moving) == 1:
+            found.setdefault(body.joint.name, (k, body.joint.moving.index(True)))
     return found
 
 

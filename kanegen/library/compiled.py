@@ -90,6 +90,11 @@ class Compiled:
         return tuple(name for name, _ in self.source.model.reactions)
 
     @property
+    def prescribed_names(self) -> tuple[str, ...]:
+        """p names of the prescribed freedoms, in the order of the columns of `prescribed`."""
+        return self.source.model.prescribed_names
+
+    @property
     def outputs(self) -> tuple[str, ...]:
         """What it can compute."""
         return self.source.outputs

@@ -90,6 +90,35 @@ class Dynamics(Compiled):
         values = (x, y, ydot, None, force, torque)
         return self._run(self._call("inverse_dynamics"), values, given)[0]
 
+    def prescribed_efforts(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        ydot: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        **given: Unpack[Given],
+    ) -> Floats:
+        """Generalized forces that act at the prescribed freedoms, beside loads and gravity.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            ydot: Their rates, of the shape of `y`, rad/s^2 and m/s^2.
+            force: As in `forcing`.
+            torque: As in `forcing`.
+            given: As in `forcing`; `prescribed` is among them.
+
+        Returns:
+            (p,) or (B, p), in the order of `prescribed_names`, in N m and N.
+
+        Raises:
+            ArrayError: As in `forcing`.
+            OptionError: If this output was not generated.
+        """
+        values = (x, y, ydot, None, force, torque)
+        return self._run(self._call("prescribed_efforts"), values, given)[0]
+
     def forward_dynamics(
         self,
         x: ArrayLike,

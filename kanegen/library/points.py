@@ -68,7 +68,9 @@ class Points(Compiled):
         return self._run(self._call("point_accelerations"), (x, y, ydot), given)[0]
 
     def point_jacobians(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """Partial velocities of the points of the model by {y}: `point_velocities` is their product with it.
+        """Partial velocities of the points of the model by {y}.
+
+        Where nothing is prescribed, `point_velocities` is their product with it.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.

@@ -15,7 +15,7 @@ class Quantities(Compiled):
     """Energies, momentum, mass centre, poses of the bodies, rates of the coordinates."""
 
     def kinetic_energy(self, x: ArrayLike, y: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """Kinetic energy of all bodies in inertial space, {y}^T [A] {y} / 2.
+        """Kinetic energy of all bodies in inertial space; {y}^T [A] {y} / 2 where nothing is prescribed.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.

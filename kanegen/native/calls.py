@@ -36,7 +36,12 @@ _CALLER = 5
 Pointers = tuple[Any, ...]
 """C pointers; each keeps its array alive."""
 
-FURTHER = {"point_force": "in N", "point_moment": "in N m", "t": "the time in s"}
+FURTHER = {
+    "point_force": "in N",
+    "point_moment": "in N m",
+    "t": "the time in s",
+    "prescribed": "(3, {count}) values, rates and second derivatives of {prescribed}",
+}
 """Arguments that only some models have, and what they are."""
 
 ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *FURTHER)
@@ -122,6 +127,9 @@ class Call:
         own = [array for array in f.inputs if array.name not in f.shared]
         self._inputs = [(array.name, places.get(array.name, 0), array.shape + taken.tail) for array in own]
         self._outputs = [array.shape + given.tail for array in f.outputs]
+        told = model.prescribed_names
+        words = {"count": len(told), "prescribed": ", ".join(told)}
+        self._further = {n: what.format(**words) for n, what in FURTHER.items()}
         self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
         self._plan = [
             (k, shape, self._zeros(shape) if n in OPTIONAL else None, not self._unloaded.get(n))
@@ -225,7 +233,7 @@ class Call:
         for name, k, shape in others:
             if name in COMMON:
                 unloaded = self._unloaded.get(name, {})
-                value = values[k] if name in OPTIONAL else required(name, values[k], FURTHER[name])
+                value = values[k] if name in OPTIONAL else required(name, values[k], self._further[name])
                 arrays.append(load(name, value, shape, batch, self._dtype, unloaded))
             else:
                 arrays.append(companion(name, values[k], shape, batch, self._dtype, first))

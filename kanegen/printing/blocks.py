@@ -3,7 +3,7 @@
     Blocks(system).partial_angular_velocity(3).text()
     # [[^2R_3][^1R_2][P̂_1], [^2R_3][P̂_2], [P̂_3], [0], ...]
 
-A block whose freedoms are all locked is [0]. Where a joint frame is turned, [s̃'_K] is made of the J
+A block of which no freedom is free is [0]. Where a joint frame is turned, [s̃'_K] is made of the J
 components [C_K]^T {s'_K}, and [C_K]^T stands in the place of [I].
 """
 
@@ -58,14 +58,14 @@ class Blocks:
         blocks: list[Term | None] = [None] * self.system.number_of_bodies
         prefix: tuple[Factor, ...] = ()
         for body in self._path(k):
-            if self._turns(body):
+            if self._turns_freely(body):
                 blocks[body - 1] = self._turned_rates(prefix, body)
             prefix = (*prefix, self._rotation(body))
         return Row(tuple(blocks), len(blocks))
 
     def partial_angular_velocity_rate(self, k: int) -> Sum:
         """Time derivative of [omega'_K,y1], Eq. (20)."""
-        changes = self._turns(k) and not self._spins(k)
+        changes = self._turns_freely(k) and not self._spins(k)
         own = self._unit_row(self._factor(Kind.RATE_DOT, k), k, half=0) if changes else NOTHING
         j = self._lower(k)
         if j == GROUND:
@@ -76,7 +76,7 @@ class Blocks:
     def partial_velocity_of_origin(self, k: int) -> Sum:
         """[v'_OK,y] in J, 2N blocks, Eqs. (28)-(30)."""
         unit = self._turned_back(k, Kind.IDENTITY)
-        own = self._unit_row(unit, k, half=1) if self._slides(k) else NOTHING
+        own = self._unit_row(unit, k, half=1) if self._slides_freely(k) else NOTHING
         j = self._lower(k)
         if j == GROUND:
             return _both_halves(total(own))
@@ -174,12 +174,22 @@ class Blocks:
             k = self._lower(k)
 
     def _turns(self, k: int) -> bool:
+        """Whether any angle moves, free or prescribed."""
+        return any(self.system.bodies[k - 1].joint.moving[:FIRST_TRANSLATION])
+
+    def _turns_freely(self, k: int) -> bool:
+        """Whether it has columns of angles."""
         return any(self.system.bodies[k - 1].joint.free[:FIRST_TRANSLATION])
 
     def _spins(self, k: int) -> bool:
         return self.system.bodies[k - 1].joint.spins
 
     def _slides(self, k: int) -> bool:
+        """Whether any translation moves, free or prescribed."""
+        return any(self.system.bodies[k - 1].joint.moving[FIRST_TRANSLATION:])
+
+    def _slides_freely(self, k: int) -> bool:
+        """Whether it has columns of translations."""
         return any(self.system.bodies[k - 1].joint.free[FIRST_TRANSLATION:])
 
 

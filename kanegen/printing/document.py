@@ -121,6 +121,7 @@ def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> I
     definitions = equations.definitions
     names = latex_names(equations)
     yield _freedoms(equations, names)
+    yield from _prescribed(equations, names)
     yield from _coordinate_rates(equations, names)
     yield from _parameters(equations, names)
     yield from _loads(equations)
@@ -174,6 +175,19 @@ def _meaning(system: System, place: int) -> tuple[str, str]:
     name, unit = system.freedom_names[place], system.freedoms[place].unit
     speed_name = system.speed_names[place]
     return (name, unit) if name == speed_name else (f"{name}, {speed_name}", f"{unit}, {unit}/s")
+
+
+def _prescribed(equations: Equations, names: Names) -> Iterator[Section]:
+    system, statements = equations.system, []
+    for i, (name, freedom) in enumerate(zip(system.prescribed_names, system.prescribed, strict=True)):
+        symbols = list(equations.prescribed[:, i])
+        plain = f"prescribed[{i + 1}] = {', '.join(map(str, symbols))}: {name} ({freedom.unit})"
+        formula = r", \quad ".join(names[symbol] for symbol in symbols)
+        label = rf"\text{{{escaped(name)} ({freedom.unit})}}"
+        statements.append(Written(plain, rf"\text{{prescribed}}_{{{i + 1}}}", (rf"{formula} \quad {label}",)))
+    if statements:
+        note = "Their values, rates and second derivatives are given; they are no coordinates."
+        yield Section("Prescribed freedoms", note, tuple(statements), is_list=True)
 
 
 def _coordinate_rates(equations: Equations, names: Names) -> Iterator[Section]:

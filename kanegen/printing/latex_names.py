@@ -30,7 +30,7 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
     for given in equations.system.parameters:
         if not _LETTER_AND_INDEX.fullmatch(given.name):
             names[parameter(given)] = word(given.name)
-    for freedom in equations.system.freedoms:
+    for freedom in equations.system.freedoms + equations.system.prescribed:
         k, index = freedom.body, freedom.index
         letter, place = r"\theta" if freedom.is_angle else "s", f"_{{{k},{freedom.axis + 1}}}"
         names[coordinate(k, index)] = letter + place

@@ -17,7 +17,7 @@ from kanegen.symbolic.symbols import force, parameter, point_force, point_moment
 TAKEN = frozenset(
     [
         *"A PARAMETERS coordinate_rates copysign cos f force forcing mass_matrix np parameters".split(),
-        *"point_force point_moment sin sqrt t torque x y".split(),
+        *"point_force point_moment prescribed sin sqrt t torque x y".split(),
         *keyword.kwlist,
     ]
 )
@@ -91,6 +91,10 @@ def _docstring(equations: Equations) -> str:
         lines.append(f"    x[{i}] = {x}, {name} ({coordinate.unit})")
         if i in speeds:
             lines.append(speeds[i])
+    for i, (name, freedom) in enumerate(zip(system.prescribed_names, system.prescribed, strict=True)):
+        lines.append(f"    prescribed[0][{i}] = {equations.prescribed[0, i]}, {name} ({freedom.unit})")
+    if system.prescribed:
+        lines += ["", "prescribed[1] and prescribed[2] are their rates and second derivatives."]
     return "\n".join([*lines, '"""'])
 
 
@@ -101,11 +105,13 @@ def _parameters(equations: Equations) -> str:
 
 def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
     n = len(equations.y)
+    told = _argument(equations)
     entries = {(i, j): A[i, j] for i in range(n) for j in range(i, n) if A[i, j]}
     lines = [
-        "def mass_matrix(x, parameters=PARAMETERS):",
+        f"def mass_matrix(x{told}, parameters=PARAMETERS):",
         f'    """[A] of Eq. (43), ({n}, {n}), at the coordinates x, ({len(equations.x)},)."""',
         *_unpacked(equations.x, "x"),
+        *_motion(equations),
         *_body(equations, list(entries.values()), names),
         f"    A = np.zeros(({n}, {n}))",
     ]
@@ -121,10 +127,11 @@ def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbo
     further = ", point_force=None, point_moment=None" * any(point.loads for _, point in system.points)
     further += ", t=0.0" * system.depends_on_time
     lines = [
-        f"def forcing(x, y, force=None, torque=None, parameters=PARAMETERS{further}):",
+        f"def forcing(x, y{_argument(equations)}, force=None, torque=None, parameters=PARAMETERS{further}):",
         f'    """{{f}} of Eq. (44), ({n},), at x, ({m},), and y, ({n},), under loads, ({bodies}, 3)."""',
         *_unpacked(equations.x, "x"),
         *_unpacked(equations.y, "y"),
+        *_motion(equations),
         *_loads(equations),
         *_body(equations, list(f), names),
         f"    f = np.zeros({n})",
@@ -143,6 +150,17 @@ def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
         f"    return np.array([{', '.join(python(value.xreplace(names)) for value in equations.xdot)}])",
     ]
     return "\n".join(lines)
+
+
+def _argument(equations: Equations) -> str:
+    return ", prescribed" if equations.system.prescribed else ""
+
+
+def _motion(equations: Equations) -> Iterable[str]:
+    """Assignments of what is prescribed, a row a line."""
+    if equations.system.prescribed:
+        for i in range(3):
+            yield from _unpacked(equations.prescribed[i, :], f"prescribed[{i}]")
 
 
 def _loads(equations: Equations) -> Iterable[str]:

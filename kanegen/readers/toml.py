@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from kanegen import validation
-from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, SPEEDS, Body, Joint, Point
+from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, SPEEDS, Body, Joint, Point, named
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.numbers import numbers
 from kanegen.readers import force_elements
@@ -34,6 +34,7 @@ JOINT_KEYS = (
     "sequence",
     "free",
     "locked",
+    "prescribed",
     "speeds",
 )
 INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -172,16 +173,19 @@ def _joint(table: Any, parameters: Parameters) -> Joint:
     if not isinstance(table, Mapping):
         raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
     check_keys(table, JOINT_KEYS, what="joint: ")
-    free = _free(table.get("free", "all"))
+    prescribed = _flags("prescribed", table.get("prescribed", []))
+    rest = named(not flag for flag in prescribed)
+    free = _flags("free", table.get("free", list(rest)))
     return Joint(
         position=parameters.resolve(table.get("position", ORIGIN), "joint position"),
         orientation=_orientation(table, parameters),
         free=free,
-        locked=_locked(table.get("locked", {}), free, parameters),
+        locked=_locked(table.get("locked", {}), {"free": free, "prescribed": prescribed}, parameters),
         name=table.get("name", ""),
         sequence=table.get("sequence", NOTES),
         speeds=table.get("speeds", SPEEDS[0]),
         coordinates=table.get("coordinates", ORIENTATIONS[0]),
+        prescribed=prescribed,
     )
 
 
@@ -195,23 +199,24 @@ def _orientation(table: Table, parameters: Parameters) -> Any:
     return numbers(matrix, (3, 3), "orientation")
 
 
-def _free(value: Any) -> tuple[bool, ...]:
+def _flags(key: str, value: Any) -> tuple[bool, ...]:
     if value in ("all", "none"):
         return (value == "all",) * len(FREEDOMS)
     if not isinstance(value, list):
-        raise ModelError(f'free: {value!r} is neither "all" nor "none" nor a list such as ["theta3", "s1"].')
+        raise ModelError(f'{key}: {value!r} is neither "all" nor "none" nor a list such as ["theta3", "s1"].')
     for name in value:
         if name not in FREEDOMS:
-            raise ModelError(f"free: {name!r} is no freedom. {did_you_mean(name, FREEDOMS)}")
-    validation.unique("free: freedom", value)
+            raise ModelError(f"{key}: {name!r} is no freedom. {did_you_mean(name, FREEDOMS)}")
+    validation.unique(f"{key}: freedom", value)
     return tuple(name in value for name in FREEDOMS)
 
 
-def _locked(table: Any, free: tuple[bool, ...], parameters: Parameters) -> Any:
+def _locked(table: Any, moving: Mapping[str, tuple[bool, ...]], parameters: Parameters) -> Any:
     if not isinstance(table, Mapping):
         raise ModelError("locked: write a table such as {theta1 = 0.5}.")
     check_keys(table, FREEDOMS, what="locked: ")
-    for name, is_free in zip(FREEDOMS, free, strict=True):
-        if is_free and name in table:
-            raise ModelError(f"locked: {name!r} is free. Delete it here, or leave it out of free.")
+    for key, flags in moving.items():
+        for name in named(flags):
+            if name in table:
+                raise ModelError(f"locked: {name!r} is {key}. Delete it here, or leave it out of {key}.")
     return tuple(parameters.resolve(table.get(name, 0), f"locked {name}") for name in FREEDOMS)

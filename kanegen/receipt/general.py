@@ -1,4 +1,7 @@
-"""The general form of a scene: every freedom free, every number a run-time parameter, loads on every body."""
+"""The general form of a scene: all freedoms, every number a run-time parameter, loads on every body.
+
+What the scene prescribes is prescribed there as well; everything else is free.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +21,16 @@ PREFIX = "number"
 
 
 def with_freedoms(system: System) -> System:
-    """The same tree with all six freedoms at every joint; reaction loads are efforts there."""
+    """The same tree with all six freedoms at every joint, free but for those that are prescribed.
+
+    Reaction loads are efforts there.
+    """
+
+    def joint(of: Joint) -> Joint:
+        return replace(of, free=tuple(not told for told in of.prescribed), name="")
+
     system = replace(system, reactions=None)
-    return _changed(system, lambda body: replace(body, joint=replace(body.joint, free=(True,) * 6, name="")))
+    return _changed(system, lambda body: replace(body, joint=joint(body.joint)))
 
 
 def answering(system: System, outputs: Sequence[str]) -> tuple[str, ...]:
@@ -54,7 +64,7 @@ def opened(system: System) -> System:
             of,
             position=map_numbers(of.position, open_),
             orientation=map_numbers(angles, open_),
-            locked=tuple(0.0 if free else open_(v) for free, v in zip(of.free, of.locked, strict=True)),
+            locked=tuple(0.0 if moves else open_(v) for moves, v in zip(of.moving, of.locked, strict=True)),
         )
 
     def body(of: Body) -> Body:

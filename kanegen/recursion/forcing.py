@@ -2,7 +2,7 @@
 
 Outward go the motions, inward the force and moment about each origin that they need, less the loads. Their
 work on a freedom is the generalized force that it needs; with {ydot} = 0 this is minus its entry of {f} (Luh,
-Walker and Paul 1980; Featherstone 2008, section 5.3).
+Walker and Paul 1980; Featherstone 2008, section 5.3). Freedoms that are prescribed need such a force as well.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from sympy import Expr, S
 
 from kanegen.recursion.derived import Derived
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.loads import efforts
 from kanegen.recursion.motion import Requirement, requirements
 from kanegen.recursion.tree import Tree
@@ -48,21 +48,34 @@ class Passage:
     force: Vector
 
 
+def prescribed_efforts(tree: Tree) -> Derived:
+    """The generalized forces that act at the prescribed freedoms, beside loads and gravity."""
+    found = _works(tree, requirements(tree, accelerated=True))
+    first = len(tree.system.freedoms)
+    return Derived([found[first + i] for i in range(len(tree.system.prescribed))])
+
+
 def works(tree: Tree, needs: Sequence[Requirement]) -> list[Expr]:
     """The generalized forces that do the work of what each body needs, less those of force elements."""
+    found = _works(tree, needs)
+    return [found[i] for i in range(len(tree.system.freedoms))]
+
+
+def _works(tree: Tree, needs: Sequence[Requirement]) -> dict[int, Expr]:
+    """The same by number of a freedom, prescribed ones behind the others."""
     result: dict[int, Expr] = {}
     for passage in passages(tree, needs):
         motion = passage.motion
         result |= {spin.freedom: passage.above.moment[spin.axis] for spin in motion.spins}
         for step, moment in zip(motion.steps, passage.moments, strict=True):
-            if step.freedom != NO_FREEDOM:
-                result[step.freedom] = moment[step.axis]
-        for slide in motion.slides:
+            if step.moves:
+                result[step.number] = moment[step.axis]
+        for slide in motion.sliding:
             work = dot(slide.direction, passage.force)
-            result[slide.freedom] = tree.definitions.define(f"f_{slide.freedom}", work)
+            result[slide.number] = tree.definitions.define(f"f_{slide.number}", work)
     acting = efforts(tree)
-    freedoms = enumerate(tree.system.freedoms)
-    return [result[i] - acting.get((freedom.body, freedom.index), S.Zero) for i, freedom in freedoms]
+    moving = enumerate((*tree.system.freedoms, *tree.system.prescribed))
+    return {i: result[i] - acting.get((freedom.body, freedom.index), S.Zero) for i, freedom in moving}
 
 
 def passages(tree: Tree, needs: Sequence[Requirement]) -> Iterator[Passage]:

@@ -10,7 +10,7 @@ from kanegen.recursion import factorisation
 from kanegen.recursion.coordinate_rates import coordinate_rates
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.first_moment import mass_center, potential_energy
-from kanegen.recursion.forcing import forcing, inverse_dynamics
+from kanegen.recursion.forcing import forcing, inverse_dynamics, prescribed_efforts
 from kanegen.recursion.forward_dynamics import ArticulatedBodies
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.momentum import kinetic_energy, momentum
@@ -44,6 +44,7 @@ RECURSIONS: dict[str, dict[str, Recursion]] = {
     "point_velocities": {"velocities of the bodies": point_velocities},
     "point_accelerations": {"accelerations of the bodies": point_accelerations},
     "point_jacobians": {"turns of the joints": point_jacobians},
+    "prescribed_efforts": {"recursion of forces": prescribed_efforts},
 }
 """The ways to derive each output, by name."""
 

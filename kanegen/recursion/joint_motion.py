@@ -29,6 +29,7 @@ class Step:
         cosine: Of the angle.
         frame: Suffix for the names of quantities seen below this turn.
         angle: Which of the joint's three angles turns it, free or locked, from 0; or `NO_ANGLE`.
+        number: That in {x}, or of a prescribed angle that behind {x}: `system.prescribed` go on counting.
     """
 
     turn: Turn
@@ -40,18 +41,25 @@ class Step:
     sine: Expr = S.Zero
     cosine: Expr = S.One
     angle: int = NO_ANGLE
+    number: int = NO_FREEDOM
+
+    @property
+    def moves(self) -> bool:
+        """Whether an angle turns it, free or prescribed."""
+        return self.number != NO_FREEDOM
 
 
 @dataclass(frozen=True)
 class Slide:
-    """One free translation.
+    """One translation that moves.
 
     Attributes:
-        freedom: Its number in {x}.
+        freedom: Its number in {x}, or `NO_FREEDOM`.
         axis: Basis vector of the joint frame along which it moves.
         direction: The same in the lower body's frame.
         rate: Its rate.
         acceleration: Its second derivative.
+        number: That in {x}, or behind {x} as that of a `Step`.
     """
 
     freedom: int
@@ -59,6 +67,7 @@ class Slide:
     direction: Vector
     rate: Expr
     acceleration: Expr
+    number: int
 
 
 @dataclass(frozen=True)
@@ -96,6 +105,7 @@ class JointMotion:
             The joint then turns as a whole, by one of `angles` that has neither freedom nor rate.
         behind: The turns of the angles from which that one is made; none where a quaternion makes it.
         through: `constant` and `angles` as one turn, for what passes both.
+        drives: The prescribed translations.
     """
 
     body: int
@@ -110,11 +120,17 @@ class JointMotion:
     spins: tuple[Spin, ...] = ()
     behind: tuple[Step, ...] = ()
     through: tuple[Step, ...] = ()
+    drives: tuple[Slide, ...] = ()
 
     @property
     def turns(self) -> bool:
-        """Whether any angle is free."""
-        return bool(self.spins) or any(step.freedom != NO_FREEDOM for step in self.angles)
+        """Whether any angle moves."""
+        return bool(self.spins) or any(step.moves for step in self.angles)
+
+    @property
+    def sliding(self) -> tuple[Slide, ...]:
+        """The translations that move, free or prescribed."""
+        return self.slides + self.drives
 
     @property
     def spinning(self) -> Vector:
@@ -128,8 +144,8 @@ class JointMotion:
 
     @property
     def hinge(self) -> Step | None:
-        """The one free angle, if nothing else moves and no locked angle turns its axis in K."""
-        alone = len(self.angles) == 1 and not self.slides and not self.spins
+        """The one angle that moves, if nothing else does and no locked angle turns its axis in K."""
+        alone = len(self.angles) == 1 and not self.sliding and not self.spins
         return self.angles[0] if alone and self.turns else None
 
     @property

@@ -32,33 +32,42 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
         below: `origin` of the lower body, zero for the ground.
         definitions: Take the intermediates.
     """
-    body = system.bodies[k - 1]
-    number = system.places
+    body, number = system.bodies[k - 1], system.places
     definitions.about(f"Body {k} ({body.name}): the joint, Eqs. (4), (22)")
     constant = _orientation(body, k, definitions)
     along = [definitions.vector(f"u_{k}_{i + 1}", down(constant, unit(i))) for i in range(3)]
     directions = along[0], along[1], along[2]
     arm = Vector(*(exact(value) for value in body.joint.position))
-    slides: list[Slide] = []
     for axis in range(3):
-        free = body.joint.free[3 + axis]
-        s = coordinate(k, 3 + axis) if free else exact(body.joint.locked[3 + axis])
+        moves = body.joint.moving[3 + axis]
+        s = coordinate(k, 3 + axis) if moves else exact(body.joint.locked[3 + axis])
         arm = add(arm, scale(s, directions[axis]))
-        if free:
-            place = number[Freedom(k, 3 + axis)]
-            slides.append(Slide(place, axis, directions[axis], speed(k, 3 + axis), acceleration(k, 3 + axis)))
+    sliding = [_slide(system, Freedom(k, 3 + i), directions[i]) for i in range(3) if body.joint.moving[3 + i]]
+    slides = tuple(slide for slide in sliding if slide.freedom != NO_FREEDOM)
+    drives = tuple(slide for slide in sliding if slide.freedom == NO_FREEDOM)
     fixed = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
     angles: list[Step] = []
     if not body.joint.is_quaternion:
-        angles = [_angle_step(body, k, index, number, definitions) for index in range(3)]
+        angles = [_angle_step(system, Freedom(k, index), definitions) for index in range(3)]
     offset = subtract(arm, below)
-    motion = JointMotion(
-        k, body.lower, arm, directions, offset, ZERO, tuple(slides), _moving(fixed), _moving(angles)
-    )
+    turning = _changing(fixed), _changing(angles)
+    motion = JointMotion(k, body.lower, arm, directions, offset, ZERO, slides, *turning, drives=drives)
     if body.joint.spins:
         spins = [Spin(number[Freedom(k, i)], i, spin(k, i), spin_rate(k, i)) for i in range(3)]
         motion = _spinning(replace(motion, spins=tuple(spins)), definitions)
     return _with_origin(motion, body, definitions)
+
+
+def _slide(system: System, freedom: Freedom, direction: Vector) -> Slide:
+    place, number = _numbers(system, freedom)
+    k, index = freedom.body, freedom.index
+    return Slide(place, freedom.axis, direction, speed(k, index), acceleration(k, index), number)
+
+
+def _numbers(system: System, freedom: Freedom) -> tuple[int, int]:
+    """`freedom` and `number` of a `Step` or a `Slide`."""
+    place = system.places.get(freedom, NO_FREEDOM)
+    return place, len(system.places) + system.prescribed.index(freedom) if place == NO_FREEDOM else place
 
 
 def _spinning(motion: JointMotion, definitions: Definitions) -> JointMotion:
@@ -83,7 +92,7 @@ def _with_origin(motion: JointMotion, body: Body, definitions: Definitions) -> J
     a component.
     """
     origin, offset, hinge = ZERO, motion.offset, motion.hinge
-    if motion.slides and not motion.turns:
+    if motion.sliding and not motion.turns:
         origin = Vector(*(exact(value) for value in body.mass_center))
         offset = add(offset, down(tuple(step.turn for step in motion.steps), origin))
     elif hinge:
@@ -100,9 +109,9 @@ def _with_origin(motion: JointMotion, body: Body, definitions: Definitions) -> J
     )
 
 
-def _moving(steps: list[Step]) -> tuple[Step, ...]:
+def _changing(steps: list[Step]) -> tuple[Step, ...]:
     """Those that change anything."""
-    return tuple(step for step in steps if step.freedom != NO_FREEDOM or not _is_identity(step.turn))
+    return tuple(step for step in steps if step.moves or not _is_identity(step.turn))
 
 
 def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ...]:
@@ -115,25 +124,19 @@ def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ..
     return constant_turns(definitions.constants.rotation(rows))
 
 
-def _angle_step(body: Body, k: int, index: int, number: dict[Freedom, int], definitions: Definitions) -> Step:
-    frame, axis = f"{k}a{index + 1}", body.joint.axes[index]
-    if not body.joint.free[index]:
-        locked = body.joint.locked[index]
+def _angle_step(system: System, freedom: Freedom, definitions: Definitions) -> Step:
+    k, index = freedom.body, freedom.index
+    joint = system.bodies[k - 1].joint
+    frame, axis = f"{k}a{index + 1}", joint.axes[index]
+    if not joint.moving[index]:
+        locked = joint.locked[index]
         return Step(_locked_turn(f"{k}_{index + 1}", axis, locked, definitions), frame, angle=index)
     angle = coordinate(k, index)
     sine = definitions.define(f"S_{k}_{index + 1}", sympy.sin(angle))
     cosine = definitions.define(f"C_{k}_{index + 1}", sympy.cos(angle))
-    return Step(
-        planar(axis, sine, cosine),
-        frame,
-        number[Freedom(k, index)],
-        axis,
-        speed(k, index),
-        acceleration(k, index),
-        sine,
-        cosine,
-        index,
-    )
+    place, number = _numbers(system, freedom)
+    turn, rates = planar(axis, sine, cosine), (speed(k, index), acceleration(k, index))
+    return Step(turn, frame, place, axis, *rates, sine, cosine, index, number)
 
 
 def _locked_turn(name: str, axis: int, angle: Number, definitions: Definitions) -> Turn:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from sympy import Expr
 
 from kanegen.recursion.bodies import Inertia
-from kanegen.recursion.joint_motion import JointMotion
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
 from kanegen.recursion.joints import exact
 from kanegen.recursion.loads import UNLOADED, Applied, applied
 from kanegen.recursion.tree import Tree
@@ -66,7 +66,7 @@ def outward(tree: Tree, *, accelerated: bool, weightless: bool = False) -> dict[
 
     Args:
         tree: The tree.
-        accelerated: With {ydot} as its symbols say, else with {ydot} = 0.
+        accelerated: With {ydot} as its symbols say, else with {ydot} = 0. What is prescribed accelerates.
         weightless: Whether to leave gravity out of the accelerations.
     """
     gravity = ZERO if weightless else Vector(*(exact(value) for value in tree.system.gravity))
@@ -84,9 +84,9 @@ def _move(lower: Motion, motion: JointMotion, definitions: Definitions, accelera
     omega, alpha = lower.omega, lower.alpha
     sliding = ZERO
     carried = add(lower.acceleration, multiply(lower.field, motion.offset))
-    for slide in motion.slides:
+    for slide in motion.sliding:
         sliding = add(sliding, scale(slide.rate, slide.direction))
-        if accelerated:
+        if accelerated or slide.freedom == NO_FREEDOM:
             carried = add(carried, scale(slide.acceleration, slide.direction))
     twice = definitions.vector(f"w_{motion.lower}", scale(exact(2.0), omega))
     sliding = definitions.vector(f"v_{k}", sliding)
@@ -96,7 +96,7 @@ def _move(lower: Motion, motion: JointMotion, definitions: Definitions, accelera
         turned = step.turn.up(omega)
         rate = scale(step.rate, unit(step.axis))
         alpha = add(step.turn.up(alpha), cross(turned, rate))
-        if accelerated:
+        if accelerated or step.freedom == NO_FREEDOM:
             alpha = add(alpha, scale(step.acceleration, unit(step.axis)))
         alpha = definitions.vector(f"alpha_{above}", alpha)
         omega = definitions.vector(f"omega_{above}", add(turned, rate))

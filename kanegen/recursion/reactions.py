@@ -48,7 +48,7 @@ def _moments(passage: Passage, joint: Joint, definitions: Definitions) -> Iterat
     steps = {step.angle: step for step in motion.angles}
     moment = definitions.vector(f"M_{motion.body}o", add(need.moment, cross(motion.origin, need.force)))
     for angle in (2, 1, 0):
-        if not joint.free[angle]:
+        if not joint.moving[angle]:
             yield angle, moment[joint.axes[angle]]
         if angle in steps:
             step = steps[angle]
@@ -58,6 +58,6 @@ def _moments(passage: Passage, joint: Joint, definitions: Definitions) -> Iterat
 def _forces(passage: Passage, joint: Joint, definitions: Definitions) -> Iterator[tuple[int, Expr]]:
     """Of every locked translation the force along it."""
     for axis, direction in enumerate(passage.motion.directions):
-        if not joint.free[3 + axis]:
+        if not joint.moving[3 + axis]:
             name = f"F_{passage.motion.body}l{axis + 1}"
             yield axis, definitions.define(name, dot(direction, passage.force))

@@ -127,7 +127,7 @@ def _seen(tree: Tree, k: int, position: Vector, frame: int, name: str) -> tuple[
             velocity = add(velocity, cross(scale(step.rate, unit(step.axis)), position))
             velocity = define(f"{name}v_{step.frame}", step.turn.down(velocity))
             position = define(f"{name}_{step.frame}", step.turn.down(position))
-        for slide in motion.slides:
+        for slide in motion.sliding:
             velocity = add(velocity, scale(slide.rate, slide.direction))
         velocity = define(f"{name}v_{motion.body}j", velocity)
         position = define(f"{name}_{motion.body}j", add(motion.arm, position))

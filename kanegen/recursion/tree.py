@@ -15,7 +15,7 @@ from sympy import S
 
 from kanegen.constants import DOUBLES, Constants
 from kanegen.recursion.bodies import NOTHING, Inertia, body_inertia
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joints import joint_motion
 from kanegen.recursion.turns import entry
 from kanegen.recursion.vectors import ZERO, scale, unit
@@ -96,9 +96,9 @@ def _grouped(
 
 def _regrouped(own: Inertia, motion: JointMotion, definitions: Definitions) -> tuple[Inertia, Inertia]:
     """What a body keeps, and what its lower body gets, about the lower body's origin and in its frame."""
-    if motion.slides and motion.turns:
+    if motion.sliding and motion.turns:
         return own, Inertia()
-    if motion.slides:
+    if motion.sliding:
         spinning = _seen_below(Inertia(inertia=own.inertia), motion, ZERO, definitions)
         return replace(own, inertia=NOTHING), spinning
     if not motion.turns:
@@ -127,6 +127,6 @@ def _seen_below(part: Inertia, motion: JointMotion, offset: Vector, definitions:
     """Through the turns that stand still, which leave a rod on a turning axis as it is, and by the offset."""
     name = f"{motion.body}r"
     for step in reversed(motion.steps):
-        if step.freedom == NO_FREEDOM:
+        if not step.moves:
             part = part.down(step.turn, f"{name}{step.frame}", definitions)
     return part.shifted(offset, name, definitions)

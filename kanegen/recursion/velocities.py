@@ -54,6 +54,6 @@ def relative_velocity(tree: Tree, motion: JointMotion, omega: Vector) -> Vector:
 def sliding_velocity(tree: Tree, motion: JointMotion) -> Vector:
     """What the translations of a joint make of it (m/s)."""
     total = ZERO
-    for slide in motion.slides:
+    for slide in motion.sliding:
         total = add(total, scale(slide.rate, slide.direction))
     return tree.definitions.vector(f"v_{motion.body}", total)

@@ -15,6 +15,7 @@ from kanegen.errors import ArrayError, OptionError
 from kanegen.library import Library
 from kanegen.native import arguments
 from kanegen.native.arguments import Floats
+from kanegen.prescribed import require_unprescribed
 from kanegen.simulation import adaptive, fixed
 from kanegen.simulation.motion import Effort, Motion, State, speeds_are_rates
 from kanegen.simulation.steps import Leapfrog, Step, runge_kutta, semi_implicit_euler
@@ -60,7 +61,8 @@ def simulate(
 
     Raises:
         ArrayError: If an array has the wrong shape or type.
-        OptionError: If an option does not exist, or does not fit the method or the library.
+        OptionError: If an option does not exist, or does not fit the method or the library, or the system
+            has prescribed freedoms.
         MissingError: If an adaptive method is asked for and SciPy is not installed.
         SingularError: If [A] becomes singular or the state stops being finite; says when.
     """
@@ -117,6 +119,7 @@ def _check_library(library: Library, method: str) -> None:
         raise OptionError(
             f'{library!r} is no library. Make one with kg.build(system, ("forward_dynamics",)).'
         )
+    require_unprescribed(library, "simulate")
     if "forward_dynamics" not in library.outputs:
         raise OptionError(
             f"system {library.name!r} was built without the output 'forward_dynamics'. It has "

@@ -19,6 +19,7 @@ from kanegen.check import reference
 from kanegen.check.states import Ranges, States, random_states, ranges
 from kanegen.errors import OptionError
 from kanegen.precision import FLOAT, Precision
+from kanegen.prescribed import require_unprescribed
 from kanegen.study.samples import UNIFORM, Sample
 from kanegen.system import System
 
@@ -54,8 +55,9 @@ class Domain:
 
         Raises:
             OptionError: If the box is empty, not finite, of another size than states are, or leaves nothing
-                beside what is too near to gimbal lock.
+                beside what is too near to gimbal lock, or if a freedom is prescribed.
         """
+        require_unprescribed(self.system, "domain")
         for name in ("low", "high"):
             value = np.asarray(getattr(self, name), dtype=np.float64)
             if value.shape != (self.size,) or not np.isfinite(value).all():
@@ -173,7 +175,11 @@ def default_domain(
         speed: Factor on the ranges of the speeds.
         effort: Factor on the ranges of tau and of the loads.
         clearance: See `Domain`.
+
+    Raises:
+        OptionError: As `Domain`.
     """
+    require_unprescribed(system, "domain")
     largest = ranges(system)
     states = random_states(system, _EFFORTS)
     forcing = reference.forcing(system, states.x, states.y, states.force, states.torque)

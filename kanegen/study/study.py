@@ -15,6 +15,7 @@ from kanegen.check.regularity import require_regular
 from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.native import compilers
+from kanegen.prescribed import require_unprescribed
 from kanegen.study.built import Built, build_all
 from kanegen.study.converting import converted
 from kanegen.study.domain import Domain, default_domain
@@ -55,11 +56,12 @@ def study(
     Raises:
         BuildError: If there is no C compiler.
         MissingError: If a package of the extra `study` is missing.
-        OptionError: If a term makes no sense, the domain belongs to another system, or no variant can be
-            built.
+        OptionError: If a term makes no sense, the domain belongs to another system, a freedom is prescribed,
+            or no variant can be built.
         SingularError: If [A] is singular in every state.
     """
     require_one("quantile", terms.quantile, QUANTILES)
+    require_unprescribed(system, "study")
     model, notes = plain(system)
     require_regular(model)
     compilers.find()

@@ -94,9 +94,3 @@ class AngularEquations(JointEquations):
             rate += self.relative_rotation * self.lower.partial_angular_velocity_rate
             rate += self.relative_rotation_rate * self.lower.partial_angular_velocity
         return self._named("partial_angular_velocity_rate", rate)
-
-    @cached_property
-    def angular_acceleration(self) -> ImmutableMatrix:
-        """Angular acceleration (rad/s^2), the expansion above Eq. (20)."""
-        bias = self.partial_angular_velocity_rate * self._y
-        return self.partial_angular_velocity * self._ydot + bias

@@ -87,7 +87,7 @@ class BodyEquations(LinearEquations):
     @cached_property
     def net_torque(self) -> ImmutableMatrix:
         """{M'_K} less the inertia torque that is left where {ydot} is zero (N m), Eqs. (40), (41)."""
-        accelerating = self.inertia * (self.partial_angular_velocity_rate * self._y)
+        accelerating = self.inertia * self.angular_acceleration_bias
         gyroscopic = skew(self.angular_velocity) * (self.inertia * self.angular_velocity)
         return self._named("net_torque", self.torque - accelerating - gyroscopic)
 

@@ -26,7 +26,15 @@ from kanegen.symbolic.dynamics import BodyEquations, total
 from kanegen.symbolic.force_elements import ElementForces
 from kanegen.symbolic.naming import Names
 from kanegen.symbolic.numeric import NumericEquations, numeric
-from kanegen.symbolic.symbols import accelerations, coordinates, force, speed, speeds, torque
+from kanegen.symbolic.symbols import (
+    accelerations,
+    coordinates,
+    force,
+    prescribed,
+    speed,
+    speeds,
+    torque,
+)
 from kanegen.system import System
 
 MOST_FREEDOMS = 8
@@ -87,6 +95,11 @@ class Equations:
         return ImmutableMatrix(accelerations(self.system))
 
     @cached_property
+    def prescribed(self) -> ImmutableMatrix:
+        """(3, p): values (rad, m), rates and second derivatives of the prescribed freedoms."""
+        return ImmutableMatrix(3, len(self.system.prescribed), prescribed(self.system))
+
+    @cached_property
     def loads(self) -> tuple[Symbol, ...]:
         """The load symbols `F_K_i` and `M_K_i` (N, N m) of the bodies that take loads."""
         loaded = [body.number for body in self.bodies if body.body.loads]
@@ -145,7 +158,8 @@ class Equations:
             )
         literal = derive(self.system, intermediates=False)
         f = total(body.forcing for body in literal.bodies)
-        closed = close(literal.A, f, literal.bodies, [*literal.y, *self.loads])
+        motion = [*literal.y, *self.loads, *self.prescribed[1:, :]]
+        closed = close(literal.A, f, literal.bodies, motion)
         if sum(sympy.count_ops(entry) for entry in literal.element_forces) > MOST_OPERATIONS:
             raise OptionError(
                 f"system {self.system.name!r}: what its force elements add is too long to be read without "

@@ -96,13 +96,13 @@ class Variables:
         joint = self.system.bodies[k - 1].joint
         if index >= len(FREEDOMS):
             return quaternion(k)[index - len(FREEDOMS)]
-        is_open = joint.free[index] or self.opened
+        is_open = joint.moving[index] or self.opened
         return coordinate(k, index) if is_open else self.number(joint.locked[index])
 
     def _speed(self, place: Place) -> Expr:
         k, index = place
         joint = self.system.bodies[k - 1].joint
-        if not joint.free[index]:
+        if not joint.moving[index]:
             return S.Zero
         return spin(k, index) if joint.spins and index < 3 else speed(k, index)
 

@@ -1,17 +1,18 @@
 """The joint below a body: its six freedoms, its constants, Eqs. (1), (4) and (22).
 
-A body's equations come in four layers, each a class that extends the one before: the joint (here), then
-`angular`, `linear` and `dynamics`. Everything is computed on first use and kept.
+A body's equations come in five layers, each a class that extends the one before: the joint (here), then
+`angular`, `remainder`, `linear` and `dynamics`. Everything is computed on first use and kept.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
 import sympy
-from sympy import Expr, ImmutableMatrix, S
+from sympy import Expr, ImmutableMatrix, S, Symbol
 
 from kanegen.body import Body
 from kanegen.sequences import NOTES, SEQUENCES
@@ -123,14 +124,20 @@ class JointEquations:
     def coordinate(self, index: int) -> Expr:
         """Freedom `index` of `system.FREEDOMS`: its symbol, or the value at which it is locked."""
         joint = self.body.joint
-        return coordinate(self.number, index) if joint.free[index] else expression(joint.locked[index])
+        return coordinate(self.number, index) if joint.moving[index] else expression(joint.locked[index])
 
     def _rate(self, index: int) -> Expr:
-        return speed(self.number, index) if self.body.joint.free[index] else S.Zero
+        return speed(self.number, index) if self.body.joint.moving[index] else S.Zero
+
+    def _told(self, symbol: Callable[[int, int], Symbol], first: int) -> ImmutableMatrix:
+        """(3, 1) the symbols of freedoms `first` to `first` + 2 that are prescribed, zeros for the others."""
+        told = self.body.joint.prescribed
+        three = range(first, first + 3)
+        return ImmutableMatrix([symbol(self.number, i) if told[i] else S.Zero for i in three])
 
     def _sine_cosine(self, index: int) -> tuple[Expr, Expr]:
         joint = self.body.joint
-        if not joint.free[index]:
+        if not joint.moving[index]:
             return constant_sine_cosine(joint.locked[index])
         angle = coordinate(self.number, index)
         return sympy.sin(angle), sympy.cos(angle)

@@ -1,4 +1,4 @@
-"""How a body's origin and mass centre move: Eqs. (21)-(35), body by body.
+"""How a body's origin and mass centre move, and how it accelerates: Eqs. (21)-(35), body by body.
 
 Columns of O_K are resolved in the lower body J, columns of G_K in body K.
 """
@@ -10,14 +10,14 @@ from functools import cached_property
 
 from sympy import ImmutableMatrix
 
-from kanegen.symbolic.angular import AngularEquations
 from kanegen.symbolic.orientation import skew
 from kanegen.symbolic.outward import outward
+from kanegen.symbolic.remainder import RemainderEquations
 from kanegen.symbolic.symbols import column
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LinearEquations(AngularEquations):
+class LinearEquations(RemainderEquations):
     """Position, velocity and its derivatives of O_K and G_K."""
 
     @outward
@@ -91,10 +91,21 @@ class LinearEquations(AngularEquations):
         return self._named("partial_velocity_of_center_rate", rate)
 
     @cached_property
+    def angular_acceleration_bias(self) -> ImmutableMatrix:
+        """Angular acceleration where {ydot} is zero (rad/s^2), the expansion above Eq. (20)."""
+        return self.partial_angular_velocity_rate * self._y + self.remaining_angular_velocity_rate
+
+    @cached_property
+    def angular_acceleration(self) -> ImmutableMatrix:
+        """Angular acceleration (rad/s^2), the expansion above Eq. (20)."""
+        return self.partial_angular_velocity * self._ydot + self.angular_acceleration_bias
+
+    @cached_property
     def acceleration_bias(self) -> ImmutableMatrix:
         """Acceleration of G_K where {ydot} is zero (m/s^2), the last two terms of Eq. (33)."""
         turned = skew(self.angular_velocity) * self.velocity_of_center
-        return self.partial_velocity_of_center_rate * self._y + turned
+        told = self.remaining_velocity_of_center_rate
+        return self.partial_velocity_of_center_rate * self._y + told + turned
 
     @cached_property
     def acceleration_of_center(self) -> ImmutableMatrix:

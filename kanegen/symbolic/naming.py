@@ -104,6 +104,30 @@ QUANTITIES = {
     "partial_velocity_of_center_rate": Quantity(
         "vGdot_{K}", r"{{\dot{{v}}'}}_{{G_{{{K}}},{I}}}", "its time derivative, Eq. (34)", Index.PARTIAL
     ),
+    "remaining_angular_velocity": Quantity(
+        "omegat_{K}",
+        r"{{\omega'}}_{{t,{K},{I}}}",
+        "angular velocity of what is prescribed",
+        Index.COMPONENT,
+    ),
+    "remaining_angular_velocity_rate": Quantity(
+        "omegatdot_{K}", r"{{\dot{{\omega}}'}}_{{t,{K},{I}}}", "its time derivative", Index.COMPONENT
+    ),
+    "remaining_velocity_of_origin": Quantity(
+        "vOt_{K}",
+        r"{{v'}}_{{t,O_{{{K}}},{I}}}",
+        "velocity of O_K in J of what is prescribed",
+        Index.COMPONENT,
+    ),
+    "remaining_velocity_of_origin_rate": Quantity(
+        "vOtdot_{K}", r"{{\dot{{v}}'}}_{{t,O_{{{K}}},{I}}}", "its time derivative", Index.COMPONENT
+    ),
+    "remaining_velocity_of_center_rate": Quantity(
+        "vGtdot_{K}",
+        r"{{\dot{{v}}'}}_{{t,G_{{{K}}},{I}}}",
+        "time derivative of the velocity of G_K of what is prescribed",
+        Index.COMPONENT,
+    ),
     "partial_angular_momentum": Quantity(
         "H_{K}", r"{{H'}}_{{{K},{I}}}", "inertia times partial angular velocity, Eq. (40)", Index.PARTIAL
     ),

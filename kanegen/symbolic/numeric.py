@@ -19,6 +19,7 @@ from kanegen.symbolic.symbols import (
     parameter,
     point_force,
     point_moment,
+    prescribed,
     speeds,
     time,
     torque,
@@ -40,19 +41,26 @@ class NumericEquations:
     _mass_matrix: Callable[..., Any]
     _forcing: Callable[..., Any]
 
-    def mass_matrix(self, x: ArrayLike, parameters: Mapping[str, float] | None = None) -> Floats:
+    def mass_matrix(
+        self,
+        x: ArrayLike,
+        parameters: Mapping[str, float] | None = None,
+        prescribed: ArrayLike | None = None,
+    ) -> Floats:
         """[A], (n, n).
 
         Args:
             x: Coordinates (rad, m, 1).
             parameters: Values of parameters that differ from their defaults, by name.
+            prescribed: (3, p) values, rates and second derivatives of the prescribed freedoms.
 
         Raises:
             ArrayError: If `x` has another shape, or holds anything but real numbers.
             ModelError: If a parameter is unknown or its value makes the model unusable.
         """
         m = len(self.system.coordinates)
-        return np.array(self._mass_matrix(_array(x, (m,), "x"), self._values(parameters)), dtype=float)
+        arguments = (_array(x, (m,), "x"), self._motion(prescribed), self._values(parameters))
+        return np.array(self._mass_matrix(*arguments), dtype=float)
 
     def forcing(
         self,
@@ -61,6 +69,7 @@ class NumericEquations:
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
         parameters: Mapping[str, float] | None = None,
+        prescribed: ArrayLike | None = None,
         point_force: ArrayLike | None = None,
         point_moment: ArrayLike | None = None,
         t: float = 0.0,
@@ -73,6 +82,7 @@ class NumericEquations:
             force: (N, 3) loads {F'_K} (N); rows of bodies that take no loads are not read.
             torque: (N, 3) loads {M'_K} (N m), likewise.
             parameters: Values of parameters that differ from their defaults, by name.
+            prescribed: As in `mass_matrix`.
             point_force: (P, 3) forces at the points (N); rows of points that take no loads are not read.
             point_moment: (P, 3) moments (N m), likewise.
             t: Time (s).
@@ -93,9 +103,15 @@ class NumericEquations:
             np.zeros(3 * rows) if load is None else _array(load, (rows, 3), what).ravel()
             for load, rows, what in given
         ]
-        state = _array(x, (m,), "x"), _array(y, (n,), "y")
+        state = (_array(x, (m,), "x"), _array(y, (n,), "y"), self._motion(prescribed))
         arguments = (*state, *loads, [float(t)], self._values(parameters))
         return np.array(self._forcing(*arguments), dtype=float).ravel()
+
+    def _motion(self, prescribed: ArrayLike | None) -> Floats:
+        """Row after row; None is for systems without prescribed freedoms."""
+        count = len(self.system.prescribed)
+        given = np.zeros((3, 0)) if prescribed is None else prescribed
+        return _array(given, (3, count), "prescribed").ravel()
 
     def _values(self, changed: Mapping[str, float] | None) -> list[float]:
         system = self.system.with_parameters(changed or {})
@@ -116,11 +132,11 @@ def numeric(
     if private:
         A, f = A.xreplace(private), f.xreplace(private)
         definitions = [replace(d, value=d.value.xreplace(private)) for d in definitions]
-    parameters = list(private.values())
+    parameters, told = list(private.values()), list(prescribed(system))
     return NumericEquations(
         system,
-        _function([x, parameters], A, definitions),
-        _function([x, y, *loads, [time()], parameters], f, definitions),
+        _function([x, told, parameters], A, definitions),
+        _function([x, y, told, *loads, [time()], parameters], f, definitions),
     )
 
 

@@ -79,6 +79,12 @@ def accelerations(system: System) -> tuple[Symbol, ...]:
     )
 
 
+def prescribed(system: System) -> tuple[Symbol, ...]:
+    """The prescribed freedoms: all values, then all rates, then all second derivatives."""
+    of = [(freedom.body, freedom.index) for freedom in system.prescribed]
+    return tuple(made(*one) for made in (coordinate, speed, acceleration) for one in of)
+
+
 def force(body: int, axis: int) -> Symbol:
     """Component `axis` (0 to 2) of {F'_K}, the force at G_K in body components (N)."""
     return real(f"F_{body}_{axis + 1}")

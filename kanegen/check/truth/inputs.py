@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from kanegen.arrays import Floats
 from kanegen.check.truth.tree import State
 from kanegen.errors import ArrayError, OptionError
+from kanegen.prescribed import require_unprescribed
 from kanegen.system import System
 
 
@@ -24,8 +25,9 @@ def checked_state(
 
     Raises:
         ArrayError: If an array has another shape than it must, or is not finite.
-        OptionError: If the system has force elements.
+        OptionError: If the system has force elements, or a freedom is prescribed.
     """
+    require_unprescribed(system, "truth")
     if system.force_elements:
         raise OptionError(
             f"system {system.name!r} has force elements, of which no exact results are known. Leave them out "

@@ -81,10 +81,10 @@ def parallel_sums(bodies: tuple[BodyEquations, ...]) -> dict[Expr, Expr]:
 
 def _hinge(body: BodyEquations) -> tuple[int, Expr] | None:
     """Axis and angle of a body that turns about one basis vector which it shares with its lower body."""
-    free = [index for index in range(ANGLES) if body.body.joint.free[index]]
-    if len(free) != 1:
+    turning = [index for index in range(ANGLES) if body.body.joint.moving[index]]
+    if len(turning) != 1:
         return None
-    rotation, axis = body.relative_rotation, body.body.joint.axes[free[0]]
+    rotation, axis = body.relative_rotation, body.body.joint.axes[turning[0]]
     unit = [int(i == axis) for i in range(ANGLES)]
     shared = list(rotation[axis, :]) == unit and list(rotation[:, axis]) == unit
-    return (axis, body.coordinate(free[0])) if shared else None
+    return (axis, body.coordinate(turning[0])) if shared else None

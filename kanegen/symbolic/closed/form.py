@@ -42,7 +42,8 @@ def close(
         A: (n, n), symmetric.
         f: (n, 1).
         bodies: Those that [A] and {f} come from.
-        motion: Speeds and loads; their products may gather the rest of an entry in their coefficients.
+        motion: Speeds, loads and what is prescribed; their products may gather the rest of an entry in their
+            coefficients.
 
     Raises:
         OptionError: If an entry grows too long to be read.
@@ -68,7 +69,7 @@ class Simplifier:
 
     Args:
         sums: As `Expander.sums`.
-        motion: Speeds and loads.
+        motion: Speeds, loads and what is prescribed.
         rounded: Whether coefficients within rounding of a short decimal number are that number.
     """
 
