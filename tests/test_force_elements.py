@@ -319,6 +319,30 @@ def test_locked_joints_carry_what_acts_on_them(seed: int) -> None:
     assert reactions(system, state) == pytest.approx(expected, abs=1e-13 * max(map(abs, every.values())))
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_prescribed_freedoms_are_driven_against_what_acts_on_them(seed: int) -> None:
+    """{f} and efforts, with elements that read and pull at what is prescribed; and the literal {f}."""
+    system = driven(seed, 3)
+    told = system.freedom_names[:2]
+    if len(system.freedoms) < 4:
+        return
+    system = system.with_prescribed(told).with_force_elements(
+        JointSpring(told[0], 6.0, 0.4, 2.0), Drive(told[1], parse(f"2 + y.{told[0]}*t"))
+    )
+    states = random_states(system, 1, seed)
+    state = given(states, system) | {"ydot": states.y[0][::-1]}
+    further = {name: rows[0] for name, rows in states.given.items()}
+    assert "prescribed" in further
+    found = values(system, ("forcing", "prescribed_efforts"), state)
+    forcing = reference.forcing(system, state["x"], state["y"], **further)
+    expected = reference.prescribed_efforts(system, state["x"], state["y"], state["ydot"], **further)
+    size = np.abs(expected).max() + np.abs(forcing).max()
+    assert np.abs(found["f"] - forcing).max() <= 1e-13 * size
+    assert np.abs(found["prescribed_efforts"] - expected).max() <= 1e-13 * size
+    literal = derive(system).lambdify().forcing(state["x"], state["y"], **further)
+    assert np.abs(literal - forcing).max() <= 1e-12 * size
+
+
 def test_names_outlive_locking() -> None:
     """A joint's own name and the order of freedoms may change; what the elements mean does not."""
     system = systems.chain(2)
