@@ -64,14 +64,16 @@ def rotation(m: Square, tolerance: float) -> Square:
 
     Where one axis is, a turn about it is left; where two are, so is the third.
     """
-    if any(_misses(row, tolerance) for row in m):
-        for i in range(3):
-            along = direction(m[i], tolerance)
-            if max(map(abs, along)) == 1:
-                x, y, z = (0.0 if there else x for x, there in zip(m[(i + 1) % 3], along, strict=True))
-                beside = direction(normalized((x, y, z)), tolerance)
-                rows = {i: along, (i + 1) % 3: beside, (i + 2) % 3: cross(along, beside)}
-                return rows[0], rows[1], rows[2]
+    if not any(_misses(row, tolerance) for row in m):
+        return m
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        along = direction(m[i], tolerance)
+        if sum(map(bool, along)) == 1:
+            x, y, z = (0.0 if there else x for x, there in zip(m[j], along, strict=True))
+            beside = direction(normalized((x, y, z)), tolerance)
+            rows = {i: along, j: beside, k: cross(along, beside)}
+            return rows[0], rows[1], rows[2]
     return m
 
 

@@ -116,6 +116,9 @@ def test_other_rotations_and_exact_ones_keep_every_bit(seed: int) -> None:
     plane = rotation_123((0.0, float(rng.uniform(0.1, 1.4)), 0.0))
     kept: list[Square] = [far, plane]
     assert [rotation(m, TYPED) for m in kept] == kept
+    tilted = rotation_123((1e-8, 1e-8, 6e-17))  # whose cosines are 1 to the last digit
+    assert tilted[0][0] == 1
+    assert rotation(tilted, 1e-12) == tilted
 
 
 def test_directions() -> None:
