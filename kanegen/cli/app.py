@@ -56,6 +56,7 @@ from kanegen.files import require_writable, write_whole
 from kanegen.printing import FORMATS, render
 from kanegen.readers import load
 from kanegen.receipt import exactness, page, receipt
+from kanegen.receipt.markdown import markdown as in_markdown
 from kanegen.right_angles import AS_WRITTEN, TYPED
 from kanegen.signature import EQUATIONS
 from kanegen.study import EXTRA as STUDY
@@ -284,11 +285,15 @@ def explain(
     html: Annotated[
         Path | None, typer.Option("--html", metavar="FILE.html", help="Write a page with the tree drawn.")
     ] = None,
+    markdown: Annotated[
+        Path | None, typer.Option("--markdown", metavar="FILE.md", help="Write a page of Markdown.")
+    ] = None,
 ) -> None:
     """Set the program for MODEL beside the general one of its tree: what it saves, and what is left."""
-    if html is not None and html.suffix.lower() != ".html":
-        raise OptionError(f"--html: {html} does not end in .html.")
-    require_writable(html)
+    for option, path, ending in (("--html", html, ".html"), ("--markdown", markdown, ".md")):
+        if path is not None and path.suffix.lower() != ending:
+            raise OptionError(f"{option}: {path} does not end in {ending}.")
+    require_writable(html, markdown)
     system = _loaded(model, floating_base, right_angles, speeds, coordinates)
     with progress() as report:
         found = receipt(system, output, compile_, report)
@@ -298,6 +303,8 @@ def explain(
         explanation.show(found, screen)
     if html is not None:
         write_whole(html, page.html(found))
+    if markdown is not None:
+        write_whole(markdown, in_markdown(found))
 
 
 @app.command()
