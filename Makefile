@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes receipts clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -47,6 +47,10 @@ tradeoff: $(VENV)/.bench
 # What five scenes do without; rewrites docs/scenes.md in a few minutes.
 scenes: $(VENV)/.bench
 	$(BIN)/python -m benchmarks.scenes
+
+# What every model costs beside the general program of its tree; rewrites docs/models in a minute.
+receipts: $(VENV)/.tests
+	$(BIN)/python -m benchmarks.receipts
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from kanegen import sequences, validation
+from kanegen import right_angles, sequences, validation
 from kanegen.errors import ModelError
 from kanegen.names import check_label
-from kanegen.numbers import Matrix, Number, Vector, map_numbers, number, numbers, word
+from kanegen.numbers import Matrix, Number, Parameter, Vector, map_numbers, number, numbers, value_of, word
 from kanegen.suggest import did_you_mean
 
 FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
@@ -168,6 +168,20 @@ class Joint:
             orientation=map_numbers(self.orientation, change),
             locked=map_numbers(self.locked, change),
         )
+
+    def with_right_angles(self, tolerance: float) -> Joint:
+        """The same joint; constant angles that miss a right one by no more than `tolerance` (rad) are it."""
+
+        def exact(value: Number) -> Number:
+            return value if isinstance(value, Parameter) else right_angles.angle(value, tolerance)
+
+        orientation = self.orientation
+        if isinstance(orientation[0], tuple):
+            plain = map_numbers(orientation, value_of)
+            orientation = right_angles.rotation(plain, tolerance) if plain == orientation else orientation
+        else:
+            orientation = map_numbers(orientation, exact)
+        return replace(self, orientation=orientation, locked=(*map(exact, self.locked[:3]), *self.locked[3:]))
 
     def as_table(self) -> dict[str, Any]:
         """The joint in the words of a model file, defaults left out."""

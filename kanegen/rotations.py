@@ -22,6 +22,11 @@ def dot(a: Triple, b: Triple) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
+def cross(a: Triple, b: Triple) -> Triple:
+    """The vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
 def apply(matrix: Square, v: Triple) -> Triple:
     """[matrix] {v}."""
     return dot(matrix[0], v), dot(matrix[1], v), dot(matrix[2], v)

@@ -25,6 +25,7 @@ from kanegen.force_elements.expression import TIME
 from kanegen.force_elements.names import resolved, variable_places
 from kanegen.names import check_identifier
 from kanegen.numbers import Number, Parameter, Vector, map_numbers, numbers, value_of, word
+from kanegen.right_angles import checked
 from kanegen.sequences import NOTES
 from kanegen.suggest import did_you_mean
 from kanegen.toml_text import toml_text
@@ -472,6 +473,24 @@ class System:
             return replace(joint, coordinates=coordinates, sequence=sequence)
 
         return self._turning(change)
+
+    def with_right_angles(self: _S, tolerance: float) -> _S:
+        """The same system with exact right angles, where constant orientations miss them by little.
+
+        Args:
+            tolerance: How far (rad) an orientation or a locked angle may be from a right angle to be taken
+                for it; 0 changes nothing. Parameters stay as they are.
+
+        Raises:
+            OptionError: If it makes no sense, see `right_angles.checked`.
+        """
+        limit = checked(tolerance)
+
+        def exact(body: Body) -> Body:
+            joint = body.joint.with_right_angles(limit)
+            return body if joint == body.joint else replace(body, joint=joint)
+
+        return replace(self, bodies=tuple(map(exact, self.bodies)))
 
     def _turning(self: _S, change: Callable[[Joint], Joint]) -> _S:
         """The same system with `change` applied to every joint that has three free angles."""

@@ -40,6 +40,7 @@ from kanegen.cli.options import (
     Reactions,
     Reanchoring,
     Reproducible,
+    RightAngles,
     Search,
     Seed,
     SelectStates,
@@ -51,12 +52,15 @@ from kanegen.cli.options import (
     Without,
 )
 from kanegen.cli.reported import reporting
-from kanegen.cli.terminal import FAILED, fail, progress, screen, show_warnings
+from kanegen.cli.right_angles import Angles
+from kanegen.cli.terminal import FAILED, fail, progress, screen, show_warnings, unheard
 from kanegen.errors import KanegenError, OptionError
 from kanegen.files import require_writable, write_whole
 from kanegen.printing import FORMATS, render
 from kanegen.readers import load
-from kanegen.receipt import page, receipt
+from kanegen.receipt import exactness, page, receipt
+from kanegen.receipt.markdown import markdown as in_markdown
+from kanegen.right_angles import AS_WRITTEN, TYPED
 from kanegen.signature import EQUATIONS
 from kanegen.study import EXTRA as STUDY
 from kanegen.study import NEEDS
@@ -100,6 +104,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     poses: Poses = None,
     reactions: Reactions = None,
     floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
     force: Annotated[
         bool, typer.Option("--force", help="Write also where the folder holds files of another origin.")
     ] = False,
@@ -131,7 +136,8 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     `pip install 'kanegen[study]'`.
     """
     chosen = has_budget(context)
-    system = reporting(_loaded(model, floating_base, speeds, coordinates), output, poses, reactions)
+    loaded = _loaded(model, floating_base, right_angles, speeds, coordinates)
+    system = reporting(loaded, output, poses, reactions)
     wanted = anchors(system) if reanchoring else ()
     if chosen:
         command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
@@ -180,6 +186,7 @@ def verify(
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the fresh states.")] = 1,
     floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
 ) -> None:
@@ -189,7 +196,7 @@ def verify(
     error in states of its own. Times are not measured again. Needs `pip install 'kanegen[study]'`.
     """
     command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
-    system = None if model is None else _loaded(model, floating_base, speeds, coordinates)
+    system = None if model is None else _loaded(model, floating_base, right_angles, speeds, coordinates)
     with progress() as report:
         found = command.verify(certificate, system, states, seed, report)
     command.show_verification(certificate, found, screen)
@@ -203,6 +210,7 @@ def check(
     states: Annotated[int, typer.Option(min=1, help="Number of random states.")] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 0,
     floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
     precision: Numbers = None,
     storage: Stored = None,
     sincos: Waves = None,
@@ -212,7 +220,7 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Compile the C for MODEL and compare it with the NumPy reference; status 1 if it does not pass."""
-    system = _loaded(model, floating_base, speeds, coordinates)
+    system = _loaded(model, floating_base, right_angles, speeds, coordinates)
     with progress() as report:
         variant = variants.chosen(tier, precision=precision, storage=storage, sincos=sincos)
         result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)
@@ -228,11 +236,12 @@ def equations(
         str, typer.Option("--format", metavar="FORMAT", help=f"One of {', '.join(FORMATS)}.")
     ] = "text",
     floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
 ) -> None:
     """Print the equations of motion of MODEL: in closed form for a small tree, else by definitions."""
-    system = _loaded(model, floating_base, speeds, coordinates)
+    system = _loaded(model, floating_base, right_angles, speeds, coordinates)
     with progress() as report:
         derived = compiler.derive(system, progress=report)
         report("printing")
@@ -244,15 +253,23 @@ def equations(
 def info(
     model: Model,
     floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
     without: Without = None,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the tree of MODEL, its freedoms and parameters, and what its equations cost."""
-    system = _loaded(model, floating_base, speeds, coordinates)
+    system = _loaded(model, floating_base, right_angles, speeds, coordinates)
+    tolerance = right_angles or TYPED
+    with unheard():
+        written, exact = (
+            _loaded(model, floating_base, limit, speeds, coordinates) for limit in (AS_WRITTEN, tolerance)
+        )
     with progress() as report:
-        facts = information.gather(system, report, without)
+        found = exactness(written, exact, report)
+        angles = Angles(tolerance, bool(right_angles), found) if found else None
+        facts = information.gather(system, report, without, angles)
     if as_json:
         typer.echo(json.dumps(facts.as_dict(), indent=2))
     else:
@@ -266,6 +283,7 @@ def explain(
     poses: Poses = None,
     reactions: Reactions = None,
     floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
     compile_: Annotated[
@@ -275,12 +293,17 @@ def explain(
     html: Annotated[
         Path | None, typer.Option("--html", metavar="FILE.html", help="Write a page with the tree drawn.")
     ] = None,
+    markdown: Annotated[
+        Path | None, typer.Option("--markdown", metavar="FILE.md", help="Write a page of Markdown.")
+    ] = None,
 ) -> None:
     """Set the program for MODEL beside the general one of its tree: what it saves, and what is left."""
-    if html is not None and html.suffix.lower() != ".html":
-        raise OptionError(f"--html: {html} does not end in .html.")
-    require_writable(html)
-    system = reporting(_loaded(model, floating_base, speeds, coordinates), output, poses, reactions)
+    for option, path, ending in (("--html", html, ".html"), ("--markdown", markdown, ".md")):
+        if path is not None and path.suffix.lower() != ending:
+            raise OptionError(f"{option}: {path} does not end in {ending}.")
+    require_writable(html, markdown)
+    loaded = _loaded(model, floating_base, right_angles, speeds, coordinates)
+    system = reporting(loaded, output, poses, reactions)
     with progress() as report:
         found = receipt(system, output, compile_, report)
     if as_json:
@@ -289,6 +312,8 @@ def explain(
         explanation.show(found, screen)
     if html is not None:
         write_whole(html, page.html(found))
+    if markdown is not None:
+        write_whole(markdown, in_markdown(found))
 
 
 @app.command()
@@ -304,6 +329,7 @@ def bench(
     json_: JsonFile = None,
     plot: Plot = None,
     floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
 ) -> None:
     """Time the C for MODEL beside Pinocchio, CasADi, MuJoCo, SymPy + PyDy; status 1 if results differ.
 
@@ -314,7 +340,7 @@ def bench(
     _require_plot(plot)
     require_writable(json_, plot)
     terms = benchmark.Terms(states, rounds, seconds)
-    system = load(model, floating_base=floating_base)
+    system = load(model, floating_base, right_angles)
     with progress() as report:
         outcome = benchmark.compete(system, terms, report, peer)
     benchmark_table.show(outcome, terms, screen)
@@ -351,6 +377,7 @@ def tradeoff(
     json_: JsonFile = None,
     plot: Plot = None,
     floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
 ) -> None:
     """Speed against accuracy of MODEL: every variant measured; status 1 if one computes something wrong.
 
@@ -360,7 +387,7 @@ def tradeoff(
     """
     _require_plot(plot, STUDY)
     command = module("kanegen.cli.tradeoff", *NEEDS, extra=STUDY)
-    system = load(model, floating_base=floating_base)
+    system = load(model, floating_base, right_angles)
     outputs = command.Outputs.chosen(output_dir, json_, plot, simulation)
     terms = {"states": states, "search": search, "rounds": rounds, "seconds": seconds, "seed": seed}
     with progress() as report:
@@ -372,9 +399,11 @@ def tradeoff(
         raise typer.Exit(FAILED)
 
 
-def _loaded(model: Path, floating_base: bool, speeds: str | None, coordinates: str | None) -> System:
+def _loaded(
+    model: Path, floating_base: bool, right_angles: float, speeds: str | None, coordinates: str | None
+) -> System:
     """The system of a model file, with other speeds and coordinates if so wished."""
-    return compiler.described(load(model, floating_base=floating_base), speeds, coordinates)
+    return compiler.described(load(model, floating_base, right_angles), speeds, coordinates)
 
 
 def _require_plot(path: Path | None, extra: str = BENCH) -> None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from kanegen.receipt.costs import SYSTEM
 from kanegen.receipt.receipt import Receipt
-from kanegen.receipt.tables import heads, rows
+from kanegen.receipt.tables import bodies, heads, outputs, rows
 
 
 def show(receipt: Receipt, console: Console) -> None:
@@ -22,20 +23,14 @@ def show(receipt: Receipt, console: Console) -> None:
     )
     console.print("[bold]What the scene does without[/], one after the other")
     console.print(_table(heads(receipt), rows(receipt)))
-    bodies = {SYSTEM: "all bodies"} | {k: b.name for k, b in enumerate(receipt.system.bodies, start=1)}
-    costs = [
-        [f"{k} {bodies[k]}" if k else bodies[k], str(number)]
-        for k, number in sorted(receipt.bodies.items(), key=lambda item: -item[1])
-        if number
-    ]
     console.print("[bold]Where the operations go[/]")
-    console.print(_table(["body", "operations"], costs))
-    if len(receipt.alone) > 1:
+    console.print(_table(["body", "operations"], bodies(receipt)))
+    if alone := outputs(receipt):
         console.print("[bold]Each output by itself[/]")
-        console.print(_table(["output", "operations"], [[k, str(v)] for k, v in receipt.alone.items()]))
+        console.print(_table(["output", "operations"], alone))
 
 
-def _table(head: list[str], lines: list[list[str]]) -> Table:
+def _table(head: Sequence[str], lines: Sequence[Sequence[str]]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for place, title in enumerate(head):
         table.add_column(title, justify="right" if place else "left")

@@ -17,6 +17,8 @@ from rich.tree import Tree
 from kanegen import compiler
 from kanegen import variant as variants
 from kanegen.body import FREEDOMS, Body, named
+from kanegen.cli import right_angles
+from kanegen.cli.right_angles import Angles
 from kanegen.derivatives import DERIVATIVES
 from kanegen.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.program.passes import Stage, savings
@@ -40,6 +42,7 @@ class Facts:
         methods: How each output is derived.
         refinement: Whether {ydot} is refined, and why.
         stages: What all outputs together cost after lowering and after every pass.
+        right_angles: What it changes to take them; None where the model misses none.
     """
 
     system: System
@@ -47,6 +50,7 @@ class Facts:
     methods: dict[str, str]
     refinement: str
     stages: tuple[Stage, ...]
+    right_angles: Angles | None
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain data."""
@@ -100,10 +104,16 @@ class Facts:
             "refinement": self.refinement,
             "passes": [asdict(stage) for stage in self.stages],
             "saved": savings(self.stages),
+            "right_angles": self.right_angles.as_dict() if self.right_angles else None,
         }
 
 
-def gather(system: System, progress: Callable[[str], None], without: Iterable[str] | None = None) -> Facts:
+def gather(
+    system: System,
+    progress: Callable[[str], None],
+    without: Iterable[str] | None = None,
+    angles: Angles | None = None,
+) -> Facts:
     """Count what every output costs alone and all together, without some passes if so wished."""
     variant = variants.chosen(without=without)
     # Derivatives of a large tree take minutes, and nobody has asked for them.
@@ -113,7 +123,8 @@ def gather(system: System, progress: Callable[[str], None], without: Iterable[st
     operations = {name: compiled.operations for name, compiled in alone.items()}
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}
     refinement = alone["forward_dynamics"].refinement
-    return Facts(system, {**operations, TOGETHER: together.operations}, methods, refinement, together.stages)
+    operations[TOGETHER] = together.operations
+    return Facts(system, operations, methods, refinement, together.stages, angles)
 
 
 def show(facts: Facts, console: Console) -> None:
@@ -146,6 +157,8 @@ def show(facts: Facts, console: Console) -> None:
     console.print(f"passes saved: {saved or 'none was run'}")
     console.print(", ".join(f"{name} by {method}" for name, method in facts.methods.items()))
     console.print(escape(f"refinement of forward_dynamics: {facts.refinement}"))
+    if facts.right_angles:
+        right_angles.show(facts.right_angles, console)
 
 
 def _tree(system: System) -> Tree:

@@ -10,6 +10,7 @@ import typer
 from kanegen.body import ORIENTATIONS, SPEEDS
 from kanegen.precision import PRECISIONS
 from kanegen.program.passes import NAMES
+from kanegen.right_angles import TYPED
 from kanegen.signature import OUTPUTS
 from kanegen.variant import TIERS
 
@@ -18,6 +19,14 @@ Model = Annotated[
 ]
 FloatingBase = Annotated[
     bool, typer.Option("--floating-base", help="Give the root link of a .urdf six freedoms.")
+]
+RightAngles = Annotated[
+    float,
+    typer.Option(
+        "--right-angles",
+        metavar="TOL",
+        help=f"Make exact what misses a right angle by no more (rad); {TYPED:g} takes 1.5708 for pi/2.",
+    ),
 ]
 Outputs = Annotated[
     list[str],

@@ -51,6 +51,14 @@ def show_warnings() -> None:
     warnings.showwarning = show_warning
 
 
+@contextmanager
+def unheard() -> Iterator[None]:
+    """Without kanegen's warnings, of what has been said before."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", KanegenWarning)
+        yield
+
+
 def fail(error: Exception) -> NoReturn:
     """Print an error as one line and leave with `BAD_INPUT`."""
     errors.print(f"[bold red]error:[/] {escape(str(error))}")

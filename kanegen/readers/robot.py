@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from kanegen import right_angles
 from kanegen.errors import ReadError
 from kanegen.readers.rigid import Frame, Rigid
 from kanegen.readers.xml import Element
@@ -67,8 +68,12 @@ class Robot:
     where: str
 
 
-def read_robot(top: Element) -> Robot:
+def read_robot(top: Element, tolerance: float) -> Robot:
     """The robot below the top element of a document.
+
+    Args:
+        top: The element.
+        tolerance: What orientations may miss a right angle by to be made exact (rad).
 
     Raises:
         ReadError: If the document is no URDF, or an element is incomplete or has a bad number.
@@ -78,10 +83,10 @@ def read_robot(top: Element) -> Robot:
     for child in top.children:
         if child.tag.startswith("xacro:"):
             raise child.error(f"<{child.tag}> is a xacro instruction. Run xacro on the file first.")
-    links = _unique([_link(element) for element in top.all("link")], "link")
+    links = _unique([_link(element, tolerance) for element in top.all("link")], "link")
     if not links:
         raise top.error("the robot has no <link>.")
-    joints = _unique([_joint(element) for element in top.all("joint")], "joint")
+    joints = _unique([_joint(element, tolerance) for element in top.all("joint")], "joint")
     for joint in joints.values():
         for role, name in (("parent", joint.parent), ("child", joint.child)):
             if name not in links:
@@ -104,27 +109,27 @@ def _unique(items: Sequence[_Item], kind: str) -> dict[str, _Item]:
     return found
 
 
-def _link(element: Element) -> Link:
+def _link(element: Element, tolerance: float) -> Link:
     name = element.text("name")
     inertial = element.optional("inertial")
-    return Link(name, _rigid(inertial) if inertial else Rigid(), element.where)
+    return Link(name, _rigid(inertial, tolerance) if inertial else Rigid(), element.where)
 
 
-def _rigid(inertial: Element) -> Rigid:
+def _rigid(inertial: Element, tolerance: float) -> Rigid:
     mass = inertial.child("mass")
     kilograms = mass.number("value")
     if kilograms < 0:
         raise mass.error(f"mass {kilograms!r} kg is negative.")
     entries = inertial.child("inertia")
     xx, yy, zz, xy, xz, yz = (entries.number(f"i{name}") for name in ("xx", "yy", "zz", "xy", "xz", "yz"))
-    place = _origin(inertial)
+    place = _origin(inertial, tolerance)
     offset = kilograms * dot(place.position, place.position)
     if max(map(abs, (xx, yy, zz, xy, xz, yz))) <= CANCELLED * offset:
         return Rigid(kilograms, place.position)
     return Rigid(kilograms, ZERO, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))).seen_from(place)
 
 
-def _joint(element: Element) -> RobotJoint:
+def _joint(element: Element, tolerance: float) -> RobotJoint:
     name, kind = element.text("name"), element.text("type")
     if kind not in JOINT_TYPES:
         hint = did_you_mean(kind, JOINT_TYPES)
@@ -134,32 +139,33 @@ def _joint(element: Element) -> RobotJoint:
         kind=kind,
         parent=element.child("parent").text("link"),
         child=element.child("child").text("link"),
-        origin=_origin(element),
-        axis=_axis(element) if kind in WITH_AXIS else DEFAULT_AXIS,
+        origin=_origin(element, tolerance),
+        axis=_axis(element, tolerance) if kind in WITH_AXIS else DEFAULT_AXIS,
         mimic=element.optional("mimic") is not None,
         where=element.where,
     )
 
 
-def _origin(element: Element) -> Frame:
+def _origin(element: Element, tolerance: float) -> Frame:
     origin = element.optional("origin")
     if origin is None:
         return Frame()
     if "quat_xyzw" not in origin.attributes:
-        return Frame(origin.vector("xyz"), rotation_rpy(origin.vector("rpy")))
+        roll, pitch, yaw = (right_angles.angle(value, tolerance) for value in origin.vector("rpy"))
+        return Frame(origin.vector("xyz"), rotation_rpy((roll, pitch, yaw)))
     if "rpy" in origin.attributes:
         raise origin.error("<origin> has both rpy and quat_xyzw. Keep one.")
     x, y, z, w = origin.numbers("quat_xyzw", 4)
     if not any((x, y, z, w)):
         raise origin.error("<origin quat_xyzw>: a quaternion of zeros is no rotation.")
-    return Frame(origin.vector("xyz"), rotation_quaternion(x, y, z, w))
+    return Frame(origin.vector("xyz"), right_angles.rotation(rotation_quaternion(x, y, z, w), tolerance))
 
 
-def _axis(element: Element) -> Triple:
+def _axis(element: Element, tolerance: float) -> Triple:
     axis = element.optional("axis")
     if axis is None:
         return DEFAULT_AXIS
     x, y, z = axis.numbers("xyz", 3)
     if not any((x, y, z)):
         raise axis.error("the axis is zero: it has no direction.")
-    return normalized((x, y, z))
+    return right_angles.direction(normalized((x, y, z)), tolerance)

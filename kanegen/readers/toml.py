@@ -12,11 +12,12 @@ from typing import Any
 from kanegen import validation
 from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, SPEEDS, Body, Joint, Point, named
 from kanegen.errors import KanegenWarning, ModelError, ReadError
-from kanegen.numbers import numbers
+from kanegen.numbers import Parameter, numbers
 from kanegen.readers import force_elements
 from kanegen.readers.keys import check_keys
 from kanegen.readers.parameters import Parameters
 from kanegen.readers.text import read_text
+from kanegen.right_angles import AS_WRITTEN, angle
 from kanegen.sequences import NOTES
 from kanegen.suggest import did_you_mean
 from kanegen.system import GRAVITY, System
@@ -46,8 +47,12 @@ ORIGIN = (0, 0, 0)
 Table = Mapping[str, Any]
 
 
-def read_toml(path: Path) -> System:
+def read_toml(path: Path, right_angles: float = AS_WRITTEN) -> System:
     """The system that a TOML file describes.
+
+    Args:
+        path: The file.
+        right_angles: Tolerance (rad) within which `orientation_angles` are made exact.
 
     Raises:
         ReadError: If the file is not TOML, or does not describe a usable system.
@@ -57,7 +62,7 @@ def read_toml(path: Path) -> System:
     """
     table = parsed(read_text(path), path)
     try:
-        return _system(table, path)
+        return _system(table, path, right_angles)
     except ModelError as error:
         raise ReadError(f"{path}: {error}") from None
 
@@ -85,7 +90,7 @@ def parsed(text: str, where: str | Path) -> Table:
         raise ReadError(f"{where}: its arrays are nested too deeply.") from None
 
 
-def _system(table: Table, path: Path) -> System:
+def _system(table: Table, path: Path, tolerance: float) -> System:
     check_keys(table, MODEL_KEYS)
     parameters = Parameters.read(table.get("parameters", {}))
     tables = table.get("body", [])
@@ -94,7 +99,7 @@ def _system(table: Table, path: Path) -> System:
     numbers_of: dict[str, int] = {}
     bodies = []
     for k, entry in enumerate(tables, start=1):
-        body = _body(entry, k, numbers_of, parameters)
+        body = _body(entry, k, numbers_of, parameters, tolerance)
         numbers_of.setdefault(body.name, k)
         bodies.append(body)
     gravity = table.get("gravity", GRAVITY)
@@ -116,7 +121,9 @@ def _outputs(table: Any) -> tuple[Any, Any]:
     return poses, reactions
 
 
-def _body(table: Table, k: int, numbers_of: Mapping[str, int], parameters: Parameters) -> Body:
+def _body(
+    table: Table, k: int, numbers_of: Mapping[str, int], parameters: Parameters, tolerance: float
+) -> Body:
     name = table.get("name", f"body{k}")
     try:
         check_keys(table, BODY_KEYS, required=("connection", "mass"))
@@ -124,7 +131,7 @@ def _body(table: Table, k: int, numbers_of: Mapping[str, int], parameters: Param
         mass = parameters.resolve(table["mass"], "mass")
         inertia = _inertia(table.get("inertia", [0, 0, 0]), parameters)
         mass_center = parameters.resolve(table.get("mass_center", ORIGIN), "mass_center")
-        joint = _joint(table.get("joint", {}), parameters)
+        joint = _joint(table.get("joint", {}), parameters, tolerance)
         points = _points(table.get("points", {}), parameters)
     except ModelError as error:
         raise ModelError(f"body {name!r}: {error}") from None
@@ -169,7 +176,7 @@ def _inertia(value: Any, parameters: Parameters) -> Any:
     return value
 
 
-def _joint(table: Any, parameters: Parameters) -> Joint:
+def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
     if not isinstance(table, Mapping):
         raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
     check_keys(table, JOINT_KEYS, what="joint: ")
@@ -178,7 +185,7 @@ def _joint(table: Any, parameters: Parameters) -> Joint:
     free = _flags("free", table.get("free", list(rest)))
     return Joint(
         position=parameters.resolve(table.get("position", ORIGIN), "joint position"),
-        orientation=_orientation(table, parameters),
+        orientation=_orientation(table, parameters, tolerance),
         free=free,
         locked=_locked(table.get("locked", {}), {"free": free, "prescribed": prescribed}, parameters),
         name=table.get("name", ""),
@@ -189,12 +196,13 @@ def _joint(table: Any, parameters: Parameters) -> Joint:
     )
 
 
-def _orientation(table: Table, parameters: Parameters) -> Any:
+def _orientation(table: Table, parameters: Parameters, tolerance: float) -> Any:
     if "orientation_angles" in table:
         if "orientation" in table:
             raise ModelError("both orientation and orientation_angles are given. Keep one.")
         angles = parameters.resolve(table["orientation_angles"], "orientation_angles")
-        return numbers(angles, (3,), "orientation_angles")
+        angles = numbers(angles, (3,), "orientation_angles")
+        return tuple(a if isinstance(a, Parameter) else angle(a, tolerance) for a in angles)
     matrix = parameters.resolve(table.get("orientation", IDENTITY), "orientation")
     return numbers(matrix, (3, 3), "orientation")
 

@@ -20,17 +20,19 @@ from kanegen.readers.robot import Robot, RobotJoint, read_robot
 from kanegen.readers.text import read_text
 from kanegen.readers.tree import GROUND, MovingLink, moving_links
 from kanegen.readers.xml import parse
+from kanegen.right_angles import AS_WRITTEN
 from kanegen.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
 from kanegen.system import System
 
 
-def read_urdf(path: Path, floating_base: bool = False) -> System:
+def read_urdf(path: Path, floating_base: bool = False, right_angles: float = AS_WRITTEN) -> System:
     """The system that a URDF file describes.
 
     Args:
         path: The file.
         floating_base: Whether the root link moves freely: body 1, with its translation in world axes and
             1-2-3 angles. Otherwise it is the ground.
+        right_angles: Tolerance (rad) within which the orientations of all frames and axes are made exact.
 
     Raises:
         ReadError: If the file is not well formed, not one tree, or has a body that cannot exist.
@@ -38,7 +40,7 @@ def read_urdf(path: Path, floating_base: bool = False) -> System:
     Warns:
         KanegenWarning: Of joints with `mimic`, which move on their own here, and of names changed.
     """
-    robot = read_robot(parse(read_text(path), str(path)))
+    robot = read_robot(parse(read_text(path), str(path)), right_angles)
     moving = moving_links(robot, floating_base)
     if not moving:
         raise ReadError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from kanegen.receipt.costs import SYSTEM
 from kanegen.receipt.receipt import Receipt, Step
 
 HEADS = ("without", "operations", "once", "freedoms", "parameters", "inputs", "C, KiB", "compiling, s")
@@ -15,6 +16,20 @@ def heads(receipt: Receipt) -> list[str]:
 def rows(receipt: Receipt) -> list[list[str]]:
     """A row for each step, the general program first."""
     return [_row(step, len(heads(receipt))) for step in receipt.steps]
+
+
+def bodies(receipt: Receipt) -> list[tuple[str, str]]:
+    """What each body costs, the dearest first: its number and name, and operations."""
+    names = {SYSTEM: "all bodies"}
+    names |= {k: f"{k} {body.name}" for k, body in enumerate(receipt.system.bodies, start=1)}
+    costs = sorted(receipt.bodies.items(), key=lambda item: -item[1])
+    return [(names[k], str(operations)) for k, operations in costs if operations]
+
+
+def outputs(receipt: Receipt) -> list[tuple[str, str]]:
+    """What each output costs by itself, where there are several."""
+    alone = receipt.alone if len(receipt.alone) > 1 else {}
+    return [(name, str(operations)) for name, operations in alone.items()]
 
 
 def _row(step: Step, width: int) -> list[str]:

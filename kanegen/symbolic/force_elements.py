@@ -16,15 +16,16 @@ from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.dynamics import BodyEquations, total
 from kanegen.symbolic.expressions import Variables
 from kanegen.symbolic.orientation import skew
-from kanegen.symbolic.symbols import column, expression, point_force, point_moment, speeds
+from kanegen.symbolic.symbols import column, expression, point_force, point_moment
 from kanegen.system import Freedom, System
 
 
 @dataclass(frozen=True)
 class _Place:
-    """A point in inertial components: where it is (m), and (3, n) its partial velocities."""
+    """A point in inertial components: where it is (m), its velocity (m/s), (3, n) its partial velocities."""
 
     position: ImmutableMatrix
+    velocity: ImmutableMatrix
     velocity_y: ImmutableMatrix
 
 
@@ -80,7 +81,7 @@ class ElementForces:
                 way = two.position - one.position
                 velocity_y = two.velocity_y - one.velocity_y
                 length = self._value("length", sympy.sqrt(way.dot(way)))
-                rate = way.dot(velocity_y * ImmutableMatrix(speeds(self.system))) / length
+                rate = way.dot(two.velocity - one.velocity) / length
                 yield velocity_y.T * way * (-(stiffness * (length - rest) + damping * rate) / length)
 
     def _loads(self) -> Iterator[ImmutableMatrix]:
@@ -109,14 +110,21 @@ class ElementForces:
 
     def _place(self, end: End) -> _Place:
         if not isinstance(end, str):
-            return _Place(column(end), ImmutableMatrix.zeros(3, len(self.system.freedoms)))
+            still = ImmutableMatrix.zeros(3, 1)
+            return _Place(column(end), still, ImmutableMatrix.zeros(3, len(self.system.freedoms)))
         k, point = next((k, point) for k, point in self.system.points if point.name == end)
         body, arm = self.bodies[k - 1], column(point.position)
         carried = body.relative_rotation * body.partial_velocity_of_origin
         velocity_y = body.rotation.T * (carried - skew(arm) * body.partial_angular_velocity)
         position = body.rotation.T * (body.position_of_origin + arm)
+        carried = body.relative_rotation * body.velocity_of_origin
+        velocity = body.rotation.T * (carried + skew(body.angular_velocity) * arm)
         number = self.system.point_names.index(end) + 1
-        return _Place(self._matrix(f"pP_{number}", position), self._matrix(f"vP_{number}", velocity_y))
+        return _Place(
+            self._matrix(f"pP_{number}", position),
+            self._matrix(f"vP_{number}", velocity),
+            self._matrix(f"vPy_{number}", velocity_y),
+        )
 
     def _matrix(self, name: str, value: ImmutableMatrix) -> ImmutableMatrix:
         rows, columns = value.shape
