@@ -13,11 +13,11 @@ import sympy
 from numpy.typing import NDArray
 
 from kanegen import Body, Joint, Parameter, System
+from kanegen.body import FREEDOMS
 from kanegen.check import kinematics, reference
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.symbolic import Equations, derive, symbols
 from kanegen.symbolic.numeric import needed_definitions
-from kanegen.system import FREEDOMS
 from tests.systems import chain, eight_body, flags, random_system
 
 Floats = NDArray[np.float64]

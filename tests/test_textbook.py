@@ -15,12 +15,12 @@ import sympy
 from sympy import Expr, Matrix, cos, sin
 
 from kanegen import Parameter, System
+from kanegen.body import FREEDOMS
 from kanegen.check import reference
 from kanegen.errors import OptionError
 from kanegen.symbolic import derive
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.symbols import coordinate, real, speed, torque
-from kanegen.system import FREEDOMS
 from tests.systems import flags, random_system
 
 NOTHING = np.zeros((3, 3))

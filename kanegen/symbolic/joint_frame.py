@@ -122,7 +122,7 @@ class JointEquations:
         return ImmutableMatrix([self._rate(index) for index in range(3, 6)])
 
     def coordinate(self, index: int) -> Expr:
-        """Freedom `index` of `system.FREEDOMS`: its symbol, or the value at which it is locked."""
+        """Freedom `index` of `body.FREEDOMS`: its symbol, or the value at which it is locked."""
         joint = self.body.joint
         return coordinate(self.number, index) if joint.moving[index] else expression(joint.locked[index])
 
