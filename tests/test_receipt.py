@@ -28,7 +28,9 @@ from kanegen.receipt.general import steps
 from kanegen.receipt.page import drawing, html
 from kanegen.system import Coordinate, Freedom
 from tests import systems
+from tests.acting import acted_on
 from tests.robots import robot_file
+from tests.test_robots import FIXED, FLOATING
 
 MODELS = sorted((Path(__file__).parents[1] / "models").glob("*.toml"))
 
@@ -101,8 +103,19 @@ def test_models_compute_what_their_general_programs_do(model: Path) -> None:
     require_equal(kg.load(model), 0, 1, 2)
 
 
-def test_so_does_a_robot() -> None:
-    require_equal(kg.load(robot_file("ur5_robot")), 1)
+QUICK = ("ur5_robot", "double_pendulum", "kinova")
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [
+        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
+        for name in (*QUICK, *sorted({*FIXED, *FLOATING} - set(QUICK)))
+    ],
+)
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
+def test_so_do_robots(robot: str) -> None:
+    require_equal(kg.load(robot_file(robot), floating_base=robot in FLOATING), 1)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -124,9 +137,13 @@ def test_so_do_scenes_with_prescribed_freedoms(seed: int) -> None:
 
 @pytest.mark.slow
 def test_so_do_two_hundred() -> None:
+    """Every third with force elements, every fifth with prescribed freedoms."""
     for seed in range(200):
         rng = np.random.default_rng([1, seed])
-        require_equal(systems.random_system(rng, int(rng.integers(1, 6)), orientations=bool(seed % 4)), seed)
+        scene = systems.random_system(rng, int(rng.integers(1, 6)), orientations=bool(seed % 4))
+        scene = scene if seed % 3 else acted_on(scene, seed)
+        told = scene.freedom_names[: (len(scene.freedoms) - 1) // 2]
+        require_equal(scene if seed % 5 else scene.with_prescribed(told), seed)
 
 
 def test_a_locked_joint_stands_where_it_was() -> None:
