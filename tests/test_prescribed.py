@@ -150,7 +150,9 @@ def test_the_same_tree_with_these_freedoms_free(kind: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_many_trees(kind: str) -> None:
-    for seed in range(1, 30):
+    seeds = [seed for seed in range(1, 30) if tree(kind, seed).prescribed]
+    assert len(seeds) > 15
+    for seed in seeds:
         require_equal(kind, seed)
 
 
