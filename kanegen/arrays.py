@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -56,6 +56,10 @@ class SystemArrays:
     coordinates: tuple[str, ...]  # (N,)
     forces: ForceArrays
     prescribed: Flags  # (N, 6)
+
+    def rows(self) -> dict[str, Any]:
+        """The arguments of `System.from_arrays` that give these numbers again: all but `forces`."""
+        return {field.name: getattr(self, field.name) for field in fields(self) if field.name != "forces"}
 
 
 def system_arrays(

@@ -8,7 +8,7 @@ otherwise.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import strategies as st
@@ -148,12 +148,7 @@ def random_state(system: System, seed: int = 0) -> States:
 
 def from_values(arrays: SystemArrays) -> System:
     """The system that has these numbers."""
-    return System.from_arrays(**rows(arrays))
-
-
-def rows(arrays: SystemArrays) -> dict[str, object]:
-    """Its arguments of `System.from_arrays`."""
-    return {field.name: getattr(arrays, field.name) for field in fields(arrays) if field.name != "forces"}
+    return System.from_arrays(**arrays.rows())
 
 
 def rescaled(arrays: SystemArrays, mass: float, length: float, time: float) -> SystemArrays:

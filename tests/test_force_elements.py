@@ -516,3 +516,26 @@ def test_what_has_no_exact_results() -> None:
     with pytest.raises(kg.OptionError, match="a force element names its coordinates"):
         three = systems.chain(1, ("theta1", "theta2", "theta3"))
         kg.reanchored(three.with_force_elements(JointSpring("body1.theta2", 1.0)), [0, 0, 0], [0, 0, 0], [1])
+
+
+def test_a_quarter_car() -> None:
+    """Two masses on springs above a road: by hand, with the force that the road bears."""
+    car = kg.load(Path(__file__).parents[1] / "models" / "quarter_car.toml").with_parameters({"gain": 700.0})
+    hub, ride, height = 0.01, -0.03, 0.02
+    hub_rate, ride_rate, height_rate = 0.4, -0.2, 0.5
+    told = np.array([[height], [height_rate], [9.0]])
+    tyre = 160000.0 * (height - hub) + 50.0 * (height_rate - hub_rate)
+    suspension = 16000.0 * (hub - ride) + 1000.0 * (hub_rate - ride_rate)
+    skyhook = 700.0 * ride_rate
+    wheel = tyre - suspension + skyhook - 40.0 * 9.81
+    chassis = suspension - skyhook - 300.0 * 9.81
+    outputs = ("forcing", "forward_dynamics", "prescribed_efforts", "potential_energy")
+    library = kg.build(car, outputs, flags=FLAGS)
+    x, y = np.array([hub, ride]), np.array([hub_rate, ride_rate])
+    assert library.forcing(x, y, prescribed=told) == pytest.approx([wheel, chassis], rel=1e-12)
+    ydot = library.forward_dynamics(x, y, prescribed=told)
+    assert ydot == pytest.approx([wheel / 40.0, chassis / 300.0], rel=1e-12)
+    assert library.prescribed_efforts(x, y, ydot, prescribed=told) == pytest.approx([tyre], rel=1e-12)
+    stored = 80000.0 * (height - hub) ** 2 + 8000.0 * (hub - ride) ** 2
+    energy = stored + 9.81 * (40.0 * (0.3 + hub) + 300.0 * (0.8 + ride))
+    assert library.potential_energy(x, prescribed=told) == pytest.approx(energy, rel=1e-12)

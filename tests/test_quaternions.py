@@ -43,7 +43,7 @@ def with_some(seed: int) -> kg.System:
 def remade(system: kg.System, what: str, value: list[str]) -> kg.System:
     """The same system with one array changed."""
     arrays = system.values()
-    kept = systems.rows(arrays)
+    kept = arrays.rows()
     return kg.System.from_arrays(**(kept | {what: value}))
 
 
@@ -77,7 +77,7 @@ def test_angles_of_the_same_orientation(seed: int) -> None:
     turned = with_some(seed)
     angles = mixed(seed).with_speeds(SPINS).with_coordinates("angles")
     rates = [b.joint.speeds for b in turned.bodies]
-    angles = kg.System.from_arrays(**(systems.rows(angles.values()) | {"speeds": rates}))
+    angles = kg.System.from_arrays(**(angles.values().rows() | {"speeds": rates}))
     given = state(angles, seed)
     x = np.empty(len(turned.coordinates))
     for coordinate, place in turned.coordinate_places.items():

@@ -193,7 +193,7 @@ def test_two_rods_locked_to_a_plane() -> None:
 
 
 def remade(arrays: SystemArrays, **changed: object) -> kg.System:
-    kept = systems.rows(arrays)
+    kept = arrays.rows()
     return kg.System.from_arrays(**(kept | changed))
 
 
@@ -225,7 +225,7 @@ def lumped(system: kg.System, moving: int) -> kg.System:
         inertias.append((inertia + inertia.T) / 2)
     first = {
         name: values[:moving]
-        for name, values in systems.rows(arrays).items()
+        for name, values in arrays.rows().items()
         if name not in {"gravity", "mass", "mass_center", "inertia"}
     }
     return kg.System.from_arrays(

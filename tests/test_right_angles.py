@@ -197,7 +197,7 @@ def test_arrays() -> None:
     c, s = np.cos(np.pi / 2), np.sin(np.pi / 2)
     turned = np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
     system = systems.chain(2, ["theta3"])
-    fields = systems.rows(system.values())
+    fields = system.values().rows()
     rough = kg.System.from_arrays(**fields | {"joint_orientation": [np.eye(3), turned]})
     assert rough.bodies[1].joint.orientation[1][1] == c != 0
     exact = rough.with_right_angles(1e-15)

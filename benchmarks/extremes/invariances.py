@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -93,7 +93,7 @@ def renumbered(system: kg.System) -> Retold:
     number = np.append(0, np.argsort(order) + 1)
     alike = ("sequence", "speeds", "coordinates")  # the same for every body
     kept = ("connection", "gravity", *alike)
-    moved = {f.name: getattr(a, f.name)[order] for f in fields(a) if f.name not in kept}
+    moved = {name: rows[order] for name, rows in a.rows().items() if name not in kept}
     arrays = replace(a, connection=number[a.connection[order]], **moved)
     other = _system(arrays)
     bodies = [(order[f.body - 1] + 1, f.index) for f in other.freedoms]
@@ -111,7 +111,7 @@ WAYS: dict[str, Callable[[kg.System], Retold]] = {
 
 
 def _system(arrays: SystemArrays) -> kg.System:
-    return kg.System.from_arrays(**{field.name: getattr(arrays, field.name) for field in fields(arrays)})
+    return kg.System.from_arrays(**arrays.rows())
 
 
 @subject("X28", "Invariance")

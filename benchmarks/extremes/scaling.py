@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ def rescaled(system: kg.System, mass: float, length: float, time: float) -> kg.S
         locked=arrays.locked * [1, 1, 1, length, length, length],
         gravity=arrays.gravity * length / time / time,
     )
-    return kg.System.from_arrays(**{field.name: getattr(arrays, field.name) for field in fields(arrays)})
+    return kg.System.from_arrays(**arrays.rows())
 
 
 def _arm(system: kg.System, length: float) -> Floats:
@@ -144,8 +144,7 @@ def far_away(size: Size) -> Iterator[Row]:
         for distance in distances:
             arrays = system.values()
             arrays.joint_position[0] = distance * rng.uniform(-1, 1, 3)
-            named = {field.name: getattr(arrays, field.name) for field in fields(arrays)}
-            library = built(kg.System.from_arrays(**named), precision)
+            library = built(kg.System.from_arrays(**arrays.rows()), precision)
             moved.append(bits(library.forward_dynamics(states.x, states.y)) != right)
             x = states.x.copy()
             x[:, -3:] = distance * rng.uniform(-1, 1, (16, 3))
