@@ -539,3 +539,36 @@ def test_a_quarter_car() -> None:
     stored = 80000.0 * (height - hub) ** 2 + 8000.0 * (hub - ride) ** 2
     energy = stored + 9.81 * (40.0 * (0.3 + hub) + 300.0 * (0.8 + ride))
     assert library.potential_energy(x, prescribed=told) == pytest.approx(energy, rel=1e-12)
+
+
+def test_units_that_differ_by_powers_of_two_give_the_same_bits() -> None:
+    """Exact scaling of masses, lengths and times passes through springs, dampers and loads."""
+    tree = systems.random_system(
+        np.random.default_rng(9), 3, loads=False, free=systems.flags(3, ["theta2", "s1"])
+    )
+    states = random_states(tree, 8, 9)
+
+    def built(mass: float, length: float, time: float) -> kg.Library:
+        scaled = systems.from_values(systems.rescaled(tree.values(), mass, length, time))
+        force, stiffness, damping = mass * length / time**2, mass / time**2, mass / time
+        place = tuple(length * v for v in (0.3, -1.0, 0.7))
+        points = {f"p{k}": (k, tuple(length * v for v in (0.1 * k, 0.7, -0.4))) for k in (1, 2, 3)}
+        system = scaled.with_points(points).with_force_elements(
+            JointSpring("body2.theta2", 3.1 * stiffness * length**2, 0.2, 0.7 * damping * length**2),
+            JointSpring("body3.s1", 1.7 * stiffness, 0.3 * length, 0.9 * damping),
+            Spring(("p1", "p3"), 2.3 * stiffness, 0.6 * length, 0.4 * damping),
+            Spring(("p2", place), 1.3 * stiffness),
+            PointLoad("p2", (0.3 * force, 0.0, force), (0.0, 1.1 * force * length, 0.0)),
+        )
+        return kg.build(system, ("forcing", "forward_dynamics", "potential_energy"), flags=FLAGS)
+
+    one, (mass, length, time) = built(1.0, 1.0, 1.0), (2.0**9, 2.0**-7, 2.0**5)
+    other = built(mass, length, time)
+    lengths = np.where([freedom.is_angle for freedom in tree.freedoms], 1.0, length)
+    x, y = states.x * lengths, states.y * lengths / time
+    effort = mass * length**2 / time**2 / lengths
+    assert np.array_equal(other.forcing(x, y), one.forcing(states.x, states.y) * effort)
+    expected = one.forward_dynamics(states.x, states.y) * lengths / time**2
+    assert np.array_equal(other.forward_dynamics(x, y), expected)
+    energy = mass * length**2 / time**2
+    assert np.array_equal(other.potential_energy(x), one.potential_energy(states.x) * energy)

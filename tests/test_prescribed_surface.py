@@ -137,10 +137,8 @@ def test_only_where_something_is_prescribed() -> None:
 
 def test_who_cannot_be_told_refuses() -> None:
     system = pendulum()
-    library = kg.build(system, ("forward_dynamics",), flags="-O1")
     message = r"system 'double_pendulum' has prescribed freedoms \(q1\), whose motion cannot be given here"
     for refuse in (
-        lambda: simulate(library, [0.1], [0.2], [0, 1], step=0.1),
         lambda: compete(system, Terms()),
         lambda: study(system),
         lambda: default_domain(system),
@@ -148,6 +146,39 @@ def test_who_cannot_be_told_refuses() -> None:
     ):
         with pytest.raises(kg.OptionError, match=message):
             refuse()
+
+
+def shaken(time: float) -> np.ndarray:
+    return np.array([[0.3 * np.sin(4 * time)], [1.2 * np.cos(4 * time)], [-4.8 * np.sin(4 * time)]])
+
+
+@pytest.mark.parametrize("method", ["RK4", "DOP853", "leapfrog"])
+def test_simulations_are_told_the_motion(method: str) -> None:
+    """The work of the prescribed efforts is the change of energy."""
+    outputs = ("forward_dynamics", "kinetic_energy", "potential_energy", "prescribed_efforts")
+    library = kg.build(pendulum(), outputs, flags="-O1")
+    times = np.linspace(0.0, 1.0, 6)
+    chosen = {"tolerance": 1e-12} if method == "DOP853" else {"step": 2.0**-12}
+    found = simulate(library, [0.1], [0.2], times, method, prescribed=shaken, **chosen)
+    assert np.ptp(found.work) > 1.0
+    assert found.energy_drift.largest < (1e-5 if method == "leapfrog" else 1e-10)
+    if method == "RK4":
+        many = simulate(library, [[0.1], [0.5]], [[0.2], [0.0]], times, prescribed=shaken, **chosen)
+        assert np.array_equal(many.x[:, 0], found.x)
+        assert many.energy_drift.largest < 1e-10
+
+
+def test_simulations_ask_for_the_motion() -> None:
+    told = kg.build(pendulum(), ("forward_dynamics",), flags="-O1")
+    plain = kg.build(kg.load(MODELS / "double_pendulum.toml"), ("forward_dynamics",), flags="-O1")
+    with pytest.raises(kg.OptionError, match=r"has prescribed freedoms \(q1\)\. Say how they move"):
+        simulate(told, [0.1], [0.2], [0, 1], step=0.1)
+    with pytest.raises(kg.OptionError, match=r"prescribed: 3 cannot be called"):
+        simulate(told, [0.1], [0.2], [0, 1], step=0.1, prescribed=3)  # type: ignore[arg-type]
+    with pytest.raises(kg.OptionError, match="no freedom of system 'double_pendulum' is prescribed"):
+        simulate(plain, [0.1, 0], [0.2, 0], [0, 1], step=0.1, prescribed=shaken)
+    with pytest.raises(kg.ArrayError, match=r"prescribed: expected shape \(3, 1\)"):
+        simulate(told, [0.1], [0.2], [0, 1], step=0.1, prescribed=lambda time: [time])
 
 
 def test_a_frame_in_which_a_translation_is_prescribed_stays() -> None:

@@ -18,6 +18,10 @@ Effort = Callable[[float, Floats, Floats], ArrayLike]
 """{tau} from the time (s), {x} and {y}; of the shape of {y}."""
 
 
+Told = Callable[[float], ArrayLike]
+"""(3, p) values, rates and second derivatives of the prescribed freedoms, from the time (s)."""
+
+
 class State:
     """Coordinates, speeds and the work of the efforts, as one array that steps add to.
 
@@ -48,12 +52,14 @@ class Motion:
         library: With the output `forward_dynamics`, and `coordinate_rates` where speeds are not rates.
         state: How states are laid out.
         effort: Of the user, or None.
+        prescribed: The motion of the prescribed freedoms; None where there are none.
         evaluations: Calls of `forward_dynamics` so far; one for a whole batch.
     """
 
     library: Library
     state: State
     effort: Effort | None
+    prescribed: Told | None = None
     evaluations: int = 0
 
     def __call__(self, time: float, state: Floats) -> Floats:
@@ -63,7 +69,7 @@ class Motion:
         return self.state.join(self.rates(time, x, y), acceleration, power)
 
     def accelerations(self, time: float, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-        """{ydot}, and the power of the efforts.
+        """{ydot}, and the power of the efforts; of prescribed ones, too, where the library gives them.
 
         Raises:
             OptionError: If the effort cannot be asked.
@@ -73,8 +79,12 @@ class Motion:
         self.evaluations += 1
         tau = None if self.effort is None else self._efforts(time, x, y)
         with _told_when(time):
-            found = self.library.forward_dynamics(x, y, tau, **self._given(time))
-        power = np.zeros(y.shape[:-1], y.dtype) if tau is None else np.sum(y * tau, axis=-1)
+            given = self._given(time)
+            found = self.library.forward_dynamics(x, y, tau, **given)
+            power = np.zeros(y.shape[:-1], y.dtype) if tau is None else np.sum(y * tau, axis=-1)
+            if self.prescribed is not None and "prescribed_efforts" in self.library.outputs:
+                efforts = self.library.prescribed_efforts(x, y, found, **given)
+                power = power + efforts @ np.asarray(given["prescribed"], y.dtype)[1]
         return found, power
 
     def rates(self, time: float, x: Floats, y: Floats) -> Floats:
@@ -86,10 +96,11 @@ class Motion:
         if speeds_are_rates(self.library):
             return y
         with _told_when(time):
-            return self.library.coordinate_rates(x, y)
+            return self.library.coordinate_rates(x, y, **self._given(time))
 
     def _given(self, time: float) -> Given:
-        return {"t": time} if "t" in self.library.further_inputs else {}
+        given: Given = {"t": time} if "t" in self.library.further_inputs else {}
+        return given if self.prescribed is None else {**given, "prescribed": self.prescribed(time)}
 
     def _efforts(self, time: float, x: Floats, y: Floats) -> Floats:
         assert self.effort is not None

@@ -15,9 +15,8 @@ from kanegen.errors import ArrayError, OptionError
 from kanegen.library import Library
 from kanegen.native import arguments
 from kanegen.native.arguments import Floats
-from kanegen.prescribed import require_unprescribed
 from kanegen.simulation import adaptive, fixed
-from kanegen.simulation.motion import Effort, Motion, State, speeds_are_rates
+from kanegen.simulation.motion import Effort, Motion, State, Told, speeds_are_rates
 from kanegen.simulation.steps import Leapfrog, Step, runge_kutta, semi_implicit_euler
 from kanegen.simulation.trajectory import Trajectory
 
@@ -41,6 +40,7 @@ def simulate(
     tolerance: float | None = None,
     compensated: bool = False,
     effort: Effort | None = None,
+    prescribed: Told | None = None,
 ) -> Trajectory:
     """The motion of a compiled model from one state, or from B of them.
 
@@ -58,6 +58,8 @@ def simulate(
         compensated: Add fixed steps to the state with Kahan's sum: in long simulations what additions round
             off is most of the error, above all in single precision.
         effort: tau(t, x, y): generalized forces beside gravity, of the shape of `y`; by default none.
+        prescribed: told(t): (3, p) values, rates and second derivatives of the prescribed freedoms, where
+            there are any. With the output `prescribed_efforts` their work counts as that of efforts.
 
     Raises:
         ArrayError: If an array has the wrong shape or type.
@@ -68,10 +70,11 @@ def simulate(
     """
     _check(method, step, tolerance, compensated, effort)
     _check_library(library, method)
+    _check_prescribed(library, prescribed)
     start_x, start_y = _state(library, x, y)
     moments = _times(times)
     state = State(start_x.shape[-1])
-    motion = Motion(library, state, effort)
+    motion = Motion(library, state, effort, prescribed)
     start = state.join(start_x, start_y, np.zeros(start_y.shape[:-1], start_y.dtype))
     states: Floats
     if step is None:
@@ -80,7 +83,9 @@ def simulate(
         states = adaptive.integrate(motion, start, moments, method, tolerance or TOLERANCE)
     else:
         states = fixed.integrate(motion, start, moments, _fixed(method), step, compensated)
-    return Trajectory(library, moments, state.x(states), state.y(states), states[..., -1], motion.evaluations)
+    told = None if prescribed is None else np.array([prescribed(time) for time in moments], start.dtype)
+    found = state.x(states), state.y(states), states[..., -1]
+    return Trajectory(library, moments, *found, motion.evaluations, told)
 
 
 def _fixed(method: str) -> Step:
@@ -119,7 +124,6 @@ def _check_library(library: Library, method: str) -> None:
         raise OptionError(
             f'{library!r} is no library. Make one with kg.build(system, ("forward_dynamics",)).'
         )
-    require_unprescribed(library, "simulate")
     if "forward_dynamics" not in library.outputs:
         raise OptionError(
             f"system {library.name!r} was built without the output 'forward_dynamics'. It has "
@@ -142,6 +146,19 @@ def _check_library(library: Library, method: str) -> None:
             f"method {method!r} computes with doubles, but the arrays of system {library.name!r} are "
             f'{library.storage!r}. Build it with storage="double", or take fixed steps.'
         )
+
+
+def _check_prescribed(library: Library, prescribed: Told | None) -> None:
+    names = ", ".join(library.prescribed_names)
+    if prescribed is None and names:
+        raise OptionError(
+            f"system {library.name!r} has prescribed freedoms ({names}). Say how they move: prescribed=told, "
+            "a function of the time that gives their values, rates and second derivatives."
+        )
+    if prescribed is not None and not names:
+        raise OptionError(f"prescribed: no freedom of system {library.name!r} is prescribed. Leave it out.")
+    if prescribed is not None and not callable(prescribed):
+        raise OptionError(f"prescribed: {prescribed!r} cannot be called. Give a function of t.")
 
 
 def _state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from kanegen.arrays import Floats as Doubles
 from kanegen.errors import OptionError
+from kanegen.given import Given
 from kanegen.library import Library
 from kanegen.native.arguments import Floats
 from kanegen.simulation.accuracy import Drift, drift, mescd
@@ -26,6 +27,7 @@ class Trajectory:
         y: (T, n) or (T, B, n) generalized speeds, rad/s and m/s.
         work: (T,) or (T, B) work of the efforts since the first time, J.
         evaluations: Calls of `forward_dynamics`; one for B states.
+        prescribed: (T, 3, p) motion of the prescribed freedoms; None where there are none.
     """
 
     library: Library
@@ -34,6 +36,7 @@ class Trajectory:
     y: Floats
     work: Floats
     evaluations: int
+    prescribed: Floats | None = None
 
     def __repr__(self) -> str:
         span = f"{len(self.times)} times from {self.times[0]:g} to {self.times[-1]:g} s"
@@ -50,7 +53,7 @@ class Trajectory:
 
     @property
     def potential_energy(self) -> Doubles:
-        """(T,) or (T, B) of gravity, in J."""
+        """(T,) or (T, B) of gravity and what force elements store, in J."""
         return self._over_time(self.library.potential_energy, self.x)
 
     @property
@@ -106,5 +109,8 @@ class Trajectory:
         """An output at every time; a batch of batches is one long batch."""
         lead = arrays[0].shape[:-1]
         flat = [np.ascontiguousarray(array.reshape(-1, array.shape[-1])) for array in arrays]
-        found: Doubles = np.asarray(output(*flat), np.float64)
+        given: Given = {}
+        if self.prescribed is not None:
+            given["prescribed"] = np.repeat(self.prescribed, len(flat[0]) // len(self.times), axis=0)
+        found: Doubles = np.asarray(output(*flat, **given), np.float64)
         return found.reshape(*lead, *found.shape[1:])
