@@ -19,7 +19,8 @@ from kanegen.bench.record import record
 from kanegen.c.anchors import with_anchors
 from kanegen.cli import bench as benchmark_table
 from kanegen.cli import explain as explanation
-from kanegen.cli import info as information
+from kanegen.cli.drawing import show as draw
+from kanegen.cli.facts import gather
 from kanegen.cli.given import has_budget
 from kanegen.cli.options import (
     AsJson,
@@ -269,11 +270,11 @@ def info(
     with progress() as report:
         found = exactness(written, exact, report)
         angles = Angles(tolerance, bool(right_angles), found) if found else None
-        facts = information.gather(system, report, without, angles)
+        facts = gather(system, report, without, angles)
     if as_json:
         typer.echo(json.dumps(facts.as_dict(), indent=2))
     else:
-        information.show(facts, screen)
+        draw(facts, screen)
 
 
 @app.command()
