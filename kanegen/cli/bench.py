@@ -1,17 +1,63 @@
-"""`kanegen bench`: the table of a contest."""
+"""`kanegen bench`: a contest with other libraries, and its table."""
 
 from __future__ import annotations
 
+from typing import Annotated
+
+import typer
 from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from kanegen.bench import Outcome, Terms, table
+from kanegen.bench import Outcome, Terms, compete, table
+from kanegen.bench.peers.field import PEERS
+from kanegen.bench.plot import svg
+from kanegen.bench.record import record
 from kanegen.bench.results import QUANTITIES
+from kanegen.cli.options import FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
+from kanegen.cli.terminal import FAILED, progress, screen
+from kanegen.files import require_writable, write_whole
+from kanegen.readers import load
+from kanegen.right_angles import AS_WRITTEN
 
 
-def show(outcome: Outcome, terms: Terms, console: Console) -> None:
+def bench(
+    model: Model,
+    rounds: Annotated[int, typer.Option(min=1, help="Rounds, in each of which everybody has one turn.")] = 9,
+    seconds: Annotated[float, typer.Option(min=0.0, help="Of every task in every round.")] = 0.05,
+    states: Annotated[int, typer.Option(min=1, help="Number of random states.")] = 256,
+    peer: Annotated[
+        list[str],
+        typer.Option(metavar="NAME", help=f"Beside kanegen, repeatable: {', '.join(PEERS)}."),
+    ] = list(PEERS),  # noqa: B006  (as for Outputs)
+    json_: JsonFile = None,
+    plot: Plot = None,
+    floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
+) -> None:
+    """Time the C for MODEL beside Pinocchio, CasADi, MuJoCo, SymPy + PyDy; status 1 if results differ.
+
+    Everybody computes the same states and must agree before the times are taken, in turns. The peers come
+    from `pip install 'kanegen[bench]'`; who is missing is named and left out. Loads are switched off and
+    run-time parameters become constants. The first time, compiling Pinocchio takes minutes.
+    """
+    require_plot(plot)
+    require_writable(json_, plot)
+    terms = Terms(states, rounds, seconds)
+    system = load(model, floating_base, right_angles)
+    with progress() as report:
+        outcome = compete(system, terms, report, peer)
+    _show(outcome, terms, screen)
+    if json_ is not None:
+        write_whole(json_, record([outcome], terms))
+    if plot is not None:
+        write_whole(plot, svg([outcome]))
+    if not outcome.agrees:
+        raise typer.Exit(FAILED)
+
+
+def _show(outcome: Outcome, terms: Terms, console: Console) -> None:
     """Print the outcome for people."""
     console.print(
         f"[bold]{outcome.model}[/]: {outcome.n} freedoms, {terms.states} random states, "

@@ -1,10 +1,11 @@
-"""`generate` with a budget, and `verify`; imported only where the extra `study` is installed."""
+"""`kanegen generate` with a budget, and `verify`; imported only where the extra `study` is installed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
@@ -42,6 +43,11 @@ class Terms:
     reproducible: bool
     precision: str | None
     seed: int
+
+    @classmethod
+    def typed(cls, options: Mapping[str, Any]) -> Terms:
+        """Those among all options of `generate`, by their names."""
+        return cls(**{field.name: options[field.name] for field in fields(cls)})
 
     @property
     def request(self) -> Request:

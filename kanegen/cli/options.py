@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share."""
+"""Arguments and options of the commands; those of a budget stand apart in `budget_options`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import Annotated
 
 import typer
 
+from kanegen.bench.optional import BENCH, require
 from kanegen.body import ORIENTATIONS, SPEEDS
+from kanegen.errors import OptionError
 from kanegen.precision import PRECISIONS
 from kanegen.program.passes import NAMES
 from kanegen.right_angles import TYPED
@@ -86,61 +88,15 @@ JsonFile = Annotated[
 ]
 Plot = Annotated[Path | None, typer.Option("--plot", metavar="FILE.svg", help="Draw the times as SVG.")]
 
-_BUDGETS = "With a budget"
 
-ErrorBudget = Annotated[
-    str | None,
-    typer.Option("--error", metavar="NUMBER", help="Budget of the relative error.", rich_help_panel=_BUDGETS),
-]
-TimeBudget = Annotated[
-    str | None,
-    typer.Option("--budget", metavar="TIME", help="Such as 200ns or 1.5us.", rich_help_panel=_BUDGETS),
-]
-Domain = Annotated[
-    str | None,
-    typer.Option(
-        "--domain",
-        metavar="FILE.toml",
-        help="States that count, or such as 'x.angles = [-1, 1]; y.angles = [-2, 2]'.",
-        rich_help_panel=_BUDGETS,
-    ),
-]
-Objective = Annotated[
-    str,
-    typer.Option("--objective", metavar="NAME", help="Timed: latency or batch.", rich_help_panel=_BUDGETS),
-]
-Quantile = Annotated[
-    str,
-    typer.Option(
-        "--quantile",
-        metavar="SHARE",
-        help="Of the states that keep the error, such as 0.999; max: no state that is tried exceeds it.",
-        rich_help_panel=_BUDGETS,
-    ),
-]
-Confidence = Annotated[
-    float, typer.Option("--confidence", help="With which that is shown.", rich_help_panel=_BUDGETS)
-]
-Attempts = Annotated[
-    int,
-    typer.Option("--attempts", help="Variants that may be validated at most.", rich_help_panel=_BUDGETS),
-]
-SelectStates = Annotated[
-    int,
-    typer.Option("--states", help="Random states to choose a variant by.", rich_help_panel=_BUDGETS),
-]
-Search = Annotated[
-    int,
-    typer.Option(
-        "--search", help="States tried in each search for a counterexample.", rich_help_panel=_BUDGETS
-    ),
-]
-Reproducible = Annotated[
-    bool,
-    typer.Option(
-        "--reproducible",
-        help="Only variants with the same bits on every machine.",
-        rich_help_panel=_BUDGETS,
-    ),
-]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Of all samples.", rich_help_panel=_BUDGETS)]
+def require_plot(path: Path | None, extra: str = BENCH) -> None:
+    """Say at once what would only fail minutes later.
+
+    Raises:
+        OptionError: If the file is no .svg.
+        MissingError: If what draws is not installed; names the `extra` that brings it.
+    """
+    if path is not None:
+        if path.suffix != ".svg":
+            raise OptionError(f"--plot: {path} does not end in .svg.")
+        require("matplotlib", extra)

@@ -1,11 +1,26 @@
-"""What outputs are about, as options name it."""
+"""The system that a command is about: a model file, and what options say beside it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
+from kanegen import compiler
 from kanegen.errors import OptionError
+from kanegen.readers import load
 from kanegen.system import System
+
+
+def loaded(
+    model: Path, floating_base: bool, right_angles: float, speeds: str | None, coordinates: str | None
+) -> System:
+    """The system of a model file, with other speeds and coordinates if so wished.
+
+    Raises:
+        ModelError: If the file cannot be read, or describes what cannot exist.
+        OptionError: If an option does not fit it.
+    """
+    return compiler.described(load(model, floating_base, right_angles), speeds, coordinates)
 
 
 def reporting(system: System, outputs: Sequence[str], poses: str | None, reactions: str | None) -> System:
