@@ -1,42 +1,19 @@
-"""A rigid body and the joint by which it hangs on its lower body J.
-
-Seen from J, the point Q_K stands at `position`; there the joint frame has the constant orientation [C_K]; in
-it the origin O_K is displaced by s'_K; and body K is turned by three body-fixed angles, by default in the
-sequence 1-2-3 of the notes, so that [^J R_K] = [R_123] [C_K]. Any of the six freedoms can be locked at a
-value, or prescribed: the body then moves by it as it is told. Where all three angles are free, a quaternion
-can take their place.
-"""
+"""How a body is attached to its lower body."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from kanegen import right_angles, sequences, validation
+from kanegen.body.freedoms import FREEDOMS, ORIENTATIONS, SPEEDS, named
 from kanegen.errors import ModelError
 from kanegen.names import check_label
-from kanegen.numbers import Matrix, Number, Parameter, Vector, map_numbers, number, numbers, value_of, word
+from kanegen.numbers import Matrix, Number, Parameter, Vector, map_numbers, numbers, value_of, word
 from kanegen.suggest import did_you_mean
 
-FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
-"""The six relative freedoms of a body, in the order of `Joint.free`: angles in rad, translations in m."""
-
-SPEEDS = ("angle_rates", "angular_velocity")
-"""What the speeds of a joint's angles can be: their rates, or the relative angular velocity in the body."""
-
-ORIENTATIONS = ("angles", "quaternion")
-"""The coordinates that turn a body: angles, locked or free, or four that hold no singularity."""
-
-QUATERNION = ("e0", "e1", "e2", "e3")
-"""The Euler parameters: a scalar and a vector in the joint frame, of any common length but 0."""
-
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
-
-def named(flags: Iterable[bool]) -> tuple[str, ...]:
-    """Those of `FREEDOMS` whose flags are set."""
-    return tuple(name for name, flag in zip(FREEDOMS, flags, strict=True) if flag)
 
 
 @dataclass(frozen=True)
@@ -203,103 +180,3 @@ class Joint:
         elif self.spins:
             table["speeds"] = self.speeds
         return table
-
-
-@dataclass(frozen=True)
-class Point:
-    """A point that moves with a body, such as the tip of a tool.
-
-    Attributes:
-        name: Label, unique in the system.
-        position: From O_K, in body components (m).
-        loads: Whether it takes a force and a moment as inputs, inertial components.
-    """
-
-    name: str
-    position: Vector
-    loads: bool = False
-
-    def __post_init__(self) -> None:
-        check_label(self.name, "point name")
-        what = f"point {self.name!r}"
-        position = numbers(self.position, (3,), what)
-        validation.store(self, position=position, loads=validation.flags((self.loads,), 1, what)[0])
-
-    def changed(self, change: Callable[[Number], Number]) -> Point:
-        """The same point with `change` applied to every number."""
-        return replace(self, position=map_numbers(self.position, change))
-
-    def as_word(self) -> Any:
-        """The point in the words of a model file: its position, or a table where there is more to say."""
-        position = map_numbers(self.position, word)
-        return {"position": position, "loads": True} if self.loads else position
-
-
-@dataclass(frozen=True)
-class Body:
-    """A rigid body and the joint below it.
-
-    Attributes:
-        name: Label, unique in the system.
-        lower: Number of the lower body, 0 for the ground.
-        mass: kg.
-        inertia: `[I'_{G_K}]`, about the mass centre, in body components (kg m^2).
-        mass_center: `r'_K`, from O_K to G_K, in body components (m).
-        joint: How it hangs on its lower body.
-        loads: Whether it takes a force and a torque as inputs.
-        points: Points of it that outputs are about.
-    """
-
-    name: str
-    lower: int
-    mass: Number
-    inertia: Matrix
-    mass_center: Vector = (0.0, 0.0, 0.0)
-    joint: Joint = field(default_factory=Joint)
-    loads: bool = False
-    points: tuple[Point, ...] = ()
-
-    def __post_init__(self) -> None:
-        check_label(self.name, "body name")
-        try:
-            validation.store(
-                self,
-                lower=validation.integer(self.lower, "connection"),
-                mass=validation.mass(number(self.mass, "mass")),
-                inertia=validation.inertia(numbers(self.inertia, (3, 3), "inertia"), self.name),
-                mass_center=numbers(self.mass_center, (3,), "mass centre"),
-                joint=validation.instances((self.joint,), Joint, "joint")[0],
-                loads=validation.flags((self.loads,), 1, "loads")[0],
-                points=validation.instances(self.points, Point, "points") if self.points else (),
-            )
-        except ModelError as error:
-            raise ModelError(f"body {self.name!r}: {error}") from None
-
-    def changed(self, change: Callable[[Number], Number]) -> Body:
-        """The same body with `change` applied to every number of it and its joint."""
-        return replace(
-            self,
-            mass=change(self.mass),
-            inertia=map_numbers(self.inertia, change),
-            mass_center=map_numbers(self.mass_center, change),
-            joint=self.joint.changed(change),
-            points=tuple(point.changed(change) for point in self.points),
-        )
-
-    def unloaded(self) -> Body:
-        """The same body without loads as inputs, on it and its points."""
-        points = tuple(replace(point, loads=False) for point in self.points)
-        return replace(self, loads=False, points=points)
-
-    def as_table(self, lower: int | str) -> dict[str, Any]:
-        """The body in the words of a model file, `lower` being its connection there; defaults left out."""
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia
-        table: dict[str, Any] = {"name": self.name, "connection": lower, "mass": word(self.mass)}
-        if any(self.mass_center):
-            table["mass_center"] = map_numbers(self.mass_center, word)
-        table["inertia"] = map_numbers(self.inertia if xy or xz or yz else (xx, yy, zz), word)
-        if self.loads:
-            table["loads"] = True
-        if self.points:
-            table["points"] = {point.name: point.as_word() for point in self.points}
-        return {**table, "joint": self.joint.as_table()}
