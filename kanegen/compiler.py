@@ -21,64 +21,37 @@ Report
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
 
-from kanegen import derivatives, symbolic
 from kanegen import library as libraries
 from kanegen import precision as precisions
+from kanegen import symbolic
 from kanegen import variant as variants
+from kanegen.accepting import described, require_usable
 from kanegen.anchors import anchors
-from kanegen.c import ModelFacts, Source, render
+from kanegen.c import Source, render
 from kanegen.c.anchors import with_anchors
-from kanegen.check import regularity
 from kanegen.check.compare import Report
 from kanegen.check.compare import compare as compare_with_reference
-from kanegen.constants import Constants
-from kanegen.derivatives import with_needs
-from kanegen.differentiating import differentiated
-from kanegen.errors import OptionError
-from kanegen.lowering import lower
-from kanegen.program import passes
-from kanegen.program.count import operations
-from kanegen.program.ir import Module
-from kanegen.program.split import hoisted, restricted
-from kanegen.recursion import Methods, methods, recursive_form
-from kanegen.recursion.legend import legend
-from kanegen.refining import Decision, decisions
-from kanegen.sequences import NOTES
-from kanegen.signature import (
-    EQUATIONS,
-    chosen,
-    functions,
-    input_arrays,
-    output_array,
-    require_available,
-)
+from kanegen.compiling import Compiled, compile_module
+from kanegen.facts import facts
+from kanegen.progress import Progress, quiet
+from kanegen.signature import EQUATIONS
 from kanegen.system import System
 from kanegen.variant import STRICT, Variant
 
-Progress = Callable[[str], None]
-"""Told the name of each stage as it begins."""
-
-
-def quiet(stage: str) -> None:
-    """Progress that nobody watches."""
-
-
-@dataclass(frozen=True)
-class Compiled:
-    """The functions of a system, ready to be written as C, and how they came to cost what they cost."""
-
-    module: Module
-    methods: Methods
-    stages: tuple[passes.Stage, ...]
-    refinement: str
-
-    @property
-    def operations(self) -> dict[str, int]:
-        """Operations of one evaluation of all outputs together."""
-        return operations(self.module)
+__all__ = [
+    "Compiled",
+    "Progress",
+    "build",
+    "compare",
+    "compile_module",
+    "derive",
+    "described",
+    "facts",
+    "generate",
+    "quiet",
+]
 
 
 def derive(
@@ -98,97 +71,8 @@ def derive(
     """
     system = described(system, speeds, coordinates)
     progress("deriving")
-    _require_usable(system)
+    require_usable(system)
     return symbolic.derive(system)
-
-
-def compile_module(
-    system: System,
-    outputs: Iterable[str] = EQUATIONS,
-    progress: Progress = quiet,
-    variant: Variant = STRICT,
-    *,
-    regular: bool = True,
-) -> Compiled:
-    """Straight-line programs for `outputs`, every intermediate shared, by the cheapest methods.
-
-    Args:
-        system: The tree.
-        outputs: Names among `OUTPUTS`.
-        progress: Told the name of each stage.
-        variant: The other choices.
-        regular: Whether [A] must not be singular in every state.
-
-    Raises:
-        OptionError: If an output is unknown.
-        SingularError: If [A] is singular in every state and must not be.
-    """
-    names = chosen(outputs)
-    _require_system(system)
-    if regular:
-        _require_usable(system)
-    require_available(system, names)
-    constants = precisions.named(variant.precision).constants
-    choices = decisions(system, methods(system, with_needs(names), variant.solver), variant)
-    ways = [_compiled(system, names, choice, variant.without, progress, constants) for choice in choices]
-    return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
-
-
-def described(system: System, speeds: str | None = None, coordinates: str | None = None) -> System:
-    """The same tree with other generalized speeds and coordinates, where they are not None.
-
-    Raises:
-        OptionError: If there are no such speeds or coordinates, or they do not go together.
-    """
-    _require_system(system)
-    if (speeds, coordinates) == ("angle_rates", "quaternion"):
-        raise OptionError(
-            'speeds "angle_rates" are for angles, and coordinates "quaternion" leave none. Leave out one.'
-        )
-    if coordinates is not None:
-        system = system.with_coordinates(coordinates)
-    return system if speeds is None else system.with_speeds(speeds)
-
-
-def _require_system(system: object) -> None:
-    if not isinstance(system, System):
-        raise OptionError(f"{system!r} is no System. Make one with kg.load or kg.System.from_arrays.")
-
-
-def _require_usable(system: System) -> None:
-    _require_system(system)
-    regularity.require_regular(system)
-
-
-def _compiled(
-    system: System,
-    names: Sequence[str],
-    choice: Decision,
-    without: Sequence[str],
-    progress: Progress,
-    constants: Constants,
-) -> Compiled:
-    """The programs of one way to derive the outputs."""
-    progress("deriving")
-    way = choice.methods
-    form = recursive_form(system, way, constants, choice.refinement)
-    progress("lowering")
-    arrays = {output_array(system, name, form.methods): form.outputs[name] for name in way}
-    program = lower(input_arrays(system), form.definitions, arrays, constants)
-    lowered = dict(zip(way, program.outputs, strict=True))
-    program = differentiated(program, system, lowered, names, constants)
-    progress("optimising")
-    program, stages = passes.run(program, passes.all_but(without, passes.SHARED))
-    own = passes.all_but(without, passes.OWN)
-    finished = {
-        name: passes.run(alone, own) for name, alone in restricted(program, functions(system, names)).items()
-    }
-    *_, (_, (_, *later)) = finished.values()  # of all outputs together, which come last
-    module = hoisted({name: alone for name, (alone, _) in finished.items()})
-    if module.prepare:
-        module = replace(module, prepare=passes.run(module.prepare, own)[0])
-    taken = {name: way.get(name, derivatives.METHOD) for name in names}
-    return Compiled(module, taken, (*stages, *later), choice.words)
 
 
 def generate(
@@ -299,46 +183,3 @@ def compare(
     progress("comparing")
     arithmetic, storage = precisions.named(built.precision), precisions.named(built.storage)
     return compare_with_reference(system, built, states, seed, arithmetic, storage)
-
-
-def facts(system: System) -> ModelFacts:
-    """What the C says about the model beside its programs."""
-    return ModelFacts(
-        name=system.name,
-        freedom_names=system.freedom_names,
-        freedom_units=tuple(freedom.unit for freedom in system.freedoms),
-        body_names=tuple(body.name for body in system.bodies),
-        loaded=tuple(body.loads for body in system.bodies),
-        parameters=tuple((parameter.name, parameter.value) for parameter in system.parameters),
-        legend=legend(system),
-        freedom_bodies=tuple(system.bodies[freedom.body - 1].name for freedom in system.freedoms),
-        planar=_planar(system),
-        sequences=_sequences(system),
-        speed_names=system.speed_names,
-        points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
-        loaded_points=tuple(point.loads for _, point in system.points),
-        force_elements=tuple(element.words for element in system.force_elements),
-        poses=system.pose_names,
-        reactions=tuple(zip(system.reaction_names, (f.effort for f in system.reacting), strict=True)),
-        coordinate_names=system.coordinate_names,
-        coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
-        prescribed=tuple(
-            (name, freedom.unit)
-            for name, freedom in zip(system.prescribed_names, system.prescribed, strict=True)
-        ),
-    )
-
-
-def _sequences(system: System) -> tuple[tuple[str, str], ...]:
-    """`ModelFacts.sequences`."""
-    turning = [body for body in system.bodies if any(body.joint.free[:3])]
-    return tuple((b.name, b.joint.sequence) for b in turning if b.joint.sequence != NOTES)
-
-
-def _planar(system: System) -> tuple[tuple[int, str], ...]:
-    """`ModelFacts.planar`: cos(theta2) for three different axes, sin(theta2) where first and third agree."""
-    found = []
-    for k, body in enumerate(system.bodies, start=1):
-        if body.joint.turns_freely and not body.joint.spins:
-            found.append((system.coordinate_place(k, 1), "sin" if body.joint.ends_alike else "cos"))
-    return tuple(found)
