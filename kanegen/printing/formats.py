@@ -8,9 +8,10 @@ from sympy import ImmutableMatrix
 
 from kanegen.choices import require_one
 from kanegen.errors import OptionError
-from kanegen.printing.document import Statement, document
+from kanegen.printing.document import document
 from kanegen.printing.latex_names import escaped
 from kanegen.printing.python_module import python_module
+from kanegen.printing.statements import Statement
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import MOST_FREEDOMS_WITHOUT_NAMES, Equations, derive
 

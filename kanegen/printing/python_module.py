@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
-from kanegen.printing.document import kinematics
 from kanegen.printing.printers import python
+from kanegen.printing.state_sections import kinematics
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.numeric import needed_definitions
 from kanegen.symbolic.symbols import force, parameter, point_force, point_moment, real, torque
