@@ -2,38 +2,20 @@
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
-from kanegen.c import describe
-from kanegen.c.declarations import (
-    argument_list,
-    batch_notes,
-    batch_prototype,
-    lanes_call,
-    lanes_prototype,
-    prototype,
-    row_call,
-)
-from kanegen.c.dialect import lanes, scalar
-from kanegen.c.formats import Formats, formats
-from kanegen.c.interface import PREPARE, Function, ModelFacts, requested, signatures
-from kanegen.c.lanes import LANES
-from kanegen.c.layout import WIDTH
+from kanegen.c.context import Context, context
+from kanegen.c.draft import Draft
+from kanegen.c.interface import ModelFacts
 from kanegen.c.pairs import PAIRS
-from kanegen.c.pieces import Code, code
 from kanegen.c.ranges import require_range
-from kanegen.c.sincos import own
 from kanegen.c.source import Source
 from kanegen.c.stamp import stamped
 from kanegen.c.templates import fill
-from kanegen.c.waves import FEW
 from kanegen.errors import ModelError
 from kanegen.precision import DOUBLE_DOUBLE
-from kanegen.program.ir import Module, Program
+from kanegen.program.ir import Module
 from kanegen.variant import NOTHING, STRICT, Variant
-from kanegen.version import __version__
 
 FILES = {
     "{name}.h": "model.h",
@@ -83,105 +65,35 @@ def render(
         ModelError: If the model has the name of a header of the C library, or a number that its
             precision cannot hold.
     """
-    if model.name.lower() in TAKEN_HEADERS:
-        raise ModelError(
-            f"system name {model.name!r}: the file {model.name}.h or {model.name}.c would hide another. "
-            "Choose another name."
-        )
-    held = formats(variant)
-    precision = held.arithmetic
-    programs = signatures(module)
-    require_range(model, programs, held)
-    functions = tuple(programs)
-    sincos = own(variant.sincos, precision)
-    lanes_ = LANES.get(precision)
-    texts = [_text(model.name, *item, held, sincos is not None, variant.flushes) for item in programs.items()]
-    outputs = requested(module)
-    context = {
-        "version": __version__,
-        "model": model,
-        "prefix": model.name.upper(),
-        "outputs": outputs,
-        "precision": precision,
-        "formats": held,
-        "pairs": PAIRS if precision is DOUBLE_DOUBLE else None,
-        "choices": variant.described(decided),
-        "flags": variant.flags,
-        "flushes": variant.flushes,
-        "is_strict": variant.is_strict,
-        "lanes": lanes_,
-        "sincos": sincos,
-        "functions": texts,
-        "waves": max(text.code.waves for text in texts),
-        "has_sines": any(text.code.has_sines for text in texts),
-        "few": FEW,
-        "sizes": describe.enumeration(describe.sizes(model, functions)),
-        "parameter_indices": describe.enumeration(describe.parameter_indices(model)),
-        "spoilt": [f"`{model.name}_{function.name}`" for function in functions if function.spoilt],
-        "conditions": list(dict.fromkeys(c for function in functions for c in function.conditions)),
-        "judged": [f"`{model.name}_{function.name}`" for function in functions if function.judged],
-        "freedoms": describe.freedoms(model),
-        "coordinates": describe.coordinates(model),
-        "poses": describe.poses(model, outputs),
-        "reactions": describe.reactions(model, outputs),
-        "loads": describe.loads(model),
-        "point_loads": describe.point_loads(model),
-        "force_elements": describe.force_elements(model),
-        "operations": describe.operations(operations),
-        "sines": textwrap.wrap(describe.sines(sincos, precision), WIDTH - len(" * ")),
-        "stack": describe.batch_stack(functions, lanes_, held) if lanes_ else 0,
-        "inputs": describe.example_inputs(model, functions, held),
-        "results": describe.example_results(functions, held),
-        "printers": describe.printers(functions, held),
-        "arithmetic": textwrap.wrap(describe.arithmetic(held, bool(model.parameters)), WIDTH - len(" * ")),
-    }
-    context["declarations"] = cdef = fill("declarations.h", **context)
-    if DOUBLE_DOUBLE in held.every:
-        cdef = PAIRS.declared + cdef
-    names = {pattern: pattern.format(name=model.name, f=precision.suffix) for pattern in FILES}
-    wanted = {p: t for p, t in FILES.items() if t not in NEEDED or context[NEEDED[t]] is not None}
-    files = {names[p]: stamped(names[p], fill(template, **context)) for p, template in wanted.items()}
-    return Source(model, outputs, functions, dict(operations), files, cdef, variant)
-
-
-@dataclass(frozen=True)
-class FunctionText:
-    """One C function as lines for the templates."""
-
-    name: str
-    signature: Function
-    arguments: list[str]
-    prototype: list[str]
-    code: Code
-    batch_prototype: list[str]
-    batch_notes: list[str]
-    lanes_prototype: list[str]
-    lanes_code: Code
-    lanes_call: list[str]
-    row_call: list[str]
-    in_lanes: bool
-
-
-def _text(
-    model: str, function: Function, pieces: Sequence[Program], held: Formats, own: bool, flushes: bool
-) -> FunctionText:
-    arithmetic = held.preparing if function.name == PREPARE else held.arithmetic
-    in_lanes = function.in_lanes and held.arithmetic in LANES
-    name = f"{model}_{function.name}"
-    one = scalar(held, arithmetic, own and arithmetic is held.arithmetic)
-    return FunctionText(
-        name=name,
-        signature=function,
-        arguments=argument_list(function),
-        prototype=prototype(model, function, held),
-        code=code(name, function, pieces, one, flushes and function.name != PREPARE),
-        batch_prototype=batch_prototype(model, function, held),
-        batch_notes=batch_notes(function),
-        lanes_prototype=lanes_prototype(model, function, held),
-        lanes_code=code(f"{name}_lanes", function, pieces, lanes(held.arithmetic, own), flushes)
-        if in_lanes
-        else Code([]),
-        lanes_call=lanes_call(model, function),
-        row_call=row_call(model, function),
-        in_lanes=in_lanes,
+    _require_free(model.name)
+    draft = Draft(model, module, operations, variant, decided)
+    require_range(model, draft.programs, draft.formats)
+    variables = context(draft)
+    variables["declarations"] = declarations = fill("declarations.h", **variables)
+    pairs = PAIRS.declared if DOUBLE_DOUBLE in draft.formats.every else ""
+    return Source(
+        model=model,
+        outputs=draft.outputs,
+        functions=draft.functions,
+        operations=dict(operations),
+        files=_files(draft, variables),
+        cdef=pairs + declarations,
+        variant=variant,
     )
+
+
+def _require_free(name: str) -> None:
+    if name.lower() in TAKEN_HEADERS:
+        raise ModelError(
+            f"system name {name!r}: the file {name}.h or {name}.c would hide another. Choose another name."
+        )
+
+
+def _files(draft: Draft, variables: Context) -> dict[str, str]:
+    """By name the text of every file that the model has."""
+    files = {}
+    for pattern, template in FILES.items():
+        if template not in NEEDED or variables[NEEDED[template]] is not None:
+            name = pattern.format(name=draft.model.name, f=draft.precision.suffix)
+            files[name] = stamped(name, fill(template, **variables))
+    return files
