@@ -25,13 +25,15 @@ def checked_state(
 
     Raises:
         ArrayError: If an array has another shape than it must, or is not finite.
-        OptionError: If the system has force elements, or a freedom is prescribed.
+        OptionError: If the system has force elements or loads on points, or a freedom is prescribed.
     """
     require_unprescribed(system, "truth")
-    if system.force_elements:
+    loaded = [point.name for _, point in system.points if point.loads]
+    if system.force_elements or loaded:
+        what = "force elements" if system.force_elements else f"loads on points ({', '.join(loaded)})"
         raise OptionError(
-            f"system {system.name!r} has force elements, of which no exact results are known. Leave them out "
-            "with dataclasses.replace(system, force_elements=())."
+            f"system {system.name!r} has {what}, of which no exact results are known. Leave them out of the model "
+            "that is measured."
         )
     n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
     coordinates = (len(system.coordinates),)
