@@ -32,8 +32,8 @@ def checked_state(
     if system.force_elements or loaded:
         what = "force elements" if system.force_elements else f"loads on points ({', '.join(loaded)})"
         raise OptionError(
-            f"system {system.name!r} has {what}, of which no exact results are known. Leave them out of the model "
-            "that is measured."
+            f"system {system.name!r} has {what}, of which no exact results are known. Leave them out of the "
+            "model that is measured."
         )
     n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
     coordinates = (len(system.coordinates),)
