@@ -14,6 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from kanegen.check import kinematics
+from kanegen.check.freedoms import free_columns
 from kanegen.check.kinematics import BodyKinematics
 from kanegen.printing.block_terms import Factor, Kind, Product, Row, Sum, Term
 from kanegen.printing.blocks import Blocks
@@ -259,7 +260,7 @@ def test_numbers_in_the_blocks_give_the_matrices(system: System) -> None:
     arrays = system.values()
     x, y = np.random.default_rng(7).uniform(-1, 1, (2, len(system.freedoms)))
     bodies = kinematics.kinematics(arrays, x, y)
-    free = kinematics.free_columns(arrays)
+    free = free_columns(arrays)
     half, blocks = 3 * system.number_of_bodies, Blocks(system)
     for k, body in enumerate(bodies, start=1):
         pairs = [

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.check.kinematics import free_columns, kinematics
+from kanegen.check.freedoms import free_columns
+from kanegen.check.kinematics import kinematics
 from kanegen.check.matrices import skew
 from kanegen.compiler import compile_module
 from kanegen.program.count import count

@@ -14,9 +14,14 @@ from typer.testing import CliRunner
 import kanegen as kg
 from kanegen.arrays import SystemArrays
 from kanegen.check.kinematics import kinematics
-from kanegen.check.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches, rounding_bound
+from kanegen.check.magnitudes import (
+    element_magnitude,
+    forcing_magnitude,
+    mass_matrix_magnitude,
+    reaches,
+    rounding_bound,
+)
 from kanegen.check.matrices import skew
-from kanegen.check.reference import element_magnitude
 from kanegen.check.states import random_states
 from kanegen.cli.app import app
 from kanegen.compiler import compile_module

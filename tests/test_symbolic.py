@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from kanegen import Body, Joint, Parameter, System
 from kanegen.body import FREEDOMS
 from kanegen.check import kinematics, reference
+from kanegen.check.freedoms import free_columns
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.symbolic import Equations, derive, symbols
 from kanegen.symbolic.numeric import needed_definitions
@@ -76,7 +77,7 @@ def test_matrices_of_bodies_equal_the_reference(system: System, intermediates: b
     x, y = rng.uniform(-1, 1, (2, len(system.freedoms)))
     equations = derive(system, intermediates)
     arrays = system.values()
-    free = kinematics.free_columns(arrays)
+    free = free_columns(arrays)
     for body, expected in zip(equations.bodies, kinematics.kinematics(arrays, x, y), strict=True):
         names = [*MATRICES, *PARTIALS]
         found = values(equations, [getattr(body, name) for name in names], x=x, y=y)

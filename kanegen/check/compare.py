@@ -21,7 +21,13 @@ from numpy.typing import NDArray
 from kanegen.arrays import Floats, SystemArrays
 from kanegen.check import reference
 from kanegen.check.kinematics import kinematics
-from kanegen.check.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches, rounding_bound
+from kanegen.check.magnitudes import (
+    element_magnitude,
+    forcing_magnitude,
+    mass_matrix_magnitude,
+    reaches,
+    rounding_bound,
+)
 from kanegen.check.measure import StateErrors, joined, state_errors
 from kanegen.check.report import Accuracy, Evaluation, Report
 from kanegen.check.states import States, random_states
@@ -132,7 +138,7 @@ def _batch_errors(
     if "forcing" in outputs:
         truth = reference.forcing(arrays, x, y, force, torque, **states.given)
         size = forcing_magnitude(arrays, reach, force, torque)
-        size = size + reference.element_magnitude(arrays, bodies, x, y, **states.given)
+        size = size + element_magnitude(arrays, bodies, x, y, **states.given)
         found = library.forcing(given_x, given_y, force=given_force, torque=given_torque, **given)
         value = storage.nearest(found)
         errors["forcing"] = state_errors(value, truth, size, scale, limit)

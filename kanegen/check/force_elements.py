@@ -6,35 +6,26 @@ inertial components.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from kanegen.arrays import SystemArrays
 from kanegen.body import FREEDOMS
-from kanegen.check.expressions import Dual, Rounded, evaluate
-from kanegen.check.kinematics import BodyKinematics, by_body
-from kanegen.check.matrices import Numbers, apply, length, skew, transposed
+from kanegen.check import expressions
+from kanegen.check.arguments import Acting
+from kanegen.check.freedoms import by_body, column
+from kanegen.check.kinematics import BodyKinematics
+from kanegen.check.matrices import Numbers, apply, transposed
+from kanegen.check.points import Place, norm, on_body, on_ground
 from kanegen.force_elements import Drive, Expression, JointSpring, PointLoad, Potential, Spring
+from kanegen.force_elements.elements import End
 from kanegen.force_elements.expression import TIME
 from kanegen.numbers import value_of
 
-
-@dataclass(frozen=True)
-class Acting:
-    """What acts on the points, and the time.
-
-    Attributes:
-        force: (..., P, 3) inertial components (N).
-        moment: (..., P, 3) inertial components (N m).
-        t: (...) s.
-    """
-
-    force: Numbers
-    moment: Numbers
-    t: Numbers
+Sized = tuple[Numbers, Numbers]
+"""Numbers, and the size of what they are rounded by."""
 
 
 @dataclass(frozen=True)
@@ -45,19 +36,9 @@ class Contribution:
     size: Numbers
 
 
-@dataclass(frozen=True)
-class _Seen:
-    """A point in inertial components: position (m), velocity (m/s), partial velocities (..., 3, 6N)."""
-
-    position: Numbers
-    velocity: Numbers
-    velocity_y: Numbers
-    reach: Numbers
-
-
 def contributions(
     system: SystemArrays,
-    bodies: tuple[BodyKinematics, ...],
+    bodies: Sequence[BodyKinematics],
     coordinates: tuple[Numbers, Numbers],
     speeds: Numbers,
     acting: Acting,
@@ -71,151 +52,22 @@ def contributions(
         speeds: (..., 6N) in the order of Eq. (1).
         acting: Loads on points, and the time.
     """
-    scene = _Scene(system, bodies, _variables(system, coordinates, speeds, acting.t), speeds)
+    scene = _Scene(system, bodies, speeds, _variables(system, coordinates, speeds, acting.t))
     for element in system.forces.elements:
         match element:
-            case JointSpring(name, stiffness, rest, damping):
-                stretch = scene.variables[f"x.{name}"] - value_of(rest)
-                rate = scene.variables[f"y.{name}"]
-                pull, drag = value_of(stiffness) * stretch, value_of(damping) * rate
-                size = abs(value_of(stiffness)) * (np.abs(stretch) + abs(value_of(rest))) + np.abs(drag)
-                yield scene.on_freedom(f"x.{name}", -pull - drag, size)
+            case JointSpring():
+                yield scene.hinged(element)
             case Drive(name, effort):
-                yield scene.on_freedom(f"y.{name}", *scene.value(effort))
+                yield scene.on_freedom(f"y.{name}", scene.value(effort))
             case Potential(energy):
-                yield from scene.slopes(energy)
+                yield from scene.falling(energy)
             case Spring():
                 yield scene.tied(element)
             case PointLoad(name, force, moment):
-                yield scene.loaded(name, *(scene.vector(of) for of in (force, moment)))
+                yield scene.loaded(name, scene.vector(force), scene.vector(moment))
     for number, name in enumerate(system.forces.points):
-        yield scene.loaded(name, *((v[..., number, :],) * 2 for v in (acting.force, acting.moment)))
-
-
-@dataclass(frozen=True)
-class _Scene:
-    """A system in some states."""
-
-    system: SystemArrays
-    bodies: tuple[BodyKinematics, ...]
-    variables: Mapping[str, Numbers]
-    speeds: Numbers
-
-    def value(self, expression: Expression) -> tuple[Numbers, Numbers]:
-        """An expression, and the size of its rounding."""
-        rounded = {name: Rounded(value, 0 * np.abs(value)) for name, value in self.variables.items()}
-        found = evaluate(expression, rounded, lambda number: Rounded(number, 0.0))
-        exact = evaluate(expression, self.variables, lambda number: number)
-        return exact, found.error
-
-    def vector(self, components: tuple[Expression, ...]) -> tuple[Numbers, Numbers]:
-        """Three expressions as (..., 3), and the size of their rounding."""
-        shape, values = self.speeds.shape[:-1], [self.value(component) for component in components]
-        value, size = (
-            np.stack([np.broadcast_to(part, shape) for part in parts], axis=-1)
-            for parts in zip(*values, strict=True)
-        )
-        return value, size
-
-    def slopes(self, energy: Expression) -> Iterator[Contribution]:
-        """The negative gradient of an energy."""
-        for name in energy.variables:
-            exact = {n: Dual(v, 1.0 * (n == name)) for n, v in self.variables.items()}
-            found = evaluate(energy, exact, lambda number: Dual(number, 0.0)).slope
-            rounded = {
-                n: Dual(Rounded(v, 0.0), Rounded(1.0 * (n == name), 0.0)) for n, v in self.variables.items()
-            }
-            size = evaluate(energy, rounded, _steady).slope.error
-            yield self.on_freedom(name, -found, size)
-
-    def on_freedom(self, name: str, effort: Numbers, size: Numbers) -> Contribution:
-        """An effort at a coordinate or a speed."""
-        k, index = self.system.forces.variables[name]
-        kind, axis = divmod(index, 3)
-        place = 3 * (kind * len(self.bodies) + k - 1) + axis
-        value, sizes = np.zeros_like(self.speeds), np.zeros(self.speeds.shape)
-        value = value.astype(np.result_type(value, effort))
-        value[..., place], sizes[..., place] = effort, size
-        return Contribution(value, sizes)
-
-    def loaded(
-        self, point: str, force: tuple[Numbers, Numbers], moment: tuple[Numbers, Numbers]
-    ) -> Contribution:
-        """A force at a point and a moment on its body, each with the size of its rounding."""
-        k, arm = self.system.forces.points[point]
-        seen, omega_y = self._seen(k, arm), self._turning(k)
-        value = apply(transposed(seen.velocity_y), force[0]) + apply(transposed(omega_y), moment[0])
-        size = _size(force[1])[..., None] * (
-            _size(seen.velocity_y, -2) + seen.reach[..., None] * _size(omega_y, -2)
-        )
-        return Contribution(value, size + _size(moment[1])[..., None] * _size(omega_y, -2))
-
-    def tied(self, spring: Spring) -> Contribution:
-        """A spring between two points."""
-        one, two = (
-            self._seen(*self.system.forces.points[end]) if isinstance(end, str) else self._fixed(end)
-            for end in spring.between
-        )
-        stiffness, rest, damping = map(value_of, (spring.stiffness, spring.rest_length, spring.damping))
-        way, rate = two.position - one.position, two.velocity - one.velocity
-        distance = np.sqrt((way * way).sum(axis=-1))
-        direction = way / distance[..., None]
-        pull = stiffness * (distance - rest) + damping * (direction * rate).sum(axis=-1)
-        velocity_y = one.velocity_y - two.velocity_y
-        value = apply(transposed(velocity_y), pull[..., None] * direction)
-        # The way is off by the roundoff of both positions, which also turns it.
-        off = one.reach + two.reach
-        drag = (
-            abs(damping)
-            * (np.abs(rate).sum(axis=-1) + _size(self.speeds) * off)
-            * (1 + off / np.abs(distance))
-        )
-        size = abs(stiffness) * (off + abs(rest) * (1 + off / np.abs(distance))) + drag
-        lengths = _size(one.velocity_y, -2) + _size(two.velocity_y, -2)
-        return Contribution(value, size[..., None] * (lengths + off[..., None] * self._turned))
-
-    @property
-    def _turned(self) -> Numbers:
-        """(..., 6N) how much each freedom turns any body at most."""
-        turned: Numbers = np.max([_size(body.omega_y, -2) for body in self.bodies], axis=0)
-        return turned
-
-    def _turning(self, k: int) -> Numbers:
-        body = self.bodies[k - 1]
-        turning: Numbers = transposed(body.rotation) @ body.omega_y
-        return turning
-
-    def _seen(self, k: int, arm: Numbers) -> _Seen:
-        """A point of body `k`."""
-        body = self.bodies[k - 1]
-        out = transposed(body.rotation)
-        velocity_y = out @ (body.relative_rotation @ body.origin_y - skew(arm) @ body.omega_y)
-        position = apply(out, body.position + arm)
-        return _Seen(position, apply(velocity_y, self.speeds), velocity_y, self._reach(k) + _size(arm))
-
-    def _reach(self, k: int) -> Numbers:
-        """How far it is to O of body `k` along the tree."""
-        reach = np.zeros(self.speeds.shape[:-1])
-        while k:
-            reach = reach + _size(self.bodies[k - 1].offset)
-            k = int(self.system.connection[k - 1])
-        return reach
-
-    def _fixed(self, position: Any) -> _Seen:
-        """A place of the ground."""
-        at = np.array([value_of(value) for value in position])
-        still = np.zeros((*self.speeds.shape[:-1], 3), self.speeds.dtype)
-        columns = np.zeros((*still.shape, self.speeds.shape[-1]), self.speeds.dtype)
-        return _Seen(still + at, still, columns, still[..., 0].real + _size(at))
-
-
-def _size(vectors: Numbers, axis: int = -1) -> Numbers:
-    """Lengths, of complex vectors too, which carry derivatives."""
-    return length(np.abs(vectors), axis)
-
-
-def _steady(number: float) -> Dual:
-    return Dual(Rounded(number, 0.0), Rounded(0.0, 0.0))
+        push, twist = acting.force[..., number, :], acting.moment[..., number, :]
+        yield scene.loaded(name, (push, push), (twist, twist))
 
 
 def _variables(
@@ -225,9 +77,99 @@ def _variables(
     orientations, translations = by_body(system, *coordinates)
     found: dict[str, Numbers] = {TIME: t}
     for name, (k, index) in system.forces.variables.items():
-        kind, axis = divmod(index, 3) if index < len(FREEDOMS) else (0, index - len(FREEDOMS))
-        if name.startswith("x."):
-            found[name] = (orientations, translations)[kind][k - 1][..., axis]
-        else:
-            found[name] = speeds[..., 3 * (kind * len(system.mass) + k - 1) + axis]
+        if name.startswith("y."):
+            found[name] = speeds[..., column(system, k, index)]
+        elif index in range(3, len(FREEDOMS)):
+            found[name] = translations[k - 1][..., index - 3]
+        else:  # the elements of a quaternion are counted behind all freedoms
+            found[name] = orientations[k - 1][..., index % len(FREEDOMS)]
     return found
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """A system in some states.
+
+    Attributes:
+        system: The numbers of the tree.
+        bodies: Their kinematics.
+        speeds: (..., 6N) in the order of Eq. (1).
+        variables: What the names in expressions stand for.
+    """
+
+    system: SystemArrays
+    bodies: Sequence[BodyKinematics]
+    speeds: Numbers
+    variables: Mapping[str, Numbers]
+
+    def value(self, expression: Expression) -> Sized:
+        """An expression."""
+        return expressions.value(expression, self.variables)
+
+    def vector(self, components: Sequence[Expression]) -> Sized:
+        """Three expressions as (..., 3)."""
+        shape, parts = self.speeds.shape[:-1], zip(*map(self.value, components), strict=True)
+        value, size = (np.stack([np.broadcast_to(one, shape) for one in three], axis=-1) for three in parts)
+        return value, size
+
+    def on_freedom(self, name: str, effort: Sized) -> Contribution:
+        """An effort at the freedom of a coordinate or a speed."""
+        place, (value, size) = column(self.system, *self.system.forces.variables[name]), effort
+        values = np.zeros(self.speeds.shape, np.result_type(self.speeds, value))
+        sizes = np.zeros(self.speeds.shape)
+        values[..., place], sizes[..., place] = value, size
+        return Contribution(values, sizes)
+
+    def hinged(self, spring: JointSpring) -> Contribution:
+        """A spring on a freedom."""
+        stiffness, rest, damping = map(value_of, (spring.stiffness, spring.rest, spring.damping))
+        stretch = self.variables[f"x.{spring.freedom}"] - rest
+        drag = damping * self.variables[f"y.{spring.freedom}"]
+        size = abs(stiffness) * (np.abs(stretch) + abs(rest)) + np.abs(drag)
+        return self.on_freedom(f"x.{spring.freedom}", (-stiffness * stretch - drag, size))
+
+    def falling(self, energy: Expression) -> Iterator[Contribution]:
+        """The negative gradient of an energy."""
+        for name in energy.variables:
+            slope, size = expressions.slope(energy, self.variables, name)
+            yield self.on_freedom(name, (-slope, size))
+
+    def loaded(self, point: str, force: Sized, moment: Sized) -> Contribution:
+        """A force at a point and a moment on its body."""
+        at = self._place(point)
+        turning = norm(at.omega_y, -2)
+        return Contribution(
+            apply(transposed(at.velocity_y), force[0]) + apply(transposed(at.omega_y), moment[0]),
+            norm(force[1])[..., None] * (norm(at.velocity_y, -2) + at.reach[..., None] * turning)
+            + norm(moment[1])[..., None] * turning,
+        )
+
+    def tied(self, spring: Spring) -> Contribution:
+        """A spring between two points."""
+        one, two = map(self._place, spring.between)
+        stiffness, rest, damping = map(value_of, (spring.stiffness, spring.rest_length, spring.damping))
+        way, rate = two.position - one.position, two.velocity - one.velocity
+        distance = np.sqrt((way * way).sum(axis=-1))
+        direction = way / distance[..., None]
+        pull = stiffness * (distance - rest) + damping * (direction * rate).sum(axis=-1)
+        velocity_y = one.velocity_y - two.velocity_y
+        # The way is off by the roundoff of both positions, which also turns it.
+        off = one.reach + two.reach
+        turned = 1 + off / np.abs(distance)
+        drag = abs(damping) * (np.abs(rate).sum(axis=-1) + norm(self.speeds) * off) * turned
+        force = abs(stiffness) * (off + abs(rest) * turned) + drag
+        arms = norm(one.velocity_y, -2) + norm(two.velocity_y, -2) + off[..., None] * self._turning
+        return Contribution(
+            apply(transposed(velocity_y), pull[..., None] * direction), force[..., None] * arms
+        )
+
+    @property
+    def _turning(self) -> Numbers:
+        """(..., 6N) how much each freedom turns any body at most."""
+        turning: Numbers = np.max([norm(body.omega_y, -2) for body in self.bodies], axis=0)
+        return turning
+
+    def _place(self, end: End) -> Place:
+        if not isinstance(end, str):
+            return on_ground(end, self.speeds)
+        return on_body(self.system, self.bodies, self.speeds, *self.system.forces.points[end])

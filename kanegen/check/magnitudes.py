@@ -10,12 +10,18 @@ the tree, its partial sums stay below a small multiple of these.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Unpack
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kanegen.arrays import Floats, SystemArrays
-from kanegen.check.kinematics import UNPRESCRIBED, BodyKinematics, free_columns, full_order
+from kanegen.check.arguments import acting, motion
+from kanegen.check.force_elements import contributions
+from kanegen.check.freedoms import UNPRESCRIBED, free_columns, full_order
+from kanegen.check.kinematics import BodyKinematics
 from kanegen.check.matrices import Numbers, apply, length, transposed
+from kanegen.given import GivenLoads
 from kanegen.precision import DOUBLE, Precision
 
 
@@ -128,6 +134,30 @@ def forcing_magnitude(
     if torque is not None:
         angular = angular + length(torque)
     return apply(transposed(center_y), linear) + apply(transposed(omega_y), angular)
+
+
+def element_magnitude(
+    system: SystemArrays,
+    bodies: tuple[BodyKinematics, ...],
+    x: Numbers,
+    y: Numbers,
+    prescribed: ArrayLike | None = None,
+    **given: Unpack[GivenLoads],
+) -> Floats:
+    """(..., n) what the generalized forces of force elements and loads on points are rounded by.
+
+    Args:
+        system: The numbers of the tree.
+        bodies: Their kinematics.
+        x: (..., m) coordinates.
+        y: (..., n) generalized speeds.
+        prescribed: As in `reference.mass_matrix`.
+        given: As in `reference.forcing`.
+    """
+    told = motion(system, prescribed, x)
+    speeds, free = full_order(system, y, told[..., 1, :]), free_columns(system)
+    parts = contributions(system, bodies, (x, told[..., 0, :]), speeds, acting(system, x, **given))
+    return sum((part.size[..., free] for part in parts), start=np.zeros(y.shape))
 
 
 def rounding_bound(bodies: int, precision: Precision = DOUBLE, storage: Precision = DOUBLE) -> float:

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
-from kanegen.check.kinematics import UNPRESCRIBED, free_columns, kinematics
+from kanegen.check.freedoms import UNPRESCRIBED, free_columns
+from kanegen.check.kinematics import kinematics
 from kanegen.check.magnitudes import reaches
 from kanegen.validation import INERTIA_ROUNDING
 

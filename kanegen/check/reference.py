@@ -15,18 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kanegen.arrays import SystemArrays
-from kanegen.check.force_elements import Acting, contributions
-from kanegen.check.kinematics import (
-    UNPRESCRIBED,
-    BodyKinematics,
-    coordinate_count,
-    free_columns,
-    full_order,
-    kinematics,
-    prescribed_columns,
-)
+from kanegen.check.arguments import Arguments, arguments, arrays_of, coordinates, motion, speeds
+from kanegen.check.force_elements import contributions
+from kanegen.check.freedoms import free_columns, full_order, prescribed_columns
+from kanegen.check.kinematics import BodyKinematics, kinematics
 from kanegen.check.matrices import Numbers, apply, transposed
-from kanegen.errors import ArrayError
 from kanegen.given import GivenLoads
 from kanegen.system import System
 
@@ -133,10 +126,8 @@ def prescribed_efforts(
     free like the others; `ydot` is (n,) or (B, n), everything else as in `forcing`.
     """
     system = arrays_of(system)
-    x = coordinates(system, x)
-    ydot = state(system, ydot, "ydot", int(free_columns(system).sum()))
-    columns = prescribed_columns(system)
-    return -_terms(system, x, y, ydot, force, torque, prescribed, columns, **given).total
+    passed = arguments(system, x, y, force, torque, prescribed, **given)
+    return -_terms(system, passed, speeds(system, ydot, "ydot"), prescribed_columns(system)).total
 
 
 def forcing_terms(
@@ -150,37 +141,26 @@ def forcing_terms(
 ) -> ForcingTerms:
     """The separate sums of Eq. (44); arguments as `forcing`."""
     system = arrays_of(system)
-    columns = free_columns(system)
-    still = np.zeros(int(columns.sum()))
-    return _terms(system, x, y, still, force, torque, prescribed, columns, **given)
+    passed = arguments(system, x, y, force, torque, prescribed, **given)
+    return _terms(system, passed, np.zeros(passed.y.shape), free_columns(system))
 
 
 def _terms(
-    system: SystemArrays,
-    x: ArrayLike,
-    y: ArrayLike,
-    ydot: Numbers,
-    force: ArrayLike | None,
-    torque: ArrayLike | None,
-    prescribed: ArrayLike | None,
-    columns: NDArray[np.bool_],
-    **given: Unpack[GivenLoads],
+    system: SystemArrays, passed: Arguments, ydot: Numbers, columns: NDArray[np.bool_]
 ) -> ForcingTerms:
     """The sums, {ydot} among the accelerations, of some columns."""
-    x, y = coordinates(system, x), state(system, y, "y", int(free_columns(system).sum()))
-    if x.shape[:-1] != y.shape[:-1]:
-        raise ArrayError(f"x has shape {x.shape} and y {y.shape}; they must have as many states.")
-    forces, torques = load(system, force, x, "force"), load(system, torque, x, "torque")
-    told = motion(system, prescribed, x)
-    speeds = full_order(system, y, told[..., 1, :])
-    accelerations = full_order(system, np.broadcast_to(ydot, y.shape), told[..., 2, :])
-    moving = kinematics(system, x, y, told)
+    told = passed.prescribed
+    rates = full_order(system, passed.y, told[..., 1, :])
+    accelerations = full_order(system, np.broadcast_to(ydot, passed.y.shape), told[..., 2, :])
+    moving = kinematics(system, passed.x, passed.y, told)
     bodies = [
-        _body_terms(system, k, body, (speeds, accelerations), (forces[..., k, :], torques[..., k, :]))
+        _body_terms(
+            system, k, body, (rates, accelerations), (passed.force[..., k, :], passed.torque[..., k, :])
+        )
         for k, body in enumerate(moving)
     ]
-    zero = np.zeros_like(speeds[..., columns])
-    elements = contributions(system, moving, (x, told[..., 0, :]), speeds, acting(system, x, **given))
+    elements = contributions(system, moving, (passed.x, told[..., 0, :]), rates, passed.acting)
+    zero = np.zeros_like(rates[..., columns])
     return ForcingTerms(
         **{name: sum((terms[name][..., columns] for terms in bodies), start=zero) for name in bodies[0]},
         elements=sum((part.value[..., columns] for part in elements), start=zero),
@@ -211,101 +191,6 @@ def _body_terms(
         ),
         gyroscopic=-apply(spin, np.cross(body.omega, apply(inertia, body.omega))),  # (41)
     )
-
-
-def arrays_of(system: System | SystemArrays) -> SystemArrays:
-    """The numbers of a system, parameters at their defaults."""
-    return system.values() if isinstance(system, System) else system
-
-
-def coordinates(system: SystemArrays, x: ArrayLike) -> Numbers:
-    """{x} as a (m,) or (B, m) array.
-
-    Raises:
-        ArrayError: If it has another shape.
-    """
-    return state(system, x, "x", coordinate_count(system))
-
-
-def state(system: SystemArrays, value: ArrayLike, what: str, count: int) -> Numbers:
-    """`value` as a (count,) or (B, count) array.
-
-    Raises:
-        ArrayError: If it has another shape.
-    """
-    array = np.asarray(value)
-    if array.ndim not in (1, 2) or array.shape[-1] != count:
-        raise ArrayError(f"{what} has shape {array.shape}; expected ({count},) or (B, {count}).")
-    return array
-
-
-def element_magnitude(
-    system: SystemArrays,
-    bodies: tuple[BodyKinematics, ...],
-    x: Numbers,
-    y: Numbers,
-    prescribed: ArrayLike | None = None,
-    **given: Unpack[GivenLoads],
-) -> Numbers:
-    """(..., n) what the generalized forces of force elements and loads on points are rounded by.
-
-    Args:
-        system: The numbers of the tree.
-        bodies: Their kinematics.
-        x: (..., m) coordinates.
-        y: (..., n) generalized speeds.
-        prescribed: As in `mass_matrix`.
-        given: As in `forcing`.
-    """
-    told = motion(system, prescribed, x)
-    speeds, free = full_order(system, y, told[..., 1, :]), free_columns(system)
-    parts = contributions(system, bodies, (x, told[..., 0, :]), speeds, acting(system, x, **given))
-    return sum((part.size[..., free] for part in parts), start=np.zeros(y.shape))
-
-
-def acting(system: SystemArrays, x: Numbers, **given: Unpack[GivenLoads]) -> Acting:
-    """What acts on points in the states `x`, and the time."""
-    none = np.zeros((len(system.forces.points), 3))
-    force, moment, t = given.get("point_force"), given.get("point_moment"), given.get("t")
-    return Acting(
-        force=none if force is None else np.asarray(force),
-        moment=none if moment is None else np.asarray(moment),
-        t=np.zeros(x.shape[:-1]) + (0.0 if t is None else np.asarray(t)),
-    )
-
-
-def motion(system: SystemArrays, value: ArrayLike | None, x: Numbers) -> Numbers:
-    """The motion of the prescribed freedoms as a (3, p) or (B, 3, p) array that fits `x`.
-
-    Raises:
-        ArrayError: If it has another shape; None is for systems without them.
-    """
-    count = int(system.prescribed.sum())
-    if value is None and count:
-        raise ArrayError(
-            f"prescribed: it is missing. Pass (3, {count}) values, rates and second derivatives."
-        )
-    array = UNPRESCRIBED if value is None else np.asarray(value)
-    if array.shape not in {(3, count), (*x.shape[:-1], 3, count)}:
-        raise ArrayError(f"prescribed has shape {array.shape}; expected (3, {count}), or one for each state.")
-    return array
-
-
-def load(system: SystemArrays, value: ArrayLike | None, x: Numbers, what: str) -> Numbers:
-    """`value` as a (N, 3) or (B, N, 3) array that fits `x`; zeros for None.
-
-    Raises:
-        ArrayError: If it has another shape.
-    """
-    count = len(system.mass)
-    if value is None:
-        return np.zeros((count, 3))
-    array = np.asarray(value)
-    allowed = {(count, 3), (*x.shape[:-1], count, 3)}
-    if array.shape not in allowed:
-        shapes = " or ".join(str(shape) for shape in sorted(allowed, key=len))
-        raise ArrayError(f"{what} has shape {array.shape}; expected {shapes}.")
-    return array
 
 
 def _stacked(matrices: list[Numbers]) -> Numbers:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kanegen.arrays import Floats, SystemArrays
-from kanegen.check.kinematics import free_columns, prescribed_columns
+from kanegen.check.freedoms import free_columns, prescribed_columns
 from kanegen.check.matrices import length
 from kanegen.force_elements.expression import TIME
 from kanegen.precision import Precision

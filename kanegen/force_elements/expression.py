@@ -1,7 +1,8 @@
 """Expressions that a model may hold: what they can say, and how they print.
 
-An expression is a small tree of numbers, variables and operations. It is read by `grammar`, differentiated
-and lowered through SymPy by the derivation, and evaluated in NumPy by the reference, each on its own.
+An expression is a small tree of numbers, variables, operations and powers. It is read by `grammar`,
+differentiated and lowered through SymPy by the derivation, and evaluated in NumPy by the reference, each on
+its own.
 """
 
 from __future__ import annotations
@@ -33,17 +34,29 @@ class Variable:
     name: str
 
 
+Leaf = Constant | Variable
+
+
+@dataclass(frozen=True)
+class Power:
+    """A whole power; its exponent is no number of the model."""
+
+    base: Node
+    exponent: int
+
+
 @dataclass(frozen=True)
 class Operation:
-    """`operator` is one of `+ - * / ^`, "negate" or one of `FUNCTIONS`; the exponent of ^ is a number."""
+    """`operator` is one of `+ - * /`, "negate" or one of `FUNCTIONS`."""
 
     operator: str
     operands: tuple[Node, ...]
 
 
-Node = Constant | Variable | Operation
+Node = Constant | Variable | Power | Operation
 
-_LEVELS = {"+": 1, "-": 1, "*": 2, "/": 2, "negate": 3, "^": 4}
+_LEVELS = {"+": 1, "-": 1, "*": 2, "/": 2, "negate": 3}
+_POWER = 4
 _ATOM = 5
 
 
@@ -60,64 +73,68 @@ class Expression:
     @property
     def variables(self) -> tuple[str, ...]:
         """Names of its variables, each once, in the order of first use."""
-        return tuple(dict.fromkeys(node.name for node in _nodes(self.root) if isinstance(node, Variable)))
+        return tuple(dict.fromkeys(leaf.name for leaf in _leaves(self.root) if isinstance(leaf, Variable)))
 
     def numbers(self) -> Iterator[Number]:
-        """Its numbers but exponents, from the left."""
-        return (node.value for node in _nodes(self.root) if isinstance(node, Constant))
+        """Its numbers, from the left."""
+        return (leaf.value for leaf in _leaves(self.root) if isinstance(leaf, Constant))
 
     def changed(self, change: Callable[[Number], Number]) -> Expression:
-        """The same with `change` applied to every number but exponents."""
-        return Expression(_mapped(self.root, lambda node: _changed(node, change)))
+        """The same with `change` applied to every number."""
+
+        def leaf(found: Leaf) -> Leaf:
+            return Constant(change(found.value)) if isinstance(found, Constant) else found
+
+        return Expression(_mapped(self.root, leaf))
 
     def renamed(self, rename: Callable[[str], str]) -> Expression:
         """The same with other names of variables."""
-        return Expression(
-            _mapped(
-                self.root, lambda node: Variable(rename(node.name)) if isinstance(node, Variable) else node
-            )
-        )
+
+        def leaf(found: Leaf) -> Leaf:
+            return Variable(rename(found.name)) if isinstance(found, Variable) else found
+
+        return Expression(_mapped(self.root, leaf))
 
 
-def _changed(node: Node, change: Callable[[Number], Number]) -> Node:
-    return Constant(change(node.value)) if isinstance(node, Constant) else node
+def _mapped(node: Node, function: Callable[[Leaf], Leaf]) -> Node:
+    """The tree with `function` applied to its leaves."""
+    match node:
+        case Operation(operator, operands):
+            return Operation(operator, tuple(_mapped(operand, function) for operand in operands))
+        case Power(base, exponent):
+            return Power(_mapped(base, function), exponent)
+        case leaf:
+            return function(leaf)
 
 
-def _mapped(node: Node, function: Callable[[Node], Node]) -> Node:
-    """The tree with `function` applied to its leaves; exponents are no leaves but part of their operation."""
-    if not isinstance(node, Operation):
-        return function(node)
-    if node.operator == "^":
-        base, exponent = node.operands
-        return Operation("^", (_mapped(base, function), exponent))
-    return Operation(node.operator, tuple(_mapped(operand, function) for operand in node.operands))
-
-
-def _nodes(node: Node) -> Iterator[Node]:
-    yield node
-    if isinstance(node, Operation):
-        operands = node.operands[:1] if node.operator == "^" else node.operands
-        for operand in operands:
-            yield from _nodes(operand)
+def _leaves(node: Node) -> Iterator[Leaf]:
+    match node:
+        case Operation(_, operands):
+            for operand in operands:
+                yield from _leaves(operand)
+        case Power(base):
+            yield from _leaves(base)
+        case leaf:
+            yield leaf
 
 
 def _text(node: Node) -> str:
-    if isinstance(node, Constant):
-        held = word(node.value)
-        return held if isinstance(held, str) else repr(held)
-    if isinstance(node, Variable):
-        return _variable(node.name)
-    if node.operator in FUNCTIONS:
-        return f"{node.operator}({_text(node.operands[0])})"
-    level = _LEVELS[node.operator]
-    if node.operator == "negate":
-        return f"-{_within(node.operands[0], level)}"
-    left, right = node.operands
-    if node.operator == "^":
-        assert isinstance(right, Constant)
-        return f"{_within(left, _ATOM)}**{int(right.value)}"  # type: ignore[arg-type]
-    # What stands on the right of a sign of the same level would be read in another order.
-    return f"{_within(left, level)} {node.operator} {_within(right, level + 1)}"
+    match node:
+        case Constant(value):
+            held = word(value)
+            return held if isinstance(held, str) else repr(held)
+        case Variable(name):
+            return _variable(name)
+        case Power(base, exponent):
+            return f"{_within(base, _ATOM)}**{exponent}"
+        case Operation("negate", (operand,)):
+            return f"-{_within(operand, _LEVELS['negate'])}"
+        case Operation(function, (operand,)):
+            return f"{function}({_text(operand)})"
+        case Operation(sign, (left, right)):
+            # What stands on the right of a sign of the same level would be read in another order.
+            return f"{_within(left, _LEVELS[sign])} {sign} {_within(right, _LEVELS[sign] + 1)}"
+    raise ValueError(node)
 
 
 def _within(node: Node, level: int) -> str:
@@ -126,11 +143,14 @@ def _within(node: Node, level: int) -> str:
 
 
 def _level(node: Node) -> int:
-    if isinstance(node, Constant) and not isinstance(node.value, float):
-        return _ATOM
-    if isinstance(node, Constant):
-        return _LEVELS["negate"] if node.value < 0 else _ATOM  # type: ignore[operator]
-    return _LEVELS.get(node.operator, _ATOM) if isinstance(node, Operation) else _ATOM
+    match node:
+        case Constant(float(value)) if value < 0:
+            return _LEVELS["negate"]
+        case Power():
+            return _POWER
+        case Operation(operator):
+            return _LEVELS.get(operator, _ATOM)
+    return _ATOM
 
 
 def _variable(name: str) -> str:

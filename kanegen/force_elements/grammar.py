@@ -21,6 +21,7 @@ from kanegen.force_elements.expression import (
     Expression,
     Node,
     Operation,
+    Power,
     Variable,
 )
 from kanegen.numbers import Parameter, finite
@@ -99,7 +100,7 @@ class _Reader:
             case ast.BinOp(left=base, op=ast.Pow(), right=exponent):
                 whole = self._exponent(exponent, power)
                 base_node = self.node(base, depth + 1, power * max(abs(whole), 1))
-                return Operation("^", (base_node, Constant(float(whole))))
+                return Power(base_node, whole)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in _SIGNS:
                 pair = self.node(left, depth + 1, power), self.node(right, depth + 1, power)
                 return Operation(_SIGNS[type(op)], pair)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,24 +12,31 @@ from sympy import Expr, S
 
 from kanegen.body import FREEDOMS
 from kanegen.errors import ModelError
-from kanegen.force_elements.expression import TIME, Constant, Expression, Node, Variable
-from kanegen.force_elements.names import Place, coordinate_places, speed_places, variable_places
+from kanegen.force_elements.expression import (
+    TIME,
+    Constant,
+    Expression,
+    Node,
+    Operation,
+    Power,
+    Variable,
+)
+from kanegen.force_elements.names import Place, variable_places
 from kanegen.numbers import Number
 from kanegen.symbolic.symbols import coordinate, quaternion, speed, spin, time
 from kanegen.system import System
 
 _OPERATIONS: dict[str, Callable[..., Expr]] = {
-    "+": lambda a, b: a + b,
-    "-": lambda a, b: a - b,
-    "*": lambda a, b: a * b,
-    "/": lambda a, b: a / b,
-    "^": lambda a, b: a**b,
-    "negate": lambda a: -a,
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "negate": operator.neg,
     "abs": sympy.Abs,
     "cos": sympy.cos,
     "sin": sympy.sin,
     "sqrt": sympy.sqrt,
-    "tan": lambda a: sympy.sin(a) / sympy.cos(a),
+    "tan": lambda angle: sympy.sin(angle) / sympy.cos(angle),
 }
 
 
@@ -70,18 +78,22 @@ class Variables:
 
     def coordinate(self, name: str) -> Expr:
         """A coordinate, or the value at which it is locked."""
-        return self._coordinate(coordinate_places(self.system.bodies)[name])
+        return self._variable(f"x.{name}")
 
     def rate(self, name: str) -> Expr:
         """A speed; zero where it is locked."""
-        return self._speed(speed_places(self.system.bodies)[name])
+        return self._variable(f"y.{name}")
 
     def _value(self, node: Node) -> Expr:
-        if isinstance(node, Constant):
-            return self.number(node.value)
-        if isinstance(node, Variable):
-            return time() if node.name == TIME else self._variable(node.name)
-        return _OPERATIONS[node.operator](*(self._value(operand) for operand in node.operands))
+        match node:
+            case Constant(value):
+                return self.number(value)
+            case Variable(name):
+                return time() if name == TIME else self._variable(name)
+            case Power(base, exponent):
+                return self._value(base) ** exponent
+            case Operation(name, operands):
+                return _OPERATIONS[name](*map(self._value, operands))
 
     def _variable(self, name: str) -> Expr:
         place = self._places[name]
