@@ -73,6 +73,8 @@ def test_plain_numbers_and_expressions_pass() -> None:
         ("sin(*x)", "only numbers, names"),
         ("2**k", "an exponent is a whole number; for roots there is sqrt"),
         ("2**0.5", "an exponent is a whole number"),
+        ("2**~3", "'~3' in expression .* an exponent is a whole number"),
+        ("2**-True", "an exponent is a whole number"),
         ("2**100000000", f"a huge power; together exponents reach at most {LARGEST_POWER}"),
         ("((2**16)**16)**16", "a huge power"),
         ("1 if t else 2", "only numbers, names"),

@@ -1,14 +1,7 @@
 """Loads that belong to a model: springs, dampers, drives, loads on points, potentials."""
 
-from kanegen.force_elements.elements import (
-    KINDS,
-    Drive,
-    ForceElement,
-    JointSpring,
-    PointLoad,
-    Potential,
-    Spring,
-)
+from kanegen.force_elements.element import ForceElement
+from kanegen.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring
 from kanegen.force_elements.expression import Expression
 from kanegen.force_elements.grammar import parse
 

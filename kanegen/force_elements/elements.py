@@ -1,70 +1,22 @@
-"""Force elements: what acts on the bodies beside gravity, inertia and what a caller passes.
+"""The kinds of force elements: springs, drives, loads on points, potentials.
 
 Freedoms and points go by their names; `names.resolved` looks them up when a system is made.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass
+from typing import ClassVar
 
 from kanegen import validation
 from kanegen.errors import ModelError
-from kanegen.force_elements.expression import Constant, Expression
+from kanegen.force_elements.element import ForceElement
+from kanegen.force_elements.expression import Expression
 from kanegen.force_elements.grammar import parse
-from kanegen.numbers import Number, Vector, map_numbers, number, numbers, value_of, word
+from kanegen.numbers import Number, Vector, number, numbers, value_of
 
 End = str | Vector
 """Where a spring is fixed: the name of a point, or a place of the ground, inertial components (m)."""
-
-Change = Callable[[Number], Number]
-
-
-@dataclass(frozen=True)
-class ForceElement:
-    """What every kind of force element can do.
-
-    Attributes:
-        KEY: Its array of tables in a model file.
-    """
-
-    KEY: ClassVar[str]
-
-    def changed(self, change: Change) -> Self:
-        """The same with `change` applied to every number."""
-        return replace(self, **{f.name: _changed(getattr(self, f.name), change) for f in fields(self)})
-
-    def renamed(self, rename: Callable[[str], str]) -> Self:
-        """The same with other names of freedoms, and of coordinates and speeds in expressions."""
-        return replace(self, **{f.name: _renamed(getattr(self, f.name), rename) for f in fields(self)})
-
-    def numbers(self) -> Iterator[Number]:
-        """Its numbers, those of expressions included."""
-        found: list[Number] = []
-
-        def collect(value: Number) -> Number:
-            found.append(value)
-            return value
-
-        self.changed(collect)
-        yield from found
-
-    def expressions(self) -> Iterator[Expression]:
-        """What it holds of them."""
-        for f in fields(self):
-            yield from _expressions(getattr(self, f.name))
-
-    @property
-    def words(self) -> str:
-        """In a line, for readers of generated code."""
-        return f"{self.KEY}: {', '.join(f'{key} = {_line(value)}' for key, value in self.as_table().items())}"
-
-    def as_table(self) -> dict[str, Any]:
-        """In the words of a model file, defaults left out."""
-        every = {f.name: getattr(self, f.name) for f in fields(self)}
-        defaults = {f.name: f.default for f in fields(self)}
-        return {name: _word(value) for name, value in every.items() if value != defaults[name]}
 
 
 @dataclass(frozen=True)
@@ -86,6 +38,7 @@ class JointSpring(ForceElement):
     damping: Number = 0.0
 
     def __post_init__(self) -> None:
+        validation.store(self, freedom=_name(self.freedom, "joint_spring freedom"))
         _check_spring(self, "rest")
 
 
@@ -136,7 +89,7 @@ class Drive(ForceElement):
     effort: Expression
 
     def __post_init__(self) -> None:
-        validation.store(self, freedom=_text(self.freedom, "drive freedom"), effort=parse(self.effort))
+        validation.store(self, freedom=_name(self.freedom, "drive freedom"), effort=parse(self.effort))
 
 
 @dataclass(frozen=True)
@@ -156,7 +109,7 @@ class PointLoad(ForceElement):
     moment: tuple[Expression, Expression, Expression] = (parse(0),) * 3
 
     def __post_init__(self) -> None:
-        validation.store(self, point=_text(self.point, "point_load point"))
+        validation.store(self, point=_name(self.point, "point_load point"))
         for name in ("force", "moment"):
             components = validation.sequence(getattr(self, name), 3, f"point_load {name}")
             validation.store(self, **{name: tuple(parse(component) for component in components)})
@@ -189,55 +142,13 @@ KINDS: tuple[type[ForceElement], ...] = (JointSpring, Spring, Drive, PointLoad, 
 
 
 def _check_spring(spring: JointSpring | Spring, rest: str) -> None:
-    kind = spring.KEY
     for name in ("stiffness", rest, "damping"):
-        validation.store(spring, **{name: number(getattr(spring, name), f"{kind} {name}")})
-    if isinstance(spring, JointSpring):
-        _text(spring.freedom, f"{kind} freedom")
+        validation.store(spring, **{name: number(getattr(spring, name), f"{spring.KEY} {name}")})
     if spring.stiffness == 0 and spring.damping == 0:
-        raise ModelError(f"{kind} without stiffness and damping: give one of them.")
+        raise ModelError(f"{spring.KEY} without stiffness and damping: give one of them.")
 
 
-def _text(value: object, what: str) -> str:
+def _name(value: object, what: str) -> str:
     if not isinstance(value, str):
         raise ModelError(f"{what}: {value!r} is not a name.")
     return value
-
-
-def _changed(value: Any, change: Change) -> Any:
-    if isinstance(value, str):
-        return value
-    if isinstance(value, Expression):
-        return value.changed(change)
-    return tuple(_changed(item, change) for item in value) if isinstance(value, tuple) else change(value)
-
-
-def _renamed(value: Any, rename: Callable[[str], str]) -> Any:
-    if isinstance(value, Expression):
-        return value.renamed(rename)
-    if isinstance(value, tuple):
-        return tuple(_renamed(item, rename) for item in value)
-    return value
-
-
-def _expressions(value: Any) -> Iterator[Expression]:
-    if isinstance(value, Expression):
-        yield value
-    elif isinstance(value, tuple):
-        for item in value:
-            yield from _expressions(item)
-
-
-def _line(value: Any) -> str:
-    if isinstance(value, tuple):
-        return f"({', '.join(map(_line, value))})"
-    return value if isinstance(value, str) else repr(value)
-
-
-def _word(value: Any) -> Any:
-    if isinstance(value, Expression):
-        root = value.root
-        return word(root.value) if isinstance(root, Constant) else str(value)
-    if isinstance(value, tuple):
-        return tuple(_word(item) for item in value)
-    return value if isinstance(value, str) else map_numbers(value, word)

@@ -128,13 +128,17 @@ class _Reader:
         raise self._refused(found, "only x and y have elements: x.<coordinate>, y.<speed>.")
 
     def _exponent(self, found: ast.expr, power: int) -> int:
-        negative = isinstance(found, ast.UnaryOp) and isinstance(found.op, ast.USub)
-        digits = found.operand if isinstance(found, ast.UnaryOp) else found
+        sign, digits = 1, found
+        match found:
+            case ast.UnaryOp(op=ast.UAdd(), operand=digits):
+                pass
+            case ast.UnaryOp(op=ast.USub(), operand=digits):
+                sign = -1
         if not isinstance(digits, ast.Constant) or type(digits.value) is not int:
             raise self._refused(found, "an exponent is a whole number; for roots there is sqrt.")
         if digits.value * power > LARGEST_POWER:
             raise self._refused(found, f"a huge power; together exponents reach at most {LARGEST_POWER}.")
-        return -digits.value if negative else digits.value
+        return sign * digits.value
 
     def _call(self, found: ast.Call, depth: int, power: int) -> Node:
         if not isinstance(found.func, ast.Name) or found.func.id not in FUNCTIONS:

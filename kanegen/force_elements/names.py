@@ -11,15 +11,8 @@ from dataclasses import dataclass, replace
 
 from kanegen.body import FREEDOMS, QUATERNION, Body
 from kanegen.errors import ModelError
-from kanegen.force_elements.elements import (
-    KINDS,
-    Drive,
-    ForceElement,
-    JointSpring,
-    PointLoad,
-    Potential,
-    Spring,
-)
+from kanegen.force_elements.element import ForceElement
+from kanegen.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring
 from kanegen.force_elements.expression import TIME
 from kanegen.suggest import did_you_mean
 
@@ -104,12 +97,14 @@ class _Names:
 
 
 class _Resolver:
+    """Looks up the names of elements in the bodies of a system."""
+
     def __init__(self, bodies: Sequence[Body]) -> None:
         self._bodies = bodies
         self._places = coordinate_places(bodies)
         self._coordinates = _Names.of("coordinate", self._places)
         self._speeds = _Names.of("speed", speed_places(bodies))
-        self._points = {point.name: k for k, body in enumerate(bodies) for point in body.points}
+        self._points = {point.name: k for k, body in enumerate(bodies, start=1) for point in body.points}
 
     def resolved(self, element: ForceElement) -> ForceElement:
         element = element.renamed(lambda name: self._variable(name, element.KEY))
@@ -151,8 +146,8 @@ class _Resolver:
             )
 
     def _check_ends(self, spring: Spring) -> None:
-        bodies = [self._body(end, spring.KEY) if isinstance(end, str) else -1 for end in spring.between]
-        if bodies[0] == bodies[1]:
+        first, second = (self._body(end, spring.KEY) if isinstance(end, str) else 0 for end in spring.between)
+        if first == second:
             one, two = (repr(end) if isinstance(end, str) else "the ground" for end in spring.between)
             raise ModelError(
                 f"spring between {one} and {two}: both ends are on one body, so it would do nothing. Name "
@@ -160,6 +155,7 @@ class _Resolver:
             )
 
     def _body(self, point: str, what: str) -> int:
+        """The number of the body of a point, which must exist."""
         if point not in self._points:
             raise ModelError(f"{what}: there is no point {point!r}. {did_you_mean(point, self._points)}")
         return self._points[point]
