@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
-from sympy import Add, Expr, Rational
+from sympy import Add, Expr
 
 from kanegen.force_elements import Drive, JointSpring, PointLoad, Potential
 from kanegen.force_elements.names import Place, coordinate_places, speed_places
 from kanegen.numbers import Number
 from kanegen.recursion.joints import exact
-from kanegen.recursion.springs import outward, ties
+from kanegen.recursion.springs import HALF, outward, ties
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, negate, subtract
 from kanegen.symbolic.definitions import Vector
 from kanegen.symbolic.expressions import Variables
 from kanegen.symbolic.symbols import point_force, point_moment
-
-HALF = Rational(1, 2)
 
 
 @dataclass(frozen=True)
@@ -37,14 +36,13 @@ def efforts(tree: Tree) -> dict[Place, Expr]:
     found: dict[Place, list[Expr]] = {}
     for place, effort in _efforts(tree):
         found.setdefault(place, []).append(effort)
+    define = tree.definitions.define
     tree.definitions.about("Efforts of force elements")
-    return {
-        (k, index): tree.definitions.define(f"e_{k}_{index + 1}", Add(*parts))
-        for (k, index), parts in found.items()
-    }
+    return {(k, index): define(f"e_{k}_{index + 1}", Add(*parts)) for (k, index), parts in found.items()}
 
 
 def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
+    """The same, element by element."""
     bodies, variables = tree.system.bodies, Variables(tree.system, exact)
     coordinates, speeds = coordinate_places(bodies), speed_places(bodies)
     for element in tree.system.force_elements:
@@ -62,45 +60,47 @@ def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
 def applied(tree: Tree) -> dict[int, Applied]:
     """What springs and loads on points do to the bodies."""
     found: dict[int, Applied] = {}
-    for k, load in _applied(tree):
+    for k, load in chain(_pulls(tree), _loads(tree)):
         both = found.get(k, UNLOADED)
         found[k] = Applied(add(both.force, load.force), add(both.moment, load.moment))
     return found
 
 
-def _applied(tree: Tree) -> Iterator[tuple[int, Applied]]:
+def _pulls(tree: Tree) -> Iterator[tuple[int, Applied]]:
+    """Of springs between points."""
     for tie in ties(tree):
         pull = tie.pull(tree.definitions)
         for k, position, force in zip(tie.bodies, tie.positions, (pull, negate(pull)), strict=True):
             if k:
                 tree.about(k, f"force of spring {tie.number}")
-                turned = outward(tree, k, tie.frame, force, f"ks_{tie.number}")
-                yield k, _at(tree, k, position, turned)
-    places = {point.name: (k, point) for k, point in tree.system.points}
+                yield k, _at(tree, k, position, outward(tree, k, tie.frame, force, f"ks_{tie.number}"))
+
+
+def _loads(tree: Tree) -> Iterator[tuple[int, Applied]]:
+    """On points, by elements and by the caller."""
+    places = {point.name: (k, point.position) for k, point in tree.system.points}
     variables = Variables(tree.system, exact)
     for number, element in enumerate(tree.system.force_elements, start=1):
         if isinstance(element, PointLoad):
-            k, point = places[element.point]
             force, moment = (
                 Vector(*map(variables.value, values)) for values in (element.force, element.moment)
             )
-            yield k, _inertial(tree, k, point.position, force, moment, f"pl_{number}")
+            yield _inertial(tree, *places[element.point], force, moment, f"pl_{number}")
     for number, (k, point) in enumerate(tree.system.points, start=1):
         if point.loads:
             force, moment = (
                 Vector(*(symbol(number, axis) for axis in range(3))) for symbol in (point_force, point_moment)
             )
-            yield k, _inertial(tree, k, point.position, force, moment, f"pi_{number}")
+            yield _inertial(tree, k, point.position, force, moment, f"pi_{number}")
 
 
 def _inertial(
     tree: Tree, k: int, position: Sequence[Number], force: Vector, moment: Vector, name: str
-) -> Applied:
+) -> tuple[int, Applied]:
     """A force at a point of body `k` and a moment, both in inertial components."""
     tree.about(k, "load on a point")
-    at = Vector(*map(exact, position))
-    turned = _at(tree, k, at, outward(tree, k, 0, force, f"{name}F"))
-    return Applied(turned.force, add(turned.moment, outward(tree, k, 0, moment, f"{name}M")))
+    load = _at(tree, k, Vector(*map(exact, position)), outward(tree, k, 0, force, f"{name}F"))
+    return k, Applied(load.force, add(load.moment, outward(tree, k, 0, moment, f"{name}M")))
 
 
 def _at(tree: Tree, k: int, position: Vector, force: Vector) -> Applied:

@@ -19,6 +19,8 @@ from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 
+HALF = Rational(1, 2)
+
 
 @dataclass(frozen=True)
 class Tie:
@@ -61,9 +63,9 @@ class Tie:
         definitions.about(f"Spring {self.number}: energy")
         stiffness, rest = exact(self.spring.stiffness), exact(self.spring.rest_length)
         if rest == 0 or stiffness == 0:
-            return Rational(1, 2) * stiffness * self._square(definitions)
+            return HALF * stiffness * self._square(definitions)
         stretch = definitions.define(f"kx_{self.number}", self._length(definitions) - rest)
-        return Rational(1, 2) * stiffness * stretch**2
+        return HALF * stiffness * stretch**2
 
     def _square(self, definitions: Definitions) -> Expr:
         return definitions.define(f"kq_{self.number}", dot(self.way, self.way))
@@ -77,19 +79,15 @@ def ties(tree: Tree) -> Iterator[Tie]:
     places = {point.name: (k, point.position) for k, point in tree.system.points}
     springs = [element for element in tree.system.force_elements if isinstance(element, Spring)]
     for number, spring in enumerate(springs, start=1):
-        ends = [places[end] if isinstance(end, str) else (0, end) for end in spring.between]
-        bodies = (ends[0][0], ends[1][0])
-        positions = [Vector(*map(exact, position)) for _, position in ends]
-        frame = _common(tree, *bodies)
-        seen = [
-            _seen(tree, k, position, frame, f"k{number}{side}")
-            for (k, position, side) in zip(bodies, positions, "ab", strict=True)
-        ]
-        (start, left), (stop, reached) = seen
+        (a, one), (b, two) = (places[end] if isinstance(end, str) else (0, end) for end in spring.between)
+        first, second = Vector(*map(exact, one)), Vector(*map(exact, two))
+        frame = _common(tree, a, b)
+        start, left = _seen(tree, a, first, frame, f"k{number}a")
+        stop, reached = _seen(tree, b, second, frame, f"k{number}b")
         tree.definitions.about(f"Spring {number}: the way between its ends, and its rate")
         way = tree.definitions.vector(f"kw_{number}", subtract(stop, start))
         rate = tree.definitions.vector(f"kwd_{number}", subtract(reached, left))
-        yield Tie(spring, number, bodies, (positions[0], positions[1]), frame, way, rate)
+        yield Tie(spring, number, (a, b), (first, second), frame, way, rate)
 
 
 def joints_to(tree: Tree, k: int, frame: int) -> list[JointMotion]:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import sympy
-from sympy import Expr, ImmutableMatrix
+from sympy import Expr, ImmutableMatrix, S
 
 from kanegen.force_elements import Drive, JointSpring, PointLoad, Potential, Spring
 from kanegen.force_elements.elements import End
-from kanegen.force_elements.names import coordinate_places, speed_places
+from kanegen.force_elements.names import Place, coordinate_places, speed_places
 from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.dynamics import BodyEquations, total
 from kanegen.symbolic.expressions import Variables
@@ -22,7 +22,13 @@ from kanegen.system import Freedom, System
 
 @dataclass(frozen=True)
 class _Place:
-    """A point in inertial components: where it is (m), its velocity (m/s), (3, n) its partial velocities."""
+    """A point in inertial components.
+
+    Attributes:
+        position: (3, 1) where it is (m).
+        velocity: (3, 1) of it (m/s).
+        velocity_y: (3, n) its partial velocities.
+    """
 
     position: ImmutableMatrix
     velocity: ImmutableMatrix
@@ -43,38 +49,42 @@ class ElementForces:
     bodies: Sequence[BodyEquations]
     named: Definitions | None
 
-    @cached_property
+    @property
     def total(self) -> ImmutableMatrix:
         """(n, 1) generalized forces; zeros where there are no elements and no loads on points."""
-        none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
-        return total([none, *self._efforts(), *self._pulls(), *self._loads()])
+        return self._derived[0]
 
     @property
     def definitions(self) -> tuple[Definition, ...]:
         """What the symbols in `total` stand for beside those of the bodies."""
-        return () if self.named is None or self.total is None else self.named.listed()
+        return self._derived[1]
+
+    @cached_property
+    def _derived(self) -> tuple[ImmutableMatrix, tuple[Definition, ...]]:
+        none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
+        forces = total([none, *self._efforts(), *self._pulls(), *self._loads()])
+        return forces, () if self.named is None else self.named.listed()
 
     def _efforts(self) -> Iterator[ImmutableMatrix]:
         """On freedoms; on locked ones they move nothing."""
-        variables, bodies = Variables(self.system, expression), self.system.bodies
-        places, speed = coordinate_places(bodies), speed_places(bodies)
+        coordinates, speeds = coordinate_places(self.system.bodies), speed_places(self.system.bodies)
         for element in self.system.force_elements:
             match element:
                 case JointSpring(name, stiffness, rest, damping):
-                    pull = expression(stiffness) * (variables.coordinate(name) - expression(rest))
-                    drag = expression(damping) * variables.rate(name)
-                    yield self._on(Freedom(*places[name]), -pull - drag)
+                    pull = expression(stiffness) * (self._variables.coordinate(name) - expression(rest))
+                    drag = expression(damping) * self._variables.rate(name)
+                    yield self._on(coordinates[name], -pull - drag)
                 case Drive(name, effort):
-                    yield self._on(Freedom(*speed[name]), variables.value(effort))
+                    yield self._on(speeds[name], self._variables.value(effort))
                 case Potential(energy):
-                    for place, slope in variables.slopes(energy).items():
-                        yield self._on(Freedom(*place), -slope)
+                    for place, slope in self._variables.slopes(energy).items():
+                        yield self._on(place, -slope)
 
     def _pulls(self) -> Iterator[ImmutableMatrix]:
         """Of springs between points."""
         for spring in self.system.force_elements:
             if isinstance(spring, Spring):
-                one, two = (self._place(end) for end in spring.between)
+                one, two = map(self._place, spring.between)
                 stiffness, rest, damping = map(
                     expression, (spring.stiffness, spring.rest_length, spring.damping)
                 )
@@ -85,13 +95,12 @@ class ElementForces:
                 yield velocity_y.T * way * (-(stiffness * (length - rest) + damping * rate) / length)
 
     def _loads(self) -> Iterator[ImmutableMatrix]:
-        """On points."""
-        variables = Variables(self.system, expression)
+        """On points, by elements and by the caller."""
+        value = self._variables.value
         for element in self.system.force_elements:
             if isinstance(element, PointLoad):
                 force, moment = (
-                    ImmutableMatrix([variables.value(one) for one in three])
-                    for three in (element.force, element.moment)
+                    ImmutableMatrix([*map(value, three)]) for three in (element.force, element.moment)
                 )
                 yield self._loaded(element.point, force, moment)
         for number, (_, point) in enumerate(self.system.points, start=1):
@@ -102,29 +111,44 @@ class ElementForces:
                 )
                 yield self._loaded(point.name, force, moment)
 
-    def _loaded(self, point: str, force: ImmutableMatrix, moment: ImmutableMatrix) -> ImmutableMatrix:
-        k = next(k for k, known in self.system.points if known.name == point)
-        body = self.bodies[k - 1]
+    def _loaded(self, name: str, force: ImmutableMatrix, moment: ImmutableMatrix) -> ImmutableMatrix:
+        """A force at a point and a moment on its body."""
+        _, body, _ = self._points[name]
         turning_y = body.rotation.T * body.partial_angular_velocity
-        return self._place(point).velocity_y.T * force + turning_y.T * moment
+        return self._place(name).velocity_y.T * force + turning_y.T * moment
+
+    def _on(self, place: Place, effort: Expr) -> ImmutableMatrix:
+        """An effort on a freedom."""
+        rows = [effort if Freedom(*place) == freedom else S.Zero for freedom in self.system.freedoms]
+        return ImmutableMatrix(len(rows), 1, rows)
 
     def _place(self, end: End) -> _Place:
         if not isinstance(end, str):
             still = ImmutableMatrix.zeros(3, 1)
             return _Place(column(end), still, ImmutableMatrix.zeros(3, len(self.system.freedoms)))
-        k, point = next((k, point) for k, point in self.system.points if point.name == end)
-        body, arm = self.bodies[k - 1], column(point.position)
-        carried = body.relative_rotation * body.partial_velocity_of_origin
-        velocity_y = body.rotation.T * (carried - skew(arm) * body.partial_angular_velocity)
-        position = body.rotation.T * (body.position_of_origin + arm)
+        number, body, arm = self._points[end]
         carried = body.relative_rotation * body.velocity_of_origin
+        carried_y = body.relative_rotation * body.partial_velocity_of_origin
+        position = body.rotation.T * (body.position_of_origin + arm)
         velocity = body.rotation.T * (carried + skew(body.angular_velocity) * arm)
-        number = self.system.point_names.index(end) + 1
+        velocity_y = body.rotation.T * (carried_y - skew(arm) * body.partial_angular_velocity)
         return _Place(
             self._matrix(f"pP_{number}", position),
             self._matrix(f"vP_{number}", velocity),
             self._matrix(f"vPy_{number}", velocity_y),
         )
+
+    @cached_property
+    def _variables(self) -> Variables:
+        return Variables(self.system, expression)
+
+    @cached_property
+    def _points(self) -> dict[str, tuple[int, BodyEquations, ImmutableMatrix]]:
+        """By name its number, its body and where it is there (m)."""
+        return {
+            point.name: (number, self.bodies[k - 1], column(point.position))
+            for number, (k, point) in enumerate(self.system.points, start=1)
+        }
 
     def _matrix(self, name: str, value: ImmutableMatrix) -> ImmutableMatrix:
         rows, columns = value.shape
@@ -134,7 +158,3 @@ class ElementForces:
 
     def _value(self, name: str, value: Expr) -> Expr:
         return value if self.named is None else self.named.define(name, value)
-
-    def _on(self, freedom: Freedom, effort: Expr) -> ImmutableMatrix:
-        rows = [effort if freedom == other else sympy.S.Zero for other in self.system.freedoms]
-        return ImmutableMatrix(len(rows), 1, rows)
