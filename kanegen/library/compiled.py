@@ -12,8 +12,8 @@ from kanegen.c import Source
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.evaluation import Evaluation
 from kanegen.given import Given
-from kanegen.native.arguments import Floats
-from kanegen.native.calls import ARGUMENTS, FURTHER, Call, Native, Values
+from kanegen.native.arguments import ARGUMENTS, FURTHER, Floats, Values
+from kanegen.native.calls import Call, Native
 from kanegen.numbers import finite
 from kanegen.precision import named
 from kanegen.program.ir import EVALUATE

@@ -1,4 +1,4 @@
-"""What a user passes, as arrays that C can read: contiguous, of its type, and of exactly the right shape."""
+"""What a user may pass, and how it becomes what C can read: contiguous arrays of its type and exact shape."""
 
 from __future__ import annotations
 
@@ -14,6 +14,29 @@ Floats = NDArray[np.floating[Any]]
 """Numbers of the precision of a library, or parts of them."""
 
 Shape = tuple[int, ...]
+
+LOADS = {"force": "body", "torque": "body", "point_force": "point", "point_moment": "point"}
+"""Arguments with a row for everything of a kind, of which only some take any."""
+
+OPTIONAL = LOADS.keys() | {"tau"}
+"""Arguments that may be left out, which is zero."""
+
+FURTHER = {
+    "point_force": "in N",
+    "point_moment": "in N m",
+    "t": "the time in s",
+    "prescribed": "(3, {count}) values, rates and second derivatives of {prescribed}",
+}
+"""Arguments that only some models have, and what they are."""
+
+ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *FURTHER)
+"""What a user may pass, in the order in which `Call` takes it."""
+
+COMMON = OPTIONAL | FURTHER.keys()
+"""Arguments of which one may serve all states of a batch."""
+
+Values = tuple[object, ...]
+"""One for each of `ARGUMENTS`, None where there is none."""
 
 
 def floats(name: str, value: object, dtype: np.dtype[Any]) -> Floats:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,42 +15,32 @@ import numpy as np
 from kanegen.c import ModelFacts, Source
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
-from kanegen.errors import BuildError, KanegenWarning, SingularError
+from kanegen.errors import BuildError
 from kanegen.native import environment
-from kanegen.native.arguments import Floats, companion, load, required, state
+from kanegen.native.arguments import (
+    ARGUMENTS,
+    COMMON,
+    FURTHER,
+    LOADS,
+    OPTIONAL,
+    Floats,
+    Values,
+    companion,
+    load,
+    required,
+    state,
+)
+from kanegen.native.status import Status
 from kanegen.precision import Precision
-
-LOADS = {"force": "body", "torque": "body", "point_force": "point", "point_moment": "point"}
-"""Arguments with a row for everything of a kind, of which only some take any."""
-
-OPTIONAL = LOADS.keys() | {"tau"}
-"""Arguments that may be left out, which is zero."""
 
 _STAY = getattr(os, "RTLD_NODELETE", 0)
 """A library is never unmapped: threads of its OpenMP runtime outlive the `Library` that started them."""
 
 _CALLER = 5
-"""Frames from a warning here to the line that called a method of the library."""
+"""Frames from a warning of a `Status` to the line that called a method of the library."""
 
 Pointers = tuple[Any, ...]
 """C pointers; each keeps its array alive."""
-
-FURTHER = {
-    "point_force": "in N",
-    "point_moment": "in N m",
-    "t": "the time in s",
-    "prescribed": "(3, {count}) values, rates and second derivatives of {prescribed}",
-}
-"""Arguments that only some models have, and what they are."""
-
-ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *FURTHER)
-"""What a user may pass, in the order in which `Call` takes it."""
-
-COMMON = OPTIONAL | FURTHER.keys()
-"""Arguments of which one may serve all states of a batch."""
-
-Values = tuple[object, ...]
-"""One for each of `ARGUMENTS`, None where there is none."""
 
 
 class Native:
@@ -108,15 +97,7 @@ class Call:
         model: ModelFacts,
         f: Function,
     ) -> None:
-        self._name = f.name
-        pairs = zip(model.freedom_names, model.speeds, strict=True)
-        self._freedoms = [f"{name}, {speed}" if speed else name for name, speed in pairs]
-        self._quantity = " or ".join(condition.quantity for condition in f.conditions)
-        self._failure = " or ".join(condition.failure for condition in f.conditions)
-        self._bodies = model.freedom_bodies
-        self._is_judged = bool(f.judged)
-        names = [array.name for array in f.outputs]
-        self._spoilt = names.index(f.spoilt[0]) if f.spoilt else 0
+        self._status = Status.of(f, model)
         name = f"{model.name}_{f.name}"
         self._single = getattr(library, name)
         self._batch = getattr(library, f"{name}_batch") if f.has_batch else None
@@ -177,7 +158,7 @@ class Call:
             pointers.append(self._result_pointer(result))
         place = self._single(*pointers)
         if place:
-            self._complain(place, _CALLER)
+            self._status.complain(place, _CALLER)
         return results
 
     def _general(self, constants: Pointers, values: Values) -> list[Floats]:
@@ -188,42 +169,12 @@ class Call:
         if not batch or self._batch is None:
             place = self._single(*pointers)
             if place:
-                self._complain(place, _CALLER + 1)
+                self._status.complain(place, _CALLER + 1)
             return results
         failed = self._batch(*batch, *pointers)
         if failed:
-            self._count(failed, results)
+            self._status.count(failed, results, _CALLER + 1)
         return results
-
-    def _count(self, failed: int, results: Sequence[Floats]) -> None:
-        """Warn of states of a batch; those whose rows are not NaN are not accurate."""
-        spoilt = results[self._spoilt].reshape(len(results[self._spoilt]), -1)
-        lost = int(np.isnan(spoilt).any(axis=1).sum()) if self._is_judged else failed
-        found = []
-        if lost:
-            found.append(
-                f"in {lost} of {len(spoilt)} states a {self._quantity} is not positive or is NaN; "
-                "their rows are NaN"
-            )
-        if failed > lost:
-            found.append(f"in {failed - lost} of {len(spoilt)} states the result is not accurate")
-        warnings.warn(f"{self._name}: {', and '.join(found)}.", KanegenWarning, stacklevel=_CALLER + 1)
-
-    def _complain(self, place: int, frames: int) -> None:
-        """Say what a status means, that is not 0."""
-        if place < 0:
-            warnings.warn(
-                f"{self._name}: the result is not accurate in this state. The largest correction was at "
-                f"freedom {self._freedoms[-place - 1]!r} of body {self._bodies[-place - 1]!r}; an output "
-                '"error_estimate" says how large, a higher precision helps.',
-                KanegenWarning,
-                stacklevel=frames,
-            )
-            return
-        raise SingularError(
-            f"{self._name}: the {self._quantity} at freedom {self._freedoms[place - 1]!r} is not positive or "
-            f"is NaN: {self._failure} in this state, or the state is not finite."
-        )
 
     def _converted(self, values: Values) -> tuple[list[Floats], tuple[int, ...]]:
         """The inputs as C takes them, and `()` for one state or `(B,)` for a batch."""
