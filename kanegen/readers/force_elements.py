@@ -8,10 +8,8 @@ from typing import Any
 
 from kanegen.errors import ModelError
 from kanegen.force_elements import KINDS, ForceElement, parse
-from kanegen.readers.keys import check_keys
+from kanegen.readers.keys import Table, check_keys
 from kanegen.readers.parameters import Parameters
-
-Table = Mapping[str, Any]
 
 KEYS = tuple(kind.KEY for kind in KINDS)
 """Of their arrays of tables, `[[spring]]` and so on."""

@@ -1,4 +1,4 @@
-"""Which keys a table of a model file may have."""
+"""Tables of a model file, and which keys they may have."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from typing import Any
 from kanegen.errors import ModelError
 from kanegen.suggest import did_you_mean
 
+Table = Mapping[str, Any]
 
-def check_keys(
-    table: Mapping[str, Any], known: Sequence[str], required: Sequence[str] = (), what: str = ""
-) -> None:
+ORIGIN = (0, 0, 0)
+"""Where a position is left out (m)."""
+
+
+def check_keys(table: Table, known: Sequence[str], required: Sequence[str] = (), what: str = "") -> None:
     """Make sure that a table has no key but `known` ones, and all that are `required`.
 
     Raises:
