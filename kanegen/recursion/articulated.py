@@ -20,8 +20,8 @@ from sympy import Expr, S
 
 from kanegen.recursion.bodies import Inertia
 from kanegen.recursion.motion import Requirement
-from kanegen.recursion.turns import INDEX, Turn
-from kanegen.recursion.vectors import add, add_symmetric, cross
+from kanegen.recursion.turns import Turn
+from kanegen.recursion.vectors import INDEX, add, add_symmetric, cross, entry
 from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
 
 SIX = range(6)
@@ -127,7 +127,7 @@ class Articulated:
 
         With [H'] = [H] + [d~][M], the inertia becomes [I] - [H][d~] + [d~][H']^T.
         """
-        mass = [[getattr(self.mass, INDEX[min(i, j), max(i, j)]) for j in range(3)] for i in range(3)]
+        mass = [[getattr(self.mass, entry(i, j)) for j in range(3)] for i in range(3)]
         columns = [cross(d, Vector(*mass[j])) for j in range(3)]
         coupling = [
             definitions.vector(

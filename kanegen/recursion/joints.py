@@ -9,9 +9,9 @@ from sympy import Expr
 
 from kanegen.body import Body
 from kanegen.numbers import Number, Parameter
-from kanegen.recursion import turns
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Slide, Spin, Step, down
-from kanegen.recursion.turns import Turn, constant_turns, planar, whole
+from kanegen.recursion.orientations import by_quaternion, constant_turns, planar, whole
+from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import acceleration, coordinate, quaternion, speed, spin, spin_rate
@@ -73,7 +73,7 @@ def _numbers(system: System, freedom: Freedom) -> tuple[int, int]:
 def _spinning(motion: JointMotion, definitions: Definitions) -> JointMotion:
     """A joint whose angles have no rates of their own turns as a whole, with [C_K] if a body is below."""
     k = motion.body
-    parts = [step.turn for step in motion.angles] or [turns.quaternion(k, quaternion(k), definitions)]
+    parts = [step.turn for step in motion.angles] or [by_quaternion(k, quaternion(k), definitions)]
     turned = Step(whole(f"R_{k}", parts, definitions), f"{k}a")
     motion = replace(motion, angles=(turned,), behind=motion.angles)
     if not motion.constant or not motion.lower:

@@ -9,9 +9,6 @@ A step does not form the residual. What the bodies need for the solution is adde
 it, and the solver starts again from there: what is then missing is the residual. It must know the inertia of
 every body by itself, since next to a heavy body that hangs on it a light one's would be rounded away; see
 `tree.apart`.
-
-Errors are measured in units that do not matter: a length, whose square is the mean pivot of the angles over
-that of the translations, stands between them.
 """
 
 from __future__ import annotations
@@ -22,11 +19,12 @@ from functools import cached_property
 from typing import Protocol
 
 import sympy
-from sympy import Expr, Rational, S
+from sympy import Expr
 
 from kanegen.recursion.bodies import Inertia
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.motion import Requirement, requirements
+from kanegen.recursion.sizes import Sizes
 from kanegen.recursion.stops import STILL, Free, Stop
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import add, column, cross, dot, scale
@@ -79,10 +77,6 @@ class Refinement:
 
 UNREFINED = Refinement()
 
-SHARE = Rational(1, 128)
-"""Of the whole solution; it is what a correction is compared with where an entry of {ydot} is smaller. The
-entries have to be compared one by one: errors of small ones enter the large ones at the next step."""
-
 
 class Solution:
     """{ydot}, and what goes with it; nothing is derived before it is asked for."""
@@ -94,13 +88,13 @@ class Solution:
 
     def forward_dynamics(self) -> Derived:
         """The entries of {ydot}."""
-        found = self._found
-        for step in range(self._refinement.steps):
+        found, refinement = self._found, self._refinement
+        for step in range(refinement.steps):
             correction = self._corrected(found) if step else self._correction
             pairs = zip(found, correction, strict=True)
             found = [self._define(f"ydot_{i}", old + new) for i, (old, new) in enumerate(pairs)]
         entries = self._solver.coordinates(found, "ydot")
-        margins = self._margins() if self._refinement.steps else ()
+        margins = self._sizes.margins(refinement.limit, refinement.floor) if refinement.steps else ()
         return Derived(entries, self._solver.positive, margins)
 
     def error_estimate(self) -> Derived:
@@ -116,7 +110,7 @@ class Solution:
 
     def sizes(self) -> Derived:
         """The square of the solution, then those of the first correction by freedom; without units."""
-        return Derived([self._size, *self._errors])
+        return Derived([self._sizes.whole, *self._sizes.errors])
 
     @cached_property
     def _needs(self) -> list[Requirement]:
@@ -130,56 +124,12 @@ class Solution:
     def _correction(self) -> list[Expr]:
         return self._corrected(self._found)
 
+    @cached_property
+    def _sizes(self) -> Sizes:
+        return Sizes(self._tree, self._solver.pivots, self._found, self._correction)
+
     def _corrected(self, found: Sequence[Expr]) -> list[Expr]:
         return self._solver.solve(_needed(self._solver, self._needs, found), "dy")
-
-    def _margins(self) -> list[Expr]:
-        """By freedom, what is positive where the first correction is within its limit; NaN on overflow."""
-        define, limit = self._define, Rational(self._refinement.limit) ** 2
-        floor = self._refinement.floor or (0.0,) * len(self._found)
-        pairs = zip(self._weights, floor, strict=True)
-        least = sum((weight * Rational(a) ** 2 for weight, a in pairs), S.Zero)
-        size = define("yy_all", self._size + define("yy_0", least))
-        one = define("yy_1", size * define("yy_i", 1 / size))
-        share = define("dm", limit * SHARE**2 * size * one)
-        pairs = zip(self._sizes, self._errors, strict=True)
-        return [
-            define(f"dm_{i}", define(f"dr_{i}", share - error) + limit * own)
-            for i, (own, error) in enumerate(pairs)
-        ]
-
-    @cached_property
-    def _sizes(self) -> list[Expr]:
-        return self._squares(self._found, "yy")
-
-    @cached_property
-    def _size(self) -> Expr:
-        return self._define("yy", sum(self._sizes, S.Zero))
-
-    @cached_property
-    def _errors(self) -> list[Expr]:
-        return self._squares(self._correction, "dd")
-
-    def _squares(self, values: Sequence[Expr], name: str) -> list[Expr]:
-        self._tree.definitions.about("size of the solution and of its first correction")
-        squares = [self._define(f"{name}_{i}", value * value) for i, value in enumerate(values)]
-        pairs = zip(self._weights, squares, strict=True)
-        return [self._define(f"{name}w_{i}", weight * square) for i, (weight, square) in enumerate(pairs)]
-
-    @cached_property
-    def _weights(self) -> list[Expr]:
-        """By freedom, what gives squares of accelerations one unit."""
-        angles = [freedom.is_angle for freedom in self._tree.system.freedoms]
-        turning, moving = (
-            [pivot for pivot, is_angle in zip(self._solver.pivots, angles, strict=True) if is_angle == wanted]
-            for wanted in (True, False)
-        )
-        if not turning or not moving:
-            return [S.One for _ in angles]
-        share = Rational(len(turning), len(moving))
-        whole = self._define("pm", share * self._define("ps", sum(moving, S.Zero)))
-        square = self._define("ll", self._define("pa", sum(turning, S.Zero)) / whole)
-        return [square if is_angle else S.One for is_angle in angles]
 
     def _define(self, name: str, value: Expr) -> Expr:
         return self._tree.definitions.define(name, value)

@@ -17,8 +17,7 @@ from kanegen.constants import DOUBLES, Constants
 from kanegen.recursion.bodies import NOTHING, Inertia, body_inertia
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joints import joint_motion
-from kanegen.recursion.turns import entry
-from kanegen.recursion.vectors import ZERO, scale, unit
+from kanegen.recursion.vectors import ZERO, entry, scale, unit
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 from kanegen.system import System
 

@@ -1,4 +1,4 @@
-"""Three-vectors over SymPy scalars, written out so that exact zeros and ones vanish at once."""
+"""Vectors and symmetric matrices of SymPy scalars, written out so that exact zeros and ones vanish."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from sympy import Expr, S
 from kanegen.symbolic.definitions import Symmetric, Vector
 
 ZERO = Vector(S.Zero, S.Zero, S.Zero)
+
+INDEX = {(0, 0): "xx", (1, 1): "yy", (2, 2): "zz", (0, 1): "xy", (0, 2): "xz", (1, 2): "yz"}
+"""Names of the entries of a symmetric matrix."""
 
 
 def unit(axis: int) -> Vector:
@@ -61,6 +64,11 @@ def dot_cost(a: Sequence[Expr]) -> int:
 def multiply(matrix: Sequence[Sequence[Expr]], a: Vector) -> Vector:
     """[matrix] {a}."""
     return Vector(*(dot(row, a) for row in matrix))
+
+
+def entry(i: int, j: int) -> str:
+    """Name of entry (i, j) of a symmetric matrix."""
+    return INDEX[min(i, j), max(i, j)]
 
 
 def column(matrix: Symmetric, axis: int) -> Vector:
