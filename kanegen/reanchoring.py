@@ -10,33 +10,19 @@ a middle angle of pi/2 instead.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen import rotations
-from kanegen.anchors import orientation_parameters, require_free_frame
+from kanegen.anchors import require_free_frame
 from kanegen.arrays import Floats
-from kanegen.body import Joint
 from kanegen.errors import ArrayError, OptionError
+from kanegen.joint_frames import turned
 from kanegen.native.arguments import floats
-from kanegen.numbers import map_numbers, value_of
-from kanegen.rotations import (
-    UNIT,
-    Square,
-    Triple,
-    angles_123,
-    apply,
-    nearest_rotation,
-    planar,
-    product,
-    transpose,
-)
 from kanegen.suggest import did_you_mean
-from kanegen.system import Freedom, System
+from kanegen.system import System
 
 MARGIN = 0.1
 """Of the middle cosine, or sine: forward dynamics in rates of angles loses up to its square."""
@@ -93,7 +79,7 @@ def reanchored(
     for k in chosen:
         require_free_frame(system, k)
     for k in chosen:
-        system = _turned(system, k, coordinates, speeds)
+        system = turned(system, k, coordinates, speeds)
     return Anchored(system, coordinates, speeds)
 
 
@@ -128,76 +114,3 @@ def _numbers(system: System, bodies: str | int | Iterable[str | int]) -> list[in
             raise OptionError(f"there is no body {body!r}. {did_you_mean(body, names)}")
         found[names.index(body) + 1 if isinstance(body, str) else int(body)] = None
     return list(found)
-
-
-def _turned(system: System, k: int, x: Floats, y: Floats) -> System:
-    """The system with another frame at the joint of body `k`; the state becomes that of the new system."""
-    joint = system.bodies[k - 1].joint
-    angles = [system.coordinate_place(k, index) for index in range(3)]
-    turning = [system.places[Freedom(k, index)] for index in range(3)]
-    first, second, third = (
-        planar(axis, math.sin(angle), math.cos(angle))
-        for axis, angle in zip(joint.axes, x[angles], strict=True)
-    )
-    regular = planar(joint.axes[1], 1.0, 0.0) if joint.ends_alike else UNIT
-    before = _orientation(joint)
-    standing = product(product(third, product(second, first)), before)
-    after = nearest_rotation(product(transpose(regular), standing))
-    if not joint.spins:
-        y[turning] = _regular_rates(joint, regular, _omega(joint, second, third, y[turning].tolist()))
-    x[angles] = (0.0, math.pi / 2 if joint.ends_alike else 0.0, 0.0)
-    system, after = _with_orientation(system, k, after)
-
-    def seen(slide: Sequence[float]) -> Triple:
-        one, two, three = slide
-        return apply(after, apply(transpose(before), (one, two, three)))
-
-    if joint.free[3]:
-        slides = [system.coordinate_place(k, index) for index in range(3, 6)]
-        sliding = [system.places[Freedom(k, index)] for index in range(3, 6)]
-        x[slides], y[sliding] = seen(x[slides].tolist()), seen(y[sliding].tolist())
-        return system
-    locked = (*joint.locked[:3], *seen([value_of(value) for value in joint.locked[3:]]))
-    return _with_joint(system, k, replace(system.bodies[k - 1].joint, locked=locked))
-
-
-def _omega(joint: Joint, second: Square, third: Square, rates: Sequence[float]) -> Triple:
-    """Relative angular velocity in the body, Eq. (8)."""
-    one, two, three = (_scaled(rate, UNIT[axis]) for rate, axis in zip(rates, joint.axes, strict=True))
-    return _sum(apply(third, _sum(apply(second, one), two)), three)
-
-
-def _scaled(factor: float, a: Triple) -> Triple:
-    return factor * a[0], factor * a[1], factor * a[2]
-
-
-def _sum(a: Triple, b: Triple) -> Triple:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def _regular_rates(joint: Joint, regular: Square, omega: Triple) -> Triple:
-    """Rates of the angles behind an angular velocity where the three axes are perpendicular to each other."""
-    first, second, third = joint.axes
-    return rotations.dot(apply(regular, UNIT[first]), omega), omega[second], omega[third]
-
-
-def _with_orientation(system: System, k: int, matrix: Square) -> tuple[System, Square]:
-    """The system with [C_K] as it can hold it, and that."""
-    joint = system.bodies[k - 1].joint
-    names = orientation_parameters(joint)
-    if not names:
-        return _with_joint(system, k, replace(joint, orientation=matrix)), matrix
-    angles = angles_123(matrix)
-    return system.with_parameters(dict(zip(names, angles, strict=True))), rotations.rotation_123(angles)
-
-
-def _with_joint(system: System, k: int, joint: Joint) -> System:
-    bodies = list(system.bodies)
-    bodies[k - 1] = replace(bodies[k - 1], joint=joint)
-    return replace(system, bodies=tuple(bodies))
-
-
-def _orientation(joint: Joint) -> Square:
-    plain = map_numbers(joint.orientation, value_of)
-    matrix: Square = plain if isinstance(plain[0], tuple) else rotations.rotation_123(plain)
-    return matrix
