@@ -1,4 +1,4 @@
-"""A joint frame turned to where its body stands, and the state as it is seen from there; see `reanchoring`."""
+"""A joint frame turned to where its body stands, and the state seen from there; see `reanchoring`."""
 
 from __future__ import annotations
 
