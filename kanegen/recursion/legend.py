@@ -49,7 +49,22 @@ QUATERNIONS = (
 """Names that are new where quaternions are."""
 
 
+FORCES = (
+    ("fe_K_i; te", "effort of force elements on freedom i of body K; with {tau}, by place in {y}"),
+    ("kw, kwd, kq, kl", "of a spring: the way between its ends, its rate, squared length and length"),
+    (
+        "kr, ku, kd, kv, kf, kF",
+        "of a spring: what its force is made of; kx its stretch, ks its force outward",
+    ),
+    ("knav, kna, knbv, knb", "the two ends of spring n on the way inward, and how they move"),
+    ("FP_P_i, MP_P_i; pl, pi", "loads on point P; by elements and by the caller, on the way to their body"),
+)
+"""Names that are new where force elements or loads on points are."""
+
+
 def legend(system: System) -> tuple[tuple[str, str], ...]:
     """Names in the code for `system`, and meanings."""
     quaternions = QUATERNIONS if any(body.joint.is_quaternion for body in system.bodies) else ()
-    return (*quaternions, *(() if system.speeds_are_rates else SPINS), *LEGEND)
+    spins = () if system.speeds_are_rates else SPINS
+    is_acted_on = system.force_elements or any(point.loads for _, point in system.points)
+    return (*quaternions, *spins, *LEGEND, *(FORCES if is_acted_on else ()))

@@ -38,7 +38,7 @@ def efforts(tree: Tree) -> dict[Place, Expr]:
         found.setdefault(place, []).append(effort)
     define = tree.definitions.define
     tree.definitions.about("Efforts of force elements")
-    return {(k, index): define(f"e_{k}_{index + 1}", Add(*parts)) for (k, index), parts in found.items()}
+    return {(k, index): define(f"fe_{k}_{index + 1}", Add(*parts)) for (k, index), parts in found.items()}
 
 
 def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
@@ -116,7 +116,7 @@ def stored_energy(tree: Tree) -> Expr:
     for element in tree.system.force_elements:
         if isinstance(element, JointSpring):
             stretch = variables.coordinate(element.freedom) - exact(element.rest)
-            stretch = tree.definitions.define("es", stretch)
+            stretch = tree.definitions.define("kx", stretch)
             parts.append(HALF * exact(element.stiffness) * stretch**2)
         elif isinstance(element, Potential):
             parts.append(variables.value(element.energy))
