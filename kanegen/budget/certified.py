@@ -2,35 +2,25 @@
 
 from __future__ import annotations
 
-import hashlib
-import platform
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from kanegen.bench import machine
-from kanegen.budget import evaluating, worst
+from kanegen.budget import worst
 from kanegen.budget.certificate import FORMAT, KIND, SUFFIX, Certificate, variant_table
-from kanegen.budget.draws import stream
+from kanegen.budget.identity import BITS, bits, built_with, hashes, model_text
 from kanegen.budget.judging import at_quantile
 from kanegen.budget.laboratory import VALIDATE, Draw
-from kanegen.budget.region import Region
 from kanegen.budget.request import Request
 from kanegen.budget.selection import Choice
 from kanegen.budget.workbench import Workbench
 from kanegen.c import Source
-from kanegen.library import Library
 from kanegen.study.judge import OUTPUT
 from kanegen.study.variants import Candidate
 from kanegen.system import System
-from kanegen.toml_text import toml_text
 from kanegen.variant import TIERS
 from kanegen.version import __version__
-
-BITS = 1000
-"""States whose results are hashed."""
 
 QUANTILES = {"median": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "max": 1.0}
 
@@ -94,37 +84,6 @@ def certified(
     name = f"{model.name}{SUFFIX}"
     files = {**source.files, name: certificate.text(name)}
     return Certified(replace(source, files=files), certificate, request, choice)
-
-
-def model_text(model: System) -> str:
-    """A model as a model file has it."""
-    return toml_text(model.as_table())
-
-
-def hashes(source: Source) -> dict[str, str]:
-    """SHA-256 of every file that is compiled or included, by name."""
-    return {
-        name: hashlib.sha256(text.encode()).hexdigest()
-        for name, text in sorted(source.files.items())
-        if Path(name).suffix in (".c", ".h")
-    }
-
-
-def built_with(source: Source) -> dict[str, Any]:
-    """Compiler, flags and processor."""
-    processor, compiler, *_ = machine.description()
-    return {
-        "compiler": compiler,
-        "flags": list(source.variant.flags),
-        "processor": processor,
-        "libc": " ".join(platform.libc_ver()),
-    }
-
-
-def bits(region: Region, library: Library, objective: str, seed: int) -> str:
-    """The digest of results in fixed states of the box; what is excluded from it does not matter here."""
-    sample = region.domain.states(region.domain.uniform(BITS, stream(seed, "bits", 0)))
-    return evaluating.bits(library, sample, objective)
 
 
 def not_claimed(candidate: Candidate) -> list[str]:

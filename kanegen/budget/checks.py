@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from kanegen.budget import evaluating, worst
-from kanegen.budget.certified import BITS, bits, built_with, hashes
 from kanegen.budget.draws import drawn, stream
 from kanegen.budget.evidence import Evidence
+from kanegen.budget.identity import BITS, bits, built_with, hashes
 from kanegen.budget.odds import exceedance_floor
 from kanegen.budget.region import Region
 from kanegen.check.truth.certify import WIDTH

@@ -27,8 +27,9 @@ from typing import Any
 import numpy as np
 
 from kanegen.arrays import Floats
+from kanegen.budget.values import ends, ends_of_three, number, positive
 from kanegen.errors import KanegenError, OptionError
-from kanegen.study.domain import GRID, Domain, default_domain
+from kanegen.study.domain import Domain, default_domain
 from kanegen.suggest import did_you_mean
 from kanegen.system import System
 
@@ -39,7 +40,6 @@ STATE = ("x", "y", "tau")
 LOADS = ("force", "torque")
 EXCLUDED = ("clearance", "cancellation")
 TABLES = (*STATE, *LOADS, "parameters", "exclude")
-_LARGEST = float(np.finfo(GRID.dtype).max)
 
 ALL = "all"
 """Name for all bodies that take loads."""
@@ -90,15 +90,12 @@ def region(system: System, table: Mapping[str, Any], where: str = "domain") -> R
     """
     _known(where, table, TABLES)
     tables = {name: _table(where, name, table.get(name, {})) for name in TABLES}
-    parameters = {name: _number(f"{where}: parameters.{name}", v) for name, v in tables["parameters"].items()}
+    parameters = {name: number(f"{where}: parameters.{name}", v) for name, v in tables["parameters"].items()}
     try:
         system = system.with_parameters(parameters)
     except KanegenError as error:
         raise OptionError(f"{where}: parameters: {error}") from None
-    _known(f"{where}: exclude", tables["exclude"], EXCLUDED)
-    excluded = {name: _positive(f"{where}: exclude.{name}", v) for name, v in tables["exclude"].items()}
-    if excluded.get("clearance", 0.0) >= 1:
-        raise OptionError(f"{where}: exclude.clearance: {excluded['clearance']!r} is not below 1.")
+    excluded = _excluded(f"{where}: exclude", tables["exclude"])
     box = default_domain(system, clearance=excluded.get("clearance", 0.0))
     low, high = box.low.copy(), box.high.copy()
     for name, first in box.first.items():
@@ -106,14 +103,21 @@ def region(system: System, table: Mapping[str, Any], where: str = "domain") -> R
         if name in LOADS:
             _bodies(place, system, tables[name], low[first:], high[first:])
         else:
-            elements = box.elements[name]
-            _elements(place, system, elements, tables[name], low[first:], high[first:])
+            _elements(place, system, box.elements[name], tables[name], low[first:], high[first:])
     try:
         domain = replace(box, low=low, high=high)
         domain.uniform(1, np.random.default_rng(0))
     except OptionError as error:
         raise OptionError(f"{where}: {error}") from None
     return Region(domain, excluded.get("cancellation", math.inf), parameters)
+
+
+def _excluded(where: str, table: Mapping[str, Any]) -> dict[str, float]:
+    _known(where, table, EXCLUDED)
+    excluded = {name: positive(f"{where}.{name}", value) for name, value in table.items()}
+    if excluded.get("clearance", 0.0) >= 1:
+        raise OptionError(f"{where}.clearance: {excluded['clearance']!r} is not below 1.")
+    return excluded
 
 
 def _elements(
@@ -123,14 +127,14 @@ def _elements(
     _known(where, table, (*units, *KINDS))
     for kind, unit in KINDS.items():
         if kind in table and kind not in units:
-            ends = _range(f"{where}.{kind}", table[kind])
+            lowest, highest = ends(f"{where}.{kind}", table[kind])
             places = [place for place, own in enumerate(units.values()) if own == unit]
             if not places:
                 raise OptionError(f"{where}.{kind}: system {system.name!r} has no {kind}.")
-            low[places], high[places] = ends
+            low[places], high[places] = lowest, highest
     for place, name in enumerate(units):
         if name in table:
-            low[place], high[place] = _range(f"{where}.{name}", table[name])
+            low[place], high[place] = ends(f"{where}.{name}", table[name])
 
 
 def _bodies(where: str, system: System, table: Mapping[str, Any], low: Floats, high: Floats) -> None:
@@ -140,55 +144,8 @@ def _bodies(where: str, system: System, table: Mapping[str, Any], low: Floats, h
     for name in sorted(table, key=lambda name: name != ALL):
         for k, body in enumerate(system.bodies):
             if body.loads and (name == body.name or (name == ALL and ALL not in loaded)):
-                ends = _ranges(f"{where}.{name}", table[name])
-                low[3 * k : 3 * k + 3], high[3 * k : 3 * k + 3] = ends.T
-
-
-def _ranges(where: str, value: Any) -> Floats:
-    """(3, 2) ranges of components from one or three."""
-    if isinstance(value, list) and any(isinstance(item, list) for item in value):
-        if len(value) != 3:
-            raise OptionError(f"{where}: expected one range or three, got {len(value)}.")
-        return np.array([_range(f"{where}[{k}]", item) for k, item in enumerate(value)])
-    return np.array([_range(where, value)] * 3)
-
-
-def _range(where: str, value: Any) -> tuple[float, float]:
-    if not isinstance(value, list):
-        number = _held(where, value)
-        return number, number
-    if len(value) != 2:
-        raise OptionError(f"{where}: a range is [low, high], or one number that stays fixed; got {value!r}.")
-    low, high = (_held(where, end) for end in value)
-    if low > high:
-        raise OptionError(f"{where}: the range [{low!r}, {high!r}] is inverted. Write [{high!r}, {low!r}].")
-    return low, high
-
-
-def _number(where: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise OptionError(f"{where}: {value!r} is not a number.")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise OptionError(f"{where}: {number!r} is not a finite number.")
-    return number
-
-
-def _held(where: str, value: Any) -> float:
-    number = _number(where, value)
-    if abs(number) > _LARGEST:
-        raise OptionError(f"{where}: {number!r} is beyond single precision, which all states have.")
-    return number
-
-
-def _positive(where: str, value: Any) -> float:
-    number = _number(where, value)
-    if number < 0:
-        raise OptionError(f"{where}: {number!r} is negative.")
-    return number
+                own = slice(3 * k, 3 * k + 3)
+                low[own], high[own] = ends_of_three(f"{where}.{name}", table[name]).T
 
 
 def _table(where: str, name: str, value: Any) -> Mapping[str, Any]:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kanegen.budget.certificate import read
-from kanegen.budget.certified import model_text
 from kanegen.budget.checks import Checks, Finding
 from kanegen.budget.evidence import evidence
+from kanegen.budget.identity import model_text
 from kanegen.budget.region import region
 from kanegen.budget.workbench import is_reproducible
 from kanegen.compiler import Progress, quiet
