@@ -191,6 +191,18 @@ def test_a_frame_in_which_a_translation_is_prescribed_stays() -> None:
     assert kg.reanchored(system, x, y, bodies="body2").system.prescribed == system.prescribed
 
 
+def test_right_angles_beside_what_is_prescribed(tmp_path: Path) -> None:
+    """The effect of making them exact is measured in states that hold everything that the model reads."""
+    model = file(
+        tmp_path, "prescribed = ['s1']", "free = ['s2', 'theta3']", "orientation_angles = [1.5708, 0, 0]"
+    )
+    drive = '[[drive]]\nfreedom = "table.s2"\neffort = "sin(t)*x.table.s1"\n'
+    model.write_text(model.read_text() + "\n" + drive)
+    found = CliRunner().invoke(app, ["info", str(model), "--json"], catch_exceptions=False)
+    assert found.exit_code == 0
+    assert 0 < json.loads(found.stdout)["right_angles"]["results"]["forcing"] < 1e-4
+
+
 def test_info_says_what_is_prescribed(tmp_path: Path) -> None:
     model = str(file(tmp_path, "prescribed = ['s1']", "free = ['s2']"))
     found = json.loads(CliRunner().invoke(app, ["info", model, "--json"]).stdout)

@@ -16,9 +16,11 @@ class ForceElement:
 
     Attributes:
         KEY: The array of tables of its kind in a model file.
+        WRITTEN: Fields of its kind that hold expressions.
     """
 
     KEY: ClassVar[str]
+    WRITTEN: ClassVar[tuple[str, ...]] = ()
 
     def changed(self, change: Callable[[Number], Number]) -> Self:
         """The same with `change` applied to every number."""

@@ -84,6 +84,7 @@ class Drive(ForceElement):
     """
 
     KEY: ClassVar[str] = "drive"
+    WRITTEN: ClassVar[tuple[str, ...]] = ("effort",)
 
     freedom: str
     effort: Expression
@@ -103,6 +104,7 @@ class PointLoad(ForceElement):
     """
 
     KEY: ClassVar[str] = "point_load"
+    WRITTEN: ClassVar[tuple[str, ...]] = ("force", "moment")
 
     point: str
     force: tuple[Expression, Expression, Expression] = (parse(0),) * 3
@@ -124,6 +126,7 @@ class Potential(ForceElement):
     """
 
     KEY: ClassVar[str] = "potential"
+    WRITTEN: ClassVar[tuple[str, ...]] = ("energy",)
 
     energy: Expression
 

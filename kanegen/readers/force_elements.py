@@ -41,12 +41,11 @@ def _element(kind: type[ForceElement], table: Table, parameters: Parameters) -> 
     known = fields(kind)
     required = [field.name for field in known if field.default is MISSING]
     check_keys(table, tuple(field.name for field in known), required)
-    is_written = {field.name: "Expression" in str(field.type) for field in known}
     values = {}
     for name, value in table.items():
         if name in NAMES:
             values[name] = _end(value, parameters) if name == "between" else value
-        elif is_written[name]:
+        elif name in kind.WRITTEN:
             values[name] = _written(value, parameters)
         else:
             values[name] = parameters.resolve(value, name)

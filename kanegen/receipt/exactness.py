@@ -121,9 +121,9 @@ def _changed(names: list[str], before: SystemArrays, after: SystemArrays) -> Ite
 def _results(before: SystemArrays, after: SystemArrays, states: int, seed: int) -> dict[str, float]:
     """With D = diag([A])^(1/2), which takes the units away, of D^-1 [A] D^-1, D^-1 {f} and D {ydot}."""
     sample = random_states(before, states, seed)
-    loads = sample.force, sample.torque
-    a, other_a = (reference.mass_matrix(arrays, sample.x) for arrays in (before, after))
-    f, other_f = (reference.forcing(arrays, sample.x, sample.y, *loads) for arrays in (before, after))
+    state, loads, given = (sample.x, sample.y), (sample.force, sample.torque), sample.given
+    a, other_a = (reference.mass_matrix(arrays, sample.x, sample.motion) for arrays in (before, after))
+    f, other_f = (reference.forcing(arrays, *state, *loads, **given) for arrays in (before, after))
     d = np.sqrt(np.einsum("bii->bi", a))
     ydot = np.linalg.solve(a, f[..., None])[..., 0]
     other_ydot = np.linalg.solve(other_a, other_f[..., None])[..., 0]
