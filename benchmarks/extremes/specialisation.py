@@ -3,38 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import count as counting
 
 import numpy as np
 
-import kanegen as kg
 from benchmarks.extremes import scenes
 from benchmarks.extremes.measuring import PRECISIONS, built, promise, rounded, worst
 from benchmarks.extremes.rows import Point, Row, Size, subject
 from kanegen.check.states import random_states
 from kanegen.check.truth import truth
-from kanegen.numbers import Number, value_of
-
-
-def opened(system: kg.System) -> kg.System:
-    """The same system with a parameter for every mass, mass centre and joint position, zeros included."""
-    number = counting()
-
-    def open_(value: Number) -> Number:
-        return kg.Parameter(f"p{next(number)}", value_of(value))
-
-    numbers = system.values()
-    return kg.System.from_arrays(
-        connection=numbers.connection,
-        mass=[open_(value) for value in numbers.mass],
-        inertia=numbers.inertia,
-        mass_center=[[open_(value) for value in row] for row in numbers.mass_center],
-        joint_position=[[open_(value) for value in row] for row in numbers.joint_position],
-        joint_orientation=numbers.joint_orientation,
-        free=numbers.free,
-        gravity=numbers.gravity,
-        name=f"{system.name}_opened",
-    )
+from kanegen.receipt.general import opened
 
 
 @subject("X29", "Zeros that the code knows, and zeros that it reads")
