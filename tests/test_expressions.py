@@ -96,6 +96,8 @@ def test_plain_numbers_and_expressions_pass() -> None:
         ("-" * 3000 + "1", "nested too deeply|inside each other"),
         ("(" * 1500 + "1" + ")" * 1500, "no expression"),
         ("1" + "+1" * 300, "more than 200 operations inside each other"),
+        ("x" + ".a" * 1900, "nested too deeply"),
+        ("x" + ".a" * 1900 + "()", "nested too deeply"),
         ("\0", "no expression"),
     ],
 )

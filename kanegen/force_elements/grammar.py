@@ -58,15 +58,23 @@ def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
         return Expression(Constant(finite(text, "expression")))
     if len(text) > LONGEST:
         raise ModelError(f"an expression has {len(text)} characters; at most {LONGEST} are read.")
+    reader = _Reader(text, {parameter.name: parameter for parameter in parameters})
     try:
-        with warnings.catch_warnings(action="ignore"):  # of what is refused below
-            tree = ast.parse(text.strip(), mode="eval")
+        return Expression(reader.node(_tree(text)))
+    except RecursionError:
+        raise ModelError(f"{_quoted(text)}: nested too deeply.") from None
+
+
+def _tree(text: str) -> ast.expr:
+    """What Python's parser makes of a text."""
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of what is refused later
+            return ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
         where = f" near column {error.offset}" if error.offset else ""
         raise ModelError(f"{_quoted(text)}: no expression{where}.") from None
-    except (ValueError, RecursionError, MemoryError):
+    except (ValueError, MemoryError):
         raise ModelError(f"{_quoted(text)}: no expression, or nested too deeply.") from None
-    return Expression(_Reader(text, {parameter.name: parameter for parameter in parameters}).node(tree.body))
 
 
 def _quoted(text: str) -> str:
