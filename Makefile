@@ -26,7 +26,7 @@ lint: $(VENV)/.tests
 
 # Rewrite generated/ from models/ after a change that is meant to alter the C.
 generated: $(VENV)/.tests
-	$(BIN)/python -m pytest tests/test_generated.py --update-generated
+	$(BIN)/python -m pytest tests/c/test_generated.py --update-generated
 
 # Time kanegen and its peers and rewrite docs/benchmarks.md; the first time Pinocchio takes minutes to compile.
 bench: $(VENV)/.bench
@@ -38,7 +38,7 @@ growth: $(VENV)/.bench
 
 # Try the C where arithmetic is hardest and rewrite docs/extremes.md; takes about a quarter of an hour.
 extremes: $(VENV)/.tests $(VENV)/.bench
-	$(BIN)/python -m benchmarks.extremes
+	$(BIN)/python -m tests.battery
 
 # Study speed against accuracy of three models and rewrite docs/tradeoff; takes about three quarters of an hour.
 tradeoff: $(VENV)/.bench

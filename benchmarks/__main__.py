@@ -12,9 +12,9 @@ from pathlib import Path
 
 from benchmarks import models
 from benchmarks.document import document, section
-from kanegen.bench import Outcome, Terms, compete
-from kanegen.bench.plot import svg
 from kanegen.files import write_whole
+from kanegen.studies.bench import Outcome, Terms, compete
+from kanegen.studies.bench.plot import svg
 
 DOCS = Path(__file__).parents[1] / "docs"
 

@@ -6,15 +6,16 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from string import Template
 
-from kanegen.bench import Entry, Outcome, Terms, machine, table
-from kanegen.bench.outcome import KANEGEN, PYTHON
-from kanegen.bench.peers.arena import MOST_DERIVED
-from kanegen.bench.peers.casadi_peer import CASADI
-from kanegen.bench.peers.mujoco_peer import MUJOCO
-from kanegen.bench.peers.pinocchio_peer import FREE_FLYER, PINOCCHIO
-from kanegen.bench.peers.pydy_peer import MOST, PATIENCE, PYDY
-from kanegen.bench.results import QUANTITIES, TOLERANCE
-from kanegen.bench.settings import EXACT, NATIVE, RELAXED, SETTINGS, Setting
+from kanegen.measure import machine
+from kanegen.studies.bench import Entry, Outcome, Terms, table
+from kanegen.studies.bench.outcome import KANEGEN, PYTHON
+from kanegen.studies.bench.peers.arena import MOST_DERIVED
+from kanegen.studies.bench.peers.casadi_peer import CASADI
+from kanegen.studies.bench.peers.mujoco_peer import MUJOCO
+from kanegen.studies.bench.peers.pinocchio_peer import FREE_FLYER, PINOCCHIO
+from kanegen.studies.bench.peers.pydy_peer import MOST, PATIENCE, PYDY
+from kanegen.studies.bench.results import QUANTITIES, TOLERANCE
+from kanegen.studies.bench.settings import EXACT, NATIVE, RELAXED, SETTINGS, Setting
 
 PEERS = (PINOCCHIO, FREE_FLYER, MUJOCO, CASADI, PYDY)
 

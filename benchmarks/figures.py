@@ -20,9 +20,9 @@ import numpy as np
 import pinocchio as pin
 
 import kanegen as kg
-from kanegen.body import FREEDOMS
-from tests import systems
-from tests.robots import dynamics, floating_model, places, robot_file
+from kanegen.model.freedoms import FREEDOMS
+from tests.support import systems
+from tests.support.robots import dynamics, floating_model, places, robot_file
 
 ROOT = Path(__file__).parent.parent
 EIGHT_BODY = ROOT / "models" / "eight_body.toml"

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import kanegen as kg
 from kanegen.files import make_folder, write_whole
-from kanegen.receipt import Receipt, receipt
-from kanegen.receipt.markdown import markdown, table
-from kanegen.signature import EQUATIONS
+from kanegen.recursion.outputs import EQUATIONS
+from kanegen.studies.explain import Receipt, receipt
+from kanegen.studies.explain.markdown import markdown, table
 
 ROOT = Path(__file__).parents[1]
 MODELS = sorted((ROOT / "models").glob("*.toml"))

@@ -15,15 +15,15 @@ import numpy as np
 import kanegen as kg
 from benchmarks import receipts
 from kanegen import compiler
-from kanegen.bench import machine
 from kanegen.c import render
 from kanegen.files import write_whole
 from kanegen.library import load
-from kanegen.receipt import receipt
-from kanegen.receipt.general import steps
-from kanegen.receipt.markdown import table
-from kanegen.receipt.tables import bodies, heads, rows
-from kanegen.variant import TIERS
+from kanegen.measure import machine
+from kanegen.options import TIERS
+from kanegen.studies.explain import receipt
+from kanegen.studies.explain.general import steps
+from kanegen.studies.explain.markdown import table
+from kanegen.studies.explain.tables import bodies, heads, rows
 
 FAST = TIERS["fast"]
 STATES = 256

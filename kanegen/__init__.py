@@ -1,5 +1,8 @@
 """kanegen: Kane's equations of motion for a tree of rigid bodies, as C specialised to that tree.
 
+Every name below is imported from its module when it is first used, so that `import kanegen` alone loads
+neither SymPy nor NumPy.
+
 Example:
     import kanegen as kg
 
@@ -10,73 +13,103 @@ Example:
     report = kg.compare(system)        # against an independent reference
 """
 
-from kanegen.body import Body, Joint, Point
-from kanegen.c import Source
-from kanegen.check.report import Report
-from kanegen.compiler import build, compare, derive, generate
-from kanegen.errors import (
-    ArrayError,
-    BuildError,
-    KanegenError,
-    KanegenWarning,
-    ModelError,
-    OptionError,
-    ReadError,
-    SingularError,
-    WriteError,
-)
-from kanegen.force_elements import (
-    Drive,
-    Expression,
-    ForceElement,
-    JointSpring,
-    PointLoad,
-    Potential,
-    Spring,
-    parse,
-)
-from kanegen.library import Library
-from kanegen.numbers import Parameter
-from kanegen.readers import load
-from kanegen.reanchoring import reanchored
-from kanegen.symbolic import Equations
-from kanegen.system import System
-from kanegen.variant import Variant
-from kanegen.version import __version__
+from __future__ import annotations
 
-__all__ = [
-    "ArrayError",
-    "Body",
-    "BuildError",
-    "Drive",
-    "Equations",
-    "Expression",
-    "ForceElement",
-    "Joint",
-    "JointSpring",
-    "KanegenError",
-    "KanegenWarning",
-    "Library",
-    "ModelError",
-    "OptionError",
-    "Parameter",
-    "Point",
-    "PointLoad",
-    "Potential",
-    "ReadError",
-    "Report",
-    "SingularError",
-    "Source",
-    "Spring",
-    "System",
-    "Variant",
-    "WriteError",
-    "__version__",
-    "build",
-    "compare",
-    "derive",
-    "generate",
-    "load",
-    "parse",
-    "reanchored",
-]
+import importlib
+from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+"""The version of kanegen, which the code that it generates also carries."""
+
+if TYPE_CHECKING:
+    from kanegen.c.source import Source as Source
+    from kanegen.compiler import build as build
+    from kanegen.compiler import compare as compare
+    from kanegen.compiler import derive as derive
+    from kanegen.compiler import generate as generate
+    from kanegen.errors import ArrayError as ArrayError
+    from kanegen.errors import BuildError as BuildError
+    from kanegen.errors import KanegenError as KanegenError
+    from kanegen.errors import KanegenWarning as KanegenWarning
+    from kanegen.errors import ModelError as ModelError
+    from kanegen.errors import OptionError as OptionError
+    from kanegen.errors import ReadError as ReadError
+    from kanegen.errors import SingularError as SingularError
+    from kanegen.errors import WriteError as WriteError
+    from kanegen.library.library import Library as Library
+    from kanegen.library.simulation.simulate import simulate as simulate
+    from kanegen.measure.report import Report as Report
+    from kanegen.model.body import Body as Body
+    from kanegen.model.force_elements import Drive as Drive
+    from kanegen.model.force_elements import Expression as Expression
+    from kanegen.model.force_elements import ForceElement as ForceElement
+    from kanegen.model.force_elements import JointSpring as JointSpring
+    from kanegen.model.force_elements import PointLoad as PointLoad
+    from kanegen.model.force_elements import Potential as Potential
+    from kanegen.model.force_elements import Spring as Spring
+    from kanegen.model.force_elements import parse as parse
+    from kanegen.model.joint import Joint as Joint
+    from kanegen.model.numbers import Parameter as Parameter
+    from kanegen.model.point import Point as Point
+    from kanegen.model.reanchoring import reanchored as reanchored
+    from kanegen.model.system import System as System
+    from kanegen.options import Variant as Variant
+    from kanegen.readers import load as load
+    from kanegen.symbolic.equations import Equations as Equations
+
+_MODULES = {
+    "c.source": ("Source",),
+    "compiler": ("build", "compare", "derive", "generate"),
+    "errors": (
+        "ArrayError",
+        "BuildError",
+        "KanegenError",
+        "KanegenWarning",
+        "ModelError",
+        "OptionError",
+        "ReadError",
+        "SingularError",
+        "WriteError",
+    ),
+    "library.library": ("Library",),
+    "library.simulation.simulate": ("simulate",),
+    "measure.report": ("Report",),
+    "model.body": ("Body",),
+    "model.force_elements": (
+        "Drive",
+        "Expression",
+        "ForceElement",
+        "JointSpring",
+        "PointLoad",
+        "Potential",
+        "Spring",
+        "parse",
+    ),
+    "model.joint": ("Joint",),
+    "model.numbers": ("Parameter",),
+    "model.point": ("Point",),
+    "model.reanchoring": ("reanchored",),
+    "model.system": ("System",),
+    "options": ("Variant",),
+    "readers": ("load",),
+    "symbolic.equations": ("Equations",),
+}
+"""Every public name by the module, below `kanegen`, that defines it."""
+
+_DEFINED_IN = {name: module for module, names in _MODULES.items() for name in names}
+
+__all__ = ["__version__", *_DEFINED_IN]  # noqa: PLE0604 - one table holds the names
+
+
+def __getattr__(name: str) -> object:
+    """The public name `name`, from the module that defines it."""
+    if name not in _DEFINED_IN:
+        raise AttributeError(f"module 'kanegen' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"kanegen.{_DEFINED_IN[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return sorted(__all__)

@@ -24,21 +24,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from kanegen import library as libraries
-from kanegen import precision as precisions
+from kanegen import options as variants
 from kanegen import symbolic
-from kanegen import variant as variants
-from kanegen.accepting import described, require_usable
-from kanegen.anchors import anchors
+from kanegen.artifacts.reanchoring import with_anchors
 from kanegen.c import Source, render
-from kanegen.c.anchors import with_anchors
-from kanegen.check.compare import Report
-from kanegen.check.compare import compare as compare_with_reference
-from kanegen.compiling import Compiled, compile_module
-from kanegen.facts import facts
-from kanegen.progress import Progress, quiet
-from kanegen.signature import EQUATIONS
-from kanegen.system import System
-from kanegen.variant import STRICT, Variant
+from kanegen.c.model_facts import facts
+from kanegen.lowering.compiling import Compiled, compile_module
+from kanegen.lowering.request import described, require_usable
+from kanegen.measure.comparison import Report
+from kanegen.measure.comparison import compare as compare_with_reference
+from kanegen.model.reanchorable import anchors
+from kanegen.model.system import System
+from kanegen.options import STRICT, Progress, Variant, quiet
+from kanegen.program import precision as precisions
+from kanegen.recursion.outputs import EQUATIONS
 
 __all__ = [
     "Compiled",

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.support.paths import ROOT
 
 # How long an example takes says how busy a machine is, not what is wrong.
 settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("any machine")
 
-os.environ["KANEGEN_CACHE"] = str(Path(__file__).parent.parent / ".pytest_cache" / "kanegen")
+os.environ["KANEGEN_CACHE"] = str(ROOT / ".pytest_cache" / "kanegen")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

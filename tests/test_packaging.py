@@ -6,13 +6,11 @@ import sys
 import sysconfig
 import venv
 import zipfile
-from pathlib import Path
 
 import pytest
 
-from kanegen.version import __version__
-
-ROOT = Path(__file__).parents[1]
+from kanegen import __version__
+from tests.support.paths import ROOT
 
 GENERATE = """
 import pathlib, sys, kanegen as kg
@@ -64,7 +62,7 @@ def test_the_wheel_holds_exactly_the_tree(wheel):
         if path.suffix in {".c", ".cpp", ".h"}
     }
     assert members == tree | templates | drivers | {"kanegen/py.typed"}
-    assert {"kanegen/templates/model.c.jinja", "kanegen/bench/drivers/kanegen.c"} <= members
+    assert {"kanegen/templates/model.c.jinja", "kanegen/studies/bench/drivers/kanegen.c"} <= members
 
 
 def test_the_installed_wheel_generates(wheel, tmp_path):

@@ -20,7 +20,7 @@ from benchmarks.growth.document import ONCE, Terms, document
 from benchmarks.growth.generating import generated
 from benchmarks.growth.plot import svg
 from benchmarks.growth.results import Point, Study
-from kanegen.bench.optional import require
+from kanegen.extras import require
 from kanegen.files import write_whole
 
 DOCS = Path(__file__).parents[2] / "docs"

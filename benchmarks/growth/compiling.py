@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.growth.cases import Case
-from kanegen.bench import patient
-from kanegen.native import compilers
-from kanegen.variant import STRICT
+from kanegen.library.native import compilers
+from kanegen.options import STRICT
+from kanegen.studies.bench import patient
 
 DRIVER = Path(__file__).with_name("driver.c")
 ARGUMENTS = {

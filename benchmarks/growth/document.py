@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from benchmarks.growth.cases import CURVES, LARGEST
 from benchmarks.growth.results import FROM, MEASURES, Measure, Point, Study, exponent, series
-from kanegen.bench import machine
-from kanegen.variant import STRICT
+from kanegen.measure import machine
+from kanegen.options import STRICT
 
 _INTRODUCTION = f"""\
 Written by `make growth` (`python -m benchmarks.growth`); nobody edits it by hand. *chain*: hinges about

@@ -7,7 +7,7 @@ from typing import Any
 
 from benchmarks.growth.cases import CURVES, FAMILIES, LARGEST
 from benchmarks.growth.results import MEASURES, Measure, Study, series
-from kanegen.bench.optional import module
+from kanegen.extras import module
 
 _STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
 _PANELS = ("operations", "derive", "generate", "memory", "code", "compile", "text", "run")

@@ -13,11 +13,11 @@ from pathlib import Path
 from benchmarks import models
 from benchmarks.tradeoff import certificates
 from kanegen.files import write_whole
-from kanegen.study import document, runs
-from kanegen.study.outcome import Study
-from kanegen.study.plot import svg
-from kanegen.study.simulating import simulated
-from kanegen.study.study import study
+from kanegen.studies.tradeoff import document, runs
+from kanegen.studies.tradeoff.outcome import Study
+from kanegen.studies.tradeoff.plot import svg
+from kanegen.studies.tradeoff.simulating import simulated
+from kanegen.studies.tradeoff.study import study
 
 DOCS = Path(__file__).parents[2] / "docs" / "tradeoff"
 MODELS = ("eight_body", "panda", "talos_reduced")

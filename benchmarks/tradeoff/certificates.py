@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 import kanegen as kg
-from kanegen.budget.certificate import SUFFIX
-from kanegen.budget.certified import Certified
-from kanegen.budget.finding import find
-from kanegen.budget.region import region
-from kanegen.budget.request import Request
 from kanegen.errors import BudgetError
 from kanegen.files import write_whole
+from kanegen.studies.budget.certificate import SUFFIX
+from kanegen.studies.budget.certified import Certified
+from kanegen.studies.budget.finding import find
+from kanegen.studies.budget.region import region
+from kanegen.studies.budget.request import Request
 
 CLEARANCE = 0.05
 """Of the domains: gimbal lock itself has no accelerations."""

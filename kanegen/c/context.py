@@ -5,14 +5,14 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
+from kanegen import __version__
 from kanegen.c.describe import example, sizes, tables, words
-from kanegen.c.draft import Draft
+from kanegen.c.double_double import PAIRS
+from kanegen.c.function_text import texts
 from kanegen.c.layout import WIDTH
-from kanegen.c.pairs import PAIRS
-from kanegen.c.texts import texts
-from kanegen.c.waves import FEW
-from kanegen.precision import DOUBLE_DOUBLE
-from kanegen.version import __version__
+from kanegen.c.render_input import Draft
+from kanegen.c.vector_sincos import FEW
+from kanegen.program.precision import DOUBLE_DOUBLE
 
 Context = dict[str, Any]
 """Variables by name: text, numbers and what has more to say."""

@@ -12,8 +12,8 @@ from typing import Any
 
 from kanegen.c.expression import Expression, Notation, converted, literal, notation
 from kanegen.c.formats import Formats, uniform
-from kanegen.precision import DOUBLE, Precision
 from kanegen.program.ir import Array, Op
+from kanegen.program.precision import DOUBLE, Precision
 
 FUNCTIONS = (Op.SIN, Op.COS, Op.SQRT)
 """Operations that are functions in C."""

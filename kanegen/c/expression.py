@@ -14,8 +14,8 @@ from enum import IntEnum
 from typing import Any
 
 from kanegen.c.layout import BREAK, HINGE
-from kanegen.precision import DOUBLE, DOUBLE_DOUBLE, Precision
 from kanegen.program.ir import Op
+from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, Precision
 
 
 class Level(IntEnum):

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from kanegen.c.stamp import is_unchanged
+from kanegen.c.provenance import is_unchanged
 from kanegen.errors import WriteError
 
 _STAGING = ".kanegen-"

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kanegen import precision as precisions
-from kanegen.precision import DOUBLE, Precision
+from kanegen.options import Variant
+from kanegen.program import precision as precisions
 from kanegen.program.cut import WORKSPACE
+from kanegen.program.precision import DOUBLE, Precision
 from kanegen.program.selection import PARAMETERS
 from kanegen.program.split import PREPARED
-from kanegen.variant import Variant
 
 
 @dataclass(frozen=True)

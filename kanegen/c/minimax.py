@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import mpmath
 from mpmath import mpf
 
-from kanegen.precision import Precision
+from kanegen.program.precision import Precision
 
 GRID = 200
 """Intervals between the places where errors are looked at."""

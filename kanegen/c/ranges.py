@@ -13,8 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from kanegen.c.formats import Formats
 from kanegen.c.interface import PREPARE, Function, ModelFacts
 from kanegen.errors import ModelError
-from kanegen.precision import Precision
 from kanegen.program.ir import Op, Program
+from kanegen.program.precision import Precision
 
 
 def require_range(

@@ -17,7 +17,7 @@ import mpmath
 
 from kanegen.c.layout import BREAK, wrap
 from kanegen.c.minimax import Minimax, minimax
-from kanegen.precision import DOUBLE, FLOAT, Precision
+from kanegen.program.precision import DOUBLE, FLOAT, Precision
 
 AHEAD = 64
 """Zeros before 2/pi in the table of its bits, so that small exponents need no case of their own."""

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from kanegen import precision as precisions
 from kanegen.c.folder import write
 from kanegen.c.interface import Function, ModelFacts
-from kanegen.variant import STRICT, Variant
+from kanegen.options import STRICT, Variant
+from kanegen.program import precision as precisions
 
 
 @dataclass(frozen=True)

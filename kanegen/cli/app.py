@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from kanegen import __version__
 from kanegen.cli.bench import bench
 from kanegen.cli.check import check
 from kanegen.cli.equations import equations
@@ -17,7 +18,6 @@ from kanegen.cli.terminal import fail, show_warnings
 from kanegen.cli.tradeoff import tradeoff
 from kanegen.cli.verify import verify
 from kanegen.errors import KanegenError
-from kanegen.version import __version__
 
 COMMANDS: tuple[Callable[..., None], ...] = (
     generate,

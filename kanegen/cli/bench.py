@@ -10,16 +10,16 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from kanegen.bench import Outcome, Terms, compete, table
-from kanegen.bench.peers.field import PEERS
-from kanegen.bench.plot import svg
-from kanegen.bench.record import record
-from kanegen.bench.results import QUANTITIES
 from kanegen.cli.options import FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
 from kanegen.cli.terminal import FAILED, progress, screen
 from kanegen.files import require_writable, write_whole
+from kanegen.model.right_angles import AS_WRITTEN
 from kanegen.readers import load
-from kanegen.right_angles import AS_WRITTEN
+from kanegen.studies.bench import Outcome, Terms, compete, table
+from kanegen.studies.bench.peers.field import PEERS
+from kanegen.studies.bench.plot import svg
+from kanegen.studies.bench.record import record
+from kanegen.studies.bench.results import QUANTITIES
 
 
 def bench(

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from kanegen import compiler
-from kanegen import variant as variants
+from kanegen import options as variants
 from kanegen.cli.loading import loaded
 from kanegen.cli.options import (
     AsJson,
@@ -23,7 +23,7 @@ from kanegen.cli.options import (
     Waves,
 )
 from kanegen.cli.terminal import FAILED, progress
-from kanegen.right_angles import AS_WRITTEN
+from kanegen.model.right_angles import AS_WRITTEN
 
 
 def check(

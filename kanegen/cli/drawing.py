@@ -12,13 +12,14 @@ from rich.segment import Segments
 from rich.table import Table
 from rich.tree import Tree
 
-from kanegen.body import Body, named
 from kanegen.cli import right_angles
 from kanegen.cli.facts import TOGETHER, Facts
-from kanegen.numbers import Number, Parameter
+from kanegen.model.body import Body
+from kanegen.model.freedoms import named
+from kanegen.model.numbers import Number, Parameter
+from kanegen.model.sequences import NOTES
+from kanegen.model.system import System
 from kanegen.program.passes import savings
-from kanegen.sequences import NOTES
-from kanegen.system import System
 
 WIDEST = 2**16
 """Columns for the tree: what goes beyond them, or beyond the screen's, rich would leave out."""

@@ -10,8 +10,8 @@ from kanegen import compiler
 from kanegen.cli.loading import loaded
 from kanegen.cli.options import Coordinates, FloatingBase, Model, RightAngles, Speeds
 from kanegen.cli.terminal import progress
-from kanegen.printing import FORMATS, render
-from kanegen.right_angles import AS_WRITTEN
+from kanegen.model.right_angles import AS_WRITTEN
+from kanegen.symbolic.printing import FORMATS, render
 
 
 def equations(

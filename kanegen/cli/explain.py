@@ -28,12 +28,12 @@ from kanegen.cli.options import (
 from kanegen.cli.terminal import progress, screen
 from kanegen.errors import OptionError
 from kanegen.files import require_writable, write_whole
-from kanegen.receipt import page, receipt
-from kanegen.receipt.markdown import markdown as in_markdown
-from kanegen.receipt.receipt import Receipt
-from kanegen.receipt.tables import bodies, heads, outputs, rows
-from kanegen.right_angles import AS_WRITTEN
-from kanegen.signature import EQUATIONS
+from kanegen.model.right_angles import AS_WRITTEN
+from kanegen.recursion.outputs import EQUATIONS
+from kanegen.studies.explain import page, receipt
+from kanegen.studies.explain.markdown import markdown as in_markdown
+from kanegen.studies.explain.receipt import Receipt
+from kanegen.studies.explain.tables import bodies, heads, outputs, rows
 
 
 def explain(

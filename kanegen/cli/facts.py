@@ -7,14 +7,15 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from kanegen import compiler
-from kanegen import variant as variants
-from kanegen.body import FREEDOMS, named
+from kanegen import options as variants
 from kanegen.cli.right_angles import Angles
-from kanegen.derivatives import DERIVATIVES
-from kanegen.numbers import map_numbers, value_of
+from kanegen.model.coordinates import Freedom
+from kanegen.model.freedoms import FREEDOMS, named
+from kanegen.model.numbers import map_numbers, value_of
+from kanegen.model.system import System
 from kanegen.program.passes import Stage, savings
-from kanegen.signature import EQUATIONS, available
-from kanegen.system import Freedom, System
+from kanegen.recursion.outputs import EQUATIONS, available
+from kanegen.recursion.outputs.derivatives import DERIVATIVES
 
 TOGETHER = " + ".join(EQUATIONS)
 

@@ -8,10 +8,8 @@ from typing import Annotated
 import typer
 
 from kanegen import compiler
-from kanegen import variant as variants
-from kanegen.anchors import anchors
-from kanegen.bench.optional import module
-from kanegen.c.anchors import with_anchors
+from kanegen import options as variants
+from kanegen.artifacts.reanchoring import with_anchors
 from kanegen.c.source import Source
 from kanegen.cli.budget_options import (
     Attempts,
@@ -45,11 +43,13 @@ from kanegen.cli.options import (
     Without,
 )
 from kanegen.cli.terminal import progress, screen
-from kanegen.right_angles import AS_WRITTEN
-from kanegen.signature import EQUATIONS
-from kanegen.study import EXTRA as STUDY
-from kanegen.study import NEEDS
-from kanegen.system import System
+from kanegen.extras import module
+from kanegen.model.reanchorable import anchors
+from kanegen.model.right_angles import AS_WRITTEN
+from kanegen.model.system import System
+from kanegen.recursion.outputs import EQUATIONS
+from kanegen.studies.tradeoff import EXTRA as STUDY
+from kanegen.studies.tradeoff import NEEDS
 
 
 def generate(  # noqa: PLR0913  (an argument for every option)

@@ -12,8 +12,8 @@ from kanegen.cli.loading import loaded
 from kanegen.cli.options import AsJson, Coordinates, FloatingBase, Model, RightAngles, Speeds, Without
 from kanegen.cli.right_angles import Angles
 from kanegen.cli.terminal import progress, screen, unheard
-from kanegen.receipt import exactness
-from kanegen.right_angles import AS_WRITTEN, TYPED
+from kanegen.model.right_angles import AS_WRITTEN, TYPED
+from kanegen.studies.explain import exactness
 
 
 def info(

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from kanegen import compiler
 from kanegen.errors import OptionError
+from kanegen.model.system import System
 from kanegen.readers import load
-from kanegen.system import System
 
 
 def loaded(

@@ -7,14 +7,14 @@ from typing import Annotated
 
 import typer
 
-from kanegen.bench.optional import BENCH, require
-from kanegen.body import ORIENTATIONS, SPEEDS
 from kanegen.errors import OptionError
-from kanegen.precision import PRECISIONS
+from kanegen.extras import BENCH, require
+from kanegen.model.freedoms import ORIENTATIONS, SPEEDS
+from kanegen.model.right_angles import TYPED
+from kanegen.options import TIERS
 from kanegen.program.passes import NAMES
-from kanegen.right_angles import TYPED
-from kanegen.signature import OUTPUTS
-from kanegen.variant import TIERS
+from kanegen.program.precision import PRECISIONS
+from kanegen.recursion.outputs import OUTPUTS
 
 Model = Annotated[
     Path, typer.Argument(metavar="MODEL", help="Model file, .toml or .urdf.", show_default=False)

@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from kanegen.receipt import Exactness
-from kanegen.receipt.exactness import STATES
+from kanegen.studies.explain import Exactness
+from kanegen.studies.explain.exactness import STATES
 
 SYMBOLS = {"mass_matrix": "[A]", "forcing": "{f}", "ydot": "{ydot}"}
 

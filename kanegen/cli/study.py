@@ -13,14 +13,14 @@ from rich.table import Table
 
 from kanegen.choices import require_one
 from kanegen.files import make_folder, require_writable, write_whole
-from kanegen.study import document, runs, tables
-from kanegen.study.judge import OBJECTIVES
-from kanegen.study.outcome import Study, Terms
-from kanegen.study.plot import svg
-from kanegen.study.record import record
-from kanegen.study.simulating import simulated
-from kanegen.study.study import study
-from kanegen.system import System
+from kanegen.model.system import System
+from kanegen.studies.tradeoff import document, runs, tables
+from kanegen.studies.tradeoff.judge import OBJECTIVES
+from kanegen.studies.tradeoff.outcome import Study, Terms
+from kanegen.studies.tradeoff.plot import svg
+from kanegen.studies.tradeoff.record import record
+from kanegen.studies.tradeoff.simulating import simulated
+from kanegen.studies.tradeoff.study import study
 
 __all__ = ["Outputs", "Terms", "run", "show"]
 

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from kanegen.bench.optional import module
 from kanegen.cli.options import FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
 from kanegen.cli.terminal import FAILED, progress, screen
+from kanegen.extras import module
+from kanegen.model.right_angles import AS_WRITTEN
 from kanegen.readers import load
-from kanegen.right_angles import AS_WRITTEN
-from kanegen.study import EXTRA as STUDY
-from kanegen.study import NEEDS
+from kanegen.studies.tradeoff import EXTRA as STUDY
+from kanegen.studies.tradeoff import NEEDS
 
 
 def tradeoff(

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from kanegen.bench.optional import module
 from kanegen.cli.loading import loaded
 from kanegen.cli.options import Coordinates, FloatingBase, RightAngles, Speeds
 from kanegen.cli.terminal import FAILED, progress, screen
-from kanegen.right_angles import AS_WRITTEN
-from kanegen.study import EXTRA as STUDY
-from kanegen.study import NEEDS
+from kanegen.extras import module
+from kanegen.model.right_angles import AS_WRITTEN
+from kanegen.studies.tradeoff import EXTRA as STUDY
+from kanegen.studies.tradeoff import NEEDS
 
 
 def verify(

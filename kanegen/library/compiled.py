@@ -9,15 +9,15 @@ from typing import Any, Self, Unpack
 from numpy.typing import ArrayLike
 
 from kanegen.c import Source
+from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError
-from kanegen.evaluation import Evaluation
-from kanegen.given import Given
-from kanegen.native.arguments import ARGUMENTS, FURTHER, Floats, Values
-from kanegen.native.calls import Call, Native
-from kanegen.numbers import finite
-from kanegen.precision import named
+from kanegen.library.evaluation import Evaluation
+from kanegen.library.native.calls import Call, Native
+from kanegen.model.arguments import ARGUMENTS, FURTHER, Floats, Values
+from kanegen.model.load_arguments import Given
+from kanegen.model.numbers import finite
 from kanegen.program.ir import EVALUATE
-from kanegen.suggest import did_you_mean
+from kanegen.program.precision import named
 
 
 class Compiled:

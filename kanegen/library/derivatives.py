@@ -7,10 +7,10 @@ from typing import Unpack
 from numpy.typing import ArrayLike
 
 from kanegen.choices import require_one
-from kanegen.derivatives import DERIVATIVES, columns
-from kanegen.given import Given
 from kanegen.library.compiled import Compiled
-from kanegen.native.arguments import Floats
+from kanegen.model.arguments import Floats
+from kanegen.model.load_arguments import Given
+from kanegen.recursion.outputs.derivatives import DERIVATIVES, columns
 
 
 class Derivatives(Compiled):

@@ -8,11 +8,11 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen.diagnosis import Diagnosis, diagnosis
 from kanegen.errors import ArrayError, KanegenWarning
-from kanegen.given import Given
 from kanegen.library.compiled import Compiled
-from kanegen.native.arguments import Floats
+from kanegen.library.diagnosis import Diagnosis, diagnosis
+from kanegen.model.arguments import Floats
+from kanegen.model.load_arguments import Given
 
 
 class Dynamics(Compiled):

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from kanegen.c import Source
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
+from kanegen.library.native.build import build
+from kanegen.library.native.calls import Native
 from kanegen.library.points import Points
 from kanegen.library.quantities import Quantities
 from kanegen.library.reactions import Reactions
-from kanegen.native.build import build
-from kanegen.native.calls import Native
 
 
 def load(

@@ -6,9 +6,9 @@ from typing import Unpack
 
 from numpy.typing import ArrayLike
 
-from kanegen.given import Given
 from kanegen.library.compiled import Compiled
-from kanegen.native.arguments import Floats
+from kanegen.model.arguments import Floats
+from kanegen.model.load_arguments import Given
 
 
 class Points(Compiled):

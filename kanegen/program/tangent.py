@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from kanegen.constants import Constants
 from kanegen.program.builder import Builder
+from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
 from kanegen.program.selection import needed
 

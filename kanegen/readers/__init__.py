@@ -6,10 +6,10 @@ import os
 from pathlib import Path
 
 from kanegen.errors import OptionError, ReadError
+from kanegen.model.right_angles import AS_WRITTEN, checked
+from kanegen.model.system import System
 from kanegen.readers.toml import read_toml
 from kanegen.readers.urdf import read_urdf
-from kanegen.right_angles import AS_WRITTEN, checked
-from kanegen.system import System
 
 __all__ = ["load"]
 
@@ -23,7 +23,7 @@ def load(
         path: The file.
         floating_base: URDF only: the root link moves freely and becomes body 1; otherwise it is the ground.
         right_angles: Tolerance (rad): constant orientations that miss a right angle by no more, such as
-            1.5708, are made exact. With 0 every number means what it says; see `kanegen.right_angles`.
+            1.5708, are made exact. With 0 every number means what it says; see `kanegen.model.right_angles`.
 
     Raises:
         ReadError: If the file cannot be read or does not describe a usable system; the message begins with

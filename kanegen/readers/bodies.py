@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from kanegen.body import Body, Point
+from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
-from kanegen.numbers import numbers
+from kanegen.model.body import Body
+from kanegen.model.numbers import numbers
+from kanegen.model.point import Point
 from kanegen.readers.joints import read_joint
 from kanegen.readers.keys import ORIGIN, Table, check_keys
 from kanegen.readers.parameters import Parameters
-from kanegen.suggest import did_you_mean
 
 KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "points", "joint")
 POINT_KEYS = ("position", "loads")

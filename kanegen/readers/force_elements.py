@@ -7,7 +7,9 @@ from dataclasses import MISSING, fields
 from typing import Any
 
 from kanegen.errors import ModelError
-from kanegen.force_elements import KINDS, ForceElement, parse
+from kanegen.model.force_elements.element import ForceElement
+from kanegen.model.force_elements.elements import KINDS
+from kanegen.model.force_elements.grammar import parse
 from kanegen.readers.keys import Table, check_keys
 from kanegen.readers.parameters import Parameters
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from kanegen import validation
-from kanegen.body import FREEDOMS, IDENTITY, ORIENTATIONS, SPEEDS, Joint, named
+from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
-from kanegen.numbers import Parameter, numbers
+from kanegen.model import validation
+from kanegen.model.freedoms import FREEDOMS, ORIENTATIONS, SPEEDS, named
+from kanegen.model.joint import IDENTITY, Joint
+from kanegen.model.numbers import Parameter, numbers
+from kanegen.model.right_angles import angle
+from kanegen.model.sequences import NOTES
 from kanegen.readers.keys import ORIGIN, Table, check_keys
 from kanegen.readers.parameters import Parameters
-from kanegen.right_angles import angle
-from kanegen.sequences import NOTES
-from kanegen.suggest import did_you_mean
 
 KEYS = (
     "name",

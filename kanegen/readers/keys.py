@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
-from kanegen.suggest import did_you_mean
 
 Table = Mapping[str, Any]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from kanegen.names import KEYWORDS, MAX_LENGTH
+from kanegen.model.names import KEYWORDS, MAX_LENGTH
 
 
 def label(name: str) -> str:

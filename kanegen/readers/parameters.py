@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
-from kanegen.force_elements import Expression
-from kanegen.numbers import Parameter
-from kanegen.suggest import did_you_mean
+from kanegen.model.force_elements.expression import Expression
+from kanegen.model.numbers import Parameter
 
 
 @dataclass(frozen=True)

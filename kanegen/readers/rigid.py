@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from kanegen.rotations import UNIT, ZERO, Square, Triple, apply, dot, product, similar
+from kanegen.model.rotations import UNIT, ZERO, Square, Triple, apply, dot, product, similar
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from kanegen import right_angles
+from kanegen.choices import did_you_mean
 from kanegen.errors import ReadError
+from kanegen.model import right_angles
+from kanegen.model.rotations import ZERO, Triple, dot, normalized, rotation_quaternion, rotation_rpy
 from kanegen.readers.rigid import Frame, Rigid
 from kanegen.readers.xml import Element
-from kanegen.rotations import ZERO, Triple, dot, normalized, rotation_quaternion, rotation_rpy
-from kanegen.suggest import did_you_mean
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")

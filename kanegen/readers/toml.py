@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from kanegen.errors import KanegenWarning, ModelError, ReadError
+from kanegen.model.description import GRAVITY
+from kanegen.model.right_angles import AS_WRITTEN
+from kanegen.model.system import System
 from kanegen.readers import force_elements
 from kanegen.readers.bodies import read_bodies
 from kanegen.readers.keys import Table, check_keys
 from kanegen.readers.parameters import Parameters
 from kanegen.readers.text import read_text
-from kanegen.right_angles import AS_WRITTEN
-from kanegen.system import GRAVITY, System
 
 KEYS = ("name", "gravity", "parameters", "outputs", "body", *force_elements.KEYS)
 OUTPUT_KEYS = ("body_poses", "reaction_loads")

@@ -12,17 +12,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kanegen.body import Body, Joint
 from kanegen.errors import KanegenWarning, ModelError, ReadError
+from kanegen.model.body import Body
+from kanegen.model.joint import Joint
+from kanegen.model.right_angles import AS_WRITTEN
+from kanegen.model.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
+from kanegen.model.system import System
 from kanegen.readers.labels import identifier, label
 from kanegen.readers.rigid import Frame, lump
 from kanegen.readers.robot import Robot, RobotJoint, read_robot
 from kanegen.readers.text import read_text
 from kanegen.readers.tree import GROUND, MovingLink, moving_links
 from kanegen.readers.xml import parse
-from kanegen.right_angles import AS_WRITTEN
-from kanegen.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
-from kanegen.system import System
 
 
 def read_urdf(path: Path, floating_base: bool = False, right_angles: float = AS_WRITTEN) -> System:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from sympy import Expr, S
 
+from kanegen.model.system import System
 from kanegen.recursion.joints import exact
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, add, add_symmetric, scale, subtract
 from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
-from kanegen.system import System
 
 Rows = tuple[Vector, Vector, Vector]
 

@@ -11,14 +11,14 @@ from collections.abc import Mapping, Sequence
 
 from sympy import Expr, S
 
+from kanegen.model.system import System
 from kanegen.recursion.forcing import works
+from kanegen.recursion.joint_path import Stop, stops
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.motion import Requirement
-from kanegen.recursion.stops import Stop, stops
 from kanegen.recursion.tree import Tree
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import generalized_force
-from kanegen.system import System
 
 ARTICULATED_COST = 350
 """About what articulated bodies cost per freedom: beyond it a factorisation is not worth deriving."""

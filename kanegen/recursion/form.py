@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from kanegen.constants import DOUBLES, Constants
+from kanegen.model.system import System
+from kanegen.program.constants import DOUBLES, Constants
 from kanegen.recursion import factorisation
 from kanegen.recursion.coordinate_rates import coordinate_rates
 from kanegen.recursion.derived import Derived
@@ -14,18 +15,12 @@ from kanegen.recursion.forcing import forcing, inverse_dynamics, prescribed_effo
 from kanegen.recursion.forward_dynamics import ArticulatedBodies
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.momentum import kinetic_energy, momentum
-from kanegen.recursion.points import (
-    point_accelerations,
-    point_jacobians,
-    point_positions,
-    point_velocities,
-)
+from kanegen.recursion.points import point_accelerations, point_jacobians, point_positions, point_velocities
 from kanegen.recursion.poses import body_poses
 from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import UNREFINED, Refinement, Solution, Solver
 from kanegen.recursion.tree import Tree, apart, tree
 from kanegen.symbolic.definitions import Definition
-from kanegen.system import System
 
 Recursion = Callable[[Tree], Derived]
 

@@ -15,10 +15,7 @@ from sympy import Expr, S
 
 from kanegen.recursion.articulated import Articulated, Elimination, rigid
 from kanegen.recursion.joint_motion import JointMotion
-from kanegen.recursion.loads import efforts
-from kanegen.recursion.motion import Requirement
-from kanegen.recursion.rates import angle_rates
-from kanegen.recursion.stops import (
+from kanegen.recursion.joint_path import (
     STILL,
     TURNS,
     Free,
@@ -29,6 +26,9 @@ from kanegen.recursion.stops import (
     stops,
     turns_freely,
 )
+from kanegen.recursion.loads import efforts
+from kanegen.recursion.motion import Requirement
+from kanegen.recursion.rates import angle_rates
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import column
 from kanegen.symbolic.definitions import Vector

@@ -7,15 +7,16 @@ from dataclasses import replace
 import sympy
 from sympy import Expr
 
-from kanegen.body import Body
-from kanegen.numbers import Number, Parameter
+from kanegen.model.body import Body
+from kanegen.model.coordinates import Freedom
+from kanegen.model.numbers import Number, Parameter
+from kanegen.model.system import System
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Slide, Spin, Step, down
 from kanegen.recursion.orientations import by_quaternion, constant_turns, planar, whole
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import acceleration, coordinate, quaternion, speed, spin, spin_rate
-from kanegen.system import Freedom, System
 
 
 def exact(value: Number) -> Expr:

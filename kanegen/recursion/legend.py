@@ -1,6 +1,6 @@
 """What the names of definitions mean, for those who read them in the generated code."""
 
-from kanegen.system import System
+from kanegen.model.system import System
 
 LEGEND = (
     ("theta_K_i, s_K_i", "coordinates of body K, thetadot and sdot their rates; S, C sine and cosine"),

@@ -8,15 +8,15 @@ from itertools import chain
 
 from sympy import Add, Expr
 
-from kanegen.force_elements import Drive, JointSpring, PointLoad, Potential
-from kanegen.force_elements.names import Place, coordinate_places, speed_places
-from kanegen.numbers import Number
+from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential
+from kanegen.model.force_elements.names import Place, coordinate_places, speed_places
+from kanegen.model.numbers import Number
 from kanegen.recursion.joints import exact
 from kanegen.recursion.springs import HALF, outward, ties
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, negate, subtract
 from kanegen.symbolic.definitions import Vector
-from kanegen.symbolic.expressions import Variables
+from kanegen.symbolic.literal.expressions import Variables
 from kanegen.symbolic.symbols import point_force, point_moment
 
 

@@ -19,11 +19,11 @@ from sympy import Expr, S
 from kanegen.recursion.bodies import Inertia
 from kanegen.recursion.columns import Column, Push, Wrench
 from kanegen.recursion.derived import Derived
-from kanegen.recursion.distant import Station, stations
+from kanegen.recursion.fixed_frame_columns import Station, stations
+from kanegen.recursion.force_combinations import Triad, combined, triad
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
-from kanegen.recursion.levers import lever
+from kanegen.recursion.shifted_columns import lever
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.triads import Triad, combined, triad
 from kanegen.recursion.vectors import column, cross, dot, scale, unit
 
 

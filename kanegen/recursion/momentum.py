@@ -12,12 +12,7 @@ from kanegen.recursion.derived import Derived
 from kanegen.recursion.first_moment import first_moments, total_mass
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, column, cross, dot, multiply, scale, subtract
-from kanegen.recursion.velocities import (
-    angular_velocities,
-    relative_velocity,
-    sliding_velocity,
-    velocities,
-)
+from kanegen.recursion.velocities import angular_velocities, relative_velocity, sliding_velocity, velocities
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
 
 

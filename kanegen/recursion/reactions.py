@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from sympy import Expr, S
 
-from kanegen.body import Joint
+from kanegen.model.joint import Joint
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.forcing import Passage, passages
 from kanegen.recursion.loads import efforts

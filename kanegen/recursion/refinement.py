@@ -22,10 +22,10 @@ import sympy
 from sympy import Expr
 
 from kanegen.recursion.bodies import Inertia
+from kanegen.recursion.correction_size import Sizes
 from kanegen.recursion.derived import Derived
+from kanegen.recursion.joint_path import STILL, Free, Stop
 from kanegen.recursion.motion import Requirement, requirements
-from kanegen.recursion.sizes import Sizes
-from kanegen.recursion.stops import STILL, Free, Stop
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import add, column, cross, dot, scale
 from kanegen.symbolic.definitions import Vector

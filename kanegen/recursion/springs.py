@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, Rational
 
-from kanegen.force_elements import Spring
+from kanegen.model.force_elements.elements import Spring
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joints import exact
 from kanegen.recursion.tree import Tree

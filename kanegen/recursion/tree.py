@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 
 from sympy import S
 
-from kanegen.constants import DOUBLES, Constants
+from kanegen.model.system import System
+from kanegen.program.constants import DOUBLES, Constants
 from kanegen.recursion.bodies import NOTHING, Inertia, body_inertia
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joints import joint_motion
 from kanegen.recursion.vectors import ZERO, entry, scale, unit
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
-from kanegen.system import System
 
 
 @dataclass(frozen=True)

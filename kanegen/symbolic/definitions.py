@@ -14,7 +14,7 @@ from typing import NamedTuple
 import sympy
 from sympy import Expr, Symbol
 
-from kanegen.constants import DOUBLES, Constants
+from kanegen.program.constants import DOUBLES, Constants
 
 AXES = "xyz"
 

@@ -20,22 +20,14 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import OptionError
+from kanegen.model.system import System
 from kanegen.symbolic.closed.form import ClosedForm, close
 from kanegen.symbolic.definitions import Definition, Definitions
-from kanegen.symbolic.dynamics import BodyEquations, total
-from kanegen.symbolic.force_elements import ElementForces
+from kanegen.symbolic.literal.dynamics import BodyEquations, total
+from kanegen.symbolic.literal.force_elements import ElementForces
+from kanegen.symbolic.literal.numeric import NumericEquations, numeric
 from kanegen.symbolic.naming import Names
-from kanegen.symbolic.numeric import NumericEquations, numeric
-from kanegen.symbolic.symbols import (
-    accelerations,
-    coordinates,
-    force,
-    prescribed,
-    speed,
-    speeds,
-    torque,
-)
-from kanegen.system import System
+from kanegen.symbolic.symbols import accelerations, coordinates, force, prescribed, speed, speeds, torque
 
 MOST_FREEDOMS = 8
 """Closed forms are not tried beyond this many freedoms."""

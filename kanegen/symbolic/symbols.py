@@ -13,9 +13,9 @@ from collections.abc import Callable, Sequence
 import sympy
 from sympy import Expr, Float, Integer, Symbol
 
-from kanegen.body import FREEDOMS, QUATERNION
-from kanegen.numbers import Number, Parameter
-from kanegen.system import System
+from kanegen.model.freedoms import FREEDOMS, QUATERNION
+from kanegen.model.numbers import Number, Parameter
+from kanegen.model.system import System
 
 WHOLE = 2**31
 """Whole numbers below this size become exact integers; larger ones stay binary floating point."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from kanegen.c.declarations import declarator
 from kanegen.c.formats import Formats
 from kanegen.c.interface import PREPARE, Function, ModelFacts
-from kanegen.precision import DOUBLE, Precision
 from kanegen.program.ir import Array
+from kanegen.program.precision import DOUBLE, Precision
 
 
 def inputs(model: ModelFacts, functions: Sequence[Function], formats: Formats) -> list[tuple[str, list[str]]]:

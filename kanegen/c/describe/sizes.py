@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from kanegen.c.describe.tables import poses, reactions
 from kanegen.c.formats import Formats
 from kanegen.c.interface import PREPARE, Function, ModelFacts
-from kanegen.c.lanes import Lanes
 from kanegen.c.layout import columns
+from kanegen.c.simd import Lanes
 
 
 def sizes(model: ModelFacts, functions: Sequence[Function]) -> list[tuple[str, int, str]]:

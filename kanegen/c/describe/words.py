@@ -9,7 +9,7 @@ from kanegen.c.formats import Formats, uniform
 from kanegen.c.interface import PREPARE, ModelFacts
 from kanegen.c.layout import WIDTH
 from kanegen.c.sincos import Sincos
-from kanegen.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
+from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
 
 OPERATIONS = {
     "add": "additions and subtractions",

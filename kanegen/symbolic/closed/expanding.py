@@ -10,7 +10,7 @@ from functools import reduce
 from sympy import Expr, S, cos, sin
 
 from kanegen.symbolic.closed.polynomials import Polynomial, add, fraction, monomial, reduced_product
-from kanegen.symbolic.dynamics import BodyEquations
+from kanegen.symbolic.literal.dynamics import BodyEquations
 
 ANGLES = 3
 

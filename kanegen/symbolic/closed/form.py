@@ -17,7 +17,7 @@ from kanegen.symbolic.closed.angle_sums import shortest
 from kanegen.symbolic.closed.collecting import collected
 from kanegen.symbolic.closed.expanding import Expander, parallel_sums
 from kanegen.symbolic.closed.polynomials import Monomial, Polynomial, add, monomial, readable
-from kanegen.symbolic.dynamics import BodyEquations
+from kanegen.symbolic.literal.dynamics import BodyEquations
 
 
 @dataclass(frozen=True)

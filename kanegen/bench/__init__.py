@@ -1,9 +1,0 @@
-"""kanegen's C timed beside other programs that compute the same: `kanegen bench` and `make bench`.
-
-The programs come from the extra `bench`. None of them is needed: who is missing is named and left out.
-"""
-
-from kanegen.bench.contest import compete
-from kanegen.bench.outcome import Entry, Outcome, Terms
-
-__all__ = ["Entry", "Outcome", "Terms", "compete"]

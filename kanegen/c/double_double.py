@@ -1,0 +1,85 @@
+"""What the header of pairs of doubles says: pi/2 in parts, and the series of sine and cosine.
+
+The parts of pi/2 before the last have 33 bits, so that n times them is exact for n of 20 bits, which is
+what angles up to 1e6 rad need. With seven parts, n pi/2 is known to 2^-230, which leaves 100 bits of the
+smallest angle that a pair below 1e6 can have beside a multiple of pi/2. The series go so far that what is
+left out is below 2^-118 for angles up to pi/4; terms that are below 2^-58 of the sum are kept as doubles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import factorial
+
+import mpmath
+from mpmath.libmp import to_rational
+
+from kanegen.program.precision import split
+
+DECLARATION = """#ifndef KANEGEN_PAIR
+#define KANEGEN_PAIR
+/* The exact sum of two doubles; `high` is the double nearest to it. */
+typedef struct {
+    double high;
+    double low;
+} kanegen_pair;
+#endif"""
+"""The type; several headers may declare it."""
+
+_PARTS = 7
+_PART_BITS = 33
+
+
+@dataclass(frozen=True)
+class Series:
+    """Coefficients of a power series, highest first: `tail` in doubles, then `head` in pairs."""
+
+    tail: tuple[str, ...]
+    head: tuple[tuple[str, str], ...]
+
+
+def _series(orders: Sequence[int], in_pairs: int) -> Series:
+    """Reciprocal factorials with alternating signs, for terms that begin at -1 / orders[0]!."""
+    exact = [Fraction((-1) ** (k + 1), factorial(order)) for k, order in enumerate(orders)][::-1]
+    heads = (split(coefficient) for coefficient in exact[-in_pairs:])
+    return Series(
+        tuple(repr(float(coefficient)) for coefficient in exact[:-in_pairs]),
+        tuple((repr(high), repr(low)) for high, low in heads),
+    )
+
+
+def _half_pi_parts() -> tuple[str, ...]:
+    with mpmath.workprec(400):
+        rest = Fraction(*map(int, to_rational((mpmath.pi / 2)._mpf_)))
+    parts = []
+    for k in range(_PARTS - 1):
+        unit = Fraction(1, 2 ** (_PART_BITS * (k + 1) - 1))
+        part = rest // unit * unit
+        parts.append(float(part))
+        rest -= part
+    return tuple(map(repr, (*parts, float(rest))))
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """The constants of kanegen_pairs.h, as C reads them."""
+
+    declaration: str = DECLARATION
+    limit: str = "1e6"
+    reciprocal: str = repr(0.6366197723675814)
+    parts: tuple[str, ...] = _half_pi_parts()
+    series: tuple[tuple[str, Series], ...] = (
+        ("S", _series(range(3, 31, 2), 8)),  # sin r = r + r z S(z), z = r^2
+        ("C", _series(range(2, 32, 2), 9)),  # cos r = 1 + z C(z)
+    )
+
+    @property
+    def declared(self) -> str:
+        """The type for cffi, which reads no preprocessor lines."""
+        lines = self.declaration.splitlines(keepends=True)
+        return "".join(line for line in lines if not line.startswith("#"))
+
+
+PAIRS = Pairs()

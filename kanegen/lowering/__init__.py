@@ -1,0 +1,1 @@
+"""From the recursive form to programs of instructions, with derivatives and the decision about refinement."""

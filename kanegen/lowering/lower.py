@@ -1,0 +1,119 @@
+"""From SymPy to straight-line code: every definition of the recursive form becomes a few instructions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cmp_to_key, reduce
+
+import sympy
+from sympy import Basic, Expr, Symbol
+
+from kanegen.program.builder import Builder
+from kanegen.program.check import check
+from kanegen.program.constants import DOUBLES, Constants
+from kanegen.program.ir import Array, Op, Output, Program
+from kanegen.recursion.derived import Derived
+from kanegen.symbolic.definitions import Definition
+
+FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
+
+
+def lower(
+    inputs: Mapping[Array, Sequence[tuple[Symbol, str]]],
+    definitions: Sequence[Definition],
+    outputs: Mapping[Array, Derived],
+    constants: Constants = DOUBLES,
+) -> Program:
+    """A program that evaluates `definitions` and stores `outputs`.
+
+    Args:
+        inputs: For every input array the symbol that each element stands for, and its name in C.
+        definitions: In order of evaluation.
+        outputs: What fills every output array.
+        constants: How exact its numbers are.
+    """
+    builder = Builder(tuple(inputs))
+    lowering = _Lowering(builder, constants)
+    for array, elements in inputs.items():
+        for index, (symbol, name) in enumerate(elements):
+            lowering.values[symbol] = builder.input(array.name, index, name)
+    for definition in definitions:
+        value = lowering.value(definition.value)
+        lowering.values[definition.symbol] = builder.name(value, definition.symbol.name, definition.note)
+    filled = [
+        Output(
+            array,
+            lowering.all(derived.entries),
+            lowering.all(derived.positive),
+            margins=lowering.all(derived.margins),
+        )
+        for array, derived in outputs.items()
+    ]
+    return check(builder.program(filled))
+
+
+class _Lowering:
+    """Turns small expressions into values of a builder."""
+
+    def __init__(self, builder: Builder, constants: Constants) -> None:
+        self.builder = builder
+        self.constants = constants
+        self.values: dict[Expr, int] = {}
+
+    def all(self, expressions: Sequence[Expr]) -> tuple[int, ...]:
+        return tuple(self.value(expression) for expression in expressions)
+
+    def value(self, expression: Expr) -> int:
+        known = self.values.get(expression)
+        if known is not None:
+            return known
+        if expression.is_Rational:
+            return self.builder.constant(self.constants.number(expression.p, expression.q))
+        if expression.is_Float:
+            return self.builder.constant(float(expression))
+        arguments = expression.args
+        if expression.is_Add:
+            return self._sum(arguments)
+        if expression.is_Mul:
+            return reduce(self.builder.multiply, (self.value(factor) for factor in arguments))
+        if expression.is_Pow and (2 * arguments[1]).is_Integer:
+            return self._power(self.value(arguments[0]), int(2 * arguments[1]))
+        if isinstance(expression, sympy.Abs | sympy.sign):
+            base = self.value(arguments[0])
+            size = self.builder.function(Op.SQRT, self.builder.multiply(base, base))
+            return size if isinstance(expression, sympy.Abs) else self.builder.divide(base, size)
+        function = FUNCTIONS.get(type(expression))
+        if function is not None:
+            return self.builder.function(function, self.value(arguments[0]))
+        raise TypeError(f"no instruction for {type(expression).__name__}: {expression}")
+
+    def _power(self, base: int, halves: int) -> int:
+        """A power whose exponent is a number of halves, by squaring."""
+        if halves < 0:
+            one = self.builder.constant(self.constants.number(1, 1))
+            return self.builder.divide(one, self._power(base, -halves))
+        factors = [self.builder.function(Op.SQRT, base)] if halves % 2 else []
+        whole = halves // 2
+        while whole:
+            if whole % 2:
+                factors.append(base)
+            whole //= 2
+            base = self.builder.multiply(base, base) if whole else base
+        return reduce(self.builder.multiply, factors)
+
+    def _sum(self, terms: Sequence[Expr]) -> int:
+        """Left to right; a number last, where SymPy puts it first.
+
+        The order does not depend on numbers in front of the terms, as SymPy's does: so the same system in
+        units that are smaller by powers of two has the same program, and every result the same bits.
+        """
+        return reduce(self.builder.add, (self.value(term) for term in sorted(terms, key=_without_number)))
+
+
+def _without_number(term: Expr) -> tuple[bool, object]:
+    """A place among the terms of a sum: that of its factors in SymPy's order, numbers after everything."""
+    _, factors = term.as_coeff_Mul()
+    return bool(term.is_Number), _SYMPY_ORDER(factors)
+
+
+_SYMPY_ORDER = cmp_to_key(Basic.compare)

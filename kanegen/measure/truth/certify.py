@@ -1,0 +1,159 @@
+"""Exact results: two algorithms in ball arithmetic, with twice the precision until both are narrow.
+
+The width asked for is 2^-20 of the unit roundoff of the program whose errors are to be seen. Two enclosures
+that do not overlap mean a defect in one of the algorithms, not in the program.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from kanegen.errors import KanegenError, OptionError, SingularError
+from kanegen.measure.truth import kane, newton_euler
+from kanegen.measure.truth.balls import arb_mat, ctx
+from kanegen.measure.truth.enclosure import Enclosure, enclosure
+from kanegen.measure.truth.inputs import checked_state
+from kanegen.measure.truth.kane import Equations
+from kanegen.measure.truth.outputs import exact_outputs
+from kanegen.measure.truth.solve import solution
+from kanegen.measure.truth.tree import State, Tree, tree
+from kanegen.measure.truth.units import Units, units
+from kanegen.model.system import System
+
+WIDTH = 2.0**-20
+"""Of an enclosure, relative to the unit roundoff."""
+
+LIMIT = 2**14
+"""Bits beyond which nothing is tried. What is not narrow then is zero, but not by exact arithmetic."""
+
+
+class DisagreementError(KanegenError):
+    """Two enclosures of one number that do not overlap: an algorithm here is wrong."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Exact results in one state.
+
+    Attributes:
+        system: What they are of, with the parameters that were given.
+        state: The numbers that were given.
+        outputs: By name. Their radii are at most 2^-20 of the unit roundoff, relative to each entry; entries
+            smaller than the unit roundoff times the largest count as that large.
+        bits: Precision that this took.
+        units: Factors that make norms of the outputs.
+        equations: [A] and the parts of {f} in balls of that precision.
+    """
+
+    system: System
+    state: State
+    outputs: Mapping[str, Enclosure]
+    bits: int
+    units: Units
+    equations: Equations
+
+    def __getitem__(self, output: str) -> Enclosure:
+        """One of `outputs`."""
+        return self.outputs[output]
+
+
+def truth(
+    system: System,
+    x: ArrayLike,
+    y: ArrayLike,
+    tau: ArrayLike | None = None,
+    force: ArrayLike | None = None,
+    torque: ArrayLike | None = None,
+    parameters: Mapping[str, float] | None = None,
+    outputs: Iterable[str] = ("mass_matrix", "forcing", "forward_dynamics"),
+    unit_roundoff: float = 2.0**-53,
+    ydot: ArrayLike | None = None,
+) -> Truth:
+    """The exact outputs of a system in one state, for the floats that it is given.
+
+    Args:
+        system: The tree.
+        x: (n,) coordinates (rad, m).
+        y: (n,) generalized speeds.
+        tau: (n,) generalized forces beside loads and gravity; default none.
+        force: (N, 3) forces F'_K at G_K, in K (N); default none. Every row counts.
+        torque: (N, 3) torques M'_K, in K (N m); default none.
+        parameters: Values of run-time parameters; the others stand at their defaults.
+        outputs: Names among "mass_matrix", "forcing", "inverse_dynamics" and "forward_dynamics".
+        unit_roundoff: Of the program to be judged: 2^-53 for double, 2^-24 for float.
+        ydot: (n,) accelerations, needed for inverse dynamics.
+
+    Raises:
+        ArrayError: If an array has the wrong shape or is not finite.
+        OptionError: If an output has no exact result, or the unit roundoff is not between 0 and 1.
+        ModelError: If a parameter is unknown or makes the model unusable.
+        SingularError: If forward dynamics is asked for where [A] is singular.
+        DisagreementError: If the two algorithms contradict each other.
+    """
+    names = exact_outputs(outputs, ydot is not None)
+    if not 0 < unit_roundoff < 1:
+        raise OptionError(f"unit_roundoff is {unit_roundoff!r}; it must lie between 0 and 1.")
+    system = system.with_parameters(parameters or {})
+    state = checked_state(system, x, y, tau, force, torque, ydot)
+    bits = first_precision(system.number_of_bodies, unit_roundoff)
+    while True:
+        found = _attempt(system, state, names, bits, unit_roundoff)
+        if found is not None:
+            return found
+        bits *= 2
+
+
+def first_precision(bodies: int, unit_roundoff: float) -> int:
+    """Bits to begin with: those asked for, and a few for every body."""
+    return 64 + math.ceil(-math.log2(unit_roundoff * WIDTH)) + 4 * bodies
+
+
+def _attempt(
+    system: System, state: State, names: tuple[str, ...], bits: int, unit_roundoff: float
+) -> Truth | None:
+    """The results of both algorithms if they are narrow; None if more precision is needed."""
+    with ctx.workprec(bits):
+        numbers = tree(system, state)
+        equations = kane.equations(numbers)
+        a, f = equations.A, equations.f
+        first = _outputs(names, numbers, a, f, a * numbers.ydot - f)
+        a, f = newton_euler.mass_matrix(numbers), newton_euler.forcing(numbers)
+        second = _outputs(names, numbers, a, f, newton_euler.inverse_dynamics(numbers, numbers.ydot))
+        scales = units(system, enclosure(equations.A, (len(state.y),) * 2).value.diagonal())
+    for results in (first, second):
+        for name, result in results.items():
+            if not result.is_narrow(scales.of(name), unit_roundoff * WIDTH, unit_roundoff):
+                if 2 * bits <= LIMIT:
+                    return None
+                _require_finite(name, result)
+    for name in names:
+        _require_overlap(name, first[name], second[name])
+    return Truth(system, state, first, bits, scales, equations)
+
+
+def _outputs(
+    names: tuple[str, ...], numbers: Tree, a: arb_mat, f: arb_mat, required: arb_mat
+) -> dict[str, Enclosure]:
+    """The outputs that are asked for, from [A], {f} and the forces that {ydot} needs."""
+    results = {"mass_matrix": a, "forcing": f, "inverse_dynamics": required}
+    if "forward_dynamics" in names:
+        results["forward_dynamics"] = solution(a, f + numbers.tau)
+    n = numbers.freedoms
+    return {name: enclosure(results[name], (n, n) if name == "mass_matrix" else (n,)) for name in names}
+
+
+def _require_finite(name: str, result: Enclosure) -> None:
+    if not all(ball.is_finite() for ball in result.balls):
+        raise SingularError(f"{name}: [A] is singular in this state, to {result.bits} bits.")
+
+
+def _require_overlap(name: str, first: Enclosure, second: Enclosure) -> None:
+    if not first.overlaps(second):
+        raise DisagreementError(
+            f"{name}: partial velocities and Newton-Euler equations give enclosures that do not overlap, so "
+            "kanegen.measure.truth has a defect. Please report it."
+        )

@@ -1,0 +1,18 @@
+"""Loads that belong to a model: springs, dampers, drives, loads on points, potentials."""
+
+from kanegen.model.force_elements.element import ForceElement
+from kanegen.model.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.expression import Expression
+from kanegen.model.force_elements.grammar import parse
+
+__all__ = [
+    "KINDS",
+    "Drive",
+    "Expression",
+    "ForceElement",
+    "JointSpring",
+    "PointLoad",
+    "Potential",
+    "Spring",
+    "parse",
+]

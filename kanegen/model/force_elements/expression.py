@@ -1,0 +1,161 @@
+"""Expressions that a model may hold: what they can say, and how they print.
+
+An expression is a small tree of numbers, variables, operations and powers. It is read by `grammar`,
+differentiated and lowered through SymPy by the derivation, and evaluated in NumPy by the reference, each on
+its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from kanegen.model.numbers import Number, word
+
+FUNCTIONS = ("abs", "cos", "sin", "sqrt", "tan")
+"""What an expression may call. All of them are exactly defined on every machine; others, such as exp, are the
+C library's and differ in their last bits from one to the next."""
+
+TIME = "t"
+"""The variable that is the time (s)."""
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number of the model."""
+
+    value: Number
+
+
+@dataclass(frozen=True)
+class Variable:
+    """`t`, `x.<coordinate>` or `y.<speed>`; another name stands for nothing, which a system refuses."""
+
+    name: str
+
+
+Leaf = Constant | Variable
+
+
+@dataclass(frozen=True)
+class Power:
+    """A whole power; its exponent is no number of the model."""
+
+    base: Node
+    exponent: int
+
+
+@dataclass(frozen=True)
+class Operation:
+    """`operator` is one of `+ - * /`, "negate" or one of `FUNCTIONS`."""
+
+    operator: str
+    operands: tuple[Node, ...]
+
+
+Node = Constant | Variable | Power | Operation
+
+_LEVELS = {"+": 1, "-": 1, "*": 2, "/": 2, "negate": 3}
+_POWER = 4
+_ATOM = 5
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A number that depends on the state, the time and parameters."""
+
+    root: Node
+
+    def __str__(self) -> str:
+        """As `grammar.parse` reads it, parameters by their names."""
+        return _text(self.root)
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Names of its variables, each once, in the order of first use."""
+        return tuple(dict.fromkeys(leaf.name for leaf in _leaves(self.root) if isinstance(leaf, Variable)))
+
+    def numbers(self) -> Iterator[Number]:
+        """Its numbers, from the left."""
+        return (leaf.value for leaf in _leaves(self.root) if isinstance(leaf, Constant))
+
+    def changed(self, change: Callable[[Number], Number]) -> Expression:
+        """The same with `change` applied to every number."""
+
+        def leaf(found: Leaf) -> Leaf:
+            return Constant(change(found.value)) if isinstance(found, Constant) else found
+
+        return Expression(_mapped(self.root, leaf))
+
+    def renamed(self, rename: Callable[[str], str]) -> Expression:
+        """The same with other names of variables."""
+
+        def leaf(found: Leaf) -> Leaf:
+            return Variable(rename(found.name)) if isinstance(found, Variable) else found
+
+        return Expression(_mapped(self.root, leaf))
+
+
+def _mapped(node: Node, function: Callable[[Leaf], Leaf]) -> Node:
+    """The tree with `function` applied to its leaves."""
+    match node:
+        case Operation(operator, operands):
+            return Operation(operator, tuple(_mapped(operand, function) for operand in operands))
+        case Power(base, exponent):
+            return Power(_mapped(base, function), exponent)
+        case leaf:
+            return function(leaf)
+
+
+def _leaves(node: Node) -> Iterator[Leaf]:
+    match node:
+        case Operation(_, operands):
+            for operand in operands:
+                yield from _leaves(operand)
+        case Power(base):
+            yield from _leaves(base)
+        case leaf:
+            yield leaf
+
+
+def _text(node: Node) -> str:
+    match node:
+        case Constant(value):
+            held = word(value)
+            return held if isinstance(held, str) else repr(held)
+        case Variable(name):
+            return _variable(name)
+        case Power(base, exponent):
+            return f"{_within(base, _ATOM)}**{exponent}"
+        case Operation("negate", (operand,)):
+            return f"-{_within(operand, _LEVELS['negate'])}"
+        case Operation(function, (operand,)):
+            return f"{function}({_text(operand)})"
+        case Operation(sign, (left, right)):
+            # What stands on the right of a sign of the same level would be read in another order.
+            return f"{_within(left, _LEVELS[sign])} {sign} {_within(right, _LEVELS[sign] + 1)}"
+    raise ValueError(node)
+
+
+def _within(node: Node, level: int) -> str:
+    text = _text(node)
+    return text if _level(node) >= level else f"({text})"
+
+
+def _level(node: Node) -> int:
+    match node:
+        case Constant(float(value)) if value < 0:
+            return _LEVELS["negate"]
+        case Power():
+            return _POWER
+        case Operation(operator):
+            return _LEVELS.get(operator, _ATOM)
+    return _ATOM
+
+
+def _variable(name: str) -> str:
+    """With dots where Python's grammar has names between them, else with brackets."""
+    if all(part.isidentifier() for part in name.split(".")):
+        return name
+    vector, rest = name.split(".", 1)
+    return f'{vector}["{rest}"]'

@@ -1,0 +1,165 @@
+"""Reads expressions by a grammar; nothing in them is ever evaluated.
+
+    expression = number | variable | parameter | "(" expression ")" | function "(" expression ")"
+               | ("+" | "-") expression | expression ("+" | "-" | "*" | "/") expression
+               | expression "**" whole number
+    variable   = "t" | "x." name | "y." name | 'x["' name '"]' | 'y["' name '"]'
+
+The signs bind as in Python, whose parser makes the tree; whatever else it can hold is refused here.
+"""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from collections.abc import Iterable
+
+from kanegen.choices import did_you_mean
+from kanegen.errors import ModelError
+from kanegen.model.force_elements.expression import (
+    FUNCTIONS,
+    Constant,
+    Expression,
+    Node,
+    Operation,
+    Power,
+    Variable,
+)
+from kanegen.model.numbers import Parameter, finite
+
+LONGEST = 4000
+"""Characters of an expression."""
+
+DEEPEST = 200
+"""Operations inside each other."""
+
+LARGEST_POWER = 64
+"""Of exponents, and of the product of those inside each other."""
+
+VECTORS = ("x", "y")
+"""What has elements: coordinates and speeds."""
+
+_SIGNS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+
+
+def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
+    """The expression that a text is.
+
+    Args:
+        text: It; a number is one too.
+        parameters: Those that may be named.
+
+    Raises:
+        ModelError: If it is no text of the grammar; says which part, and what is possible.
+    """
+    if isinstance(text, Expression):
+        return text
+    if not isinstance(text, str):
+        return Expression(Constant(finite(text, "expression")))
+    if len(text) > LONGEST:
+        raise ModelError(f"an expression has {len(text)} characters; at most {LONGEST} are read.")
+    reader = _Reader(text, {parameter.name: parameter for parameter in parameters})
+    try:
+        return Expression(reader.node(_tree(text)))
+    except RecursionError:
+        raise ModelError(f"{_quoted(text)}: nested too deeply.") from None
+
+
+def _tree(text: str) -> ast.expr:
+    """What Python's parser makes of a text."""
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of what is refused later
+            return ast.parse(text.strip(), mode="eval").body
+    except SyntaxError as error:
+        where = f" near column {error.offset}" if error.offset else ""
+        raise ModelError(f"{_quoted(text)}: no expression{where}.") from None
+    except (ValueError, MemoryError):
+        raise ModelError(f"{_quoted(text)}: no expression, or nested too deeply.") from None
+
+
+def _quoted(text: str) -> str:
+    return f"expression {text if len(text) <= 80 else f'{text[:77]}...'!r}"
+
+
+class _Reader:
+    """From Python's tree to ours, refusing what the grammar does not have."""
+
+    def __init__(self, text: str, parameters: dict[str, Parameter]) -> None:
+        self._text = text
+        self._parameters = parameters
+
+    def node(self, found: ast.expr, depth: int = 0, power: int = 1) -> Node:
+        """The tree below `found`, `depth` operations down and inside powers whose product is `power`."""
+        if depth > DEEPEST:
+            raise self._refused(found, f"more than {DEEPEST} operations inside each other.")
+        match found:
+            case ast.Constant(value=bool() | complex() | str() | bytes() | None):
+                raise self._refused(found, "no number.")
+            case ast.Constant(value=value):
+                return Constant(finite(value, _quoted(self._text)))
+            case ast.Name(id=name):
+                return self._named(found, name)
+            case ast.Attribute() | ast.Subscript():
+                return Variable(self._element(found))
+            case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+                return self.node(operand, depth + 1, power)
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                return Operation("negate", (self.node(operand, depth + 1, power),))
+            case ast.BinOp(left=base, op=ast.Pow(), right=exponent):
+                whole = self._exponent(exponent, power)
+                base_node = self.node(base, depth + 1, power * max(abs(whole), 1))
+                return Power(base_node, whole)
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in _SIGNS:
+                pair = self.node(left, depth + 1, power), self.node(right, depth + 1, power)
+                return Operation(_SIGNS[type(op)], pair)
+            case ast.Call():
+                return self._call(found, depth, power)
+        raise self._refused(found, "only numbers, names, + - * / **, brackets and functions are possible.")
+
+    def _named(self, found: ast.expr, name: str) -> Node:
+        if name in VECTORS:
+            raise self._refused(found, f"one element is needed, such as {name}.arm.theta1.")
+        parameter = self._parameters.get(name)
+        return Constant(parameter) if parameter else Variable(name)
+
+    def _element(self, found: ast.expr) -> str:
+        """`x.arm.theta1` from names with dots between them, or from a text in brackets."""
+        match found:
+            case ast.Subscript(value=ast.Name(id=vector), slice=ast.Constant(value=str(name))) if (
+                vector in VECTORS
+            ):
+                return f"{vector}.{name}"
+            case ast.Attribute(value=ast.Name(id=vector), attr=name) if vector in VECTORS:
+                return f"{vector}.{name}"
+            case ast.Attribute(value=ast.Attribute() as inner, attr=name):
+                return f"{self._element(inner)}.{name}"
+        raise self._refused(found, "only x and y have elements: x.<coordinate>, y.<speed>.")
+
+    def _exponent(self, found: ast.expr, power: int) -> int:
+        sign, digits = 1, found
+        match found:
+            case ast.UnaryOp(op=ast.UAdd(), operand=digits):
+                pass
+            case ast.UnaryOp(op=ast.USub(), operand=digits):
+                sign = -1
+        if not isinstance(digits, ast.Constant) or type(digits.value) is not int:
+            raise self._refused(found, "an exponent is a whole number; for roots there is sqrt.")
+        if digits.value * power > LARGEST_POWER:
+            raise self._refused(found, f"a huge power; together exponents reach at most {LARGEST_POWER}.")
+        return sign * digits.value
+
+    def _call(self, found: ast.Call, depth: int, power: int) -> Node:
+        if not isinstance(found.func, ast.Name) or found.func.id not in FUNCTIONS:
+            name = ast.unparse(found.func)
+            known = f"There are {', '.join(FUNCTIONS)}."
+            raise self._refused(
+                found, f"there is no function {name!r}. {did_you_mean(name, FUNCTIONS)} {known}"
+            )
+        if found.keywords or len(found.args) != 1:
+            raise self._refused(found, f"{found.func.id} takes one number.")
+        return Operation(found.func.id, (self.node(found.args[0], depth + 1, power),))
+
+    def _refused(self, found: ast.expr, why: str) -> ModelError:
+        part = ast.get_source_segment(self._text.strip(), found) or ""
+        where = f" in {_quoted(self._text)}" if part != self._text.strip() else ""
+        return ModelError(f"{_quoted(part)}{where}: {why}")

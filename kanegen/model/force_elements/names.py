@@ -1,0 +1,162 @@
+"""What the names in force elements stand for; every one gets the name that its freedom keeps.
+
+A freedom is `<body>.<freedom>`, also where its joint has a name of its own or where it is locked: locking one
+changes no element.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from kanegen.choices import did_you_mean
+from kanegen.errors import ModelError
+from kanegen.model.body import Body
+from kanegen.model.force_elements.element import ForceElement
+from kanegen.model.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.expression import TIME
+from kanegen.model.freedoms import FREEDOMS, QUATERNION
+
+Place = tuple[int, int]
+"""A body, from 1, and an index that counts `FREEDOMS`, and `QUATERNION` behind them."""
+
+
+def coordinate_places(bodies: Sequence[Body]) -> dict[str, Place]:
+    """Every coordinate by every name that it has, locked ones too."""
+    found: dict[str, Place] = {}
+    for k, body in enumerate(bodies, start=1):
+        held = range(len(FREEDOMS))
+        if body.joint.is_quaternion:
+            held = range(3, len(FREEDOMS) + len(QUATERNION))
+        found |= {f"{body.name}.{(*FREEDOMS, *QUATERNION)[index]}": (k, index) for index in held}
+    return _aliased(found, bodies)
+
+
+def speed_places(bodies: Sequence[Body]) -> dict[str, Place]:
+    """Every speed by every name that it has; one of a locked freedom is zero."""
+    found: dict[str, Place] = {}
+    for k, body in enumerate(bodies, start=1):
+        for index, name in enumerate(FREEDOMS):
+            spins = body.joint.spins and index < 3
+            found[f"{body.name}.omega{index + 1}" if spins else f"{body.name}.{name}"] = (k, index)
+    return _aliased(found, bodies)
+
+
+def _aliased(found: dict[str, Place], bodies: Sequence[Body]) -> dict[str, Place]:
+    """Also by the name of a joint of which one freedom moves."""
+    for k, body in enumerate(bodies, start=1):
+        if body.joint.name and sum(body.joint.moving) == 1:
+            found.setdefault(body.joint.name, (k, body.joint.moving.index(True)))
+    return found
+
+
+def variable_places(bodies: Sequence[Body]) -> dict[str, Place]:
+    """Every variable of expressions but the time."""
+    coordinates = {f"x.{name}": place for name, place in coordinate_places(bodies).items()}
+    return coordinates | {f"y.{name}": place for name, place in speed_places(bodies).items()}
+
+
+def resolved(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[ForceElement, ...]:
+    """The elements, kind by kind, with names that locking a freedom does not change.
+
+    Raises:
+        ModelError: If a name stands for nothing, or an element makes no sense where it acts.
+    """
+    resolver = _Resolver(bodies)
+    found = [resolver.resolved(element) for element in elements]
+    return tuple(sorted(found, key=lambda element: KINDS.index(type(element))))
+
+
+def coordinates_named(elements: Iterable[ForceElement]) -> set[str]:
+    """The names of the coordinates and speeds that elements act by or on, as variables."""
+    found: set[str] = set()
+    for element in elements:
+        found |= {name for expression in element.expressions() for name in expression.variables}
+        if isinstance(element, JointSpring | Drive):
+            found |= {f"x.{element.freedom}", f"y.{element.freedom}"}
+    return found
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Of one kind: what each may be called, and what it is called."""
+
+    kind: str
+    known: Mapping[str, str]
+
+    @classmethod
+    def of(cls, kind: str, places: Mapping[str, Place]) -> _Names:
+        first: dict[Place, str] = {}
+        for name, place in places.items():
+            first.setdefault(place, name)
+        return cls(kind, {name: first[place] for name, place in places.items()})
+
+    def named(self, name: str, what: str) -> str:
+        if name not in self.known:
+            raise ModelError(f"{what}: there is no {self.kind} {name!r}. {did_you_mean(name, self.known)}")
+        return self.known[name]
+
+
+class _Resolver:
+    """Looks up the names of elements in the bodies of a system."""
+
+    def __init__(self, bodies: Sequence[Body]) -> None:
+        self._bodies = bodies
+        self._places = coordinate_places(bodies)
+        self._coordinates = _Names.of("coordinate", self._places)
+        self._speeds = _Names.of("speed", speed_places(bodies))
+        self._points = {point.name: k for k, body in enumerate(bodies, start=1) for point in body.points}
+
+    def resolved(self, element: ForceElement) -> ForceElement:
+        element = element.renamed(lambda name: self._variable(name, element.KEY))
+        match element:
+            case JointSpring():
+                name = self._coordinates.named(element.freedom, element.KEY)
+                self._require_rate(f"x.{name}", element.KEY)
+                return replace(element, freedom=name)
+            case Drive():
+                return replace(element, freedom=self._speeds.named(element.freedom, element.KEY))
+            case Spring():
+                self._check_ends(element)
+            case PointLoad():
+                self._body(element.point, element.KEY)
+            case Potential():
+                for name in element.energy.variables:
+                    self._require_rate(name, element.KEY)
+        return element
+
+    def _variable(self, name: str, what: str) -> str:
+        for vector, names in (("x", self._coordinates), ("y", self._speeds)):
+            if name.startswith(f"{vector}."):
+                return f"{vector}.{names.named(name[2:], what)}"
+        if name != TIME:
+            raise ModelError(
+                f"{what}: {name!r} stands for nothing. Write x.<coordinate>, y.<speed>, t or a parameter."
+            )
+        return name
+
+    def _require_rate(self, variable: str, what: str) -> None:
+        """Elements that pull at a coordinate need its rate among the speeds."""
+        k, index = self._places[variable[2:]]
+        body = self._bodies[k - 1]
+        if body.joint.spins and index not in range(3, len(FREEDOMS)):
+            raise ModelError(
+                f"{what}: the speeds of body {body.name!r} are its angular velocity, so none is the rate of "
+                f"{variable!r} alone. Keep angles and their rates there, or use a drive on "
+                f"'{body.name}.omega1' to 'omega3'."
+            )
+
+    def _check_ends(self, spring: Spring) -> None:
+        first, second = (self._body(end, spring.KEY) if isinstance(end, str) else 0 for end in spring.between)
+        if first == second:
+            one, two = (repr(end) if isinstance(end, str) else "the ground" for end in spring.between)
+            raise ModelError(
+                f"spring between {one} and {two}: both ends are on one body, so it would do nothing. Name "
+                "points of two bodies, or a place [x, y, z] of the ground."
+            )
+
+    def _body(self, point: str, what: str) -> int:
+        """The number of the body of a point, which must exist."""
+        if point not in self._points:
+            raise ModelError(f"{what}: there is no point {point!r}. {did_you_mean(point, self._points)}")
+        return self._points[point]

@@ -1,0 +1,107 @@
+"""What outputs are about where a system names it: the bodies of `body_poses`, directions of `reaction_loads`.
+
+Names stand in the order in which results hold them; None stands for all that there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from kanegen.choices import did_you_mean
+from kanegen.errors import ModelError
+from kanegen.model.body import Body
+from kanegen.model.freedoms import FREEDOMS
+
+POSES, REACTIONS = "body poses", "reaction loads"
+
+
+def body_number(bodies: Sequence[Body], body: Any, what: str) -> int:
+    """The number of a body, from 1, that is called by its name or that number.
+
+    Args:
+        bodies: Of the system.
+        body: Name or number.
+        what: What it is asked for.
+
+    Raises:
+        ModelError: If there is none.
+    """
+    names = [one.name for one in bodies]
+    if body in names:
+        return names.index(body) + 1
+    if isinstance(body, bool) or body not in range(1, len(names) + 1):
+        raise ModelError(f"{what}: there is no body {body!r}. {did_you_mean(body, names)}")
+    return int(body)
+
+
+def locked(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
+    """Every locked direction in the order of {y}: angles of all bodies, then translations.
+
+    Returns:
+        By name, `<body>.theta2` or `<body>.s1`, the number of its body, from 1, and its index in `FREEDOMS`.
+    """
+    return {
+        f"{body.name}.{FREEDOMS[index]}": (k, index)
+        for indices in (range(3), range(3, 6))
+        for k, body in enumerate(bodies, start=1)
+        for index in indices
+        if not body.joint.moving[index]
+    }
+
+
+def poses(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
+    """Names of the bodies that are chosen by name or number.
+
+    Raises:
+        ModelError: If one does not exist or is there twice, or there is none.
+    """
+    if chosen is None:
+        return None
+    names = [bodies[body_number(bodies, body, POSES) - 1].name for body in _listed(chosen, POSES)]
+    _require_once(names, POSES)
+    return tuple(names)
+
+
+def reactions(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
+    """Names of the locked directions that are chosen.
+
+    Raises:
+        ModelError: If one is free, does not exist or is there twice, or there is none.
+    """
+    if chosen is None:
+        return None
+    known, names = locked(bodies), _listed(chosen, REACTIONS)
+    for name in names:
+        if not isinstance(name, str) or name not in known:
+            raise ModelError(f"{REACTIONS}: {_refusal(bodies, name, known)}")
+    _require_once(names, REACTIONS)
+    return names
+
+
+def _refusal(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
+    """Why a name is no locked direction, and what to do."""
+    for body in bodies:
+        for index, freedom in enumerate(FREEDOMS):
+            if name == f"{body.name}.{freedom}":
+                is_free = body.joint.free[index]
+                moves, output = (
+                    ("free", "inverse_dynamics") if is_free else ("prescribed", "prescribed_efforts")
+                )
+                return f"{name!r} is {moves}; its effort is what {output} gives. Lock it, or leave it out."
+    if not known:
+        return "no direction of a joint is locked. Lock one, or take inverse_dynamics."
+    return f"there is no locked direction {name!r}. {did_you_mean(name, known)}"
+
+
+def _require_once(names: Sequence[str], what: str) -> None:
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            raise ModelError(f"{what}: {name!r} is named twice. Name it once.")
+
+
+def _listed(chosen: Any, what: str) -> tuple[Any, ...]:
+    items = tuple(chosen) if isinstance(chosen, Iterable) and not isinstance(chosen, str) else (chosen,)
+    if not items:
+        raise ModelError(f"{what}: none is chosen. Name one, or leave the choice out for all.")
+    return items

@@ -1,6 +1,0 @@
-"""The equations for people: in blocks as the notes print them, as text, Markdown, LaTeX or Python."""
-
-from kanegen.printing.blocks import Blocks
-from kanegen.printing.formats import FORMATS, render
-
-__all__ = ["FORMATS", "Blocks", "render"]

@@ -1,6 +1,0 @@
-"""What a scene does not need, and what that saves: the specialised program beside the general one."""
-
-from kanegen.receipt.exactness import Exactness, exactness
-from kanegen.receipt.receipt import Receipt, Step, receipt
-
-__all__ = ["Exactness", "Receipt", "Step", "exactness", "receipt"]

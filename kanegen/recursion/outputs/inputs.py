@@ -1,0 +1,100 @@
+"""The arrays that the generated functions read, and the symbols of their elements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import chain, product
+
+from sympy import Symbol
+
+from kanegen.model.system import System
+from kanegen.program.ir import Array
+from kanegen.program.selection import PARAMETERS
+from kanegen.symbolic import symbols
+
+Elements = tuple[tuple[Symbol, str], ...]
+"""The symbol of each element of an array, and its name in the code."""
+
+LOADS = ("force", "torque", "point_force", "point_moment", "t")
+"""What may act on a system beside gravity and {tau}, or decide about it."""
+
+EVERYWHERE = ("prescribed",)
+"""Arrays that every output may read."""
+
+
+def input_arrays(system: System) -> dict[Array, Elements]:
+    """Every input array of a system and the symbols of its elements, in the order of the C arguments."""
+    kinds = (_parameters, _state, _driving, _loads, _point_loads, _time, _prescribed)
+    return dict(chain.from_iterable(kind(system) for kind in kinds))
+
+
+def coordinate_units(system: System) -> tuple[str, ...]:
+    """Of the elements of {x}."""
+    quaternions = any(coordinate.unit == "1" for coordinate in system.coordinates)
+    return ("1", "rad", "m") if quaternions else ("rad", "m")
+
+
+def _named(elements: Iterable[Symbol]) -> Elements:
+    return tuple((symbol, symbol.name) for symbol in elements)
+
+
+def _parameters(system: System) -> Iterator[tuple[Array, Elements]]:
+    if system.parameters:
+        array = Array(PARAMETERS, (len(system.parameters),), "SI", "the run-time parameters")
+        yield array, tuple((symbols.parameter(p), f"p_{p.name}") for p in system.parameters)
+
+
+def _state(system: System) -> Iterator[tuple[Array, Elements]]:
+    x = symbols.coordinates(system)
+    y = symbols.speeds(system)
+    units = coordinate_units(system)
+    turning = "quaternions or angles" if "1" in units else "angles"
+    doc = f"{{x}}, the coordinates: {turning}, then translations, Eq. (1)"
+    yield Array("x", (len(x),), ", ".join(units), doc), _named(x)
+    doc = "{y}, the generalized speeds in the same order, Eq. (1)"
+    yield Array("y", (len(y),), "rad/s, m/s", doc), _named(y)
+
+
+def _driving(system: System) -> Iterator[tuple[Array, Elements]]:
+    """What inverse and forward dynamics are given."""
+    rates = symbols.accelerations(system)
+    doc = "{ydot}, derivatives of the generalized speeds"
+    yield Array("ydot", (len(rates),), "rad/s^2, m/s^2", doc), _named(rates)
+    forces = [symbols.generalized_force(freedom.body, freedom.index) for freedom in system.freedoms]
+    doc = "generalized forces beside loads and gravity"
+    yield Array("tau", (len(forces),), "N m, N", doc), _named(forces)
+
+
+def _loads(system: System) -> Iterator[tuple[Array, Elements]]:
+    if any(body.loads for body in system.bodies):
+        count = system.number_of_bodies
+        every = list(product(range(1, count + 1), range(3)))
+        doc = "acting on each body {}, body components, Eq. (37)"
+        force = Array("force", (count, 3), "N", "{F'_K}, the force " + doc.format("at its mass centre"))
+        torque = Array("torque", (count, 3), "N m", "{M'_K}, the torque " + doc.format("as a couple"))
+        yield force, _named(symbols.force(k, axis) for k, axis in every)
+        yield torque, _named(symbols.torque(k, axis) for k, axis in every)
+
+
+def _point_loads(system: System) -> Iterator[tuple[Array, Elements]]:
+    if any(point.loads for _, point in system.points):
+        count = len(system.points)
+        every = list(product(range(1, count + 1), range(3)))
+        doc = "on the body of each point, inertial components"
+        force = Array("point_force", (count, 3), "N", f"the force {doc}, acting there")
+        moment = Array("point_moment", (count, 3), "N m", f"the moment {doc}, as a couple")
+        yield force, _named(symbols.point_force(number, axis) for number, axis in every)
+        yield moment, _named(symbols.point_moment(number, axis) for number, axis in every)
+
+
+def _time(system: System) -> Iterator[tuple[Array, Elements]]:
+    if system.depends_on_time:
+        yield Array("t", (), "s", "the time"), _named([symbols.time()])
+
+
+def _prescribed(system: System) -> Iterator[tuple[Array, Elements]]:
+    if system.prescribed:
+        shape = (3, len(system.prescribed))
+        doc = "the prescribed freedoms: a row of values, one of rates, one of second derivatives"
+        array = Array("prescribed", shape, "rad, m; rad/s, m/s; rad/s^2, m/s^2", doc)
+        yield array, _named(symbols.prescribed(system))

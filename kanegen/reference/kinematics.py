@@ -1,0 +1,197 @@
+"""Equations (1)-(35) of the notes, written down in NumPy as they stand there.
+
+Every body has its partial velocity matrices of size (3, 6N) and their time derivatives, built outward from
+those of its lower body. Columns of locked and of prescribed freedoms are present too; the reader drops them
+last. Nothing here shares code with the derivation that becomes C.
+
+The arithmetic is that of the state: float64, longdouble, complex (for complex-step derivatives), and object
+arrays of high-precision numbers that know `sin` and `cos`. In shapes, `...` is the batch: nothing, or (B,).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from kanegen.model.arrays import SystemArrays
+from kanegen.model.sequences import SEQUENCES
+from kanegen.reference.freedoms import UNPRESCRIBED, by_body, full_order, rates_by_body
+from kanegen.reference.matrices import (
+    Numbers,
+    angle_rate_matrix,
+    angle_rate_matrix_dot,
+    apply,
+    rotation_123,
+    rotation_by_quaternion,
+    sines_cosines,
+    skew,
+    transposed,
+)
+from kanegen.reference.sequences import renaming
+
+
+@dataclass(frozen=True)
+class BodyKinematics:
+    """What the notes define for one body K with lower body J, in SI units.
+
+    The last axis of a name that ends in `_y` or `_y_dot` runs over all 6N speeds in the order of Eq. (1):
+    angle rates of all bodies, then translation rates of all bodies.
+
+    Attributes:
+        relative_rotation: (..., 3, 3) `[^J R_K]`: Eq. (4) times the constant `[C_K]`.
+        rotation: (..., 3, 3) `[R_K]`, Eq. (3).
+        rate_matrix: (..., 3, 3) `[P_K^AV]`, Eq. (17).
+        rate_matrix_dot: (..., 3, 3) its time derivative, below Eq. (20).
+        relative_omega: (..., 3) angular velocity relative to J, Eq. (8), in K.
+        offset: (..., 3) `q'_K + s'_K`, from O_J to O_K, in J.
+        offset_dot: (..., 3) time derivative of `s'_K`, in J.
+        position: (..., 3) `p'_{O_K}`, Eq. (22), in K.
+        center_position: (..., 3) `p'_{G_K}`, Eq. (23), in K.
+        omega_y: (..., 3, 6N) `[omega'_{K,y}]`, Eq. (15), in K.
+        omega_y_dot: (..., 3, 6N) Eq. (20), in K.
+        omega: (..., 3) Eq. (18), in K.
+        origin_y: (..., 3, 6N) `[v'_{O_K,y}]`, Eq. (28), in J.
+        origin_y_dot: (..., 3, 6N) Eq. (35), in J.
+        center_y: (..., 3, 6N) `[v'_{G_K,y}]`, Eq. (32), in K.
+        center_y_dot: (..., 3, 6N) Eq. (34), in K.
+        center_velocity: (..., 3) `{v'_{G_K}}`, Eq. (31), in K.
+    """
+
+    relative_rotation: Numbers
+    rotation: Numbers
+    rate_matrix: Numbers
+    rate_matrix_dot: Numbers
+    relative_omega: Numbers
+    offset: Numbers
+    offset_dot: Numbers
+    position: Numbers
+    center_position: Numbers
+    omega_y: Numbers
+    omega_y_dot: Numbers
+    omega: Numbers
+    origin_y: Numbers
+    origin_y_dot: Numbers
+    center_y: Numbers
+    center_y_dot: Numbers
+    center_velocity: Numbers
+
+
+def kinematics(
+    system: SystemArrays, x: Numbers, y: Numbers, prescribed: Numbers = UNPRESCRIBED
+) -> tuple[BodyKinematics, ...]:
+    """The matrices of bodies 1 to N.
+
+    Args:
+        system: The numbers of the tree.
+        x: (..., m) coordinates (rad, m, 1).
+        y: (..., n) generalized speeds (rad/s, m/s).
+        prescribed: (..., 3, p) values, rates and second derivatives of the prescribed freedoms.
+
+    Where the speeds of a body's angles are components of its relative angular velocity, [P^AV_K] is the
+    identity and its rate zero.
+    """
+    count = len(system.mass)
+    speeds = full_order(system, y, prescribed[..., 1, :])
+    orientations, translations = by_body(system, x, prescribed[..., 0, :])
+    rates, translation_rates = rates_by_body(speeds)
+    bodies = [_ground(count, speeds.dtype)]
+    for k in range(count):
+        state = (orientations[k], rates[..., k, :], translations[k], translation_rates[..., k, :])
+        bodies.append(_body(system, k, bodies[system.connection[k]], state, speeds))
+    return tuple(bodies[1:])
+
+
+def _body(
+    system: SystemArrays,
+    k: int,
+    lower: BodyKinematics,
+    state: tuple[Numbers, Numbers, Numbers, Numbers],
+    speeds: Numbers,
+) -> BodyKinematics:
+    orientation, rates, translation, translation_rates = state
+    joint_to_lower = system.joint_orientation[k].T
+    r_tilde = skew(system.mass_center[k])
+
+    turn, rate_matrix, rate_matrix_dot = _turning(system, k, orientation, rates)
+    relative_omega = apply(rate_matrix, rates)  # (8)
+    rotate = turn @ system.joint_orientation[k]  # (4)
+    rotate_dot = transposed(skew(relative_omega)) @ rotate  # (7)
+
+    omega_y = rotate @ lower.omega_y + _block(rate_matrix, k, speeds)  # (15), (16)
+    omega_y_dot = (  # (20)
+        rotate @ lower.omega_y_dot + rotate_dot @ lower.omega_y + _block(rate_matrix_dot, k, speeds)
+    )
+
+    offset = system.joint_position[k] + apply(joint_to_lower, translation)
+    offset_dot = apply(joint_to_lower, translation_rates)
+    lower_rotate_dot = transposed(skew(lower.relative_omega)) @ lower.relative_rotation
+    translations = len(system.mass)
+    origin_y = (  # (28)-(30)
+        lower.relative_rotation @ lower.origin_y
+        - skew(offset) @ lower.omega_y
+        + _block(joint_to_lower, translations + k, speeds)
+    )
+    origin_y_dot = (  # (35)
+        lower.relative_rotation @ lower.origin_y_dot
+        + lower_rotate_dot @ lower.origin_y
+        - skew(offset_dot) @ lower.omega_y
+        - skew(offset) @ lower.omega_y_dot
+    )
+    center_y = rotate @ origin_y - r_tilde @ omega_y  # (32)
+    center_y_dot = rotate @ origin_y_dot + rotate_dot @ origin_y - r_tilde @ omega_y_dot  # (34)
+    position = apply(rotate, lower.position + offset)  # (22)
+    return BodyKinematics(
+        relative_rotation=rotate,
+        rotation=rotate @ lower.rotation,  # (3)
+        rate_matrix=rate_matrix,
+        rate_matrix_dot=rate_matrix_dot,
+        relative_omega=relative_omega,
+        offset=offset,
+        offset_dot=offset_dot,
+        position=position,
+        center_position=position + system.mass_center[k],  # (23)
+        omega_y=omega_y,
+        omega_y_dot=omega_y_dot,
+        omega=apply(omega_y, speeds),  # (18)
+        origin_y=origin_y,
+        origin_y_dot=origin_y_dot,
+        center_y=center_y,
+        center_y_dot=center_y_dot,
+        center_velocity=apply(center_y, speeds),  # (31)
+    )
+
+
+def _turning(
+    system: SystemArrays, k: int, orientation: Numbers, rates: Numbers
+) -> tuple[Numbers, Numbers, Numbers]:
+    """(..., 3, 3) turn from the joint frame, Eq. (4), [P^AV_K] of Eq. (17), and its rate."""
+    if system.coordinates[k] == "quaternion":
+        turn = rotation_by_quaternion(orientation)
+        still = np.zeros_like(turn)
+        return turn, still + np.eye(3), still
+    named = renaming(SEQUENCES[system.sequence[k]])
+    turns = sines_cosines(orientation, named)
+    turn = named.after @ rotation_123(*turns) @ named.before
+    if system.speeds[k] == "angular_velocity":
+        still = np.zeros_like(turn)
+        return turn, still + np.eye(3), still
+    rate_matrix = named.after @ angle_rate_matrix(*turns)
+    return turn, rate_matrix, named.after @ angle_rate_matrix_dot(*turns, named.sign * rates)
+
+
+def _ground(bodies: int, dtype: np.dtype[Any]) -> BodyKinematics:
+    """Body 0 at rest, so that factors of the lower body drop out where the notes leave them out."""
+    zeros = {field.name: np.zeros(3, dtype) for field in fields(BodyKinematics)}
+    columns = {name: np.zeros((3, 6 * bodies), dtype) for name in zeros if name.endswith(("_y", "_y_dot"))}
+    identities = {name: np.eye(3, dtype=dtype) for name in ("relative_rotation", "rotation")}
+    squares = {name: np.zeros((3, 3), dtype) for name in ("rate_matrix", "rate_matrix_dot")}
+    return BodyKinematics(**{**zeros, **columns, **identities, **squares})
+
+
+def _block(square: Numbers, number: int, speeds: Numbers) -> Numbers:
+    """(..., 3, 6N) zeros with `square` (..., 3, 3) as 3 x 3 partition `number`, counted from 0."""
+    columns = np.zeros((*square.shape[:-2], 3, speeds.shape[-1]), np.result_type(square, speeds))
+    columns[..., 3 * number : 3 * number + 3] = square
+    return columns

@@ -1,0 +1,93 @@
+"""Small matrices of the notes, for any batch of states and any type of number."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kanegen.reference.sequences import Renaming
+
+Numbers = NDArray[Any]
+"""Real or complex numbers of any type; in shapes, `...` is the batch: nothing, or (B,)."""
+
+
+def skew(v: Numbers) -> Numbers:
+    """(..., 3, 3) skew matrix of (..., 3): `skew(a) @ b` is the cross product of a and b."""
+    zero = np.zeros_like(v[..., 0])
+    return _matrix(
+        [zero, -v[..., 2], v[..., 1]],
+        [v[..., 2], zero, -v[..., 0]],
+        [-v[..., 1], v[..., 0], zero],
+    )
+
+
+def length(vectors: Numbers, axis: int = -1) -> Numbers:
+    """Euclidean lengths of real vectors, without overflow or underflow of the squares."""
+    lengths: Numbers = np.hypot.reduce(vectors, axis=axis)
+    return lengths
+
+
+def apply(matrix: Numbers, vector: Numbers) -> Numbers:
+    """(..., m) product of (..., m, n) and (..., n)."""
+    product: Numbers = (matrix @ vector[..., None])[..., 0]
+    return product
+
+
+def transposed(matrix: Numbers) -> Numbers:
+    """(..., n, m) from (..., m, n)."""
+    return np.swapaxes(matrix, -1, -2)
+
+
+def sines_cosines(angles: Numbers, renaming: Renaming) -> tuple[Numbers, Numbers]:
+    """(3, ...) sines and cosines of the angles {phi} behind (..., 3) angles of a joint."""
+    sines = renaming.sign * np.moveaxis(np.sin(angles), -1, 0)
+    cosines = np.moveaxis(np.cos(angles), -1, 0)
+    if renaming.ends_alike:
+        (s1, s2, s3), (c1, c2, c3) = sines, cosines
+        return np.stack([s1, c2, s3]), np.stack([c1, -s2, c3])
+    return sines, cosines
+
+
+def rotation_123(sines: Numbers, cosines: Numbers) -> Numbers:
+    """(..., 3, 3) Eq. (4), from (3, ...) sines and cosines of the angles."""
+    (s1, s2, s3), (c1, c2, c3) = sines, cosines
+    return _matrix(
+        [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
+        [-c2 * s3, c1 * c3 - s1 * s2 * s3, s1 * c3 + c1 * s2 * s3],
+        [s2, -s1 * c2, c1 * c2],
+    )
+
+
+def rotation_by_quaternion(elements: Numbers) -> Numbers:
+    """(..., 3, 3) from a joint's frame to the frame turned by (..., 4) Euler parameters, after Rodrigues."""
+    scalar, vector = elements[..., 0, None, None], elements[..., 1:]
+    row, column = vector[..., None, :], vector[..., :, None]
+    across, along = scalar * skew(vector), row @ column
+    turned = (scalar * scalar - along) * np.eye(3) + 2 * (column @ row - across)
+    rotation: Numbers = turned / (scalar * scalar + along)
+    return rotation
+
+
+def angle_rate_matrix(sines: Numbers, cosines: Numbers) -> Numbers:
+    """(..., 3, 3) Eq. (17)."""
+    (_, s2, s3), (_, c2, c3) = sines, cosines
+    zero = np.zeros_like(s2)
+    return _matrix([c2 * c3, s3, zero], [-c2 * s3, c3, zero], [s2, zero, zero + 1])
+
+
+def angle_rate_matrix_dot(sines: Numbers, cosines: Numbers, rates: Numbers) -> Numbers:
+    """(..., 3, 3) below Eq. (20), with (..., 3) rates of the angles."""
+    (_, s2, s3), (_, c2, c3) = sines, cosines
+    _, d2, d3 = np.moveaxis(rates, -1, 0)
+    zero = np.zeros_like(s2)
+    return _matrix(
+        [-(s2 * c3 * d2 + c2 * s3 * d3), c3 * d3, zero],
+        [s2 * s3 * d2 - c2 * c3 * d3, -s3 * d3, zero],
+        [c2 * d2, zero, zero],
+    )
+
+
+def _matrix(*rows: list[Numbers]) -> Numbers:
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

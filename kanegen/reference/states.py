@@ -1,0 +1,191 @@
+"""Random states in which every part of [A] and {f} counts.
+
+A wrong term is seen only where it is not drowned by the others. So translations, speeds and loads follow the
+model: each body has a length, and gravity turns it into a time and a force. The same seed gives the same
+states, whatever else is computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kanegen.model.arrays import Floats, SystemArrays
+from kanegen.model.force_elements.expression import TIME
+from kanegen.model.system import System
+from kanegen.program.precision import Precision
+from kanegen.reference.freedoms import free_columns, prescribed_columns
+from kanegen.reference.matrices import length
+
+PERIODS = 8
+"""How many times what a body swings in the time may be."""
+
+STANDARD_GRAVITY = 9.80665
+"""m/s^2."""
+
+
+@dataclass(frozen=True)
+class States:
+    """B states of a system.
+
+    Attributes:
+        x: (B, m) coordinates (rad, m, 1).
+        y: (B, n) generalized speeds (rad/s, m/s).
+        force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if none does.
+        torque: (B, N, 3) torques (N m), likewise.
+        given: What only some systems read, by name: "point_force" and "point_moment" (B, P, 3), "t" (B,), and
+            "prescribed" (B, 3, p), the values, rates and second derivatives of the prescribed freedoms.
+    """
+
+    x: Floats
+    y: Floats
+    force: Floats | None
+    torque: Floats | None
+    given: Mapping[str, Floats] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        """B."""
+        return len(self.x)
+
+    @property
+    def motion(self) -> Floats:
+        """(B, 3, p) that of the prescribed freedoms, p being 0 where there are none."""
+        return self.given.get("prescribed", np.zeros((len(self), 3, 0)))
+
+    def part(self, start: int, stop: int) -> States:
+        """States number `start` to `stop` - 1."""
+        rows = slice(start, stop)
+        force = None if self.force is None else self.force[rows]
+        torque = None if self.torque is None else self.torque[rows]
+        given = {name: values[rows] for name, values in self.given.items()}
+        return States(self.x[rows], self.y[rows], force, torque, given)
+
+    def rounded(self, precision: Precision) -> States:
+        """The nearest states that `precision` can hold, so that rounding them is no error of a program."""
+        force = None if self.force is None else _rounded(self.force, precision)
+        torque = None if self.torque is None else _rounded(self.torque, precision)
+        given = {name: _rounded(values, precision) for name, values in self.given.items()}
+        return States(_rounded(self.x, precision), _rounded(self.y, precision), force, torque, given)
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Largest magnitudes of random states, as in `States` without B; 0 where a body takes no loads.
+
+    `size` is (n,) what counts as a large change by a freedom: a radian, or the length of its body.
+    """
+
+    x: Floats
+    size: Floats
+    y: Floats
+    force: Floats
+    torque: Floats
+    given: Mapping[str, Floats]
+
+
+def ranges(system: System | SystemArrays) -> Ranges:
+    """Half a turn for angles, 1 for quaternions; everything else on the scale of its body."""
+    arrays = system.values() if isinstance(system, System) else system
+    size, acceleration, mass = _lengths(arrays), _acceleration(arrays), _masses(arrays)
+    rate = np.sqrt(acceleration / size)
+    free = free_columns(arrays)
+    lengths = np.repeat(size, 3)[arrays.free[:, 3:].ravel()]
+    turning = [
+        np.ones(4) if held == "quaternion" else np.full(free[:3].sum(), np.pi)
+        for held, free in zip(arrays.coordinates, arrays.free, strict=True)
+    ]
+    weight = np.where(arrays.loads, mass, 0.0) * acceleration
+    of_points = [k - 1 for k, _ in arrays.forces.points.values()]
+    at_points = np.where(arrays.forces.loaded, mass[of_points] * acceleration, 0.0)
+    told = prescribed_columns(arrays)
+    moved = [np.concatenate([np.full_like(size, np.pi), size])]
+    moved += [np.concatenate([rate**power, rate**power * size]) for power in (1, 2)]
+    given = {
+        "point_force": np.tile(at_points[:, None], 3),
+        "point_moment": np.tile((at_points * size[of_points])[:, None], 3),
+        "t": np.array(PERIODS * np.sqrt(size.max() / acceleration)),
+        "prescribed": np.stack([np.repeat(each, 3)[told] for each in moved]),
+    }
+    return Ranges(
+        x=np.concatenate([*turning, lengths]),
+        size=np.concatenate([np.ones(arrays.free[:, :3].sum()), lengths]),
+        y=np.repeat(np.concatenate([rate, rate * size]), 3)[free],
+        force=np.tile(weight[:, None], 3),
+        torque=np.tile((weight * size)[:, None], 3),
+        given={name: given[name] for name in _read(arrays)},
+    )
+
+
+def _read(arrays: SystemArrays) -> Iterator[str]:
+    """Names of the `States.given` that a system reads."""
+    if arrays.forces.loaded.any():
+        yield from ("point_force", "point_moment")
+    if any(
+        TIME in written.variables for element in arrays.forces.elements for written in element.expressions()
+    ):
+        yield "t"
+    if arrays.prescribed.any():
+        yield "prescribed"
+
+
+def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:
+    """`count` random states.
+
+    Angles are uniform over (-pi, pi), everything else uniform over (-1, 1) times the scale of its body, the
+    elements of quaternions as they are. [A]
+    is singular where a `cos(theta2)` is zero and all three angles of that body are free; [A] and {f} are
+    smooth there, so those states are not avoided, but who solves with [A] must keep away.
+
+    Args:
+        system: The tree; parameters stand at their defaults.
+        count: B.
+        seed: Of the generator.
+    """
+    arrays = system.values() if isinstance(system, System) else system
+    rng, largest = np.random.default_rng(seed), ranges(arrays)
+    x, y = _uniform(rng, count, largest.x), _uniform(rng, count, largest.y)
+    force = torque = None
+    if arrays.loads.any():
+        force, torque = _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque)
+    given = {name: _uniform(rng, count, scale) for name, scale in largest.given.items()}
+    return States(x, y, force, torque, given)
+
+
+def _rounded(values: Floats, precision: Precision) -> Floats:
+    return values.astype(precision.dtype).astype(np.float64)
+
+
+def _uniform(rng: np.random.Generator, count: int, scale: Floats) -> Floats:
+    values: Floats = rng.uniform(-1.0, 1.0, (count, *scale.shape)) * scale
+    return values
+
+
+def _lengths(arrays: SystemArrays) -> Floats:
+    """(N,) the largest of the arms and the radius of gyration; where it is 0, the mean of the others, or 1 m.
+
+    Where the ground holds a body does not matter to the motion, so it does not count.
+    """
+    on_a_body = arrays.connection[:, None] > 0
+    arms = [arrays.mass_center, on_a_body * arrays.joint_position, on_a_body * arrays.locked[:, 3:]]
+    spin = np.trace(arrays.inertia, axis1=1, axis2=2)
+    gyration = np.sqrt(spin / np.where(arrays.mass > 0, arrays.mass, np.inf))
+    return _filled(np.max([gyration, *(length(arm) for arm in arms)], axis=0))
+
+
+def _masses(arrays: SystemArrays) -> Floats:
+    """(N,) masses, with the mean where a body has none, or else 1 kg."""
+    return _filled(arrays.mass)
+
+
+def _filled(values: Floats) -> Floats:
+    """`values` with zeros replaced by the mean of the others, or by 1 where there are no others."""
+    positive = values[values > 0]
+    filled: Floats = np.where(values > 0, values, positive.mean() if positive.size else 1.0)
+    return filled
+
+
+def _acceleration(arrays: SystemArrays) -> float:
+    """Gravity, or where there is none that of the Earth (m/s^2)."""
+    return float(length(arrays.gravity) or STANDARD_GRAVITY)

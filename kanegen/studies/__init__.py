@@ -1,0 +1,1 @@
+"""Studies of a model that build and measure many variants of it."""

@@ -1,0 +1,77 @@
+"""A driver in Python: kanegen's functions called as a user calls them, one state a call.
+
+python -m kanegen.studies.bench.calls results|times STATES OUT|SECONDS LIBRARIES
+
+LIBRARIES holds the two pickled libraries of a contest; drivers/contest.h says the rest.
+"""
+
+from __future__ import annotations
+
+import pickle
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from kanegen.library import Library
+from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, Results, write
+from kanegen.studies.bench.states import States
+
+Libraries = dict[str, Library]
+
+
+def main() -> None:
+    """As the command line says."""
+    mode, states, last, path = sys.argv[1:]
+    libraries: Libraries = pickle.loads(Path(path).read_bytes())
+    if mode == "results":
+        write(Path(last), results(libraries, States.read(Path(states))))
+    else:
+        for task, value in times(libraries, States.read(Path(states)), float(last)).items():
+            print(task, f"{value:.6g}")
+
+
+def results(libraries: Libraries, states: States) -> Results:
+    """Every state by a call of its own."""
+    rows = list(zip(states.x, states.y, states.tau, strict=True))
+    equations = [libraries[EQUATIONS].evaluate(x, y) for x, y, _ in rows]
+    dynamics = [libraries[DYNAMICS].forward_dynamics(x, y, tau) for x, y, tau in rows]
+    return {
+        EQUATIONS: np.array([np.vstack([e.mass_matrix, e.forcing]) for e in equations]),
+        DYNAMICS: np.array(dynamics)[:, None, :],
+    }
+
+
+def times(libraries: Libraries, states: States, seconds: float) -> dict[str, float]:
+    """Nanoseconds a call, by task."""
+    evaluate = libraries[EQUATIONS].evaluate
+    forward_dynamics = libraries[DYNAMICS].forward_dynamics
+    pairs = [(x, y) for x, y in zip(states.x, states.y, strict=True)]
+    triples = [(x, y, tau) for x, y, tau in zip(states.x, states.y, states.tau, strict=True)]
+
+    def equations() -> None:
+        for x, y in pairs:
+            evaluate(x, y)
+
+    def dynamics() -> None:
+        for x, y, tau in triples:
+            forward_dynamics(x, y, tau)
+
+    count = len(pairs)
+    return {EQUATIONS: _mean(equations, seconds) / count, DYNAMICS: _mean(dynamics, seconds) / count}
+
+
+def _mean(run: Callable[[], None], seconds: float) -> float:
+    """Nanoseconds of a pass, over about `seconds` after one to warm up."""
+    run()
+    passes, start = 0, time.perf_counter()
+    while (elapsed := time.perf_counter() - start) < seconds or not passes:
+        run()
+        passes += 1
+    return 1e9 * elapsed / passes
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+"""Six freedoms as a free-flyer: Pinocchio's usual coordinates of a floating body, and the way there and back.
+
+Its velocity v is that of the body in body components, v = [J]{y}; its six numbers take the places of the
+rates of three translations and three angles. {x} stays as it is, and the driver makes the quaternion itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from kanegen.model.arrays import Floats
+from kanegen.studies.bench.peers.joints import Joint
+from kanegen.studies.bench.results import Results
+from kanegen.studies.bench.states import States
+
+STEP = 1e-30
+"""Of complex-step derivatives, which have no error of truncation."""
+
+
+class FreeFlyer:
+    """Between {y} and the velocities of a model with free-flyers."""
+
+    def __init__(self, joints: Sequence[Joint]) -> None:
+        self.blocks = [np.array(joint.columns) for joint in joints if joint.kind == "free-flyer"]
+
+    def states(self, states: States) -> States:
+        """The same states in the coordinates of the model."""
+        y, tau = np.empty_like(states.y), np.empty_like(states.tau)
+        for b, x in enumerate(states.x):
+            jacobian = self._jacobian(x)
+            y[b] = jacobian @ states.y[b]
+            tau[b] = np.linalg.solve(jacobian.T, states.tau[b])
+        return States(states.x, y, tau)
+
+    def results(self, theirs: Results, states: States) -> Results:
+        """[A], {f} and {ydot} of kanegen's coordinates from those of the model."""
+        converted = {task: values.copy() for task, values in theirs.items()}
+        for b, (x, y) in enumerate(zip(states.x, states.y, strict=True)):
+            jacobian = self._jacobian(x)
+            drift = (self._jacobian(x + 1j * STEP * y) @ y).imag / STEP  # [Jdot]{y}
+            for values in converted.values():
+                *matrix, vector = values[b].copy()
+                if matrix:
+                    values[b, :-1] = jacobian.T @ matrix @ jacobian
+                    values[b, -1] = jacobian.T @ (vector - matrix @ drift)
+                else:
+                    values[b, 0] = np.linalg.solve(jacobian, vector - drift)
+        return converted
+
+    def _jacobian(self, x: Floats) -> Floats:
+        """(n, n)."""
+        jacobian = np.eye(len(x), dtype=x.dtype)
+        for block in self.blocks:
+            jacobian[np.ix_(block, block)] = _body_velocity(x[block[3:]])
+        return jacobian
+
+
+def _body_velocity(angles: Floats) -> Floats:
+    """(6, 6): velocity in body components from the rates of translations and of angles 1-2-3."""
+    (s1, s2, s3), (c1, c2, c3) = np.sin(angles), np.cos(angles)
+    one, zero = np.ones_like(s1), np.zeros_like(s1)
+    turn_1 = np.array([[one, zero, zero], [zero, c1, -s1], [zero, s1, c1]])
+    turn_2 = np.array([[c2, zero, s2], [zero, one, zero], [-s2, zero, c2]])
+    turn_3 = np.array([[c3, -s3, zero], [s3, c3, zero], [zero, zero, one]])
+    block = np.zeros((6, 6), dtype=angles.dtype)  # linear, then angular
+    block[:3, :3] = (turn_1 @ turn_2 @ turn_3).T
+    block[3:, 3] = (turn_2 @ turn_3)[0]
+    block[3:, 4] = turn_3[1]
+    block[3:, 5] = [0, 0, 1]
+    return block

@@ -1,0 +1,135 @@
+"""A study in words and tables. Only the times differ from run to run."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+
+from kanegen.measure import machine
+from kanegen.measure.truth.bounds import FACTOR
+from kanegen.studies.tradeoff import runs
+from kanegen.studies.tradeoff.errors import GATE
+from kanegen.studies.tradeoff.judge import OBJECTIVES
+from kanegen.studies.tradeoff.outcome import Study
+from kanegen.studies.tradeoff.pareto_front import TIE
+from kanegen.studies.tradeoff.tables import FRESH, TITLES, fresh_rows, head, plain, rows, strata
+
+_CONCERNS = {
+    "max": "the largest error of the sample counts",
+    "p99": "the error that 99 % of the states do not exceed counts",
+    "median": "the median error counts",
+}
+"""What a front is about."""
+
+_COLUMNS = (
+    *("variant", "objective", "nanoseconds", "least", "operations", "bytes"),
+    *("median", "p99", "max", "componentwise", "of_bound"),
+)
+"""Of the CSV, before those of strata."""
+
+
+def statements(study: Study) -> list[str]:
+    """What is to be said beside the tables, a line each."""
+    lines = [f"{TITLES[objective].capitalize()}: {study.verdict(objective)}" for objective in OBJECTIVES]
+    rho = [f"{TITLES[o]} {plain(study.rank_correlation(o))}" for o in OBJECTIVES]
+    lines.append(f"Spearman's rank correlation of operation counts and measured times: {', '.join(rho)}.")
+    wrong = [entry.label for entry in study.entries if entry.wrong]
+    if wrong:
+        lines.append(
+            f"Wrong, and not timed, because no rounding explains their backward errors: {'; '.join(wrong)}."
+        )
+    return lines
+
+
+def markdown(study: Study) -> str:
+    """The whole report."""
+    parts = [
+        f"# Speed against accuracy: {study.model}",
+        f"{study.n} freedoms, {len(study.entries)} variants, {len(study.refusals)} refused.",
+        "\n".join(f"- {line}" for line in statements(study)),
+        "![Work and precision](tradeoff.svg)",
+        "## How",
+        _method(study),
+    ]
+    for objective in OBJECTIVES:
+        parts += [
+            f"## Front, {TITLES[objective]}",
+            _table(FRESH, fresh_rows(study, objective), texts=1),
+            f"## All variants, {TITLES[objective]}",
+            _table(head(study), rows(study, objective), texts=1),
+        ]
+    if study.runs:
+        picture = "![Simulations](tradeoff-simulation.svg)"
+        parts += [
+            "## Simulation",
+            runs.explained(study),
+            picture,
+            _table(runs.HEAD, runs.cheapest(study), runs.TEXTS),
+        ]
+    same = [entry for entry in study.entries if entry.same_as]
+    if same:
+        lines = [f"- {entry.label}: the same program as {entry.same_as}" for entry in same]
+        parts += ["## Equal programs", "\n".join(lines)]
+    if study.refusals:
+        lines = [f"- {refusal.label}: {refusal.reason}" for refusal in study.refusals]
+        parts += ["## Refused", "\n".join(lines)]
+    notes = [f"- Note: {note}." for note in study.notes]
+    parts += ["## Where", "\n".join([*notes, *(f"- {line}" for line in machine.description())])]
+    return "\n\n".join(parts) + "\n"
+
+
+def comma_separated(study: Study) -> str:
+    """A line for each variant and objective, all figures in full."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*_COLUMNS, *strata(study), "failed", "wrong", "same_as", "front"])
+    for objective in OBJECTIVES:
+        on_front = [confirmed.entry.label for confirmed in study.fronts[objective]]
+        for entry in study.entries:
+            errors, times = entry.errors[objective], entry.times
+            speed = [times.median(objective), times.least(objective)] if times else ["", ""]
+            figures = [errors.median, errors.high, errors.max, errors.componentwise.max(), errors.bound_share]
+            hardest = [found[objective].max for found in entry.hard.values()]
+            ends = [entry.failed(objective), entry.wrong, entry.same_as or "", entry.label in on_front]
+            start = [entry.label, objective, *speed, entry.operations, entry.size]
+            writer.writerow([*start, *figures, *hardest, *ends])
+    return text.getvalue()
+
+
+_METHOD = """
+Errors are those of {{ydot}}, normwise after unit scaling, against certified truth, in {terms.states} states
+drawn uniformly from a box{beside}; `tradeoff.json` has its ranges. States are rounded to single precision, so
+that every variant solves the same problem; with other generalized speeds they are the same physical states. A
+state without a finite result counts as an infinite error. Under {hard} stand the largest errors in
+{terms.hard} states each that were drawn to be hard. *of bound* is the largest error over
+u chi formation (4 N + kappa_s), of which {factor:g} is promised; u is the unit roundoff or, where that is
+larger, the error of the variant's sine and cosine. A result whose backward error exceeds {gate:g} N u is
+wrong, not inaccurate.
+
+*ns* are medians over {terms.rounds} rounds of {terms.seconds:g} s, *least* the fastest ones; each round gives
+every variant a turn in a process of its own, with a fresh copy of the library whose errors were measured.
+*ops* are operations of one evaluation. On a front {concern}, and times that differ by less than {tie:g} %
+count as equal. Its variants were measured again, in fresh states and other processes: *stays* says who is
+still on the front. {terms.search} states were tried to find an error larger than the fresh ones; *found* is
+the largest. All samples have the seed {terms.seed}.
+"""
+
+
+def _method(study: Study) -> str:
+    clearance = study.domain.clearance
+    text = _METHOD.format(
+        terms=study.terms,
+        beside=f", which stays {clearance:g} clear of gimbal lock" if clearance else "",
+        hard=" and ".join(f"*{name}*" for name in strata(study)),
+        factor=FACTOR,
+        gate=GATE,
+        concern=_CONCERNS[study.terms.quantile],
+        tie=100 * TIE,
+    )
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]], texts: int) -> str:
+    rule = ["---"] * texts + ["---:"] * (len(head) - texts)
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in (head, rule, *rows))

@@ -1,0 +1,99 @@
+"""The tables of a study, as text cell by cell."""
+
+from __future__ import annotations
+
+import math
+
+from kanegen.studies.tradeoff.errors import Errors
+from kanegen.studies.tradeoff.judge import BATCH, LATENCY
+from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
+
+TITLES = {LATENCY: "one state a call", BATCH: "batches"}
+"""Of the objectives."""
+
+SHORT = ["variant", "ns", "median", "max", "hard states", "failed", ""]
+"""Heads of the columns of `short_rows`."""
+
+FRESH = ["variant", "ns", "least", "median", "99 %", "max", "found", "stays"]
+"""Heads of the columns of `fresh_rows`."""
+
+
+def head(study: Study) -> list[str]:
+    """Heads of the columns of the table of an objective."""
+    return [*"variant|ns|least|ops|median|99 %|max".split("|"), *strata(study), "of bound", "failed", ""]
+
+
+def strata(study: Study) -> list[str]:
+    """Names of the strata of hard states."""
+    return list(study.entries[0].hard) if study.entries else []
+
+
+def rows(study: Study, objective: str) -> list[list[str]]:
+    """A row for each variant, the fastest first and those that are not timed last."""
+    ordered = sorted(study.entries, key=lambda entry: _time(entry, objective))
+    return [_row(study, entry, objective) for entry in ordered]
+
+
+def short_rows(study: Study, objective: str) -> list[list[str]]:
+    """The same with the columns `SHORT` only, for a terminal."""
+    ordered = sorted(study.entries, key=lambda entry: _time(entry, objective))
+    return [_short_row(study, entry, objective) for entry in ordered]
+
+
+def mark(study: Study, entry: Entry, objective: str) -> str:
+    """What is to be said of a variant in a word or two."""
+    if any(confirmed.entry.label == entry.label for confirmed in study.fronts[objective]):
+        return "front"
+    return "same program" if entry.same_as else ""
+
+
+def fresh_rows(study: Study, objective: str) -> list[list[str]]:
+    """A row for each variant on the front, with the figures that were taken again."""
+    return [_fresh_row(confirmed, objective) for confirmed in study.fronts[objective]]
+
+
+def _row(study: Study, entry: Entry, objective: str) -> list[str]:
+    errors, times = entry.errors[objective], entry.times
+    speed = [_ns(times.median(objective)), _ns(times.least(objective))] if times else ["wrong", ""]
+    hardest = [_error(found[objective].max) for found in entry.hard.values()]
+    lost = f"{entry.failed(objective)}" if entry.failed(objective) else ""
+    figures = [*_quantiles(errors), *hardest, plain(errors.bound_share), lost]
+    return [entry.label, *speed, str(entry.operations), *figures, mark(study, entry, objective)]
+
+
+def _short_row(study: Study, entry: Entry, objective: str) -> list[str]:
+    errors = entry.errors[objective]
+    time = "wrong" if entry.times is None else _ns(entry.times.median(objective))
+    hardest = max((found[objective].max for found in entry.hard.values()), default=math.nan)
+    lost = f"{entry.failed(objective)}" if entry.failed(objective) else ""
+    figures = [time, _error(errors.median), _error(errors.max), _error(hardest), lost]
+    return [entry.label, *figures, mark(study, entry, objective)]
+
+
+def _fresh_row(confirmed: Confirmed, objective: str) -> list[str]:
+    times = confirmed.times
+    speed = [_ns(times.median(objective)), _ns(times.least(objective))]
+    found = _error(confirmed.found)
+    stays = "yes" if confirmed.stays else "no"
+    return [confirmed.entry.label, *speed, *_quantiles(confirmed.errors), found, stays]
+
+
+def _quantiles(errors: Errors) -> list[str]:
+    return [_error(errors.median), _error(errors.high), _error(errors.max)]
+
+
+def _time(entry: Entry, objective: str) -> float:
+    return math.inf if entry.times is None else entry.times.median(objective)
+
+
+def _ns(value: float) -> str:
+    return f"{value:.0f}" if value >= 100 else f"{value:.1f}"
+
+
+def _error(value: float) -> str:
+    return f"{value:.1e}" if math.isfinite(value) else "none"
+
+
+def plain(value: float) -> str:
+    """A number of order one."""
+    return "-" if math.isnan(value) else f"{value:.2g}"

@@ -1,0 +1,89 @@
+"""How long variants take: the very libraries whose errors were measured, in turns, in fresh processes."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from kanegen.c.formats import formats
+from kanegen.model.arrays import Floats
+from kanegen.studies.bench import Terms
+from kanegen.studies.bench.building import compiled, driver
+from kanegen.studies.bench.contest import Progress, take_turns
+from kanegen.studies.bench.contestant import Contestant
+from kanegen.studies.bench.results import DYNAMICS, Task
+from kanegen.studies.bench.settings import Setting
+from kanegen.studies.bench.states import States
+from kanegen.studies.tradeoff.built import Built
+from kanegen.studies.tradeoff.judge import BATCH, LATENCY, OUTPUT
+from kanegen.studies.tradeoff.samples import Sample
+
+_TASKS = (Task(LATENCY, DYNAMICS), Task(BATCH, DYNAMICS, batch=True))
+_FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
+
+
+@dataclass(frozen=True)
+class Times:
+    """ns of one evaluation, one number a round."""
+
+    latency: tuple[float, ...]
+    batch: tuple[float, ...]
+
+    def of(self, objective: str) -> tuple[float, ...]:
+        """For one of `OBJECTIVES`."""
+        return self.latency if objective == LATENCY else self.batch
+
+    def median(self, objective: str) -> float:
+        """Of the rounds."""
+        return float(np.median(self.of(objective)))
+
+    def least(self, objective: str) -> float:
+        """Of the rounds."""
+        return min(self.of(objective))
+
+
+def timed(samples: Mapping[Built, Sample], terms: Terms, progress: Progress) -> dict[Built, Times]:
+    """The times of libraries.
+
+    Args:
+        samples: What each is to compute, on models without loads and parameters.
+        terms: Rounds and seconds.
+        progress: Told the name of each stage.
+
+    Raises:
+        BuildError: If there is no C compiler.
+        MissingError: If the driver cannot be compiled, or a library fails in it.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        contestants = {
+            built: _contestant(built, sample, Path(folder) / str(number))
+            for number, (built, sample) in enumerate(samples.items())
+        }
+        found = take_turns(list(contestants.values()), terms, progress)
+        return {
+            built: Times(*(tuple(found[contestant, task.name]) for task in _TASKS))
+            for built, contestant in contestants.items()
+        }
+
+
+def computed_in_c(built: Built, sample: Sample) -> dict[str, Floats]:
+    """(B, n) {ydot} of the driver, by objective: for seeing that it times what it should."""
+    with tempfile.TemporaryDirectory() as folder:
+        results = _contestant(built, sample, Path(folder) / "states").results(sample.tau.shape[1])
+    return {objective: rows[:, 0] for objective, rows in results.items()}
+
+
+def _contestant(built: Built, sample: Sample, file: Path) -> Contestant:
+    library = built.library
+    states = States(sample.states.x, sample.states.y, sample.tau).write(file)
+    real = formats(library.source.variant).storage
+    kind = "-DPAIRS" if real.tail else f"-DREAL={real.type}"
+    files = {"driver.c": driver("variant.c")}
+    program = compiled("variant", files, (*_FLAGS, kind), ("-lm", "-ldl"))
+    setting = Setting(built.candidate.label, library.source.variant.flags)
+    function = f"{library.name}_{OUTPUT}"
+    return Contestant("kanegen", setting, (str(program),), states, _TASKS, (function,), loads=(library.path,))

@@ -1,0 +1,181 @@
+"""The literal equations as NumPy functions: slow, but made of nothing except SymPy's own printing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike, NDArray
+from sympy import Dummy, Expr, ImmutableMatrix, Symbol
+
+from kanegen.errors import ArrayError
+from kanegen.model.system import System
+from kanegen.symbolic.definitions import Definition
+from kanegen.symbolic.symbols import (
+    coordinates,
+    force,
+    parameter,
+    point_force,
+    point_moment,
+    prescribed,
+    speeds,
+    time,
+    torque,
+)
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NumericEquations:
+    """[A] and {f} as functions of NumPy arrays.
+
+    Attributes:
+        system: What was derived.
+    """
+
+    system: System
+    _mass_matrix: Callable[..., Any]
+    _forcing: Callable[..., Any]
+
+    def mass_matrix(
+        self,
+        x: ArrayLike,
+        parameters: Mapping[str, float] | None = None,
+        prescribed: ArrayLike | None = None,
+    ) -> Floats:
+        """[A], (n, n).
+
+        Args:
+            x: Coordinates (rad, m, 1).
+            parameters: Values of parameters that differ from their defaults, by name.
+            prescribed: (3, p) values, rates and second derivatives of the prescribed freedoms.
+
+        Raises:
+            ArrayError: If `x` has another shape, or holds anything but real numbers.
+            ModelError: If a parameter is unknown or its value makes the model unusable.
+        """
+        m = len(self.system.coordinates)
+        arguments = (_array(x, (m,), "x"), self._motion(prescribed), self._values(parameters))
+        return np.array(self._mass_matrix(*arguments), dtype=float)
+
+    def forcing(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        parameters: Mapping[str, float] | None = None,
+        prescribed: ArrayLike | None = None,
+        point_force: ArrayLike | None = None,
+        point_moment: ArrayLike | None = None,
+        t: float = 0.0,
+    ) -> Floats:
+        """{f}, (n,).
+
+        Args:
+            x: Coordinates (rad, m, 1).
+            y: (n,) generalized speeds (rad/s, m/s).
+            force: (N, 3) loads {F'_K} (N); rows of bodies that take no loads are not read.
+            torque: (N, 3) loads {M'_K} (N m), likewise.
+            parameters: Values of parameters that differ from their defaults, by name.
+            prescribed: As in `mass_matrix`.
+            point_force: (P, 3) forces at the points (N); rows of points that take no loads are not read.
+            point_moment: (P, 3) moments (N m), likewise.
+            t: Time (s).
+
+        Raises:
+            ArrayError: If an array has another shape, or holds anything but real numbers.
+            ModelError: If a parameter is unknown or its value makes the model unusable.
+        """
+        m, n, bodies = (len(self.system.coordinates), len(self.system.freedoms), self.system.number_of_bodies)
+        points = len(self.system.points)
+        given = (
+            (force, bodies, "force"),
+            (torque, bodies, "torque"),
+            (point_force, points, "point_force"),
+            (point_moment, points, "point_moment"),
+        )
+        loads = [
+            np.zeros(3 * rows) if load is None else _array(load, (rows, 3), what).ravel()
+            for load, rows, what in given
+        ]
+        state = (_array(x, (m,), "x"), _array(y, (n,), "y"), self._motion(prescribed))
+        arguments = (*state, *loads, [float(t)], self._values(parameters))
+        return np.array(self._forcing(*arguments), dtype=float).ravel()
+
+    def _motion(self, prescribed: ArrayLike | None) -> Floats:
+        """Row after row; None is for systems without prescribed freedoms."""
+        count = len(self.system.prescribed)
+        given = np.zeros((3, 0)) if prescribed is None else prescribed
+        return _array(given, (3, count), "prescribed").ravel()
+
+    def _values(self, changed: Mapping[str, float] | None) -> list[float]:
+        system = self.system.with_parameters(changed or {})
+        return [given.value for given in system.parameters]
+
+
+def numeric(
+    system: System, A: ImmutableMatrix, f: ImmutableMatrix, definitions: Sequence[Definition]
+) -> NumericEquations:
+    """Functions that evaluate [A] and {f}, which may hold the symbols of `definitions`."""
+    every = [(k, axis) for k in range(1, system.number_of_bodies + 1) for axis in range(3)]
+    x, y = list(coordinates(system)), list(speeds(system))
+    at_points = [(k, axis) for k in range(1, len(system.points) + 1) for axis in range(3)]
+    kinds = (force, every), (torque, every), (point_force, at_points), (point_moment, at_points)
+    loads = [[symbol(k, axis) for k, axis in places] for symbol, places in kinds]
+    # A parameter may have the name of a function, such as sin; a Dummy cannot.
+    private = {parameter(given): Dummy(given.name) for given in system.parameters}
+    if private:
+        A, f = A.xreplace(private), f.xreplace(private)
+        definitions = [replace(d, value=d.value.xreplace(private)) for d in definitions]
+    parameters, told = list(private.values()), list(prescribed(system))
+    return NumericEquations(
+        system,
+        _function([x, told, parameters], A, definitions),
+        _function([x, y, told, *loads, [time()], parameters], f, definitions),
+    )
+
+
+def _function(
+    arguments: list[list[Symbol]], matrix: ImmutableMatrix, definitions: Sequence[Definition]
+) -> Callable[..., Any]:
+    needed = needed_definitions(definitions, matrix)
+
+    def common(expressions: Any) -> tuple[list[tuple[Symbol, Expr]], Any]:
+        """Definitions first, where there are any; else what SymPy finds in common."""
+        if needed:
+            return [(definition.symbol, definition.value) for definition in needed], expressions
+        replacements, reduced = sympy.cse(expressions, list=False)
+        return replacements, reduced
+
+    function: Callable[..., Any] = sympy.lambdify(arguments, matrix, modules="numpy", cse=common)
+    return function
+
+
+def needed_definitions(
+    definitions: Sequence[Definition], expressions: Iterable[Expr]
+) -> tuple[Definition, ...]:
+    """Those of `definitions` that `expressions` need, directly or through others, in their order."""
+    wanted: set[Symbol] = set()
+    for expression in expressions:
+        wanted |= expression.free_symbols
+    needed: list[Definition] = []
+    for definition in reversed(definitions):
+        if definition.symbol in wanted:
+            needed.append(definition)
+            wanted |= definition.value.free_symbols
+    return tuple(reversed(needed))
+
+
+def _array(value: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ArrayError(f"{what}: expected real numbers of shape {shape}, got {value!r}.") from None
+    if array.shape != shape:
+        raise ArrayError(f"{what} has shape {array.shape}; expected {shape}.")
+    return array

@@ -1,0 +1,198 @@
+"""Equations as a Python module that needs nothing but NumPy."""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Callable, Iterable, Sequence
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Symbol
+
+from kanegen.symbolic.equations import Equations
+from kanegen.symbolic.literal.numeric import needed_definitions
+from kanegen.symbolic.printing.printers import python
+from kanegen.symbolic.printing.state_sections import kinematics
+from kanegen.symbolic.symbols import force, parameter, point_force, point_moment, real, torque
+
+TAKEN = frozenset(
+    [
+        *"A PARAMETERS coordinate_rates copysign cos f force forcing mass_matrix np parameters".split(),
+        *"point_force point_moment prescribed sin sqrt t torque x y".split(),
+        *keyword.kwlist,
+    ]
+)
+"""Names in the module that a parameter cannot have."""
+
+
+def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+    """A module with the functions `mass_matrix` and `forcing`.
+
+    Args:
+        equations: Where they come from, with the definitions that they need.
+        A: (n, n) [A].
+        f: (n, 1) {f}.
+    """
+    names = _names([p.name for p in equations.system.parameters])
+    functions = ", ".join(sorted({"cos", "sin", *_roots(equations, f)}))
+    head = [
+        _docstring(equations),
+        f"from math import {functions}",
+        "import numpy as np",
+        _parameters(equations),
+    ]
+    parts = [
+        "\n\n".join(head),
+        _mass_matrix(equations, A, names),
+        _forcing(equations, f, names),
+    ]
+    if not equations.system.speeds_are_rates:
+        parts.append(_coordinate_rates(equations, names))
+    return "\n\n\n".join(parts) + "\n"
+
+
+def _roots(equations: Equations, f: ImmutableMatrix) -> Iterable[str]:
+    """Functions of `math` beside sine and cosine, which force elements may need."""
+    values = [*f, *(definition.value for definition in equations.definitions)]
+    if any(value.has(sympy.Pow) and any(p.exp.q == 2 for p in value.atoms(sympy.Pow)) for value in values):
+        yield "sqrt"
+    if any(value.has(sympy.sign) for value in values):
+        yield "copysign"
+
+
+def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
+    """Symbols of parameters, and those that stand for them in the module, where some names are taken."""
+    used = TAKEN.union(parameters)
+    names: dict[Symbol, Symbol] = {}
+    for name in parameters:
+        free = name
+        while name in TAKEN and free in used:
+            free += "_"
+        used |= {free}
+        names[real(name)] = real(free)
+    return names
+
+
+def _docstring(equations: Equations) -> str:
+    system = equations.system
+    lines = [
+        f'"""Equations of motion [A]{{ydot}} = {{f}} of {system.name}, with {kinematics(system)}. SI units.',
+        "",
+        "The elements of x; those of y are their time derivatives"
+        + (":" if system.speeds_are_rates else ", or components of relative angular velocities:"),
+        "",
+    ]
+    speeds = {
+        i: f"    y[{i}] = {equations.y[i]}, {system.speed_names[i]} ({freedom.unit}/s)"
+        for i, freedom in enumerate(system.freedoms)
+        if system.spins(freedom)
+    }
+    elements = zip(equations.x, system.coordinates, system.coordinate_names, strict=True)
+    for i, (x, coordinate, name) in enumerate(elements):
+        lines.append(f"    x[{i}] = {x}, {name} ({coordinate.unit})")
+        if i in speeds:
+            lines.append(speeds[i])
+    for i, (name, freedom) in enumerate(zip(system.prescribed_names, system.prescribed, strict=True)):
+        lines.append(f"    prescribed[0][{i}] = {equations.prescribed[0, i]}, {name} ({freedom.unit})")
+    if system.prescribed:
+        lines += ["", "prescribed[1] and prescribed[2] are their rates and second derivatives."]
+    return "\n".join([*lines, '"""'])
+
+
+def _parameters(equations: Equations) -> str:
+    items = [f'    "{p.name}": {p.value!r},' for p in equations.system.parameters]
+    return "\n".join(["PARAMETERS = {", *items, "}"]) if items else "PARAMETERS = {}"
+
+
+def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
+    n = len(equations.y)
+    told = _argument(equations)
+    entries = {(i, j): A[i, j] for i in range(n) for j in range(i, n) if A[i, j]}
+    lines = [
+        f"def mass_matrix(x{told}, parameters=PARAMETERS):",
+        f'    """[A] of Eq. (43), ({n}, {n}), at the coordinates x, ({len(equations.x)},)."""',
+        *_unpacked(equations.x, "x"),
+        *_motion(equations),
+        *_body(equations, list(entries.values()), names),
+        f"    A = np.zeros(({n}, {n}))",
+    ]
+    for (i, j), value in entries.items():
+        mirror = "" if i == j else f"A[{j}, {i}] = "
+        lines.append(f"    A[{i}, {j}] = {mirror}{python(value.xreplace(names))}")
+    return "\n".join([*lines, "    return A"])
+
+
+def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
+    m, n, bodies = len(equations.x), len(equations.y), len(equations.bodies)
+    system = equations.system
+    further = ", point_force=None, point_moment=None" * any(point.loads for _, point in system.points)
+    further += ", t=0.0" * system.depends_on_time
+    lines = [
+        f"def forcing(x, y{_argument(equations)}, force=None, torque=None, parameters=PARAMETERS{further}):",
+        f'    """{{f}} of Eq. (44), ({n},), at x, ({m},), and y, ({n},), under loads, ({bodies}, 3)."""',
+        *_unpacked(equations.x, "x"),
+        *_unpacked(equations.y, "y"),
+        *_motion(equations),
+        *_loads(equations),
+        *_body(equations, list(f), names),
+        f"    f = np.zeros({n})",
+    ]
+    lines += [f"    f[{i}] = {python(value.xreplace(names))}" for i, value in enumerate(f) if value]
+    return "\n".join([*lines, "    return f"])
+
+
+def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
+    lines = [
+        "def coordinate_rates(x, y):",
+        f'    """{{xdot}} of Eqs. (9), (45), ({len(equations.x)},), at coordinates x and speeds y."""',
+        *_unpacked(equations.x, "x"),
+        *_unpacked(equations.y, "y"),
+        *_body(equations, list(equations.xdot), names),
+        f"    return np.array([{', '.join(python(value.xreplace(names)) for value in equations.xdot)}])",
+    ]
+    return "\n".join(lines)
+
+
+def _argument(equations: Equations) -> str:
+    return ", prescribed" if equations.system.prescribed else ""
+
+
+def _motion(equations: Equations) -> Iterable[str]:
+    """Assignments of what is prescribed, a row a line."""
+    if equations.system.prescribed:
+        for i in range(3):
+            yield from _unpacked(equations.prescribed[i, :], f"prescribed[{i}]")
+
+
+def _loads(equations: Equations) -> Iterable[str]:
+    bodies = [body.body.loads for body in equations.bodies]
+    points = [point.loads for _, point in equations.system.points]
+    yield from _rows("force", force, bodies)
+    yield from _rows("torque", torque, bodies)
+    yield from _rows("point_force", point_force, points)
+    yield from _rows("point_moment", point_moment, points)
+
+
+def _rows(name: str, symbol: Callable[..., Symbol], loaded: Sequence[bool]) -> Iterable[str]:
+    """Assignments of the components of a load in the rows that take any."""
+    for row, takes in enumerate(loaded):
+        if takes:
+            components = ", ".join(str(symbol(row + 1, axis)) for axis in range(3))
+            yield f"    {components} = (0.0, 0.0, 0.0) if {name} is None else {name}[{row}]"
+
+
+def _body(equations: Equations, values: Sequence[Expr], names: dict[Symbol, Symbol]) -> Iterable[str]:
+    """Assignments of the parameters and definitions that `values` need."""
+    definitions = needed_definitions(equations.definitions, values)
+    used: set[Symbol] = set()
+    for expr in (*values, *(definition.value for definition in definitions)):
+        used |= expr.free_symbols
+    for given in equations.system.parameters:
+        if parameter(given) in used:
+            yield f'    {names[parameter(given)]} = parameters["{given.name}"]'
+    for definition in definitions:
+        yield f"    {definition.symbol} = {python(definition.value.xreplace(names))}"
+
+
+def _unpacked(symbols: Iterable[Symbol], name: str) -> Iterable[str]:
+    names = [str(symbol) for symbol in symbols]
+    yield f"    {', '.join(names)} = {name}" if len(names) > 1 else f"    {names[0]} = {name}[0]"

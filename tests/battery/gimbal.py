@@ -1,0 +1,119 @@
+"""Next to gimbal lock, where the angle rates of a body with three angles lose their meaning: X7 and X8."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+import kanegen as kg
+from kanegen.measure import truth
+from kanegen.program.precision import DOUBLE, Precision
+from kanegen.reference.states import States, random_states
+from tests.battery import scenes
+from tests.battery.measuring import LINEAR, PRECISIONS, Floats, built, efforts, forward, linear, points, worst
+from tests.battery.rows import Point, Row, Size, count, subject
+from tests.support.paths import MODELS
+
+EIGHT_BODY = MODELS / "eight_body.toml"
+
+
+def _scene(bodies: int) -> kg.System:
+    rng = np.random.default_rng(bodies)
+    return scenes.tree(rng, range(bodies), np.ones((bodies, 6), dtype=bool))
+
+
+def _scenes(size: Size) -> dict[str, kg.System]:
+    """Free bodies on each other; in the full size the tree of the notes as well."""
+    found = {f"N = {bodies}": _scene(bodies) for bodies in (1, 4)}
+    if size.pick(False, True):
+        whole = kg.load(EIGHT_BODY)
+        found["eight-body"] = replace(whole, bodies=tuple(replace(b, loads=False) for b in whole.bodies))
+    return found
+
+
+def _locked(system: kg.System, distance: float, precision: Precision) -> States:
+    """All bodies at theta2 = +-pi/2 -+ distance, as floats of the precision."""
+    states = random_states(system, 4, 7)
+    sign = np.array([1.0, -1.0, 1.0, -1.0])[:, None]
+    states.x[:, _of(system, 1)] = sign * (np.pi / 2 - distance)
+    return states.rounded(precision)
+
+
+def _of(system: kg.System, *indices: int) -> np.ndarray:
+    """Places in {x} of these kinds of freedom."""
+    return np.array([i for i, freedom in enumerate(system.freedoms) if freedom.index in indices])
+
+
+def _distances(size: Size) -> list[float]:
+    return [0.0, *size.pick([1e-1, 1e-6, 1e-12], [10.0**-k for k in range(12, 0, -1)])]
+
+
+@subject("X7", "Gimbal lock, speeds that are angle rates")
+def angle_rates(size: Size) -> Iterator[Row]:
+    """A solution in angle rates may lose 1/cos(theta2)^2; the recursion over bodies must not."""
+    for name, system in _scenes(size).items():
+        for precision in PRECISIONS:
+            found = _curve(system, precision, size)
+            yield worst(f"{name}, {precision.name}", found, LINEAR, _over(size))
+    yield _told(size)
+
+
+def _curve(system: kg.System, precision: Precision, size: Size) -> list[Point]:
+    """Errors of forward dynamics over the distance."""
+    found: list[Point] = []
+    for distance in _distances(size):
+        states = _locked(system, distance, precision)
+        tau = efforts(system, states, np.random.default_rng(7))
+        measured = forward(system, precision, states, tau)
+        found += points(distance, measured, linear(measured, system.number_of_bodies, precision))
+    return found
+
+
+def _over(size: Size) -> str:
+    return f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body"
+
+
+def _told(size: Size) -> Row:
+    """Whether `diagnose` names the distance."""
+    system = _scene(4)
+    library = built(system, outputs=("forward_dynamics", "error_estimate", "regularity"))
+    silent = []
+    for distance in _distances(size):
+        states = _locked(system, distance, DOUBLE)
+        for x, y in zip(states.x, states.y, strict=True):
+            told = library.diagnose(x, y).singularity
+            silent.append(told is None or told.value > 1.001 * distance + DOUBLE.roundoff)
+    return count("distance that diagnose does not tell", silent, f"{len(silent)} states", "none")
+
+
+@subject("X8", "Gimbal lock, speeds that are angular velocities")
+def angular_velocities(size: Size) -> Iterator[Row]:
+    """They have no pole, so forward dynamics loses nothing, at pi/2 itself too.
+
+    With angle rates, and without efforts, the accelerations of theta2 and of the translations have none.
+    """
+    for name, system in _scenes(size).items():
+        regular = system.with_speeds("angular_velocity")
+        for precision in PRECISIONS:
+            found = _curve(regular, precision, size)
+            yield worst(f"{name}, {precision.name}", found, LINEAR, _over(size))
+            part = [p for d in _distances(size) for p in _regular(system, d, precision)]
+            case = f"regular part of angle rates, {name}, {precision.name}"
+            yield worst(case, part, "80 N u", _over(size))
+
+
+def _regular(system: kg.System, distance: float, precision: Precision) -> list[Point]:
+    states = _locked(system, distance, precision)
+    with warnings.catch_warnings(action="ignore", category=kg.KanegenWarning):
+        found = built(system, precision).forward_dynamics(states.x, states.y)
+    part = _of(system, 1, 3, 4, 5)
+    result = []
+    for x, y, value in zip(states.x, states.y, found, strict=True):
+        exact = truth.truth(system, x, y, outputs=("forward_dynamics",), unit_roundoff=precision.roundoff)
+        right: Floats = exact["forward_dynamics"].value[part]
+        error = float(np.linalg.norm(value[part] - right) / np.linalg.norm(right))
+        result.append(Point(distance, error, 80 * system.number_of_bodies * precision.roundoff))
+    return result

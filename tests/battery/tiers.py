@@ -1,0 +1,60 @@
+"""Precisions beyond double: X37."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+import kanegen as kg
+from kanegen.measure.truth import Measurement, measure
+from kanegen.program.precision import named
+from kanegen.reference.states import States, random_states
+from tests.battery import scenes
+from tests.battery.measuring import FLAGS, FORWARD, PROMISE, Floats, efforts, worst
+from tests.battery.rows import Point, Row, Size, subject
+
+
+@subject("X37", "More than double precision")
+def wider(size: Size) -> Iterator[Row]:
+    """Straight chains, growing masses and gimbal lock again, in pairs of doubles and in long double.
+
+    Pairs must keep 30 digits less those of the condition number, so the tier is what it says; 80 bits T(u).
+    """
+    trees = {
+        "straight chain": (scenes.straight(size.pick(4, 32)), 0.0),
+        "heavier outward": (scenes.planar([10.0**i for i in range(size.pick(3, 8))]), None),
+        "next to gimbal lock": (_gimbal(size.pick(1, 2)), None),
+    }
+    for name, (system, angle) in trees.items():
+        states, tau = _states(system, angle, size.pick(2, 4))
+        pairs = _measured(system, "double-double", states, tau)
+        limits = 1e-30 * pairs.kappa_s * pairs.chi * pairs.formation
+        found = [Point(0.0, *pair) for pair in zip(pairs.normwise.tolist(), limits.tolist(), strict=True)]
+        over = f"{system.number_of_bodies} bodies, {len(found)} states"
+        yield worst(f"{name}, double-double", found, "1e-30 kappa_s chi formation", over)
+        long = _measured(system, "long double", states, tau)
+        found = [Point(0.0, *pair) for pair in zip(long.normwise.tolist(), long.bound.tolist(), strict=True)]
+        yield worst(f"{name}, long double", found, PROMISE, over)
+
+
+def _gimbal(bodies: int) -> kg.System:
+    return scenes.tree(np.random.default_rng(37), range(bodies), np.ones((bodies, 6), dtype=bool))
+
+
+def _states(system: kg.System, angle: float | None, amount: int) -> tuple[States, Floats]:
+    """Straight where that is asked for; middle angles of joints with three stand a millionth before lock."""
+    states = random_states(system, amount, 37)
+    if angle is not None:
+        states.x[:] = angle
+    for i, freedom in enumerate(system.freedoms):
+        if system.bodies[freedom.body - 1].joint.turns_freely and freedom.index == 1:
+            states.x[:, i] = np.pi / 2 - 1e-6
+    return states, efforts(system, states, np.random.default_rng(37))
+
+
+def _measured(system: kg.System, precision: str, states: States, tau: Floats) -> Measurement:
+    """Errors of results that are stored with all their digits."""
+    tier = kg.Variant(precision=precision, storage=precision)
+    library = kg.build(system, FORWARD, tier=tier, flags=FLAGS)
+    return measure(system, library, states.rounded(named("double")), tau)["forward_dynamics"]

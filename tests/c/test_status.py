@@ -1,0 +1,166 @@
+"""Functions whose results hold only where pivots are positive: status, NaN, errors and warnings."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from kanegen.c import interface, render
+from kanegen.c.function_body import statements
+from kanegen.errors import ArrayError, KanegenWarning, SingularError
+from kanegen.library import load
+from kanegen.library.native import cache
+from kanegen.program.check import check
+from kanegen.program.ir import Module, Op, Output, Program
+from tests.c.test_c_compilers import SANITIZERS, WARNINGS, C, code, run
+from tests.support.handmade import Listing, X, Y, array, bits, evaluate, facts
+
+TAU, YDOT = array("tau", 2), array("ydot", 2)
+ACCELERATION, GENERALIZED = array("acceleration", 2), array("generalized_force", 2)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def folder(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(cache.VARIABLE, str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+def forward():
+    """The first pivot needs the second: (x_1, x_0 - 1/x_1); the accelerations are (y + tau)/pivot."""
+    k = Listing()
+    x, y, tau = ([k.read(name, i) for i in range(2)] for name in ("x", "y", "tau"))
+    outer = k(Op.MULTIPLY, x[1], k.number(1.0), name="D_2")
+    inner = k(Op.SUBTRACT, x[0], k(Op.DIVIDE, k.number(1.0), outer))
+    ydot = [k(Op.DIVIDE, k(Op.ADD, a, b), d) for a, b, d in zip(y, tau, (inner, outer), strict=True)]
+    output = Output(ACCELERATION, tuple(ydot), (inner, outer))
+    return check(Program((X, Y, TAU), tuple(k.instructions), (output,)))
+
+
+def inverse():
+    k = Listing()
+    values = [k(Op.MULTIPLY, k.read("x", i), k.read("ydot", i)) for i in range(2)]
+    values[0] = k(Op.ADD, values[0], k.read("y", 0))
+    return check(k.program([X, Y, YDOT], {GENERALIZED: values}))
+
+
+def source():
+    functions = {"inverse_dynamics": inverse(), "forward_dynamics": forward()}
+    return render(facts(parameters=False, loads=False), Module(None, functions), {})
+
+
+@pytest.fixture(scope="module", params=["in lanes", "one by one"])
+def library(request):
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "one by one":
+            patch.setattr(interface, "LARGEST", 1)
+        return load(source())
+
+
+GOOD = np.array([[2.0, 3.0], [1.0, 4.0], [0.5, 2.5], [1001.0, 1e-3], [5.0, 5.0]])
+BAD = [
+    ("elbow", [1.0, 0.0]),
+    ("elbow", [1.0, -0.0]),
+    ("elbow", [-1.0, -1.0]),
+    ("elbow", [1.0, np.nan]),
+    ("elbow", [0.0, -np.inf]),
+    ("arm.theta1", [0.5, 2.0]),
+    ("arm.theta1", [-1.0, 1.0]),
+    ("arm.theta1", [np.nan, 1.0]),
+]
+"""The freedom whose pivot is the first to be computed that is not positive, and x."""
+
+
+def test_states_that_are_regular(library):
+    y, tau = np.random.default_rng(1).normal(size=(2, 5, 2))
+    states = list(zip(GOOD, y, tau, strict=True))
+    expected = [evaluate(forward(), x=a, y=b, tau=c)["acceleration"] for a, b, c in states]
+    assert bits(library.forward_dynamics(GOOD, y, tau)) == bits(expected)
+    assert bits([library.forward_dynamics(*state) for state in states]) == bits(expected)
+
+
+@pytest.mark.parametrize(("freedom", "x"), BAD)
+def test_a_singular_state_names_the_freedom(library, freedom, x):
+    with pytest.raises(SingularError, match=f"^forward_dynamics: the pivot of .A. at freedom '{freedom}' is"):
+        library.forward_dynamics(x, [1.0, 2.0])
+
+
+def test_singular_states_of_a_batch_are_nan_and_counted(library):
+    x = np.array([GOOD[0], BAD[0][1], *GOOD[1:], *(x for _, x in BAD[1:]), GOOD[0]])
+    y = np.ones_like(x)
+    with pytest.warns(KanegenWarning, match=r"^forward_dynamics: in 8 of 14 states a pivot") as caught:
+        found = library.forward_dynamics(x, y)
+    assert caught[0].filename == __file__
+    failed = [1, *range(6, 13)]
+    assert np.isnan(found[failed]).all()
+    regular = np.delete(np.arange(14), failed)
+    assert bits(found[regular]) == bits(library.forward_dynamics(x[regular], y[regular]))
+
+
+def test_a_pivot_that_is_a_number_is_not_watched():
+    k = Listing()
+    pivot, y = k.number(2.0), k.read("y", 0)
+    output = Output(ACCELERATION, (k(Op.DIVIDE, y, pivot), y), (pivot, pivot))
+    program = Program((Y,), tuple(k.instructions), (output,))
+    text = "\n".join(statements(program))
+    assert "if (!failed" not in text
+    assert text.endswith("return failed;")
+
+
+def test_no_forces_are_forces_of_zero(library):
+    y = np.ones((5, 2))
+    tau = np.array([0.5, -2.0])
+    assert bits(library.forward_dynamics(GOOD[0], y[0])) == bits(
+        library.forward_dynamics(GOOD[0], y[0], [0, 0])
+    )
+    assert bits(library.forward_dynamics(GOOD, y)) == bits(
+        library.forward_dynamics(GOOD, y, np.zeros((5, 2)))
+    )
+    assert bits(library.forward_dynamics(GOOD, y, tau)) == bits(
+        library.forward_dynamics(GOOD, y, np.tile(tau, (5, 1)))
+    )
+    with pytest.raises(ArrayError, match=r"^tau: expected shape \(2,\) or \(5, 2\), got \(4, 2\)\.$"):
+        library.forward_dynamics(GOOD, y, y[:4])
+
+
+def test_inverse_dynamics_needs_no_pivot(library):
+    x, y, ydot = np.random.default_rng(2).normal(size=(3, 3, 2)) - 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = library.inverse_dynamics(x, y, ydot)
+    assert bits(found) == bits(x * ydot + y * [1, 0] * 1.0)
+    assert bits(found[0]) == bits(library.inverse_dynamics(x[0], y[0], ydot[0]))
+    with pytest.raises(ArrayError, match=r"^ydot: expected real numbers, got None\.$"):
+        library.inverse_dynamics(x, y, None)
+
+
+def test_what_c_says(tmp_path):
+    """Status and count, the NaN that goes with them, and no warning of any compiler."""
+    made = source()
+    for text in (
+        "int handmade_forward_dynamics(const double x[2], const double y[2], const double tau[2],",
+        "size_t handmade_forward_dynamics_batch(size_t count, const double *x,",
+        "void handmade_inverse_dynamics(const double x[2],",
+        "@return 0, or the place in x, from 1, of a freedom whose pivot of [A] is not positive or NaN;",
+        "@return how many states failed; their rows of acceleration hold NaN",
+    ):
+        assert text in made.files["handmade.h"], text
+    assert "`handmade_forward_dynamics` return" in made.files["README.md"]
+    folder = made.write(tmp_path / "out")
+    (folder / "ask.c").write_text(
+        '#include <stdio.h>\n#include "handmade.h"\n'
+        "int main(void) {\n"
+        "    const double x[3][2] = {{1.0, 0.0}, {2.0, 3.0}, {0.5, 2.0}}, y[3][2] = {{0.0}};\n"
+        "    double found[3][2];\n"
+        "    for (int i = 0; i < 3; ++i) {\n"
+        '        printf("%d ", handmade_forward_dynamics(x[i], y[i], y[i], found[i]));\n'
+        '        printf("%d ", found[i][0] != found[i][0] && found[i][1] != found[i][1]);\n'
+        "    }\n"
+        '    printf("%d", (int)handmade_forward_dynamics_batch(3, x[0], y[0], y[0], found[0]));\n'
+        "    return 0;\n}\n"
+    )
+    for compiler in C.values():
+        for file in ("handmade.c", "handmade_batch.c", "main.c"):
+            run(*compiler, "-std=c99", "-O2", *WARNINGS, "-c", file, folder=folder)
+    run(*C["gcc"], "-std=c99", *SANITIZERS, "ask.c", *code("handmade"), "-o", "ask", folder=folder)
+    assert run("./ask", folder=folder) == "2 1 0 0 1 1 2"

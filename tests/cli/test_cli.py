@@ -1,0 +1,199 @@
+"""The command line as a user meets it: output, exit status, errors of one line."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support import systems
+from tests.support.paths import MODELS
+
+PENDULUM = str(MODELS / "double_pendulum.toml")
+
+
+def kanegen(*arguments: str, status: int = 0, **environment: str) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "kanegen", *arguments],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "COLUMNS": "200", "NO_COLOR": "1", **environment},
+        check=False,
+    )
+    assert done.returncode == status, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    return done
+
+
+def test_help_names_every_command() -> None:
+    text = kanegen("--help").stdout
+    for command in ("generate", "verify", "check", "equations", "info", "bench", "tradeoff", "--version"):
+        assert command in text
+    assert "Exit status" in text
+
+
+@pytest.mark.parametrize("command", ["generate", "check", "equations", "info", "bench", "tradeoff"])
+def test_every_command_has_help(command: str) -> None:
+    assert "MODEL" in kanegen(command, "--help").stdout
+
+
+def test_version() -> None:
+    assert kanegen("--version").stdout.startswith("kanegen 0.")
+
+
+@pytest.mark.parametrize("arguments", [("info",), ("equations",), ("equations", "--format", "latex")])
+def test_a_terminal_without_unicode(arguments: tuple[str, ...]) -> None:
+    text = kanegen(*arguments, PENDULUM, PYTHONIOENCODING="ascii").stdout
+    assert text.isascii()
+
+
+def test_info_draws_every_body_of_a_long_chain(tmp_path: Path) -> None:
+    systems.chain(24, ["theta2"]).save(tmp_path / "chain.toml")
+    text = kanegen("info", str(tmp_path / "chain.toml"), COLUMNS="60").stdout
+    assert text.count("└── ") == 24
+    assert f"{' ' * 4 * 23}└── 24 body24  theta2" in text
+
+
+def test_generate_writes_and_says_what(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    text = kanegen("generate", PENDULUM, "-o", str(folder)).stdout
+    assert "double_pendulum: 2 freedoms, mass_matrix and forcing" in text
+    assert "operations: add" in text
+    assert {"double_pendulum.h", "double_pendulum.c", "main.c", "README.md"} <= {
+        p.name for p in folder.iterdir()
+    }
+    kanegen("generate", PENDULUM, "-o", str(folder))  # its own files may be renewed
+
+
+def test_generate_one_output(tmp_path: Path) -> None:
+    kanegen("generate", PENDULUM, "-o", str(tmp_path / "a"), "--output", "forcing")
+    header = (tmp_path / "a" / "double_pendulum.h").read_text()
+    assert "double_pendulum_forcing" in header
+    assert "double_pendulum_mass_matrix" not in header
+
+
+def test_check_passes_and_prints_json() -> None:
+    assert "passed" in kanegen("check", PENDULUM, "--states", "50").stdout
+    report = json.loads(kanegen("check", PENDULUM, "--states", "50", "--json").stdout)
+    assert report["passed"] is True
+
+
+WRONG = """
+import sys, kanegen.compiler as compiler
+from kanegen.cli import main
+from kanegen.reference import equations as reference
+right = reference.forcing
+import kanegen.library as library
+forcing = library.Library.forcing
+library.Library.forcing = lambda self, *args, **keys: forcing(self, *args, **keys) * (1 + 1e-9)
+sys.argv = ["kanegen", "check", sys.argv[1], "--states", "20"]
+main()
+"""
+
+
+def test_check_fails_with_status_1() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", WRONG, PENDULUM], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1, done.stderr
+    assert "failed" in done.stdout.lower()
+
+
+@pytest.mark.parametrize(
+    ("form", "expected"),
+    [("text", "A"), ("markdown", "$$"), ("latex", r"\theta"), ("python", "import numpy")],
+)
+def test_equations(form: str, expected: str) -> None:
+    assert expected in kanegen("equations", PENDULUM, "--format", form).stdout
+
+
+def test_info_draws_the_tree() -> None:
+    text = kanegen("info", PENDULUM).stdout
+    for part in (
+        "ground",
+        "q1 (rad)",
+        "mass_matrix",
+        "forcing",
+        "this after prune",
+        "mass_matrix by composite bodies",
+        "m1",
+    ):
+        assert part in text
+
+
+def test_info_says_what_passes_save_and_leaves_them_out() -> None:
+    assert "passes saved: fold " in kanegen("info", PENDULUM).stdout
+    text = kanegen("info", PENDULUM, "--without", "fold", "--without", "prune").stdout
+    assert "this after factor" in text
+    assert "this after fold" not in text
+    facts = json.loads(kanegen("info", PENDULUM, "--without", "factor", "--json").stdout)
+    assert set(facts["saved"]) == {"fold", "prune"}
+    totals = [sum(stage["operations"].values()) for stage in facts["passes"]]
+    assert totals[0] - totals[-1] == sum(facts["saved"].values())
+
+
+def test_info_as_json() -> None:
+    facts = json.loads(kanegen("info", str(MODELS / "eight_body.toml"), "--json").stdout)
+    assert [body["connection"] for body in facts["bodies"]] == [0, 1, 2, 2, 1, 1, 1, 7]
+    assert len(facts["freedoms"]) == 48
+    operations = facts["operations"]["mass_matrix + forcing"]
+    assert operations["add"] + operations["multiply"] <= 7500
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("info", "nowhere.toml"), "nowhere.toml"),
+        (("info", "model.yaml"), "reads .toml and .urdf"),
+        (("equations", PENDULUM, "--format", "word"), "format"),
+        (("generate", PENDULUM, "-o", "x", "--output", "forces"), "Did you mean 'forcing'"),
+        (("generate", PENDULUM, "-o", "/proc/nowhere/x"), "/proc/nowhere"),
+        (("generate", PENDULUM, "-o", "x", "--without", "factr"), "Did you mean 'factor'?"),
+        (("check", PENDULUM, "--floating-base"), "floating_base"),
+        (("generate", PENDULUM, "-o", "x", "--poses", "lower"), "--poses: only with --output body_poses"),
+        (("explain", PENDULUM, "--output", "body_poses", "--poses", "lwer"), "Did you mean 'lower'?"),
+        (
+            ("generate", PENDULUM, "-o", "x", "--output", "reaction_loads", "--reactions", "lower.theta3"),
+            "'lower.theta3' is free",
+        ),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(arguments: tuple[str, ...], message: str) -> None:
+    done = kanegen(*arguments, status=2)
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_what_outputs_are_about(tmp_path: Path) -> None:
+    outputs = ("--output", "body_poses", "--output", "reaction_loads")
+    about = ("--poses", "lower", "--reactions", "lower.s1, upper.s2")
+    kanegen("generate", PENDULUM, "-o", str(tmp_path), *outputs, *about)
+    header = (tmp_path / "double_pendulum.h").read_text()
+    assert "0  lower.s1  N\n *     1  upper.s2  N\n" in header
+    assert "double body_poses[1 * 4 * 3]" in header
+    rest = json.loads(kanegen("explain", PENDULUM, *outputs, *about, "--json").stdout)["steps"][-1]["total"]
+    assert rest < json.loads(kanegen("explain", PENDULUM, *outputs, "--json").stdout)["steps"][-1]["total"]
+
+
+def test_unknown_command_and_missing_folder_get_usage() -> None:
+    assert "No such command" in kanegen("generat", status=2).stderr
+    assert "--output-dir" in kanegen("generate", PENDULUM, status=2).stderr
+
+
+def test_missing_compiler() -> None:
+    done = kanegen("check", PENDULUM, status=2, KANEGEN_CC="no-such-compiler")
+    assert "no-such-compiler" in done.stderr
+
+
+def test_warnings_are_one_line(tmp_path: Path) -> None:
+    model = tmp_path / "rod.toml"
+    model.write_text(
+        'name = "rod"\n[[body]]\nname = "rod"\nconnection = 0\nmass = 1.0\ninertia = [1.0, 1.0, 3.0]\n'
+    )
+    done = kanegen("info", str(model))
+    assert "warning: body 'rod'" in done.stderr
+    assert "triangle inequality" in done.stderr

@@ -1,0 +1,274 @@
+"""Finding a compiler, compiling, and a cache that any number of processes may use or be killed in."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from kanegen.errors import BuildError
+from kanegen.library.native import cache, compilers
+from kanegen.library.native.build import build
+from tests.support.handmade import source
+from tests.support.paths import ROOT
+
+RUNS = 3
+"""Runs of the compiler for a library: two files at once, then both together."""
+
+CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """An empty cache, and no compiler named by the environment."""
+    for variable in compilers.VARIABLES:
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.fixture
+def script(tmp_path):
+    """Makes an executable shell script that can stand for a compiler."""
+
+    def make(text, name="fake-cc"):
+        path = tmp_path / name
+        path.write_text(f"#!/bin/sh\n{text}\n")
+        path.chmod(0o755)
+        return str(path)
+
+    return make
+
+
+@pytest.fixture
+def counting(script, tmp_path):
+    """A compiler that notes every compilation but that of the self-test, and the list of its notes."""
+    log = tmp_path / "log"
+    log.touch()
+    command = script(f'case "$*" in --version|*selftest*) ;; *) echo "$@" >> {log} ;; esac\nexec {CC} "$@"')
+    return command, lambda: log.read_text().splitlines()
+
+
+def test_the_order_in_which_a_compiler_is_looked_for(script, monkeypatch, tmp_path):
+    first, second, third = (script(f'exec {CC} "$@"', name) for name in ("first", "second", "gcc"))
+    monkeypatch.setenv("CC", second)
+    assert compilers.find().command == (second,)
+    monkeypatch.setenv("KANEGEN_CC", f"{first} -pipe")
+    assert compilers.find().command == (first, "-pipe")
+    assert compilers.find(third).command == (third,)
+    monkeypatch.delenv("CC")
+    monkeypatch.delenv("KANEGEN_CC")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert compilers.find().command == (third,)
+
+
+def test_the_package_ziglang_is_the_last_resort(monkeypatch, tmp_path):
+    package = tmp_path / "ziglang"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "__main__.py").write_text("print('a fake zig')")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    compilers._identified.cache_clear()
+    found = compilers.find()
+    assert found.command == (sys.executable, "-m", "ziglang", "cc")
+    assert found.identity.endswith("\na fake zig\n")
+    compilers._identified.cache_clear()
+
+
+def test_no_compiler(monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(BuildError, match=r"no C compiler: none of cc, gcc, clang .*\$KANEGEN_CC"):
+        build(source())
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("no-such-cc -O3", "compiler: the C compiler 'no-such-cc' cannot be found"),
+        ("'", 'compiler: "\'" is not a command'),
+        (" ", "compiler: ' ' is not a command"),
+    ],
+)
+def test_a_compiler_that_does_not_exist(command, message):
+    with pytest.raises(BuildError, match=message):
+        build(source(), command)
+
+
+def test_a_variable_that_names_no_compiler(monkeypatch):
+    monkeypatch.setenv("KANEGEN_CC", "no-such-cc")
+    with pytest.raises(BuildError, match=r"\$KANEGEN_CC: the C compiler 'no-such-cc' cannot be found"):
+        build(source())
+
+
+def test_a_compiler_that_cannot_be_run(tmp_path):
+    broken = tmp_path / "broken-cc"
+    broken.write_text("#!/no/such/interpreter\n")
+    broken.chmod(0o755)
+    with pytest.raises(BuildError, match="broken-cc --version: cannot be run"):
+        build(source(), str(broken))
+
+
+def test_a_compiler_that_fails_shows_command_and_output(folder):
+    with pytest.raises(
+        BuildError, match=r"(?s)failed with status 1.*command: .* -no-such-flag .*no-such-flag"
+    ):
+        build(source(), flags=["-no-such-flag"])
+    assert list(folder.iterdir()) == []
+
+
+def test_it_compiles_once(counting):
+    command, compilations = counting
+    path = build(source(), command)
+    assert path.is_file()
+    assert build(source(), command) == path
+    *both, link = compilations()
+    assert sorted(line.split()[-3] for line in both) == ["handmade.c", "handmade_batch.c"]
+    assert all("-O2 -ffp-contract=off" in line for line in (*both, link))
+    assert {file.name for file in path.parent.iterdir()} == {
+        *("handmade.h", "handmade.c", "handmade_batch.c", "kanegen_lanes.h", "kanegen_sincos.h"),
+        *(path.name, "SHA256SUMS"),
+    }
+
+
+def test_what_the_code_depends_on_is_in_the_key(counting, script):
+    command, compilations = counting
+    other = script(f'exec {CC} "$@"', "other-cc")
+    paths = {
+        build(source(), command),
+        build(source(), command, ["-O1"]),
+        build(source(parameters=False), command),
+        build(source(), other),
+    }
+    assert len(paths) == 4
+    assert len(compilations()) == 3 * RUNS
+
+
+def test_a_new_version_of_the_compiler_compiles_anew(script):
+    before = build(source(), script(f'[ "$1" = --version ] && echo 1 && exit\nexec {CC} "$@"'))
+    compilers._identified.cache_clear()
+    after = build(source(), script(f'[ "$1" = --version ] && echo 2 && exit\nexec {CC} "$@"'))
+    assert before != after
+
+
+def test_native_code_is_for_one_machine(monkeypatch):
+    path = build(source(), flags=["-march=native"])
+    plain = build(source())
+    monkeypatch.setattr("platform.node", lambda: "another-machine")
+    assert build(source(), flags=["-march=native"]) != path
+    assert build(source()) == plain
+
+
+@pytest.mark.parametrize("harm", ["truncate", "remove", "manifest"])
+def test_a_damaged_entry_is_made_anew(counting, harm):
+    command, compilations = counting
+    path = build(source(), command)
+    whole = path.read_bytes()
+    if harm == "truncate":
+        path.write_bytes(whole[:100])
+    elif harm == "remove":
+        path.unlink()
+    else:
+        (path.parent / "SHA256SUMS").write_text("")
+    assert build(source(), command) == path
+    assert path.read_bytes() == whole
+    assert len(compilations()) == 2 * RUNS
+    assert libraries(path.parents[1]) == [path.parent.name]
+
+
+def libraries(folder):
+    """Names of the entries of a cache, but for those of the self-test."""
+    return [entry.name for entry in folder.iterdir() if not (entry / "properties").exists()]
+
+
+CODE = """
+from kanegen.library.native.build import build
+from tests.support.handmade import source
+print(build(source()))
+"""
+
+
+def start(**environment):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    return subprocess.Popen(
+        [sys.executable, "-c", CODE],
+        env=environment,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def test_processes_may_build_the_same_at_once(folder, script, tmp_path):
+    """The compiler waits until every process compiles both files, so that all race for the same entry."""
+    arrived = tmp_path / "arrived"
+    arrived.mkdir()
+    wait = f'touch {arrived}/$$; until [ "$(ls {arrived} | wc -l)" -ge 8 ]; do sleep 0.02; done'
+    command = script(f'case "$*" in --version|*selftest*) ;; *) {wait} ;; esac\nexec {CC} "$@"')
+    processes = [start(KANEGEN_CC=command) for _ in range(4)]
+    paths = {process.communicate(timeout=60)[0].strip() for process in processes}
+    assert [process.returncode for process in processes] == [0] * 4
+    (path,) = paths
+    assert Path(path).is_file()
+    assert libraries(folder) == [Path(path).parent.name]
+
+
+def test_a_killed_build_does_no_harm(folder, script):
+    """Killed while the compiler runs: what is left is never used, and swept away a day later."""
+    slow = script(
+        f'case "$1" in --version) exec {CC} --version ;; esac\necho half > libhandmade.so; sleep 60'
+    )
+    process = start(KANEGEN_CC=slow)
+    deadline = time.monotonic() + 30
+    while not list(folder.glob("*/*/libhandmade.so")) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    (left,) = folder.iterdir()
+
+    path = build(source())
+    assert path.stat().st_size > 1000
+    assert left.exists()
+    os.utime(left, times=(0, 0))
+    build(source(), flags=["-O1"])
+    assert not left.exists()
+
+
+def test_where_the_cache_is(monkeypatch, tmp_path):
+    monkeypatch.delenv(cache.VARIABLE)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert "kanegen" in cache.folder().parts
+    if sys.platform == "linux":
+        assert cache.folder() == tmp_path / "kanegen"
+
+
+def test_a_cache_folder_that_cannot_be_used(monkeypatch, tmp_path):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "file" / "cache"))
+    with pytest.raises(BuildError, match=r"cache folder .*file.cache cannot be used: .*Set \$KANEGEN_CACHE"):
+        build(source())
+
+
+def test_keys_tell_parts_apart():
+    assert cache.key(["ab", "c"]) != cache.key(["a", "bc"]) != cache.key(["a", "b", "c"])
+
+
+def test_a_compiler_that_writes_nothing_has_failed():
+    with pytest.raises(BuildError, match=r"made no .*selftest"):
+        build(source(), compiler="true")
+
+
+def test_flags_may_be_one_string():
+    split = build(source(), flags=("-O1", "-ffp-contract=off"))
+    assert build(source(), flags="-O1 -ffp-contract=off") == split
+
+
+def test_a_compiler_is_named_by_a_string():
+    with pytest.raises(BuildError, match="5 is not a command"):
+        build(source(), compiler=5)

@@ -1,0 +1,154 @@
+"""What compilers make of floating-point arithmetic: found out, promised, refused, kept from the process."""
+
+import shlex
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.errors import BuildError, OptionError
+from kanegen.library import load
+from kanegen.library.native import cache, compilers, selftest
+from kanegen.library.native.build import build
+from kanegen.options import TIERS, Variant
+from kanegen.program import semantics
+from kanegen.program.precision import FLOAT
+from tests.support.handmade import source
+from tests.support.systems import chain
+
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)] + [f"{sys.executable} -m ziglang cc"]
+EVERYTHING = {*semantics.PROPERTIES, semantics.NARROWING}
+TINY = 1e-310
+FAST = "-O3 -ffast-math"
+
+
+def kept(command, flags):
+    return selftest.properties(compilers.find(command), tuple(shlex.split(flags)))
+
+
+@pytest.mark.parametrize("command", COMPILERS)
+def test_without_optimisation_everything_is_kept(command):
+    assert kept(command, "-O0 -ffp-contract=off") == EVERYTHING
+
+
+@pytest.mark.parametrize("command", COMPILERS)
+@pytest.mark.parametrize("level", semantics.OPTIMISATIONS)
+def test_strict_flags_keep_what_is_promised(command, level):
+    flags = Variant(optimisation=level, machine="native").flags
+    assert set(semantics.PROPERTIES) <= selftest.properties(compilers.find(command), flags)
+
+
+@pytest.mark.parametrize("command", COMPILERS)
+@pytest.mark.parametrize("name", semantics.SEMANTICS)
+def test_a_licence_gives_up_no_more_than_it_says(command, name):
+    variant = Variant(semantics=name, machine="native", optimisation=3)
+    found = selftest.properties(compilers.find(command), variant.flags)
+    assert set(semantics.promised(variant.semantics)) <= found
+
+
+@pytest.mark.parametrize(
+    ("flags", "lost"),
+    [
+        ("-O2 -ffinite-math-only", "not a number"),
+        ("-O2 -fassociative-math -fno-signed-zeros -fno-trapping-math", "order of sums"),
+        ("-O2 -fno-signed-zeros", "signs of zeros"),
+        ("-O2 -mfma -ffp-contract=fast", "products rounded by themselves"),
+        (FAST, "subnormal numbers"),
+        (FAST, "rounding of quotients"),
+    ],
+)
+def test_the_program_sees_what_flags_do(flags, lost):
+    assert lost not in kept("gcc", flags)
+
+
+def test_the_mend_for_dropped_rounding_brings_it_back():
+    mend = selftest.MENDS[semantics.NARROWING]
+    assert semantics.NARROWING in kept("gcc", shlex.join(("-O2", *mend)))
+
+
+def test_the_mend_is_used_where_doubles_become_floats(monkeypatch):
+    def forgetful(compiler, flags):
+        return EVERYTHING - (set() if "-fno-tree-slp-vectorize" in flags else {semantics.NARROWING})
+
+    monkeypatch.setattr(selftest, "properties", forgetful)
+    found = compilers.find()
+    assert selftest.honest(found, source(precision=FLOAT))[-1] == "-fno-tree-slp-vectorize"
+    assert "-fno-tree-slp-vectorize" not in selftest.honest(found, source())
+
+
+def test_a_compiler_that_does_not_keep_a_promise_is_refused(monkeypatch):
+    monkeypatch.setattr(selftest, "properties", lambda compiler, flags: EVERYTHING - {"not a number"})
+    with pytest.raises(BuildError, match=r"does not keep: not a number. Name another compiler, or semantics"):
+        kg.build(chain(2))
+    kg.build(chain(2), tier=Variant(semantics=("finite",)))
+
+
+def test_a_program_that_does_not_run(tmp_path, monkeypatch):
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    other = tmp_path / "cc"
+    other.write_text('#!/bin/sh\n[ "$1" = --version ] || touch selftest\n')
+    other.chmod(0o755)
+    with pytest.raises(BuildError, match=r"a small test program of .* does not run"):
+        build(source(), str(other))
+
+
+def test_no_library_switches_subnormal_numbers_off(tmp_path, monkeypatch):
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    for flags in (FAST, "-Ofast", "-O2 -funsafe-math-optimizations"):
+        load(source(), "gcc", flags)
+        assert np.float64(TINY) * 1.0 == TINY
+
+
+def test_loading_what_others_have_linked_is_undone_and_refused(tmp_path, monkeypatch):
+    """A library with the code that gcc links for -ffast-math: a constructor that sets two bits."""
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setattr(semantics, "linking", tuple)
+    constructor = tmp_path / "gcc"
+    text = (
+        "#include <xmmintrin.h>\n__attribute__((constructor)) static void f(void) { _mm_setcsr(0x9fc0); }\n"
+    )
+    (tmp_path / "switch.c").write_text(text)
+    subprocess.run(["gcc", "-fPIC", "-c", "switch.c", "-o", "switch.o"], cwd=tmp_path, check=True)
+    constructor.write_text(
+        f'#!/bin/sh\ncase "$*" in *-shared*) exec gcc "$@" {tmp_path}/switch.o ;; esac\nexec gcc "$@"\n'
+    )
+    constructor.chmod(0o755)
+    with pytest.raises(
+        BuildError, match=r"loading it changes the floating-point arithmetic of the whole process"
+    ):
+        load(source(), str(constructor))
+    assert np.float64(TINY) * 1.0 == TINY
+
+
+def test_flags_follow_the_variant():
+    assert TIERS["strict"].flags == ("-O2", "-ffp-contract=off")
+    assert Variant(semantics=("finite", "contracted"), machine="native", optimisation=3).flags == (
+        *("-O3", "-march=native", "-ffp-contract=fast", "-ffinite-math-only"),
+    )
+    assert Variant(semantics="associative").flags == (
+        *("-O2", "-ffp-contract=off", "-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"),
+    )
+
+
+def test_unknown_choices():
+    with pytest.raises(OptionError, match=r"unknown semantics 'fnite'. Did you mean 'finite'"):
+        Variant(semantics="fnite")
+    with pytest.raises(OptionError, match=r"strict excludes finite. Name one or the other"):
+        Variant(semantics=("strict", "finite"))
+    with pytest.raises(OptionError, match=r"semantics: expected names, got 3"):
+        Variant(semantics=3)
+    with pytest.raises(OptionError, match=r"unknown machine 'nativ'. Did you mean 'native'"):
+        Variant(machine="nativ")
+    with pytest.raises(OptionError, match=r"unknown optimisation 4. Known are '0', '1', '2', '3'"):
+        Variant(optimisation=4)
+    with pytest.raises(OptionError, match=r"unknown tier 'fastest'. Did you mean 'fast'"):
+        kg.generate(chain(2), tier="fastest")
+
+
+def test_the_header_says_what_was_chosen():
+    text = kg.generate(chain(2), tier="fast").files["chain.h"]
+    assert " *     semantics: contracted, reciprocal, no-signed-zeros, no-traps, no-errno\n" in text
+    assert " *     machine: native\n" in text

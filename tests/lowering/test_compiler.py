@@ -1,0 +1,77 @@
+"""The pipeline as a whole: options, progress, and what stops it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from tests.support import systems
+
+
+@pytest.fixture
+def pendulum() -> kg.System:
+    return systems.chain(2, ["theta3"])
+
+
+def massless_leaf() -> kg.System:
+    hinge = kg.Joint((1.0, 0.0, 0.0), free=(False, True, False, False, False, False), name="elbow")
+    trunk = kg.Body("trunk", 0, 1.0, np.eye(3).tolist())
+    return kg.System("arm", (trunk, kg.Body("hand", 1, 0.0, np.zeros((3, 3)).tolist(), joint=hinge)))
+
+
+@pytest.mark.parametrize("outputs", ["forcing", ("forcing",), ["forcing", "forcing"], {"forcing": 1}])
+def test_one_output_gives_one_function(pendulum: kg.System, outputs: object) -> None:
+    source = kg.generate(pendulum, outputs=outputs)  # type: ignore[arg-type]
+    assert source.outputs == ("forcing",)
+    assert [function.name for function in source.functions] == ["forcing"]
+
+
+def test_all_outputs_share_one_more_function(pendulum: kg.System) -> None:
+    source = kg.generate(pendulum, outputs=("forcing", "mass_matrix"))
+    assert source.outputs == ("mass_matrix", "forcing")
+    assert [function.name for function in source.functions] == ["mass_matrix", "forcing", "evaluate"]
+
+
+@pytest.mark.parametrize("make", [kg.generate, kg.build])
+def test_unknown_outputs(make: Callable[..., object], pendulum: kg.System) -> None:
+    with pytest.raises(kg.OptionError, match=r"unknown output 'mas_matrix'.*Did you mean 'mass_matrix'\?"):
+        make(pendulum, outputs=("mas_matrix",))
+    with pytest.raises(kg.OptionError, match="no output is asked for"):
+        make(pendulum, outputs=())
+    with pytest.raises(kg.OptionError, match="unknown output 3"):
+        make(pendulum, outputs=(3,))
+
+
+@pytest.mark.parametrize("make", [kg.derive, kg.generate, kg.build, kg.compare])
+def test_singular_systems_are_named(make: Callable[[kg.System], object]) -> None:
+    with pytest.raises(kg.SingularError, match="body 'hand': freedom 'elbow'"):
+        make(massless_leaf())
+
+
+@pytest.mark.parametrize("make", [kg.derive, kg.generate, kg.build, kg.compare])
+def test_the_path_of_a_model_is_no_system(make: Callable[..., object]) -> None:
+    with pytest.raises(kg.OptionError, match=r"'models/arm.toml' is no System. Make one with kg.load"):
+        make("models/arm.toml")
+
+
+def test_progress_names_the_stages(pendulum: kg.System) -> None:
+    told: list[str] = []
+    kg.build(pendulum, progress=told.append)
+    assert told == ["deriving", "lowering", "optimising", "printing", "compiling"]
+
+
+def test_constants_out_of_range_are_an_error() -> None:
+    heavy = kg.Body("a", 0, 1e300, np.eye(3).tolist(), (1e10, 1.0, 1.0))
+    with pytest.raises(kg.ModelError, match="range of double precision"):
+        kg.generate(kg.System("heavy", (heavy,)))
+
+
+@pytest.mark.parametrize(
+    "error", [kg.ModelError, kg.OptionError, kg.ArrayError, kg.WriteError, kg.BuildError]
+)
+def test_every_error_is_a_value_error(error: type[Exception]) -> None:
+    assert issubclass(error, kg.KanegenError)
+    assert issubclass(error, ValueError)

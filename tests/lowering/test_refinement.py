@@ -1,0 +1,293 @@
+"""Forward dynamics that is accurate or says that it is not: against certified truth."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.compiler import compile_module
+from kanegen.library import Library
+from kanegen.library.native import cache
+from kanegen.lowering.conditioning import PROMISED
+from kanegen.measure.truth import truth
+from kanegen.options import Variant
+from kanegen.program.evaluate import evaluate
+from kanegen.program.precision import DOUBLE, FLOAT, Precision, named
+from kanegen.reference import equations as reference
+from kanegen.reference.matrices import length
+from kanegen.reference.states import States, random_states
+from tests.support import robots, systems
+
+FLAGS = ("-O1", "-ffp-contract=off")
+FORWARD = ("forward_dynamics",)
+SOLVERS = ("articulated bodies", "factorisation")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def folder(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(cache.VARIABLE, str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+def rods(ratio: float, bodies: int = 8) -> kg.System:
+    """A planar chain of slender rods of 1 m, each heavier than the one before by `ratio`."""
+    mass = np.array([ratio**k for k in range(bodies)])
+    along = np.array([1.0, 0.0, 0.0])
+    return kg.System.from_arrays(
+        connection=range(bodies),
+        mass=mass,
+        inertia=[m * np.diag([1 / 512, 1 / 12, 1 / 12]) for m in mass],
+        mass_center=np.tile(0.5 * along, (bodies, 1)),
+        joint_position=np.outer(np.arange(bodies) > 0, along),
+        free=systems.flags(bodies, ["theta3"]),
+        gravity=(0.0, -9.81, 0.0),
+        name="rods",
+    )
+
+
+def built(system: kg.System, outputs: tuple[str, ...] = FORWARD, **choices: object) -> Library:
+    return kg.build(system, outputs, tier=Variant(**choices), flags=FLAGS)
+
+
+def sample(system: kg.System, count: int, seed: int, precision: Precision) -> tuple[States, np.ndarray]:
+    """States and generalized forces that the precision can hold."""
+    states = random_states(system, count, seed)
+    diagonal = np.diagonal(reference.mass_matrix(system, states.x), axis1=1, axis2=2)
+    tau = np.random.default_rng(seed).uniform(-3, 3, states.x.shape) * diagonal
+    return states.rounded(precision), tau.astype(precision.dtype).astype(float)
+
+
+def solved(library: Library, states: States, tau: np.ndarray, i: int) -> tuple[np.ndarray, str]:
+    """{ydot} of one state, and what is said of it."""
+    loads = {} if states.force is None else {"force": states.force[i], "torque": states.torque[i]}
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            value = library.forward_dynamics(states.x[i], states.y[i], tau[i], **loads)
+        except kg.SingularError as error:
+            return np.full(len(tau[i]), np.nan), str(error)
+    return value.astype(float), str(caught[0].message) if caught else ""
+
+
+def exactly(
+    system: kg.System, states: States, tau: np.ndarray, i: int, precision: Precision = DOUBLE
+) -> tuple[np.ndarray, np.ndarray]:
+    """{ydot} in one state, and the factors of its norm."""
+    loads = {} if states.force is None else {"force": states.force[i], "torque": states.torque[i]}
+    state = (states.x[i], states.y[i], tau[i])
+    found = truth(system, *state, outputs=FORWARD, unit_roundoff=precision.roundoff, **loads)
+    return found["forward_dynamics"].value, found.units.acceleration
+
+
+def judged(library: Library, system: kg.System, count: int, seed: int = 1) -> list[tuple[float, str]]:
+    """Normwise error and message of every state."""
+    precision = named(library.precision)
+    states, tau = sample(system, count, seed, precision)
+    found = []
+    for i in range(count):
+        value, message = solved(library, states, tau, i)
+        true, scale = exactly(system, states, tau, i, precision)
+        found.append((float(length((value - true) * scale) / length(true * scale)), message))
+    return found
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("ratio", [30.0, 1000.0])
+def test_growing_masses_are_accurate_or_it_says_so(ratio: float, precision: str) -> None:
+    system = rods(ratio)
+    found = judged(built(system, precision=precision), system, 60)
+    limit = PROMISED * named(precision).roundoff
+    assert all(error <= limit for error, message in found if not message)
+    assert any(not message for _, message in found) or (ratio, precision) == (1000.0, "float")
+    if precision == "double":
+        assert all(error <= 1e-12 and not message for error, message in found)
+
+
+def test_unrefined_they_are_neither() -> None:
+    """What the refinement is for; otherwise the tests above prove nothing."""
+    found = judged(built(rods(1000.0), refinement=0), rods(1000.0), 10)
+    assert any(error > 0.01 and not message for error, message in found)
+
+
+@pytest.mark.parametrize(("ratio", "precision"), [(50.0, "double"), (1000.0, "double"), (8.0, "float")])
+def test_a_factorisation_says_where_it_fails(ratio: float, precision: str) -> None:
+    found = judged(
+        built(rods(ratio), precision=precision, solver="factorisation", refinement=1), rods(ratio), 40
+    )
+    limit = PROMISED * named(precision).roundoff
+    assert all(error <= limit for error, message in found if not message)
+    said = [message for error, message in found if error > limit]
+    assert said
+    doubtful = "the result is not accurate in this state. The largest correction was at freedom 'body"
+    assert all(doubtful in text or "the pivot of [A] at freedom" in text for text in said)
+
+
+def test_overflow_is_no_accuracy() -> None:
+    """Squares of accelerations that leave the range of float."""
+    library, system = built(rods(30.0), precision="float", refinement=1), rods(30.0)
+    x = random_states(system, 1).x[0]
+    with pytest.warns(kg.KanegenWarning, match="not accurate in this state"):
+        library.forward_dynamics(x, np.full(8, 1e12))
+
+
+def mixed(seed: int) -> kg.System:
+    """A tree of all kinds of joints, with loads."""
+    rng = np.random.default_rng(seed)
+    free = systems.random_free(rng, 4, 0.3)
+    free[1], free[2] = True, [True] * 3 + [False] * 3
+    return systems.random_system(rng, 4, free=free, loads=True)
+
+
+def computed(
+    system: kg.System, states: States, tau: np.ndarray, outputs: tuple[str, ...] = FORWARD, **choices: object
+) -> np.ndarray:
+    """(..., B, n) what the program makes of all states, operation by operation as C does."""
+    functions = compile_module(system, outputs, variant=Variant(**choices)).module.functions
+    given = {"x": states.x, "y": states.y, "tau": tau, "force": states.force, "torque": states.torque}
+    flat = {name: list(v.reshape(len(states), -1).T) for name, v in given.items() if v is not None}
+    program = functions.get("evaluate") or functions[outputs[0]]
+    found = evaluate(program, flat, np).values()
+    rows = [[np.broadcast_to(row, len(states)) for row in output] for output in found]
+    return np.squeeze(np.swapaxes(rows, 1, 2))
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("make", [lambda: mixed(1), lambda: mixed(2), lambda: systems.chain(3)])
+def test_ordinary_trees_stay_as_accurate(make: Callable[[], kg.System], solver: str) -> None:
+    system = make()
+    states, tau = sample(system, 6, 3, DOUBLE)
+    exact = np.stack([exactly(system, states, tau, i)[0] for i in range(6)])
+    scale = length(exact, axis=1)
+    errors = [
+        length(computed(system, states, tau, solver=solver, refinement=steps) - exact, axis=1) / scale
+        for steps in (0, 1, 2)
+    ]
+    assert (errors[1] <= np.maximum(2 * errors[0], 100 * DOUBLE.roundoff)).all()
+    assert (errors[2] <= np.maximum(2 * errors[0], 100 * DOUBLE.roundoff)).all()
+
+
+def test_angles_that_lose_their_rank_keep_their_accuracy() -> None:
+    """Residuals are torques on the bodies: nothing is divided by cos(theta2) twice."""
+    system = systems.chain(2, ["theta1", "theta2", "theta3"])
+    library = built(system, refinement=1)
+    states = random_states(system, 1)
+    x, y = states.x[0].copy(), states.y[0]
+    x[[1, 4]] = np.pi / 2 - 1e-6
+    found = library.forward_dynamics(x, y)
+    exact = truth(system, x, y, outputs=FORWARD)["forward_dynamics"].value
+    regular = [1, 4]
+    assert np.abs(found - exact)[regular].max() <= 1e-13 * np.abs(exact[regular]).max()
+    assert length(found - exact) <= 1e-9 * length(exact)
+
+
+def test_speeds_that_are_angular_velocities() -> None:
+    system = mixed(3).with_speeds("angular_velocity")
+    states, tau = sample(system, 5, 4, DOUBLE)
+    plain, refined = (computed(system, states, tau, refinement=steps) for steps in (0, 1))
+    assert (length(refined - plain, axis=1) <= 1e-12 * length(plain, axis=1)).all()
+    assert (refined != plain).any()
+
+
+def test_parameters() -> None:
+    mass = [kg.Parameter("m1", 1.0), 1.0, 1.0, 1e3, 1e6, 1e9]
+    plain = rods(30.0, 6)
+    bodies = tuple(replace(body, mass=m) for body, m in zip(plain.bodies, mass, strict=True))
+    system = replace(plain, bodies=bodies)
+    library = built(system, refinement=1)
+    changed = system.with_parameters({"m1": 3.0})
+    states, tau = sample(changed, 4, 2, DOUBLE)
+    other = library.with_parameters({"m1": 3.0})
+    for i in range(4):
+        value, message = solved(other, states, tau, i)
+        exact = truth(changed, states.x[i], states.y[i], tau[i], outputs=FORWARD)["forward_dynamics"].value
+        assert not message
+        assert length(value - exact) <= 1e-13 * length(exact)
+
+
+def test_a_batch_counts_and_does_what_one_state_does() -> None:
+    """In lanes, in threads' sizes and one by one; the same states are inaccurate."""
+    system = rods(8.0)
+    library = built(system, precision="float", solver="factorisation", refinement=1)
+    states, tau = sample(system, 37, 5, FLOAT)
+    single = [solved(library, states, tau, i) for i in range(37)]
+    doubtful = sum("not accurate" in message for _, message in single)
+    failed = sum("pivot" in message for _, message in single)
+    assert doubtful > 0
+    with pytest.warns(
+        kg.KanegenWarning, match=f"in {doubtful} of 37 states the result is not accurate"
+    ) as caught:
+        found = library.forward_dynamics(states.x, states.y, tau)
+    assert caught[0].filename == __file__
+    assert (f"in {failed} of 37 states a pivot" in str(caught[0].message)) == (failed > 0)
+    assert np.isnan(found).any(axis=1).sum() == failed
+
+
+def test_auto_refines_what_needs_it() -> None:
+    for bodies, ratio, wanted in (
+        (8, 30.0, 1),
+        (8, 1e3, 1),
+        (5, 30.0, 1),
+        (8, 1.0, 0),
+        (8, 0.03, 0),
+        (3, 30.0, 0),
+    ):
+        compiled = compile_module(rods(ratio, bodies), FORWARD)
+        assert compiled.refinement.startswith(f"{wanted} (auto: "), (bodies, ratio, compiled.refinement)
+        assert not wanted or compiled.methods == {"forward_dynamics": "articulated bodies"}
+
+
+ORDINARY: dict[str, Callable[[], kg.System]] = {
+    "eight_body": systems.eight_body,
+    "panda": lambda: kg.load(robots.robot_file("panda")),
+    "ur5": lambda: kg.load(robots.robot_file("ur5_robot")),
+    "hyq": lambda: kg.load(robots.robot_file("hyq_no_sensors"), floating_base=True),
+    "chain": lambda: systems.chain(6, ["theta1", "s2"]),
+    "star": lambda: systems.random_system(np.random.default_rng(1), 5, connection=(0, 1, 1, 1, 1)),
+}
+
+
+@pytest.mark.filterwarnings("ignore::kanegen.KanegenWarning")
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize("name", ORDINARY)
+def test_auto_leaves_ordinary_trees_alone(name: str, precision: str) -> None:
+    system = ORDINARY[name]()
+    source = kg.generate(system, FORWARD, tier=Variant(precision=precision))
+    plain = kg.generate(system, FORWARD, tier=Variant(precision=precision, refinement=0))
+    code = f"{system.name}.c"
+    assert source.files[code].splitlines()[1:] == plain.files[code].splitlines()[1:]
+    assert "refinement: 0 (auto: " in source.files[f"{system.name}.h"]
+
+
+def test_nothing_is_decided_without_forward_dynamics() -> None:
+    assert " refinement: auto\n" in kg.generate(rods(30.0)).files["rods.h"]
+
+
+def test_the_header_says_what_the_status_means() -> None:
+    header = kg.generate(rods(30.0), FORWARD).files["rods.h"]
+    assert "refinement: 1 (auto: it repairs about 1e+0" in header
+    assert "-1 and below: minus such a place where nothing failed, but the error may be large" in header
+    plain = kg.generate(rods(30.0), FORWARD, tier=Variant(refinement=0)).files["rods.h"]
+    assert "refinement: 0\n" in plain
+    assert "-1 and below" not in plain
+
+
+@pytest.mark.parametrize(("name", "most"), [("eight_body", 0.6), ("chain", 0.45)])
+def test_a_step_costs_clearly_less_than_a_solution(name: str, most: float) -> None:
+    """The first one, with its size watched, and the second, as shares of the operations without any."""
+    system = ORDINARY["eight_body"]() if name == "eight_body" else systems.chain(5)
+    variants = [Variant(solver=SOLVERS[0], refinement=steps) for steps in (0, 1, 2)]
+    costs = [sum(compile_module(system, FORWARD, variant=v).operations.values()) for v in variants]
+    assert costs[1] - costs[0] <= most * costs[0]
+    assert costs[2] - costs[1] <= most * costs[0]
+
+
+def test_unknown_refinements() -> None:
+    for value in (3, -1, "always", True):
+        with pytest.raises(kg.OptionError, match=f"^unknown refinement {value!r}"):
+            Variant(refinement=value)

@@ -1,0 +1,228 @@
+"""Comparisons: the bound holds for honest programs, and no mutant passes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from numpy.typing import NDArray
+
+import kanegen as kg
+from kanegen.errors import ArrayError, OptionError
+from kanegen.measure.comparison import compare
+from kanegen.reference import equations as reference
+from kanegen.reference.kinematics import kinematics
+from kanegen.reference.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches, rounding_bound
+from kanegen.reference.states import random_states
+from tests.support import systems
+from tests.support.high_precision import true_values
+
+Numbers = NDArray[Any]
+
+
+class Library:
+    """The reference posing as a library, with a hook for each output."""
+
+    def __init__(
+        self,
+        system: kg.System,
+        matrix: Callable[[Numbers], Numbers] = lambda a: a,
+        forcing: Callable[[Numbers, reference.ForcingTerms], Numbers] = lambda f, terms: f,
+        outputs: tuple[str, ...] = ("mass_matrix", "forcing"),
+    ) -> None:
+        self.system, self.matrix, self.vector, self.outputs = system, matrix, forcing, outputs
+
+    def mass_matrix(self, x: Numbers) -> Numbers:
+        return self.matrix(reference.mass_matrix(self.system, x))
+
+    def forcing(
+        self, x: Numbers, y: Numbers, force: Numbers | None = None, torque: Numbers | None = None
+    ) -> Numbers:
+        terms = reference.forcing_terms(self.system, x, y, force, torque)
+        return self.vector(terms.total, terms)
+
+
+def changed(index: int, factor: float) -> Callable[..., Numbers]:
+    """Multiplies one entry of {f}, or one row and column of [A], in every state."""
+
+    def change(values: Numbers, *_: Any) -> Numbers:
+        values = values.copy()
+        values[:, index] *= factor
+        if values.ndim == 3:
+            values[:, :, index] *= factor
+        return values
+
+    return change
+
+
+# The bound
+
+
+def test_reference_keeps_its_half_of_the_bound() -> None:
+    """Against 40 digits; two programs may differ by twice that. The bound is not idle either."""
+    rng, shares = np.random.default_rng(6), []
+    for bodies in (1, 1, 1, 1, 2, 2, 2, 3, 3, 4, 5, 6):
+        system = systems.random_system(rng, bodies, locked=bodies % 2 == 1).values()
+        states = random_states(system, 3, seed=bodies)
+        truth = true_values(system, states)
+        reach = reaches(system, kinematics(system, states.x, states.y), states.y)
+        a = reference.mass_matrix(system, states.x)
+        f = reference.forcing(system, states.x, states.y, states.force, states.torque)
+        a_size = mass_matrix_magnitude(system, reach)
+        f_size = forcing_magnitude(system, reach, states.force, states.torque)
+        for value, true, size in ((a, truth["mass_matrix"], a_size), (f, truth["forcing"], f_size)):
+            error = np.abs(value - true).astype(np.float64)
+            assert (np.abs(value) <= size * (1 + 1e-14)).all()
+            assert (error <= size * rounding_bound(bodies) / 2).all()
+            shares.append((error[size > 0] / size[size > 0]).max() / rounding_bound(bodies))
+    assert max(shares) > 0.02
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(systems.systems(max_bodies=8))
+def test_magnitudes_scale_like_what_they_measure(system: kg.System) -> None:
+    """A stale or missing unit would show: masses, lengths and times by powers of two change no bit."""
+    arrays, states = system.values(), random_states(system, 2)
+    mass, length, time = 2.0**30, 2.0**-9, 2.0**11
+    units = np.where([freedom.is_angle for freedom in system.freedoms], 1.0, length)
+    scaled = systems.rescaled(arrays, mass, length, time)
+    lever = length / units
+    sizes = []
+    for model, x, y in ((arrays, states.x, states.y), (scaled, states.x * units, states.y * (units / time))):
+        reach = reaches(model, kinematics(model, x, y), y)
+        sizes.append((mass_matrix_magnitude(model, reach), forcing_magnitude(model, reach, None, None)))
+    np.testing.assert_array_equal(sizes[1][0], sizes[0][0] * np.outer(lever, lever) * mass)
+    np.testing.assert_array_equal(sizes[1][1], sizes[0][1] * lever * (mass * length / time**2))
+
+
+# Mutants
+
+
+MUTANTS: dict[str, dict[str, Any]] = {
+    "all of A by 1e-9": {"matrix": lambda a: a * (1 + 1e-9)},
+    "all of f by 1e-9": {"forcing": lambda f, terms: f * (1 + 1e-9)},
+    "an angle's row by 1e-9": {"matrix": changed(0, 1 + 1e-9)},
+    "a translation's row by 1e-9": {"matrix": changed(-1, 1 + 1e-9)},
+    "an angle's entry by 1e-9": {"forcing": changed(0, 1 + 1e-9)},
+    "a translation's entry by 1e-9": {"forcing": changed(-1, 1 + 1e-9)},
+    "sign of a row": {"matrix": changed(1, -1.0)},
+    "sign of an entry": {"forcing": changed(1, -1.0)},
+    "A not symmetric": {"matrix": np.tril},
+    "A in single precision": {"matrix": lambda a: a.astype(np.float32).astype(float)},
+    "A of another state": {"matrix": lambda a: np.roll(a, 1, axis=0)},
+    "no loads": {"forcing": lambda f, terms: f - terms.loads},
+    "no gravity": {"forcing": lambda f, terms: f - terms.gravity},
+    "no m v_y dot": {"forcing": lambda f, terms: f - terms.acceleration},
+    "no omega x v": {"forcing": lambda f, terms: f - terms.transport},
+    "no I omega_y dot": {"forcing": lambda f, terms: f - terms.angular},
+    "no omega x I omega": {"forcing": lambda f, terms: f - terms.gyroscopic},
+}
+
+
+@pytest.mark.parametrize("mutant", MUTANTS)
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e3])
+def test_mutants_fail(mutant: str, size: float) -> None:
+    free = np.ones((4, 6), bool)
+    system = systems.random_system(np.random.default_rng(3), 4, free=free, loads=True, size=size)
+    assert compare(system, Library(system), states=20).passed
+    report = compare(system, Library(system, **MUTANTS[mutant]), states=20)
+    assert not report.passed
+    assert report.max_error > 1e-12
+    assert "FAILED" in str(report)
+
+
+def test_a_mutant_is_caught_in_a_long_chain() -> None:
+    system = systems.chain(64)
+    assert not compare(system, Library(system, matrix=changed(0, 1 + 1e-9)), states=5).passed
+    assert not compare(system, Library(system, forcing=changed(0, 1 + 1e-9)), states=5).passed
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_what_is_not_finite_fails_and_is_shown(bad: float) -> None:
+    system = systems.eight_body()
+
+    def spoil(f: Numbers, terms: reference.ForcingTerms) -> Numbers:
+        f = f.copy()
+        f[2, 4] = bad
+        return f
+
+    report = compare(system, Library(system, forcing=spoil), states=5)
+    matrix, forcing = report.accuracies
+    assert matrix.passed and not forcing.passed and not report.passed
+    assert report.max_error == np.inf
+    assert forcing.not_finite == 1
+    assert forcing.normwise_median < 1e-15
+    assert (forcing.worst.state, forcing.worst.entry) == (2, "[body2.theta2]")
+    assert f"{bad!r} instead of {forcing.worst.reference!r}" in str(report)
+    assert "forcing: 1 state is not finite" in str(report)
+    json.dumps(report.as_dict(), allow_nan=False)
+
+
+# The report
+
+
+def test_the_worst_state_can_be_computed_again() -> None:
+    system = systems.eight_body()
+    report = compare(system, Library(system, matrix=changed(3, 1 + 1e-9), forcing=changed(7, -1.0)), states=9)
+    matrix, forcing = (accuracy.worst for accuracy in report.accuracies)
+    names = system.freedom_names
+    assert f"[{names[3]}, {names[3]}]" == matrix.entry
+    assert reference.mass_matrix(system, matrix.x)[3, 3] == pytest.approx(matrix.reference, rel=1e-14)
+    again = reference.forcing(system, forcing.x, forcing.y, forcing.force, forcing.torque)
+    assert again[7] == pytest.approx(forcing.reference, rel=1e-14)
+    assert forcing.value == -forcing.reference
+    assert repr(forcing.x) in str(report)
+    assert json.loads(json.dumps(report.as_dict()))["accuracies"][1]["worst"]["x"] == list(forcing.x)
+
+
+def test_normwise_error_is_relative_and_has_no_units() -> None:
+    for size in (1e-3, 1.0, 1e4):
+        system = systems.random_system(np.random.default_rng(3), 3, free=np.ones((3, 6), bool), size=size)
+        report = compare(system, Library(system, lambda a: a * 1.001, lambda f, terms: f * 1.002), states=7)
+        matrix, forcing = report.accuracies
+        assert matrix.normwise == pytest.approx(1e-3) == matrix.normwise_median
+        assert forcing.normwise == pytest.approx(2e-3) == report.max_error
+        assert matrix.componentwise <= 1.001e-3
+        assert forcing.cancellation > 1
+
+
+def test_forces_that_cancel_to_nothing_are_no_error() -> None:
+    """Without gravity and loads nothing pushes a sphere, but separate terms of Eq. (44) are not zero."""
+    system = kg.System.from_arrays(
+        [0], [2.0], [np.eye(3)], [[0, 0, 0]], [[0, 0, 0]], gravity=(0, 0, 0),
+        free=systems.flags(1, ["theta3", "s1", "s2"]),
+    )  # fmt: skip
+    report = compare(system, Library(system, forcing=lambda f, terms: 0 * f), states=50)
+    assert report.passed
+    assert report.max_error < 1e-15
+
+
+def test_one_output_is_enough() -> None:
+    system = systems.chain(2)
+    report = compare(system, Library(system, outputs=("forcing", "energy")), states=3)
+    assert [accuracy.output for accuracy in report.accuracies] == ["forcing"]
+
+
+def test_the_same_seed_gives_the_same_report() -> None:
+    system = systems.eight_body()
+    library = Library(system, matrix=changed(0, 1 + 1e-9))
+    assert compare(system, library, 10, seed=4) == compare(system, library, 10, seed=4)
+    assert compare(system, library, 10, seed=4) != compare(system, library, 10, seed=5)
+
+
+def test_bad_requests_are_refused() -> None:
+    system = systems.chain(2)
+    with pytest.raises(OptionError, match="states is 0; it must be a whole number, at least 1"):
+        compare(system, Library(system), states=0)
+    with pytest.raises(OptionError, match=r"states is 2\.5; it must be a whole number"):
+        compare(system, Library(system), states=2.5)
+    with pytest.raises(OptionError, match="seed is -1; it must be a whole number, at least 0"):
+        compare(system, Library(system), seed=-1)
+    with pytest.raises(OptionError, match="none of the outputs mass_matrix, forcing: nothing to compare"):
+        compare(system, Library(system, outputs=()))
+    with pytest.raises(ArrayError, match=r"returned shape \(5, 2\); expected \(5, 2, 2\)"):
+        compare(system, Library(system, matrix=lambda a: a[:, 0]), states=5)

@@ -1,0 +1,413 @@
+"""Prescribed freedoms: every output against the same tree with these freedoms free, and against textbooks."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.compiler import compile_module
+from kanegen.model.coordinates import Freedom
+from kanegen.model.sequences import SEQUENCES
+from kanegen.program.evaluate import evaluate
+from kanegen.recursion.outputs import available, chosen
+from kanegen.recursion.outputs.derivatives import DERIVATIVES
+from kanegen.reference import equations as reference
+from kanegen.symbolic import derive
+from kanegen.symbolic.literal.orientation import skew
+from kanegen.symbolic.printing.formats import render
+from tests.physics.test_quaternions import with_some
+from tests.physics.test_speeds import SPINS, close, mixed
+from tests.support import systems
+
+Arrays = dict[str, np.ndarray]
+
+SAME = ("kinetic_energy", "potential_energy", "momentum", "mass_center", "body_poses")
+POINTS = ("point_positions", "point_velocities", "point_accelerations", "point_jacobians")
+EQUATIONS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics", "prescribed_efforts")
+KINDS = ("slides and hinges", "sequences", "welded", "rates", "spins", "quaternions")
+
+
+@cache
+def tree(kind: str, seed: int) -> kg.System:
+    """A random tree with points; in most joints some freedoms are free, some prescribed, some locked."""
+    rng = np.random.default_rng([KINDS.index(kind), seed])
+    bodies = 3
+    if kind in ("rates", "spins", "quaternions"):
+        system = with_some(seed) if kind == "quaternions" else mixed(seed)
+        system = system.with_speeds(SPINS) if kind == "spins" else system
+    else:
+        free = systems.random_free(rng, bodies, 0.7)
+        free[1] &= kind != "welded"
+        free[0, 0] = True
+        system = systems.random_system(rng, bodies, free=free, loads=True, orientations=bool(seed % 2))
+    if kind == "sequences":
+        kinds = rng.choice(list(SEQUENCES), bodies)
+        pairs = zip(system.bodies, kinds, strict=True)
+        turned = (replace(b, joint=replace(b.joint, sequence=str(sequence))) for b, sequence in pairs)
+        system = replace(system, bodies=tuple(turned))
+    able = [f for f in system.freedoms if not (f.is_angle and system.bodies[f.body - 1].joint.spins)]
+    chosen = [system.freedom_names[system.places[f]] for f in able if rng.random() < 0.45]
+    system = system.with_prescribed(chosen[: len(system.freedoms) - 1])
+    points = {f"p{k}": (k, rng.normal(size=3)) for k in (1, system.number_of_bodies)}
+    return system.with_points(points)
+
+
+def freed(system: kg.System) -> kg.System:
+    """The same tree with its prescribed freedoms free."""
+    joints = (replace(b.joint, free=b.joint.moving, prescribed=(False,) * 6) for b in system.bodies)
+    bodies = (replace(b, joint=joint) for b, joint in zip(system.bodies, joints, strict=True))
+    return replace(system, bodies=tuple(bodies))
+
+
+def state(system: kg.System, seed: int) -> Arrays:
+    """Everything that a function may read."""
+    rng = np.random.default_rng(seed)
+    n, bodies = len(system.freedoms), system.number_of_bodies
+    found = {name: rng.normal(size=n) for name in ("y", "ydot", "tau")}
+    found |= {name: rng.normal(size=(bodies, 3)) for name in ("force", "torque")}
+    found["x"] = rng.uniform(-1, 1, len(system.coordinates))
+    return found | {"prescribed": rng.uniform(-1, 1, (3, len(system.prescribed)))}
+
+
+def merged(system: kg.System, other: kg.System, given: Arrays) -> Arrays:
+    """The same state of the tree where all that moves is free."""
+    x, y, ydot = np.zeros(len(other.coordinates)), *np.zeros((2, len(other.freedoms)))
+    for coordinate, place in other.coordinate_places.items():
+        known = system.coordinate_places.get(coordinate)
+        told = Freedom(coordinate.body, coordinate.index)
+        x[place] = (
+            given["prescribed"][0, system.prescribed.index(told)] if known is None else given["x"][known]
+        )
+    free, moved = parts(system, other)
+    y[free], y[moved] = given["y"], given["prescribed"][1]
+    ydot[free], ydot[moved] = given["ydot"], given["prescribed"][2]
+    return given | {"x": x, "y": y, "ydot": ydot}
+
+
+def parts(system: kg.System, other: kg.System) -> tuple[list[int], list[int]]:
+    """Where the free freedoms and the prescribed ones stand in {y} where all are free."""
+    return [other.places[f] for f in system.freedoms], [other.places[f] for f in system.prescribed]
+
+
+def values(system: kg.System, given: Arrays, *outputs: str) -> Arrays:
+    """Results of the program that becomes C, by output."""
+    module = compile_module(system, outputs).module
+    function = module.functions["evaluate" if len(outputs) > 1 else outputs[0]]
+    found = evaluate(function, {name: np.ravel(value) for name, value in given.items()}, np)
+    pairs = zip(chosen(outputs), function.outputs, strict=True)
+    return {name: np.array(found[o.array.name], float).reshape(o.array.shape) for name, o in pairs}
+
+
+def partitioned(system: kg.System, other: kg.System, given: Arrays) -> Arrays:
+    """[A], {f} and what follows from them, from the reference of the tree where all that moves is free."""
+    free, moved = parts(system, other)
+    whole = merged(system, other, given)
+    loads = {"force": given["force"], "torque": given["torque"]}
+    a = reference.mass_matrix(other, whole["x"])
+    f = reference.forcing(other, whole["x"], whole["y"], **loads)
+    coupled, own = a[np.ix_(free, moved)], a[np.ix_(free, free)]
+    told = given["prescribed"][2]
+    forcing = f[free] - coupled @ told
+    return {
+        "mass_matrix": own,
+        "forcing": forcing,
+        "inverse_dynamics": own @ given["ydot"] - forcing,
+        "forward_dynamics": np.linalg.solve(own, forcing + given["tau"]),
+        "prescribed_efforts": coupled.T @ given["ydot"] + a[np.ix_(moved, moved)] @ told - f[moved],
+    }
+
+
+def require_equal(kind: str, seed: int) -> None:
+    """[A] and {f} partitioned; energies, momentum, poses and points as they are."""
+    system = tree(kind, seed)
+    other, given = freed(system), state(system, seed)
+    free, _ = parts(system, other)
+    right = partitioned(system, other, given)
+    right |= values(other, merged(system, other, given), *SAME, *POINTS)
+    right["point_jacobians"] = right["point_jacobians"][..., free]
+    outputs = (*EQUATIONS, *SAME, *POINTS)
+    together = values(system, given, *outputs)
+    for name in outputs:
+        close(together[name], right[name], 1e-10 if name == "forward_dynamics" else 1e-12)
+    alone = EQUATIONS[seed % len(EQUATIONS)]
+    close(values(system, given, alone)[alone], right[alone], 1e-10)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_same_tree_with_these_freedoms_free(kind: str) -> None:
+    assert tree(kind, 0).prescribed
+    require_equal(kind, 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_trees(kind: str) -> None:
+    seeds = [seed for seed in range(1, 30) if tree(kind, seed).prescribed]
+    assert len(seeds) > 15
+    for seed in seeds:
+        require_equal(kind, seed)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_reference(kind: str) -> None:
+    """It takes the prescribed columns as they come; the partition is of [A] and {f} without any."""
+    system = tree(kind, 3)
+    given = state(system, 3)
+    right = partitioned(system, freed(system), given)
+    x, y, ydot, told = (given[name] for name in ("x", "y", "ydot", "prescribed"))
+    loads = {"force": given["force"], "torque": given["torque"]}
+    close(reference.mass_matrix(system, x, told), right["mass_matrix"])
+    close(reference.forcing(system, x, y, **loads, prescribed=told), right["forcing"])
+    close(reference.prescribed_efforts(system, x, y, ydot, told, **loads), right["prescribed_efforts"])
+
+
+@pytest.mark.parametrize("solver", ["articulated bodies", "factorisation"])
+def test_both_solvers(solver: str) -> None:
+    system = tree("slides and hinges", 1)
+    given = state(system, 1)
+    variant = kg.Variant(solver=solver, refinement=1)
+    module = compile_module(system, ("forward_dynamics", "regularity"), variant=variant).module
+    inputs = {name: np.ravel(value) for name, value in given.items()}
+    found = evaluate(module.functions["evaluate"], inputs, np)
+    close(
+        np.array(found["acceleration"]), partitioned(system, freed(system), given)["forward_dynamics"], 1e-11
+    )
+    assert all(0 < value <= 1 + 1e-12 for value in found["regularity"])
+
+
+def test_what_stands_still_is_locked() -> None:
+    """With rates and accelerations of zero nothing tells a prescribed freedom from one locked there."""
+    system = tree("sequences", 4)
+    given = state(system, 4)
+    given["prescribed"][1:] = 0
+    held = list(system.bodies)
+    for freedom, value in zip(system.prescribed, given["prescribed"][0], strict=True):
+        body = held[freedom.body - 1]
+        locked, told = list(body.joint.locked), list(body.joint.prescribed)
+        locked[freedom.index], told[freedom.index] = float(value), False
+        joint = replace(body.joint, locked=tuple(locked), prescribed=tuple(told))
+        held[freedom.body - 1] = replace(body, joint=joint)
+    locked = replace(system, bodies=tuple(held))
+    outputs = (*EQUATIONS[:-1], *SAME, *POINTS)
+    right = values(locked, given, *outputs)
+    for name, found in values(system, given, *outputs).items():
+        close(found, right[name], 1e-11)
+
+
+def turntable() -> kg.System:
+    """A bob of mass m on a rod of length l that swings in a vertical plane, which a shaft turns."""
+    length = kg.Parameter("l", 0.7)
+    shaft = kg.Joint(free=(False,) * 6, prescribed=(False, False, True, False, False, False), name="shaft")
+    swing = kg.Joint(free=(False, True, False, False, False, False), name="swing")
+    nothing = np.zeros((3, 3)).tolist()
+    bob = kg.Body("bob", 1, kg.Parameter("m", 1.3), nothing, (0, 0, length), swing)
+    gravity = (0.0, 0.0, 9.81)  # axis 3 points down
+    return kg.System("turntable", (kg.Body("table", 0, 0, nothing, joint=shaft), bob), gravity)
+
+
+@pytest.fixture(scope="module")
+def governor() -> kg.Library:
+    outputs = ("mass_matrix", "forcing", "forward_dynamics", "prescribed_efforts", "kinetic_energy")
+    return kg.build(turntable(), (*outputs, "potential_energy", "coordinate_rates"), flags="-O1")
+
+
+def test_a_pendulum_on_a_turning_shaft(governor: kg.Library) -> None:
+    """Textbook: phi'' = omega^2 sin(phi) cos(phi) - g sin(phi) / l; the torque changes the momentum."""
+    m, length, g = 1.3, 0.7, 9.81
+    assert governor.prescribed_names == ("shaft",)
+    for phi, rate, turn, omega, alpha in np.random.default_rng(1).normal(size=(5, 5)):
+        told = np.array([[turn], [omega], [alpha]])
+        sine, cosine = np.sin(phi), np.cos(phi)
+        found = governor.forward_dynamics([phi], [rate], prescribed=told)
+        assert found == pytest.approx([omega**2 * sine * cosine - g / length * sine])
+        torque = m * length**2 * (alpha * sine**2 + 2 * omega * rate * sine * cosine)
+        assert governor.prescribed_efforts([phi], [rate], found, prescribed=told) == pytest.approx([torque])
+        energy = m * length**2 * (rate**2 + (omega * sine) ** 2) / 2
+        assert governor.kinetic_energy([phi], [rate], prescribed=told) == pytest.approx(energy)
+
+
+def test_a_pendulum_on_a_shaken_pivot() -> None:
+    """Textbook: l phi'' = -(g + z'') sin(phi); the pivot carries the bob and accelerates it."""
+    m, length, g = 0.4, 1.2, 9.81
+    system = kg.System.from_arrays(
+        connection=[0],
+        mass=[m],
+        inertia=np.zeros((1, 3, 3)),
+        mass_center=[[0, 0, -length]],
+        joint_position=np.zeros((1, 3)),
+        free=[[False, True, False, False, False, False]],
+        prescribed=[[False, False, False, False, False, True]],
+    )
+    assert system.prescribed_names == ("body1.s3",)
+    for phi, rate, z, zdot, zddot in np.random.default_rng(2).normal(size=(5, 5)):
+        given = {"x": [phi], "y": [rate], "prescribed": [[z], [zdot], [zddot]], "tau": [0.0]}
+        given = {name: np.array(value) for name, value in given.items()}
+        (found,) = values(system, given, "forward_dynamics")["forward_dynamics"]
+        assert found == pytest.approx(-(g + zddot) / length * np.sin(phi))
+        (push,) = values(system, given | {"ydot": np.array([found])}, "prescribed_efforts")[
+            "prescribed_efforts"
+        ]
+        lifted = zddot + length * (found * np.sin(phi) + rate**2 * np.cos(phi))
+        assert push == pytest.approx(m * (lifted + g))
+
+
+def test_energy_is_the_work_of_the_efforts() -> None:
+    """Along a motion by Runge and Kutta's rule, whose error at this step is far below the tolerance."""
+    system = tree("rates", 1)
+    outputs = ("forward_dynamics", "prescribed_efforts", "kinetic_energy", "potential_energy")
+    library = kg.build(system, outputs, flags="-O1")
+    p, n = len(system.prescribed), len(system.freedoms)
+    size, pace, phase = np.random.default_rng(5).uniform(0.2, 0.9, (3, p))
+
+    def motion(t: float) -> np.ndarray:
+        sine, cosine = np.sin(pace * t + phase), np.cos(pace * t + phase)
+        return np.array([size * sine, size * pace * cosine, -size * pace**2 * sine])
+
+    def rates(t: float, s: np.ndarray) -> np.ndarray:
+        x, y, told = s[:n].copy(), s[n : 2 * n].copy(), motion(t)
+        ydot = library.forward_dynamics(x, y, prescribed=told)
+        power = library.prescribed_efforts(x, y, ydot, prescribed=told) @ told[1]
+        return np.concatenate([y, ydot, [power]])
+
+    def energy(t: float, s: np.ndarray) -> float:
+        x, y, told = s[:n].copy(), s[n : 2 * n].copy(), motion(t)
+        return float(
+            library.kinetic_energy(x, y, prescribed=told) + library.potential_energy(x, prescribed=told)
+        )
+
+    s, h = np.concatenate([np.full(n, 0.1), np.zeros(n + 1)]), 1 / 1024
+    start = energy(0.0, s)
+    for step in range(256):
+        t = step * h
+        one = rates(t, s)
+        two = rates(t + h / 2, s + h / 2 * one)
+        three = rates(t + h / 2, s + h / 2 * two)
+        four = rates(t + h, s + h * three)
+        s = s + h / 6 * (one + 2 * two + 2 * three + four)
+    change = energy(256 * h, s) - start
+    assert abs(s[-1]) > 0.01
+    assert s[-1] == pytest.approx(change, rel=1e-7)
+
+
+def test_one_state_and_many_in_c() -> None:
+    """The same bits, whether every state has a motion of its own or all share one."""
+    system = tree("slides and hinges", 0)
+    outputs = [name for name in available(system) if name not in DERIVATIVES]
+    library = kg.build(system, outputs, flags="-O1")
+    states = [state(system, seed) for seed in range(11)]
+    batch = {name: np.stack([each[name] for each in states]) for name in states[0]}
+    many = library.evaluate(**batch)
+    shared = library.evaluate(**batch | {"prescribed": states[0]["prescribed"]})
+    right = partitioned(system, freed(system), states[3])
+    for k in (0, 3, 10):
+        one = library.evaluate(**states[k])
+        for name in outputs:
+            assert getattr(one, name).tobytes() == getattr(many, name)[k].tobytes(), name
+    for name in outputs:
+        assert getattr(shared, name)[0].tobytes() == getattr(many, name)[0].tobytes(), name
+    for name, expected in right.items():
+        close(getattr(many, name)[3], expected, 1e-11)
+
+
+@pytest.mark.parametrize("name", ["forcing", "forward_dynamics"])
+def test_derivatives(name: str) -> None:
+    """By {x} and {y}, against central differences; nothing is differentiated by what is prescribed."""
+    system = tree("sequences", 0)
+    library = kg.build(system, (name, f"{name}_derivatives"), flags="-O1")
+    given = state(system, 7)
+    given = {key: given[key] for key in ("x", "y", "force", "torque", "prescribed")}
+    found = getattr(library, f"{name}_derivatives")(**given)
+    columns = library.derivative_columns(f"{name}_derivatives")
+    step = 2.0**-17
+    for by in ("x", "y"):
+        for j, column in enumerate(range(columns[by].start, columns[by].stop)):
+            ends = []
+            for sign in (1, -1):
+                moved = given[by].copy()
+                moved[j] += sign * step
+                ends.append(getattr(library, name)(**given | {by: moved}))
+            close(found[:, column], (ends[0] - ends[1]) / (2 * step), 1e-6)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_literal_equations(kind: str) -> None:
+    system = tree(kind, 2)
+    given = state(system, 2)
+    literal = derive(system, intermediates=True).lambdify()
+    x, y, told = given["x"], given["y"], given["prescribed"]
+    right = values(system, given, "mass_matrix", "forcing")
+    close(literal.mass_matrix(x, prescribed=told), right["mass_matrix"])
+    close(literal.forcing(x, y, given["force"], given["torque"], prescribed=told), right["forcing"])
+
+
+def test_the_accelerations_of_the_literal_equations() -> None:
+    """They are the derivatives of the velocities, all that moves being a function of time."""
+    equations = derive(tree("slides and hinges", 5), intermediates=False)
+    columns = [
+        equations.x,
+        equations.y,
+        equations.ydot,
+        *(row.T for row in map(equations.prescribed.row, range(3))),
+    ]
+    values, rates, accelerations = (
+        one.col_join(told) for one, told in zip(columns[:3], columns[3:], strict=True)
+    )
+    state = values.col_join(rates)
+    symbols = list(state.col_join(accelerations))
+    numbers = dict(zip(symbols, np.random.default_rng(1).normal(size=len(symbols)).tolist(), strict=True))
+    body = equations.bodies[-1]
+    turning = skew(body.angular_velocity) * body.velocity_of_center
+    for velocity, acceleration in (
+        (body.angular_velocity, body.angular_acceleration),
+        (body.velocity_of_center, body.acceleration_of_center - turning),
+    ):
+        rate = velocity.jacobian(state) * rates.col_join(accelerations)
+        found, right = (np.array(m.xreplace(numbers).evalf(), float) for m in (acceleration, rate))
+        close(found, right, 1e-11)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_the_printed_module(closed: bool, governor: kg.Library) -> None:
+    equations = kg.derive(turntable())
+    assert "prescribed[1] = theta_1_3, thetadot_1_3, thetaddot_1_3: shaft (rad)" in render(equations)
+    assert r"\ddot{\theta}_{1,3}" in render(equations, "latex")
+    module: dict[str, object] = {}
+    exec(render(equations, "python", closed=closed), module)
+    told = np.array([[0.3], [1.1], [-0.7]])
+    x, y = np.array([0.4]), np.array([-0.9])
+    close(module["mass_matrix"](x, told), governor.mass_matrix(x, prescribed=told))
+    close(module["forcing"](x, y, told), governor.forcing(x, y, prescribed=told))
+
+
+def test_the_reference_in_a_report() -> None:
+    report = kg.compare(tree("quaternions", 2), 20)
+    assert report.passed
+    worst = report.accuracies[0].worst
+    assert worst.given["prescribed"] is not None
+    assert len(worst.given["prescribed"]) == 3
+
+
+def test_c_compiles_without_a_warning(tmp_path: Path) -> None:
+    """Functions that do not depend on what is prescribed take it as well."""
+    system = tree("spins", 0)
+    outputs = ("forward_dynamics", "body_poses", "coordinate_rates", "prescribed_efforts")
+    source = kg.generate(system, outputs)
+    header, name, p = source.files["tree.h"], system.prescribed_names[0], len(system.prescribed)
+    assert re.search(rf"TREE_PRESCRIBED += {p} ", header)
+    assert f" *     0  {name}  " in header
+    assert f"| 0 | `{name}` |" in source.files["README.md"]
+    assert f"/* second derivative of {name} */" in source.files["main.c"]
+    assert header.count(f"const double prescribed[3 * {p}]") == len(outputs) + 1
+    folder = source.write(tmp_path / "out")
+    flags = "-std=c99 -O0 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror".split()
+    compiler = next(path for name in ("gcc", "clang", "cc") if (path := shutil.which(name)))
+    command = [compiler, *flags, "main.c", "tree.c", "tree_batch.c", "-lm", "-o", "example"]
+    subprocess.run(command, cwd=folder, check=True)

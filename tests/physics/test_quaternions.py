@@ -1,0 +1,296 @@
+"""Quaternions in place of three angles: values against truth, the reference and the form in angles."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import kanegen as kg
+from kanegen.library.diagnosis import Diagnosis
+from kanegen.library.simulation import simulate
+from kanegen.measure import truth as certified
+from kanegen.reference import equations as reference
+from kanegen.reference.kinematics import kinematics
+from kanegen.reference.states import random_states
+from kanegen.studies.tradeoff.converting import converted
+from kanegen.studies.tradeoff.domain import default_domain
+from kanegen.symbolic import derive
+from kanegen.symbolic.printing import render
+from tests.physics.test_speeds import ARRAYS, SPINS, close, mixed, values
+from tests.support import systems
+from tests.support.paths import MODELS
+
+OUTPUTS = (*ARRAYS, "kinetic_energy", "potential_energy", "momentum", "mass_center", "body_poses")
+
+
+@cache
+def with_some(seed: int) -> kg.System:
+    """A random tree in which about half of the bodies that turn freely have a quaternion."""
+    rng = np.random.default_rng(seed)
+    tree = mixed(seed)
+    held = ["quaternion" if b.joint.turns_freely and rng.random() < 0.7 else "angles" for b in tree.bodies]
+    first = next(k for k, body in enumerate(tree.bodies) if body.joint.turns_freely)
+    held[first] = "quaternion"
+    return remade(tree, "coordinates", held)
+
+
+def remade(system: kg.System, what: str, value: list[str]) -> kg.System:
+    """The same system with one array changed."""
+    arrays = system.values()
+    kept = arrays.rows()
+    return kg.System.from_arrays(**(kept | {what: value}))
+
+
+def state(system: kg.System, seed: int = 0) -> dict[str, np.ndarray]:
+    """Everything that a function may read; quaternions have any length."""
+    rng = np.random.default_rng(seed)
+    n, bodies = len(system.freedoms), system.number_of_bodies
+    found = {name: rng.normal(size=n) for name in ("y", "ydot", "tau")}
+    found["x"] = rng.uniform(-1.2, 1.2, len(system.coordinates))
+    return found | {name: rng.normal(size=(bodies, 3)) for name in ("force", "torque")}
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_truth_and_reference(seed: int) -> None:
+    """Two algorithms in ball arithmetic, the notes' equations in NumPy, and the recursion."""
+    system = with_some(seed)
+    assert len(system.coordinates) > len(system.freedoms)
+    given = state(system, seed)
+    exact = certified.truth(system, **given, outputs=tuple(ARRAYS))
+    found = values(system, given, *ARRAYS)
+    for output, array in ARRAYS.items():
+        close(found[array], exact[output].value)
+    loads = {"force": given["force"], "torque": given["torque"]}
+    close(reference.mass_matrix(system, given["x"]), exact["mass_matrix"].value)
+    close(reference.forcing(system, given["x"], given["y"], **loads), exact["forcing"].value)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_angles_of_the_same_orientation(seed: int) -> None:
+    """Every output is what it is with angles where these have the same orientation and angular velocity."""
+    turned = with_some(seed)
+    angles = mixed(seed).with_speeds(SPINS).with_coordinates("angles")
+    rates = [b.joint.speeds for b in turned.bodies]
+    angles = kg.System.from_arrays(**(angles.values().rows() | {"speeds": rates}))
+    given = state(angles, seed)
+    x = np.empty(len(turned.coordinates))
+    for coordinate, place in turned.coordinate_places.items():
+        if coordinate.index < 6:
+            x[place] = given["x"][angles.coordinate_places[coordinate]]
+        elif coordinate.name == "e0":
+            own = [angles.coordinate_place(coordinate.body, index) for index in range(3)]
+            # Body-fixed angles 1-2-3 are SciPy's intrinsic XYZ.
+            quaternion = Rotation.from_euler("XYZ", given["x"][own]).as_quat()
+            x[place : place + 4] = 1.7 * np.roll(quaternion, 1)
+    theirs, ours = values(angles, given, *OUTPUTS), values(turned, given | {"x": x}, *OUTPUTS)
+    for output, value in theirs.items():
+        close(ours[output], value)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_literal_equations(seed: int) -> None:
+    system = with_some(seed)
+    given = state(system, seed)
+    equations = derive(system).lambdify()
+    close(equations.mass_matrix(given["x"]), reference.mass_matrix(system, given["x"]))
+    found = equations.forcing(given["x"], given["y"], given["force"], given["torque"])
+    loads = {"force": given["force"], "torque": given["torque"]}
+    close(found, reference.forcing(system, given["x"], given["y"], **loads))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rates_turn_the_bodies_and_keep_the_length(seed: int) -> None:
+    """d[^J R_K]/dt = -[omega_hat~][^J R_K], Eq. (7), by a complex step along {xdot}."""
+    system = with_some(seed)
+    given = state(system, seed)
+    xdot = values(system, given, "coordinate_rates")["xdot"]
+    arrays, still = system.values(), np.zeros(len(system.freedoms))
+    moved = kinematics(arrays, given["x"] + 1e-30j * xdot, still.astype(complex))
+    bodies = kinematics(arrays, given["x"], given["y"])
+    for body, along in zip(bodies, moved, strict=True):
+        w = body.relative_omega
+        skew = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+        close(along.relative_rotation.imag / 1e-30, -skew @ body.relative_rotation)
+    for coordinate, place in system.coordinate_places.items():
+        if coordinate.name == "e0":
+            assert abs(given["x"][place : place + 4] @ xdot[place : place + 4]) < 1e-14
+
+
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_the_length_means_nothing(precision: str) -> None:
+    """A power of two changes no bit of [A] and {f}; only 0 is no orientation."""
+    system = kg.load(MODELS / "free_body.toml").with_coordinates("quaternion")
+    library = kg.build(system, ("mass_matrix", "forcing", "forward_dynamics"), precision=precision)
+    states = random_states(system, 20)
+    scaled = states.x.copy()
+    scaled[:, :4] *= 2.0**9
+    assert (library.mass_matrix(states.x) == library.mass_matrix(scaled)).all()
+    assert (library.forcing(states.x, states.y) == library.forcing(scaled, states.y)).all()
+    assert np.isnan(library.forcing(np.zeros(7), states.y[0])).any()
+
+
+@pytest.mark.parametrize("precision", ["double", "float", "long double", "double-double"])
+def test_compiled_code(precision: str) -> None:
+    """One state, a batch and the reference."""
+    system = with_some(1)
+    report = kg.compare(system, states=200, precision=precision)
+    assert report.passed, str(report)
+    if precision in {"double", "float"}:
+        library = kg.build(system, ("mass_matrix", "coordinate_rates"), precision=precision)
+        states = random_states(system, 9)
+        x, y = (array.astype(library.mass_matrix(states.x).dtype) for array in (states.x, states.y))
+        for k in range(9):
+            assert (library.mass_matrix(x)[k] == library.mass_matrix(x[k])).all()
+            assert (library.coordinate_rates(x, y)[k] == library.coordinate_rates(x[k], y[k])).all()
+
+
+def test_eight_bodies_in_every_orientation() -> None:
+    """Where cos(theta2) = 0 nothing is lost: [A] and {xdot} know no angles."""
+    system = systems.eight_body().with_coordinates("quaternion")
+    outputs = ("forward_dynamics", "coordinate_rates", "error_estimate", "regularity")
+    library = kg.build(system, outputs)
+    given = state(system, 3)
+    locked = np.roll(Rotation.from_euler("XYZ", [0.3, np.pi / 2, -0.8]).as_quat(), 1)
+    for place in (place for c, place in system.coordinate_places.items() if c.name == "e0"):
+        given["x"][place : place + 4] = locked
+    exact = certified.truth(system, **given, outputs=("forward_dynamics",))["forward_dynamics"].value
+    loads = (given["tau"], given["force"], given["torque"])
+    found = library.forward_dynamics(given["x"], given["y"], *loads)
+    assert np.linalg.norm(found - exact) <= 1e-13 * np.linalg.norm(exact)
+    assert np.isfinite(library.coordinate_rates(given["x"], given["y"])).all()
+    told = library.diagnose(given["x"], given["y"], *loads)
+    assert isinstance(told, Diagnosis)
+    assert told.singularity is None
+    assert told.singular == 0
+
+
+def test_a_long_flight() -> None:
+    """A free body tumbles through every orientation: energy, momentum and length stay."""
+    body = kg.load(MODELS / "free_body.toml").with_coordinates("quaternion")
+    outputs = ("forward_dynamics", "coordinate_rates", "kinetic_energy", "potential_energy", "momentum")
+    library = kg.build(body, outputs)
+    x, y = np.array([1.0, 0, 0, 0, 0, 0, 0]), np.array([0.3, 5.0, 0.1, 0.2, -0.1, 0.4])
+    path = simulate(library, x, y, np.linspace(0.0, 20.0, 41), "DOP853", tolerance=1e-12)
+    assert path.x.shape == (41, 7)
+    assert path.energy_drift.largest < 1e-9
+    assert path.momentum_drift()[1].largest < 1e-9
+    assert np.abs(np.linalg.norm(path.x[:, :4], axis=1) - 1).max() < 1e-9
+    steps = simulate(library, np.tile(x, (3, 1)), np.tile(y, (3, 1)), [0.0, 0.1], "RK4", step=1e-3)
+    assert steps.x.shape == (2, 3, 7)
+
+
+def test_names_and_places() -> None:
+    system = kg.load(MODELS / "free_body.toml").with_coordinates("quaternion")
+    name = system.bodies[0].name
+    assert system.coordinate_names[:4] == tuple(f"{name}.e{i}" for i in range(4))
+    assert system.freedom_names[:3] == tuple(f"{name}.omega{i}" for i in (1, 2, 3))
+    assert [c.unit for c in system.coordinates] == ["1"] * 4 + ["m"] * 3
+    source = kg.generate(system, ("mass_matrix",))
+    header = source.files["free_body.h"]
+    assert "FREE_BODY_COORDINATES = 7" in header
+    assert "FREE_BODY_FREEDOMS    = 6" in header
+    assert f"{name}.e0  1" in header
+    assert "sin" not in source.files["free_body.c"].split("*/")[-1]
+
+
+def test_a_file_and_arrays_keep_them(tmp_path: Path) -> None:
+    system = with_some(2)
+    system.save(tmp_path / "tree.toml")
+    assert kg.load(tmp_path / "tree.toml") == system
+    assert "quaternion" in system.values().coordinates
+
+
+def test_there_and_back() -> None:
+    system = mixed(1).with_speeds(SPINS)
+    turned = system.with_coordinates("quaternion")
+    assert turned.with_coordinates("angles") == system
+    assert turned.with_speeds("angle_rates") == turned
+    other = kg.generate(mixed(1), ("mass_matrix",), coordinates="quaternion")
+    assert other.files == kg.generate(turned, ("mass_matrix",)).files
+
+
+@pytest.mark.parametrize("format_", ["text", "latex", "python"])
+def test_equations_are_printed(format_: str, tmp_path: Path) -> None:
+    system = with_some(1)
+    text = render(derive(system), format_)
+    assert "epsilon" in text
+    if format_ == "python":
+        (tmp_path / "tree.py").write_text(text)
+        given = state(system, 5)
+        numbers = f"x = np.array({given['x'].tolist()}); y = np.array({given['y'].tolist()})"
+        show = "print(*tree.mass_matrix(x).ravel(), *tree.coordinate_rates(x, y))"
+        call = [sys.executable, "-c", f"import numpy as np, tree; {numbers}; {show}"]
+        done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=True)
+        found = np.array([float(word) for word in done.stdout.split()])
+        n = len(system.freedoms)
+        close(found[: n * n], reference.mass_matrix(system, given["x"]))
+        close(found[n * n :], values(system, given, "coordinate_rates")["xdot"])
+
+
+def test_no_closed_form() -> None:
+    system = kg.load(MODELS / "free_body.toml").with_coordinates("quaternion")
+    with pytest.raises(kg.OptionError, match="quaternion; closed forms"):
+        derive(system).closed_form()
+
+
+def test_states_of_a_study_are_the_same_physically() -> None:
+    system = mixed(3)
+    turned = system.with_coordinates("quaternion")
+    sample = default_domain(system).sample(20, 1)
+    other = converted(sample, system, turned)
+    poses = kg.build(system, ("body_poses", "kinetic_energy")).evaluate(sample.states.x, sample.states.y)
+    same = kg.build(turned, ("body_poses", "kinetic_energy")).evaluate(other.states.x, other.states.y)
+    close(same.body_poses, poses.body_poses, 1e-5)
+    close(same.kinetic_energy, poses.kinetic_energy, 1e-5)
+
+
+def test_another_joint_is_reanchored() -> None:
+    """Places in {x} and {y} differ where a quaternion stands before them."""
+    rng = np.random.default_rng(4)
+    tree = systems.random_system(rng, 3, free=np.ones((3, 6), dtype=bool), loads=False)
+    system = remade(tree, "coordinates", ["quaternion", "angles", "angles"])
+    given = state(system, 7)
+    after = kg.reanchored(system, given["x"], given["y"], ["body2", "body3"])
+    outputs = ("body_poses", "kinetic_energy", "momentum")
+    before = values(system, given, *outputs)
+    for name, value in values(after.system, {"x": after.x, "y": after.y}, *outputs).items():
+        close(value, before[name])
+    assert (after.x[:4] == given["x"][:4]).all()
+    with pytest.raises(kg.OptionError, match="has a quaternion, which is regular everywhere"):
+        kg.reanchored(system, given["x"], given["y"], "body1")
+
+
+@pytest.mark.parametrize(
+    ("joint", "message"),
+    [
+        ({"coordinates": "quaternoin"}, "Did you mean 'quaternion'"),
+        (
+            {"coordinates": "quaternion", "free": (True, True, False, True, True, True)},
+            "needs three free angles",
+        ),
+        ({"coordinates": "quaternion", "sequence": "3-1-3"}, "turns about no sequence"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(joint: dict[str, object], message: str) -> None:
+    with pytest.raises(kg.ModelError, match=message):
+        kg.Joint(**joint)
+
+
+def test_arguments_of_the_wrong_length() -> None:
+    system = kg.load(MODELS / "free_body.toml")
+    with pytest.raises(kg.OptionError, match="leave none"):
+        kg.generate(system, speeds="angle_rates", coordinates="quaternion")
+    with pytest.raises(kg.OptionError, match="unknown coordinates 'euler'"):
+        kg.generate(system, coordinates="euler")
+    library = kg.build(system, coordinates="quaternion")
+    assert library.coordinate_names == system.with_coordinates("quaternion").coordinate_names
+    with pytest.raises(kg.ArrayError, match=r"x: expected shape \(7,\)"):
+        library.mass_matrix(np.zeros(6))
+    with pytest.raises(kg.ArrayError, match=r"y: expected shape \(6,\)"):
+        library.forcing(np.ones(7), np.ones(7))

@@ -1,0 +1,291 @@
+"""URDF robots: names, order, exact numbers, warnings, and one clear error for each thing that is wrong."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kanegen.errors import KanegenWarning, ReadError
+from kanegen.model.joint import IDENTITY
+from kanegen.model.rotations import apply, normalized, rotation_quaternion, rotation_rpy, rotation_to_axis
+from kanegen.model.system import System
+from kanegen.readers import load
+from tests.support.paths import EVERY_JOINT
+
+RIGHT = repr(math.pi / 2)
+BASE = '<link name="base"/>'
+
+
+def link(name: str, mass: float = 1.0, origin: str = "", inertia: tuple[float, ...] = (3, 4, 5)) -> str:
+    xx, yy, zz = inertia
+    return f"""<link name="{name}"><inertial>{origin}<mass value="{mass}"/>
+        <inertia ixx="{xx}" iyy="{yy}" izz="{zz}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+
+
+def joint(name: str, parent: str, child: str, inside: str = "", kind: str = "revolute") -> str:
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{inside}</joint>'
+    )
+
+
+def axis(xyz: str) -> str:
+    return f'<axis xyz="{xyz}"/>'
+
+
+def origin(xyz: str = "0 0 0", rpy: str = "0 0 0") -> str:
+    return f'<origin xyz="{xyz}" rpy="{rpy}"/>'
+
+
+def read(folder: Path, inside: str, floating_base: bool = False, head: str = '<robot name="r">') -> System:
+    path = folder / "r.urdf"
+    path.write_text(f"{head}\n{inside}</robot>\n", encoding="utf-8")
+    return load(path, floating_base)
+
+
+def test_bodies_are_numbered_depth_first_in_the_order_of_the_file() -> None:
+    system = load(EVERY_JOINT)
+    assert system.name == "robot_2dof_planar_rig"
+    assert [body.name for body in system.bodies] == ["plate", "arm", "wheel", "ball", "rod"]
+    assert system.connection == (0, 1, 2, 2, 1)
+    angles = ("plate.theta3", "swing", "roll", "ball.theta1", "ball.theta2", "ball.theta3")
+    translations = ("plate.s1", "plate.s2", "ball.s1", "ball.s2", "ball.s3", "lift")
+    assert system.freedom_names == angles + translations
+    assert system.gravity == (0, 0, -9.81)
+    assert not any(body.loads for body in system.bodies)
+
+
+def test_fixed_and_floating_base(tmp_path: Path) -> None:
+    text = link("base", 7) + link("stand", 2) + link("arm") + joint("j", "stand", "arm")
+    text += joint("weld", "base", "stand", origin("0 0 1"), "fixed")
+    (arm,) = read(tmp_path, text).bodies
+    assert (arm.name, arm.lower, arm.mass, arm.joint.position) == ("arm", 0, 1, (0, 0, 1))
+    base, arm = read(tmp_path, text, floating_base=True).bodies
+    assert (base.name, base.lower, base.mass, base.joint.free) == ("base", 0, 9, (True,) * 6)
+    assert base.mass_center == (0, 0, 2 / 9)
+    assert (arm.lower, arm.joint.position) == (1, (0, 0, 1))
+
+
+def test_basis_axes_keep_the_link_frame(tmp_path: Path) -> None:
+    for k, xyz in enumerate(("1 0 0", "0 1 0", "0 0 2")):
+        (body,) = read(tmp_path, BASE + link("a") + joint("j", "base", "a", axis(xyz))).bodies
+        assert body.joint.free == tuple(i == k for i in range(6))
+        assert (body.joint.orientation, body.joint.name) == (IDENTITY, "j")
+    (body,) = read(tmp_path, BASE + link("a") + joint("j", "base", "a", kind="prismatic")).bodies
+    assert body.joint.free == (False, False, False, True, False, False)
+
+
+def test_right_angles_and_signed_axes_stay_exact(tmp_path: Path) -> None:
+    text = BASE + link("a", 2, origin("0.1 0.2 0.3", f"0 0 {RIGHT}")) + link("b")
+    text += joint("j", "base", "a", axis("0 0 -1") + origin("1 2 3", f"{RIGHT} 0 -{RIGHT}"))
+    text += joint("k", "a", "b", axis("0 1 0") + origin("0.4 0.5 0.6"))
+    a, b = read(tmp_path, text).bodies
+    # Roll pi/2 then yaw -pi/2 takes the columns x, y, z to -y, z, -x; the half turn about x negates y and z.
+    assert a.joint.orientation == ((0, -1, 0), (0, 0, -1), (1, 0, 0))
+    assert a.joint.position == (1, 2, 3)
+    assert a.mass_center == (0.1, -0.2, -0.3)
+    assert a.inertia == ((4, 0, 0), (0, 3, 0), (0, 0, 5))
+    assert b.joint.orientation == ((1, 0, 0), (0, -1, 0), (0, 0, -1))
+    assert b.joint.position == (0.4, -0.5, -0.6)
+
+
+def test_a_single_mass_keeps_every_bit(tmp_path: Path) -> None:
+    text = BASE + link("a", 0.1, origin("0.1 0.7 0.3")) + '<link name="tip"/>'
+    text += joint("j", "base", "a", axis("0 0 1")) + joint("w", "a", "tip", kind="fixed")
+    (body,) = read(tmp_path, text).bodies
+    assert (body.mass, body.mass_center) == (0.1, (0.1, 0.7, 0.3))
+    assert body.inertia == ((3, 0, 0), (0, 4, 0), (0, 0, 5))
+
+
+def test_lumping_by_hand(tmp_path: Path) -> None:
+    """Two point masses of 1 and 3 kg, 4 m apart: 12 kg m^2 across their line, centre at 3 m."""
+    text = BASE + link("a", 1, inertia=(0, 0, 0)) + link("b", 3, inertia=(0, 0, 0))
+    text += joint("j", "base", "a", axis("0 0 1")) + joint("w", "a", "b", origin("4 0 0"), "fixed")
+    (body,) = read(tmp_path, text).bodies
+    assert (body.mass, body.mass_center) == (4, (3, 0, 0))
+    assert body.inertia == ((0, 0, 0), (0, 12, 0), (0, 0, 12))
+
+
+def test_massless_links_and_cancelled_inertias(tmp_path: Path) -> None:
+    noise = link("b", 0.5, origin("0 0 0.03"), (-5e-20, -5e-20, 0))
+    text = BASE + '<link name="a"/>' + noise + joint("j", "base", "a") + joint("k", "a", "b")
+    a, b = read(tmp_path, text).bodies
+    assert (a.mass, a.mass_center) == (0, (0, 0, 0))
+    assert a.inertia == b.inertia == ((0, 0, 0),) * 3
+    small = BASE + link("b", 0.5, origin("0 0 0.03"), (1e-18, 1e-18, 1e-18)) + joint("j", "base", "b")
+    assert read(tmp_path, small).bodies[0].inertia[0][0] == 1e-18
+
+
+def test_rotations() -> None:
+    half = math.sqrt(0.5)
+    np.testing.assert_allclose(
+        rotation_quaternion(0, 0, half, half), ((0, -1, 0), (1, 0, 0), (0, 0, 1)), atol=1e-15
+    )
+    assert (
+        rotation_quaternion(0, 0, 3, 3)
+        == rotation_rpy((0, 0, math.pi / 2))
+        == ((0, -1, 0), (1, 0, 0), (0, 0, 1))
+    )
+    rng = np.random.default_rng(3)
+    for v in [*rng.standard_normal((50, 3)).tolist(), (1, 1, -1), (-1e-9, 0, -1), (1e-300, -2e-300, 0)]:
+        a = normalized((v[0], v[1], v[2]))
+        i, b = rotation_to_axis(a)
+        assert abs(a[i]) == max(map(abs, a))
+        np.testing.assert_allclose(apply(b, a), np.eye(3)[i], atol=5e-16)
+        np.testing.assert_allclose(np.array(b) @ np.array(b).T, np.eye(3), atol=1e-15)
+        assert np.linalg.det(b) > 0
+
+
+def test_mimic_joints_move_on_their_own(tmp_path: Path) -> None:
+    text = BASE + link("a") + link("b") + joint("j", "base", "a")
+    text += joint("k", "a", "b", '<mimic joint="j" multiplier="2"/>')
+    with pytest.warns(KanegenWarning, match=r"r\.urdf: <mimic> is not kept: .* move on their own: k\."):
+        assert read(tmp_path, text).freedom_names == ("j", "k")
+
+
+def test_names_that_cannot_be_used_are_changed(tmp_path: Path) -> None:
+    text = (
+        BASE
+        + link("/a b")
+        + link("static")
+        + joint("l::x..y (1)", "base", "/a b")
+        + joint("-k", "/a b", "static")
+    )
+    head = '<robot name="int">'
+    with pytest.warns(
+        KanegenWarning, match=r"changed: 'l::x\.\.y \(1\)' is called 'l::x_\.y__1_', '/a b' is"
+    ):
+        system = read(tmp_path, text, head=head)
+    assert system.name == "int_"
+    assert system.freedom_names == ("l::x_.y__1_", "_-k")
+    assert [body.name for body in system.bodies] == ["_a_b", "static_"]
+    assert read(tmp_path, BASE + link("a") + joint("j", "base", "a"), head="<robot>").name == "robot"
+
+
+def test_what_real_files_hold(tmp_path: Path) -> None:
+    text = f"<x:y/><!-- note --><gazebo><joint name='j'/></gazebo>{BASE}{link('a')}{joint('j', 'base', 'a')}"
+    head = '\ufeff<?xml version="1.0" encoding="ISO-8859-1"?>\r\n<robot name="r" xmlns:x="http://a/b">'
+    assert read(tmp_path, text, head=head).freedom_names == ("j",)
+
+
+def test_a_long_chain(tmp_path: Path) -> None:
+    count = 3000
+    text = "".join(link(f"l{k}") for k in range(count))
+    text += "".join(joint(f"j{k}", f"l{k - 1}", f"l{k}", kind="fixed") for k in range(1, count))
+    (body,) = read(tmp_path, text, floating_base=True).bodies
+    assert body.mass == count
+
+
+TWO = BASE + link("a")
+GOOD = TWO + joint("j", "base", "a")
+
+
+@pytest.mark.parametrize(
+    ("inside", "message"),
+    [
+        ("\n<link>", r":3: not well-formed XML: mismatched tag\."),
+        ("", r":1: the robot has no <link>\."),
+        (BASE, r":1: no joint of this robot moves\."),
+        (TWO + joint("j", "base", "a", kind="fixed"), r":1: no joint of this robot moves\."),
+        ('<link mass="1"/>', r':2: <link> lacks the attribute name="\.\.\."\.'),
+        (BASE + "\n" + BASE, r":3: link 'base' exists already, at .*r\.urdf:2\. Rename one\."),
+        (GOOD + link("b") + joint("j", "a", "b"), r": joint 'j' exists already, at "),
+        (TWO + joint("j", "base", "aa"), r"child link 'aa' of joint 'j' does not exist\. Did you mean 'a'\?"),
+        (
+            TWO + joint("j", "world", "a"),
+            r"parent link 'world' of joint 'j' does not exist\. Known are 'base', 'a'",
+        ),
+        (GOOD + joint("k", "base", "a"), r"link 'a' has two parents, by the joints 'j' and 'k'\."),
+        (GOOD + joint("k", "a", "base"), r"the joints form a loop: 'base' on 'a' on 'base'\."),
+        (GOOD + link("b") + joint("k", "b", "b"), r"the joints form a loop: 'b' on 'b'\."),
+        (GOOD + link("b"), r":1: several links have no parent: 'base', 'b'\."),
+        (
+            TWO + joint("j", "base", "a", kind="revolut"),
+            r"unknown type 'revolut'\. Did you mean 'revolute'\?",
+        ),
+        (
+            TWO + joint("j", "base", "a", kind="screw"),
+            r"unknown type 'screw'\. Known are 'revolute', 'continuous', ",
+        ),
+        (TWO + '<joint name="j"/>', r'<joint> lacks the attribute type="\.\.\."\.'),
+        (TWO + '<joint name="j" type="fixed"/>', r"<joint> lacks <parent>\."),
+        (TWO + joint("j", "base", "a", axis("0 0 0")), r"the axis is zero: it has no direction\."),
+        (TWO + joint("j", "base", "a", axis("0 1")), r'<axis xyz="0 1">: expected 3 numbers\.'),
+        (TWO + joint("j", "base", "a", axis("0 1 x")), r"<axis xyz>: 'x' is not a finite number\."),
+        (TWO + joint("j", "base", "a", axis("0 1 nan")), r"<axis xyz>: 'nan' is not a finite number\."),
+        (TWO + joint("j", "base", "a", axis("0 1 1_0")), r"<axis xyz>: '1_0' is not a finite number\."),
+        (
+            TWO + joint("j", "base", "a", origin("0 0 1e999")),
+            r"<origin xyz>: '1e999' is not a finite number\.",
+        ),
+        (TWO + joint("j", "base", "a", origin("0 0 ${h}")), r"'\$\{h\}' is a xacro expression\. Run xacro"),
+        (
+            TWO + joint("j", "base", "a", origin() + "\n" + origin()),
+            r":\d: <joint> holds a second <origin>\.",
+        ),
+        (
+            TWO + joint("j", "base", "a", '<origin rpy="0 0 0" quat_xyzw="0 0 0 1"/>'),
+            r"both rpy and quat_xyzw",
+        ),
+        (TWO + joint("j", "base", "a", '<origin quat_xyzw="0 0 0 0"/>'), r"a quaternion of zeros"),
+        ("<xacro:include filename='x'/>" + GOOD, r":2: <xacro:include> is a xacro instruction\. Run xacro"),
+        (link("a", -1), r":2: mass -1\.0 kg is negative\."),
+        ('<link name="a"><inertial/></link>', r":2: <inertial> lacks <mass>\."),
+        ('<link name="a"><inertial><mass value="1"/></inertial></link>', r"<inertial> lacks <inertia>\."),
+        (
+            BASE + link("a", 1, "", (3, 4, -5)) + joint("j", "base", "a"),
+            r"body 'a': inertia is not positive semid",
+        ),
+        (
+            GOOD
+            + link("b", 1e308)
+            + link("c", 1e308)
+            + joint("k", "a", "b")
+            + joint("w", "b", "c", "", "fixed"),
+            r":\d+: body 'b': mass: inf is not finite",
+        ),
+        (GOOD + "&lt;&secret;", r":\d+: not well-formed XML: undefined entity\."),
+        (
+            BASE + link("x" * 70) + joint("j", "base", "x" * 70),
+            r":2: body name: 'x+' is longer than 63 characters",
+        ),
+    ],
+)
+def test_errors(tmp_path: Path, inside: str, message: str) -> None:
+    with pytest.raises(ReadError, match=message) as caught:
+        read(tmp_path, inside)
+    assert str(caught.value).startswith(f"{tmp_path / 'r.urdf'}:")
+
+
+def test_names_used_twice_after_cleaning(tmp_path: Path) -> None:
+    text = GOOD + link("a/b") + link("a_b") + joint("k", "a", "a/b") + joint("l", "a", "a_b")
+    with (
+        pytest.warns(KanegenWarning, match="'a/b' is called 'a_b'"),
+        pytest.raises(ReadError, match=r"r\.urdf: body name 'a_b' is used twice"),
+    ):
+        read(tmp_path, text)
+
+
+def test_no_document_types_and_no_other_roots(tmp_path: Path) -> None:
+    path = tmp_path / "r.urdf"
+    path.write_text(
+        '<?xml version="1.0"?>\n<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]>\n<r>&a;</r>'
+    )
+    with pytest.raises(ReadError, match=r"r\.urdf:2: a document type declaration .* it is not accepted"):
+        load(path)
+    path.write_text("<sdf/>")
+    with pytest.raises(ReadError, match=r"r\.urdf:1: the top element is <sdf>, but a URDF file has <robot>"):
+        load(path)
+    path.write_text("")
+    with pytest.raises(ReadError, match=r"r\.urdf:1: not well-formed XML: no element found"):
+        load(path)
+    path.write_text('\n<?xml version="1.0"?><robot/>')
+    with pytest.raises(
+        ReadError, match=r"r\.urdf:2: not well-formed XML: XML or text declaration not at start"
+    ):
+        load(path)
+    path.write_bytes(b"<robot name='\xe9'/>")
+    with pytest.raises(ReadError, match=r"r\.urdf:1: byte 0xe9 is not UTF-8"):
+        load(path)

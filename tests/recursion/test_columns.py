@@ -1,0 +1,143 @@
+"""Columns of [A] by levers, triads and from home: the same entries as ever, for fewer operations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.compiler import compile_module
+from kanegen.model.freedoms import FREEDOMS
+from kanegen.program.evaluate import evaluate
+from kanegen.recursion import fixed_frame_choice as routes
+from kanegen.recursion import force_combinations as triads
+from kanegen.recursion import shifted_columns as levers
+from kanegen.recursion.tree import Tree, tree
+from kanegen.reference import equations as reference
+from tests.support import systems
+
+OUTPUTS = ("mass_matrix",)
+BINARY = (0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7)
+"""A tree of fifteen bodies."""
+
+
+def joints(bodies: int, free: Iterable[str], *, orientations: bool = False) -> kg.System:
+    """A chain, the same freedoms free at every joint."""
+    rng = np.random.default_rng(1)
+    return systems.random_system(
+        rng, bodies, connection=range(bodies), free=systems.flags(bodies, free), loads=False,
+        orientations=orientations, locked=False,
+    )  # fmt: skip
+
+
+def mixed(seed: int, bodies: int = 7) -> kg.System:
+    """A deep tree with any freedoms."""
+    rng = np.random.default_rng(seed)
+    connection = (0, *(int(rng.integers(max(0, k - 2), k)) + 1 for k in range(1, bodies)))
+    return systems.random_system(rng, bodies, connection=connection, loads=False)
+
+
+MODELS = {
+    "tilted hinges": lambda: joints(6, ["theta3"], orientations=True),
+    "gimbals": lambda: joints(6, FREEDOMS[:3]),
+    "tilted gimbals": lambda: joints(4, FREEDOMS[:3], orientations=True),
+    "free bodies": lambda: joints(4, FREEDOMS),
+    "cylinders": lambda: joints(5, ["theta1", "theta3", "s2"]),
+    "sliders": lambda: joints(4, ["theta2", "s1", "s2", "s3"]),
+    "mixed 0": lambda: mixed(0),
+    "mixed 1": lambda: mixed(1),
+}
+
+
+def error(system: kg.System, seed: int = 0) -> float:
+    """The greatest error of an entry, relative to the diagonal entries beside it."""
+    n = len(system.freedoms)
+    x = np.random.default_rng(seed).normal(size=n)
+    module = compile_module(system, OUTPUTS).module
+    found = np.reshape(evaluate(module.functions["mass_matrix"], {"x": x}, np)["A"], (n, n))
+    expected = reference.mass_matrix(system, x)
+    scale = np.sqrt(np.diag(expected))
+    return float(np.abs((found - expected) / np.outer(scale, scale)).max())
+
+
+def cost(system: kg.System) -> int:
+    return sum(compile_module(system, OUTPUTS).operations.values())
+
+
+def all_bodies(prepared: Tree) -> set[int]:
+    return {motion.body for motion in prepared.motions}
+
+
+def no_bodies(prepared: Tree) -> set[int]:
+    return set()
+
+
+def some_bodies(prepared: Tree) -> set[int]:
+    """A random part of the bodies, with all that is inward of them."""
+    rng = np.random.default_rng(len(prepared.motions))
+    picked = {motion.body: bool(rng.random() < 0.8) for motion in prepared.motions}
+    return {
+        motion.body for motion in prepared.motions if all(picked[m.body] for m in prepared.inward(motion))
+    }
+
+
+@pytest.mark.parametrize("stations", [routes.chosen, all_bodies, some_bodies])
+@pytest.mark.parametrize("name", MODELS)
+def test_the_way_of_a_column_does_not_matter(
+    name: str, stations: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(routes, "chosen", stations)
+    assert error(MODELS[name]()) <= 1e-14
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_each_way_saves_operations_where_it_is_taken(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    system = MODELS[name]()
+    chosen = routes.chosen(tree(system))
+    with_all = cost(system)
+    monkeypatch.setattr(routes, "chosen", no_bodies)
+    without_stations = cost(system)
+    assert with_all < without_stations if chosen else with_all == without_stations
+    monkeypatch.setattr(levers, "_saves", lambda *_: False)
+    without_levers = cost(system)
+    monkeypatch.setattr(triads, "_combining", lambda _: 10**6)
+    assert without_stations <= without_levers <= cost(system)
+
+
+def test_stations_are_where_they_pay() -> None:
+    """Long chains of gimbals have them up to the last but one body, hinges and free bodies have none."""
+    assert routes.chosen(tree(joints(10, FREEDOMS[:3]))) == set(range(1, 9))
+    assert routes.chosen(tree(joints(3, FREEDOMS[:3]))) == set()
+    assert routes.chosen(tree(joints(20, ["theta3"]))) == set()
+    assert routes.chosen(tree(joints(10, FREEDOMS))) == set()
+
+
+def test_the_lower_body_of_a_station_is_one() -> None:
+    free = systems.flags(15, FREEDOMS[:3])
+    binary = systems.random_system(np.random.default_rng(2), 15, connection=BINARY, free=free)
+    for system in (binary, *(mixed(seed, bodies=14) for seed in range(3))):
+        chosen = routes.chosen(tree(system))
+        assert chosen
+        assert {system.connection[k - 1] for k in chosen} <= chosen | {0}
+
+
+def test_every_tree_on_the_ground_has_its_own_stations() -> None:
+    """A second tree beside a chain of gimbals changes nothing for it."""
+    one = joints(6, FREEDOMS[:3])
+    hinge = replace(joints(1, ["theta3"]).bodies[0], name="alone")
+    both = kg.System("both", (*one.bodies, hinge))
+    assert routes.chosen(tree(both)) == routes.chosen(tree(one)) != set()
+    assert error(both) <= 1e-14
+
+
+def test_masses_as_parameters_reach_levers_and_triads() -> None:
+    """Shares hold a reciprocal mass, which `prepare` takes."""
+    numbers = joints(3, FREEDOMS)
+    bodies = tuple(
+        replace(body, mass=kg.Parameter(f"m{k}", body.mass)) for k, body in enumerate(numbers.bodies)
+    )
+    operations = compile_module(kg.System("named", bodies), OUTPUTS).operations
+    assert operations["divide"] == 0 < operations["prepare"]

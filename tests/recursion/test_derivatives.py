@@ -1,0 +1,148 @@
+"""Derivatives of {f}, of generalized forces and of {ydot}: against complex steps through the reference."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.compiler import compile_module
+from kanegen.program.count import count
+from kanegen.recursion.outputs.derivatives import DERIVATIVES
+from kanegen.reference import equations as reference
+from kanegen.reference.kinematics import kinematics
+from tests.physics.test_quaternions import with_some
+from tests.physics.test_speeds import SPINS, close, mixed, state, values
+from tests.support import systems
+from tests.support.paths import MODELS
+
+STEP = 1e-30
+
+
+def given(system: kg.System, seed: int) -> dict[str, np.ndarray]:
+    """A state away from where three angles fail; quaternions of any length."""
+    found = state(system.with_coordinates("angles"), seed)
+    if len(system.coordinates) > len(system.freedoms):
+        found["x"] = np.random.default_rng(seed).uniform(-1.0, 1.0, len(system.coordinates))
+    return found
+
+
+def dynamics(system: kg.System, g: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """[A] and {f} by the reference, for real or complex numbers."""
+    kind = np.result_type(g["x"], g["y"])
+    x, y = g["x"].astype(kind), g["y"].astype(kind)
+    return reference.mass_matrix(system, x), reference.forcing(system, x, y, g["force"], g["torque"])
+
+
+def expected(system: kg.System, g: dict[str, np.ndarray], name: str) -> np.ndarray:
+    """By complex steps, which round like the reference itself."""
+
+    def value(changed: dict[str, np.ndarray]) -> np.ndarray:
+        matrix, forcing = dynamics(system, changed)
+        if name == "forcing_derivatives":
+            return forcing
+        if name == "inverse_dynamics_derivatives":
+            return matrix @ g["ydot"] - forcing
+        return np.linalg.solve(matrix, forcing + changed["tau"])
+
+    columns = []
+    for array in DERIVATIVES[name].by:
+        for k in range(len(g[array])):
+            moved = g[array].astype(complex)
+            moved[k] += 1j * STEP
+            columns.append(value(g | {array: moved}).imag / STEP)
+    return np.stack(columns, axis=1)
+
+
+SYSTEMS = {
+    "rates": mixed,
+    "spins": lambda seed: mixed(seed).with_speeds(SPINS),
+    "quaternions": with_some,
+    "slides and hinges": lambda seed: systems.random_system(np.random.default_rng(seed), 5, loads=True),
+}
+
+
+@pytest.mark.parametrize("name", DERIVATIVES)
+@pytest.mark.parametrize("kind", SYSTEMS)
+def test_complex_steps(kind: str, name: str) -> None:
+    for seed in range(3):
+        system = SYSTEMS[kind](seed)
+        g = given(system, seed)
+        right = expected(system, g, name)
+        close(values(system, g, name)[name], right, 1e-11)
+
+
+def test_together_with_what_they_are_derivatives_of() -> None:
+    """No value changes, and the intermediates are shared."""
+    system = mixed(2).with_speeds(SPINS)
+    g = given(system, 2)
+    names = ("forward_dynamics", "forward_dynamics_derivatives", "inverse_dynamics")
+    together = values(system, g, *names)
+    for name, array in zip(names, ("acceleration", names[1], "generalized_force"), strict=True):
+        close(together[array], values(system, g, name)[array])
+    module = compile_module(system, names).module
+    cost = {name: sum(count(function).values()) for name, function in module.functions.items()}
+    assert cost["evaluate"] < sum(cost[name] for name in names)
+    (alone,) = compile_module(system, names[1:2]).module.functions.values()
+    assert sum(count(alone).values()) == cost["forward_dynamics_derivatives"]
+
+
+@pytest.mark.parametrize("name", DERIVATIVES)
+def test_compiled_code_and_parameters(name: str) -> None:
+    """Columns by parameters against central differences of compiled code in doubles."""
+    system = kg.load(MODELS / "gantry_crane.toml")
+    base = name.removesuffix("_derivatives")
+    library = kg.build(system, (name, base))
+    rng = np.random.default_rng(3)
+    n = library.n
+    third = {"inverse_dynamics": "ydot", "forward_dynamics": "tau"}.get(base)
+    x, y, more = rng.uniform(-0.5, 0.5, (3, n))
+    arguments = (x, y, more) if third else (x, y)
+    found = getattr(library, name)(*arguments)
+    columns = library.derivative_columns(name)
+    assert list(columns) == [*DERIVATIVES[name].by, "parameters"]
+    assert found.shape == (n, columns["parameters"].stop)
+    for k, (parameter, value) in enumerate(library.parameters.items()):
+        step = 1e-6 * (abs(value) or 1.0)
+        high, low = (
+            getattr(library.with_parameters({parameter: value + sign * step}), base)(*arguments)
+            for sign in (1, -1)
+        )
+        close(found[:, columns["parameters"]][:, k], (high - low) / (2 * step), 1e-7)
+    batch = getattr(library, name)(*(np.stack([one, one]) for one in arguments))
+    assert (batch[0] == batch[1]).all()
+    close(batch[1], found)
+
+
+def test_by_tau_it_is_the_inverse_of_the_mass_matrix() -> None:
+    system = kg.load(MODELS / "six_revolute_arm.toml")
+    library = kg.build(system, ("forward_dynamics_derivatives", "mass_matrix"), flags="-O1")
+    x, y = np.random.default_rng(1).uniform(-1, 1, (2, library.n))
+    found = library.forward_dynamics_derivatives(x, y)
+    inverse = found[:, library.derivative_columns("forward_dynamics_derivatives")["tau"]]
+    close(inverse @ library.mass_matrix(x), np.eye(library.n), 1e-11)
+
+
+def test_the_header_says_which_columns_are_what() -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    header = " ".join(kg.generate(system, ("forcing_derivatives",)).files["double_pendulum.h"].split())
+    assert "by x (columns 0 to 1), then y (columns 2 to 3), then parameters (columns 4 to 8)" in header
+
+
+def test_a_singular_state_is_refused() -> None:
+    system = kg.load(MODELS / "free_body.toml")
+    library = kg.build(system, ("forward_dynamics_derivatives",))
+    x = np.zeros(6)
+    x[1] = np.nan
+    with pytest.raises(kg.SingularError):
+        library.forward_dynamics_derivatives(x, np.zeros(6))
+    with pytest.raises(kg.OptionError, match="Did you mean 'forcing_derivatives'"):
+        library.derivative_columns("forcing_derivative")
+
+
+def test_what_a_complex_step_is_worth() -> None:
+    """The reference takes complex states: [^J R_K] then turns by their imaginary part."""
+    system = mixed(0)
+    x = np.full(len(system.coordinates), 0.3)
+    moved = kinematics(system.values(), x + 1j * STEP, np.zeros(len(system.freedoms), complex))
+    assert any(np.abs(body.relative_rotation.imag).max() > 0.1 * STEP for body in moved)

@@ -1,0 +1,260 @@
+"""Reaction loads: against the efforts of the same tree with nothing locked, by hand, and by momentum."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.compiler import compile_module
+from kanegen.model.coordinates import Freedom
+from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.numbers import value_of
+from kanegen.model.sequences import SEQUENCES
+from kanegen.program.count import count
+from kanegen.program.evaluate import evaluate
+from kanegen.reference import equations as reference
+from kanegen.studies.explain import receipt
+from kanegen.studies.explain.general import opened, steps, with_freedoms
+from tests.physics.test_quaternions import state, with_some
+from tests.physics.test_speeds import SPINS, mixed
+from tests.support import moving_bodies, systems
+from tests.support.paths import MODELS
+
+WARNINGS = "-O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
+
+Arrays = dict[str, np.ndarray]
+
+ROUNDING = 1e-13
+"""Of the largest effort: some hundred terms are summed in two ways, each rounded by 1e-16."""
+
+
+def reactions(system: kg.System, given: Arrays) -> np.ndarray:
+    """By the program that becomes C; loads count where bodies take them."""
+    module = compile_module(system, ("reaction_loads",), regular=False).module
+    values = {name: np.ravel(value) for name, value in given.items()}
+    if module.prepare:
+        parameters = [parameter.value for parameter in system.parameters]
+        values["prepared"] = evaluate(module.prepare, {"parameters": parameters}, np)["prepared"]
+    (function,) = module.functions.values()
+    found = evaluate(function, {array.name: values[array.name] for array in function.inputs}, np)
+    return np.array(found["reaction_loads"], float)
+
+
+def efforts(system: kg.System, given: Arrays) -> dict[Freedom, float]:
+    """By the reference, of every freedom of the same tree with nothing locked: [A]{ydot} - {f}."""
+    free = tuple(
+        replace(body, joint=replace(body.joint, free=(True,) * 6, name="")) for body in system.bodies
+    )
+    whole = replace(system, bodies=free, reactions=None)
+    x = np.zeros(len(whole.coordinates))
+    for coordinate, place in whole.coordinate_places.items():
+        locked = system.bodies[coordinate.body - 1].joint.locked
+        known = system.coordinate_places.get(coordinate)
+        x[place] = value_of(locked[coordinate.index]) if known is None else given["x"][known]
+    y, ydot = np.zeros((2, len(whole.freedoms)))
+    places = [whole.places[freedom] for freedom in system.freedoms]
+    y[places], ydot[places] = given["y"], given["ydot"]
+    takes = np.array([body.loads for body in system.bodies])[:, None]
+    loads = (given[name] * takes for name in ("force", "torque"))
+    further = {name: given[name] for name in ("point_force", "point_moment", "t") if name in given}
+    needed = reference.mass_matrix(whole, x) @ ydot - reference.forcing(whole, x, y, *loads, **further)
+    return dict(zip(whole.freedoms, needed, strict=True))
+
+
+def require_right(system: kg.System, seed: int) -> None:
+    given = state(system, seed)
+    every = efforts(system, given)
+    expected = np.array([every[freedom] for freedom in system.reacting])
+    size = max(map(abs, every.values()))
+    assert reactions(system, given) == pytest.approx(expected, abs=ROUNDING * size)
+
+
+def turned(seed: int, bodies: int = 5, **choices: object) -> kg.System:
+    """A random tree in which every joint turns in a sequence of its own."""
+    rng = np.random.default_rng(seed)
+    tree = systems.random_system(rng, bodies, **choices)  # type: ignore[arg-type]
+    joints = (replace(body.joint, sequence=str(rng.choice(list(SEQUENCES)))) for body in tree.bodies)
+    return replace(tree, bodies=tuple(replace(b, joint=j) for b, j in zip(tree.bodies, joints, strict=True)))
+
+
+def sliding(names: str) -> np.ndarray:
+    return systems.flags(5, names.split())
+
+
+TREES = {
+    "anything": turned,
+    "locked at zero": lambda seed: turned(seed, locked=False, orientations=False),
+    "hinges": lambda seed: turned(seed, locked=False, free=sliding("theta2"), orientations=seed > 0),
+    "hinges turned by locked angles": lambda seed: turned(seed, free=sliding("theta2")),
+    "slides": lambda seed: turned(seed, free=sliding("s1 s3")),
+    "welded": lambda seed: turned(seed, free=np.arange(30).reshape(5, 6) == 12, connection=(0, 1, 2, 3, 2)),
+    "angular velocities": lambda seed: mixed(seed).with_speeds(SPINS),
+    "quaternions": with_some,
+    "parameters": lambda seed: opened(turned(seed, 3)),
+}
+
+
+@pytest.mark.parametrize("kind", TREES)
+def test_they_are_efforts_of_the_same_tree_with_nothing_locked(kind: str) -> None:
+    for seed in range(3):
+        require_right(TREES[kind](seed), seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100))
+def test_a_hundred_random_trees(seed: int) -> None:
+    system = turned(seed, 1 + seed % 7, locked=bool(seed % 3), orientations=bool(seed % 2))
+    if system.reacting:
+        require_right(system, seed)
+
+
+def test_the_pivot_of_a_pendulum() -> None:
+    """A point mass on a massless rod that swings in a plane 0.2 m before its pivot, by hand."""
+    m, length, ahead, g = 2.0, 0.7, 0.2, 9.81
+    hinge = kg.Joint(free=tuple(name == "theta3" for name in FREEDOMS))
+    bob = kg.Body("bob", 0, m, np.zeros((3, 3)), (0.0, -length, ahead), hinge)
+    system = kg.System("pendulum", (bob,), (0.0, -g, 0.0))
+    assert system.reaction_names == ("bob.theta1", "bob.theta2", "bob.s1", "bob.s2", "bob.s3")
+    angle, rate, up = 0.4, 3.0, -5.0
+    s, c = np.sin(angle), np.cos(angle)
+    force = m * np.array([length * (up * c - rate**2 * s), length * (up * s + rate**2 * c) + g, 0.0])
+    moment = np.cross([length * s, -length * c, ahead], force)
+    found = reactions(system, {"x": np.array([angle]), "y": np.array([rate]), "ydot": np.array([up])})
+    assert found == pytest.approx([*moment[:2], *force], rel=1e-14)
+
+
+def test_a_cantilever_at_rest() -> None:
+    """Two welded beams with a slider at the end: each joint carries what lies beyond it, and nothing else."""
+    masses, length, g = np.array([3.0, 2.0, 0.5]), 1.5, 10.0
+    weld, slide = kg.Joint(free=(False,) * 6), (False, False, False, False, True, False)
+    beam = kg.Body("root", 0, masses[0], np.eye(3), (length / 2, 0.0, 0.0), weld)
+    outer = replace(beam, name="outer", lower=1, mass=masses[1], joint=replace(weld, position=(length, 0, 0)))
+    end = kg.Body("end", 2, masses[2], np.eye(3), joint=kg.Joint((length, 0.0, 0.0), free=slide))
+    system = kg.System("cantilever", (beam, outer, end), (0.0, 0.0, -g))
+    system = system.with_reactions(["root.theta2", "root.s3", "outer.s3", "outer.theta2", "end.s3"])
+    found = reactions(system, {name: np.zeros(1) for name in ("x", "y", "ydot")})
+    weights, arms = g * masses, length * np.array([0.5, 1.5, 2.0])
+    inner, lesser = -weights @ arms, -weights[1:] @ (arms[1:] - length)
+    assert found == pytest.approx([inner, weights.sum(), weights[1:].sum(), lesser, weights[2]], rel=1e-14)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_ground_changes_the_momentum(seed: int) -> None:
+    """On a welded mount: with the weight the force is the rate of momentum, the moment that of spin."""
+    rng = np.random.default_rng(seed)
+    free = systems.random_free(rng, 5)
+    free[0], free[1] = False, True
+    system = systems.random_system(
+        rng, 5, connection=(0, 1, 2, 2, 1), free=free, loads=False, orientations=False, locked=False
+    ).with_reactions([f"body1.{name}" for name in FREEDOMS])
+    given, arrays = state(system, seed), system.values()
+    x, y, ydot = (given[name] for name in ("x", "y", "ydot"))
+    h = 1e-30  # of a complex step, which cancels nothing
+    rate = moving_bodies.expected(arrays, x + 1j * h * y, y + 1j * h * ydot)["momentum"].imag / h
+    found = reactions(system, given)
+    moment, force = found[:3], found[3:]
+    weight = arrays.mass.sum() * arrays.gravity
+    arm = arrays.joint_position[0] - moving_bodies.expected(arrays, x, y)["mass_center"]
+    turning = moment + np.cross(arm, force)
+    assert np.array([*(force + weight), *turning]) == pytest.approx(rate, abs=1e-13 * np.abs(found).max())
+
+
+def test_compiled_code() -> None:
+    """One state and many, alone and with others, under values of parameters of its own; no warning."""
+    system = opened(turned(4, 3, loads=True)).with_parameters({"number7": 0.5})
+    library = kg.build(system, ("reaction_loads", "inverse_dynamics"), flags=WARNINGS)
+    assert library.reaction_names == system.reaction_names
+    given = [state(system, seed) for seed in range(9)]
+    x, y, ydot, force, torque = (
+        np.array([one[name] for one in given]) for name in ("x", "y", "ydot", "force", "torque")
+    )
+    batch = library.reaction_loads(x, y, ydot, force, torque)
+    assert batch.shape == (9, len(system.reacting))
+    together = library.evaluate(x, y, force, torque, ydot=ydot)
+    size = np.abs(batch).max()
+    assert together.reaction_loads == pytest.approx(batch, abs=ROUNDING * size)
+    for row in range(9):
+        one = library.reaction_loads(x[row], y[row], ydot[row], force[row], torque[row])
+        assert one.tolist() == batch[row].tolist()
+        every = efforts(system, given[row])
+        expected = [every[freedom] for freedom in system.reacting]
+        assert one == pytest.approx(expected, abs=ROUNDING * max(map(abs, every.values())))
+    other = library.with_parameters({"number7": 1.5}).reaction_loads(x[0], y[0], ydot[0], force[0], torque[0])
+    expected = reactions(system.with_parameters({"number7": 1.5}), given[0])
+    assert other == pytest.approx(expected, abs=ROUNDING * size)
+    with pytest.raises(kg.OptionError, match="without the output 'body_poses'"):
+        library.body_poses(x)
+
+
+def test_those_that_are_chosen_are_those_of_all_and_cost_less() -> None:
+    system = turned(1, 5, loads=True)
+    every, given = reactions(system, state(system, 1)), state(system, 1)
+    names = (system.reaction_names[-1], system.reaction_names[2])
+    some = system.with_reactions(names)
+    assert some.reaction_names == names
+    found = reactions(some, given)
+    assert found == pytest.approx([every[-1], every[2]], abs=ROUNDING * np.abs(every).max())
+    (all_of_them,) = compile_module(system, ("reaction_loads",)).module.functions.values()
+    (few,) = compile_module(some, ("reaction_loads",)).module.functions.values()
+    assert sum(count(few).values()) < sum(count(all_of_them).values())
+    assert some.with_reactions(None) == system
+    assert kg.generate(some).files == kg.generate(system).files
+
+
+def test_the_header_says_which_is_which() -> None:
+    system = kg.load(MODELS / "double_pendulum.toml").with_reactions(["lower.s2", "upper.theta1"])
+    files = kg.generate(system, ("reaction_loads",)).files
+    header, readme = files["double_pendulum.h"], files["README.md"]
+    assert "0  lower.s2  N\n" in header
+    assert "1  upper.theta1  N m\n" in header
+    assert "DOUBLE_PENDULUM_REACTIONS" in header
+    assert "| 1 | `upper.theta1` | N m |" in readme
+
+
+def test_a_receipt_sets_them_beside_efforts() -> None:
+    """Nothing is locked in the general program, so what holds a direction is an effort there."""
+    system = kg.load(MODELS / "double_pendulum.toml").with_reactions(["lower.s2"])
+    found = receipt(system, ("reaction_loads", "body_poses"))
+    (_, general), (_, locked), *_ = steps(system)
+    assert general.reaction_names == with_freedoms(system).reaction_names == ()
+    assert locked.reaction_names == ("lower.s2",)
+    efforts = compile_module(general, ("inverse_dynamics", "body_poses"), regular=False)
+    assert found.steps[0].operations == efforts.operations
+    assert found.steps[-1].total < found.steps[1].total < found.steps[0].total
+
+
+def test_a_file_keeps_what_is_chosen(tmp_path: Path) -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    system = system.with_poses([2]).with_reactions(["upper.s2", "lower.theta1"])
+    system.save(tmp_path / "model.toml")
+    assert kg.load(tmp_path / "model.toml") == system
+    assert 'reaction_loads = ["upper.s2", "lower.theta1"]' in (tmp_path / "model.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["upper.theta3"], r"'upper.theta3' is free; its effort is what inverse_dynamics gives\. Lock it"),
+        (["uper.theta1"], r"no locked direction 'uper.theta1'\. Did you mean 'upper.theta1'\?"),
+        ("upper.s4", r"no locked direction 'upper.s4'\. Did you mean 'upper.s"),
+        (["upper.s1", "upper.s1"], r"reaction loads: 'upper.s1' is named twice"),
+        ([], r"reaction loads: none is chosen\. Name one"),
+        ([["upper.s1"]], r"there is no locked direction \['upper.s1'\]"),
+        (3, r"there is no locked direction 3"),
+    ],
+)
+def test_what_is_no_locked_direction(names: object, message: str) -> None:
+    with pytest.raises(kg.ModelError, match=message):
+        kg.load(MODELS / "double_pendulum.toml").with_reactions(names)  # type: ignore[arg-type]
+
+
+def test_where_nothing_is_locked() -> None:
+    system = systems.eight_body()
+    with pytest.raises(kg.OptionError, match=r"'reaction_loads': system 'eight_body' has no locked dir"):
+        kg.generate(system, ("reaction_loads",))
+    with pytest.raises(kg.ModelError, match=r"reaction loads: no direction of a joint is locked\."):
+        system.with_reactions(["body1.theta7"])

@@ -1,0 +1,300 @@
+"""The contest: who agrees is timed, who does not is named, and nothing but a compiler is needed."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen import extras as optional
+from kanegen.errors import MissingError
+from kanegen.studies import bench
+from kanegen.studies.bench import building, plot, record, table
+from kanegen.studies.bench.contest import judge
+from kanegen.studies.bench.contestant import Contestant
+from kanegen.studies.bench.outcome import KANEGEN, PYTHON, Absence, Entry, Outcome
+from kanegen.studies.bench.peers import kanegen_peer, pydy_peer
+from kanegen.studies.bench.peers.arena import Arena
+from kanegen.studies.bench.peers.field import contestants
+from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, QUANTITIES, TOLERANCE, Task, difference
+from kanegen.studies.bench.settings import EXACT, NATIVE
+from kanegen.studies.bench.states import States, plain, random_states
+from tests.support import systems
+from tests.support.paths import MODELS
+
+TWO_LINKS = systems.chain(2)
+QUICK = bench.Terms(states=40, rounds=2, seconds=0.0)
+"""More states than a batch holds, and no whole number of batches."""
+
+
+def quiet(stage: str) -> None:
+    """Nobody watches."""
+
+
+def own(system: kg.System, states: States, folder: Path) -> Contestant:
+    """kanegen's own C in its default setting."""
+    arena = Arena(system, states, states.write(folder / "states"), folder)
+    _, make = next(kanegen_peer.makers(arena))
+    (contestant,) = make()
+    return contestant
+
+
+def saying(code: str, tmp_path: Path) -> Contestant:
+    """A contestant whose driver is a line of Python."""
+    task = Task("equations", EQUATIONS)
+    return Contestant("other", EXACT, (sys.executable, "-c", code), tmp_path / "states", (task,))
+
+
+@pytest.fixture
+def nothing_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where none of the peers is."""
+
+    def files(name: str) -> None:
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(metadata, "files", files)
+
+
+@pytest.fixture(scope="module")
+def alone() -> Outcome:
+    return bench.compete(TWO_LINKS, QUICK, peers=())
+
+
+def test_a_compiler_is_enough(alone: Outcome) -> None:
+    assert (alone.model, alone.n, alone.standard, alone.absences, alone.notes) == (
+        "chain",
+        2,
+        KANEGEN,
+        (),
+        (),
+    )
+    names = {(entry.contestant, entry.setting.name) for entry in alone.entries}
+    settings = {(KANEGEN, "exact"), (KANEGEN, "native"), (KANEGEN, "relaxed")}
+    assert names == settings | {(PYTHON, "exact")}
+    for entry in alone.entries:
+        assert entry.error < TOLERANCE
+        assert len(entry.times) == QUICK.rounds
+        assert min(entry.times) > 0
+
+
+def test_batches_are_timed_beside_single_states(alone: Outcome) -> None:
+    for quantity in QUANTITIES:
+        one, many = (alone.best(KANEGEN, quantity, EXACT, batch) for batch in (False, True))
+        assert one is not None
+        assert many is not None
+        assert (one.task.batch, many.task.batch) == (False, True)
+
+
+def test_a_call_from_python_is_set_against_the_same_c(alone: Outcome) -> None:
+    call, code = alone.best(PYTHON, EQUATIONS), alone.best(KANEGEN, EQUATIONS, EXACT)
+    assert call is not None
+    assert code is not None
+    assert alone.overhead(EQUATIONS) == call.median - code.median
+    assert set(table.overheads(alone)) == {"A + f", "forward dynamics"}
+
+
+def test_loads_and_parameters_are_left_out_and_said() -> None:
+    crane = kg.load(MODELS / "gantry_crane.toml")
+    changed, notes = plain(crane)
+    assert not changed.parameters
+    assert not any(body.loads for body in changed.bodies)
+    np.testing.assert_array_equal(changed.values().mass, crane.values().mass)
+    assert notes == (
+        "loads are switched off: not everything that is timed takes them",
+        "run-time parameters are constants, at their defaults: bridge_mass, trolley_mass, load_mass",
+    )
+    assert plain(changed) == (changed, ())
+
+
+def test_who_computes_something_else_is_not_timed(tmp_path: Path) -> None:
+    states = random_states(TWO_LINKS, 3)
+    heavier = replace(TWO_LINKS, bodies=tuple(replace(body, mass=2.0) for body in TWO_LINKS.bodies))
+    honest = own(TWO_LINKS, states, tmp_path)
+    liar = replace(own(heavier, states, tmp_path), name="liar")
+    entries, absences = judge([honest, liar], 2, QUICK, quiet)
+    assert not absences
+    for entry in entries:
+        assert entry.agrees == (entry.contestant == KANEGEN)
+        assert len(entry.times) == (QUICK.rounds if entry.agrees else 0)
+    outcome = Outcome("chain", 2, tuple(entries))
+    assert not outcome.agrees
+    assert outcome.best("liar", EQUATIONS) is None
+    assert [row[3] for row in table.rows(outcome, EQUATIONS) if row[0] == "liar"] == ["not timed"] * 2
+
+
+def test_a_derivative_is_compared_with_its_own_size() -> None:
+    """Those by {tau} may be a millionth of those by {x}; an error in them counts all the same."""
+    right = np.ones((2, 2, 3, 2))
+    right[:, :, 2] = 1e-6
+    other = right.copy()
+    other[1, 0, 2, 1] += 1e-12
+    right, other = (values.reshape(2, 6, 2) for values in (right, other))
+    assert difference(other, right) == pytest.approx(1e-6)
+    assert difference(right, right) == 0.0
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, 1.0 + 1e-9])
+def test_a_difference_in_one_place_is_seen(wrong: float) -> None:
+    right = np.ones((4, 3, 2))
+    other = right.copy()
+    other[2, 1, 0] = wrong
+    assert difference(right, right) == 0.0
+    assert difference(other, right) > TOLERANCE
+
+
+def test_matrix_and_forcing_are_measured_by_their_own_sizes() -> None:
+    right = np.full((1, 3, 2), 4.0)
+    right[:, -1] = 1e-1
+    other = right.copy()
+    other[:, -1] += 1e-5
+    assert difference(other, right) == pytest.approx(1e-4)
+    right[:, -1], other[:, -1] = 0.0, 1e-15
+    assert difference(other, right) == pytest.approx(1e-15 / 4e-3)
+
+
+@pytest.mark.parametrize(
+    ("code", "reason"),
+    [("raise SystemExit('no such joint')", "no such joint"), ("raise SystemExit(3)", "status 3")],
+)
+def test_a_driver_that_fails_is_left_out(code: str, reason: str, tmp_path: Path) -> None:
+    honest = own(TWO_LINKS, random_states(TWO_LINKS, 2), tmp_path)
+    entries, absences = judge([honest, saying(code, tmp_path)], 2, QUICK, quiet)
+    assert {entry.contestant for entry in entries} == {KANEGEN}
+    assert absences == [Absence("other", f"its driver failed: {reason}")]
+
+
+@pytest.mark.usefixtures("nothing_installed")
+def test_who_is_missing_is_named_and_left_out(tmp_path: Path) -> None:
+    present, absences = contestants(TWO_LINKS, random_states(TWO_LINKS, 2), tmp_path)
+    assert {contestant.name for contestant in present} == {KANEGEN, PYTHON}
+    assert {absence.name for absence in absences} == {"Pinocchio", "CasADi", "MuJoCo", "SymPy + PyDy"}
+    for absence in absences:
+        assert absence.reason.endswith("is not installed (pip install 'kanegen[bench]')")
+
+
+@pytest.mark.usefixtures("nothing_installed")
+def test_a_plot_needs_matplotlib(alone: Outcome) -> None:
+    with pytest.raises(MissingError, match=r"package matplotlib is not installed .*kanegen\[bench\]"):
+        plot.svg([alone])
+
+
+def test_headers_that_a_package_does_not_have() -> None:
+    with pytest.raises(MissingError, match=r"numpy has no pinocchio/aba\.hpp"):
+        optional.headers("numpy", "pinocchio/aba.hpp")
+
+
+def test_an_unknown_peer() -> None:
+    with pytest.raises(kg.OptionError, match=r"unknown peer 'mujocco'.*mujoco"):
+        bench.compete(TWO_LINKS, QUICK, peers=["mujocco"])
+
+
+def test_sympy_is_not_tried_with_many_freedoms(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(pydy_peer, "require", Path)
+    system = systems.chain(10)
+    states = random_states(system, 1)
+    ((name, make),) = pydy_peer.makers(Arena(system, states, tmp_path / "states", tmp_path))
+    assert name == "SymPy + PyDy"
+    with pytest.raises(MissingError, match="not tried with 10 freedoms, which are more than 9"):
+        make()
+
+
+def test_sympy_is_stopped_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(pydy_peer, "require", Path)
+    monkeypatch.setattr(pydy_peer, "PATIENCE", 0.001)
+    states = random_states(TWO_LINKS, 1)
+    ((_, make),) = pydy_peer.makers(Arena(TWO_LINKS, states, tmp_path / "states", tmp_path))
+    with pytest.raises(MissingError, match=r"did not finish in 0\.001 s"):
+        make()
+
+
+def test_a_compiler_that_fails_or_takes_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(MissingError, match=r"the compiler failed: .*error"):
+        building.compiled("broken", {"broken.c": "int main(void) { return }"}, ())
+    monkeypatch.setattr(building, "PATIENCE", 0.0001)
+    with pytest.raises(MissingError, match=r"the compiler took more than 0\.0001 s"):
+        building.compiled("slow", {"slow.c": "int slow;"}, ())
+
+
+def test_no_cxx_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CXX", "no-such-compiler -v")
+    with pytest.raises(MissingError, match=r"no C\+\+ compiler no-such-compiler"):
+        building.compiled("empty", {"empty.cpp": ""}, ())
+
+
+def test_states_return_from_their_file(tmp_path: Path) -> None:
+    states = random_states(TWO_LINKS, 7)
+    again = States.read(states.write(tmp_path / "states"))
+    for name in ("x", "y", "tau"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(states, name))
+    assert np.abs(states.x).max() > 1  # hinges turn further than what stays clear of gimbal lock
+    crane = systems.eight_body()
+    assert np.abs(random_states(crane, 50).x).max() <= 1
+
+
+def entry(contestant: str, median: float, batch: bool = False) -> Entry:
+    return Entry(contestant, NATIVE, Task("a", EQUATIONS, batch), 0.0, (median - 1, median, median + 2))
+
+
+def test_ratios_and_reasons_in_words() -> None:
+    absences = (Absence("A", "it rains"), Absence("B", "it snows"), Absence("C", "it rains"))
+    outcome = Outcome("m", 1, (entry("slow", 1200), entry("fast", 60.04), entry("slower", 2400)), absences)
+    assert table.head(outcome, EQUATIONS)[-2] == "over slow"
+    rows = [row[3:6] for row in table.rows(outcome, EQUATIONS)]
+    assert rows == [
+        ["1200", "1199-1202", "1.00"],
+        ["60.0", "59.0-62.0", "1/20.0"],
+        ["2400", "2399-2402", "2.00"],
+    ]
+    assert table.rows(outcome, DYNAMICS) == []
+    assert table.left_out(outcome) == ["Left out: A and C: it rains.", "Left out: B: it snows."]
+    assert table.overheads(outcome) == {}
+
+
+def test_the_record_holds_every_number(alone: Outcome) -> None:
+    facts = json.loads(record.record([alone], QUICK))
+    assert facts["terms"] == {"states": 40, "rounds": 2, "seconds": 0.0}
+    assert "numpy" in facts["machine"][-1]
+    (model,) = facts["outcomes"]
+    assert [len(entry["nanoseconds"]) for entry in model["entries"]] == [2] * len(alone.entries)
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    line = [sys.executable, "-m", "kanegen", "bench", *arguments]
+    return subprocess.run(line, capture_output=True, text=True, check=False)
+
+
+def test_the_command(tmp_path: Path) -> None:
+    model, out = tmp_path / "chain.toml", tmp_path / "out.json"
+    TWO_LINKS.save(model)
+    options = ["--rounds", "1", "--seconds", "0", "--states", "3", "--peer", "pydy", "--json", str(out)]
+    done = command(str(model), *options)
+    assert done.returncode == 0, done.stderr
+    assert "chain: 2 freedoms, 3 random states, 1 x 0 s a task" in done.stdout
+    assert "A call from Python takes beyond the C: A + f" in done.stdout
+    assert json.loads(out.read_text())["outcomes"][0]["standard"] == KANEGEN
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--peer", "drake"), "unknown peer 'drake'."),
+        (("--plot", "a.png"), "--plot: a.png does not end in .svg."),
+        (("--json", "nowhere/a.json"), "nowhere/a.json: cannot be written: No such file or directory."),
+        (("--plot", "nowhere/a.svg"), "nowhere/a.svg: cannot be written: No such file or directory."),
+        (("--json", "."), ".: cannot be written: "),
+    ],
+)
+def test_the_command_with_wrong_options(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    TWO_LINKS.save(tmp_path / "chain.toml")
+    done = command(str(tmp_path / "chain.toml"), *options)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"error: {message}")

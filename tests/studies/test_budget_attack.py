@@ -1,0 +1,105 @@
+"""The search for a counterexample: it climbs, stays in the region, counts, and says what is hard there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import kanegen as kg
+from kanegen.errors import CertificateError
+from kanegen.studies.budget.counterexample import attacked
+from kanegen.studies.budget.domain_file import read_domain
+from kanegen.studies.budget.region import Region
+from kanegen.studies.budget.sampling import drawn, stream
+from kanegen.studies.budget.worst import cause, ranges, sample_of, state
+from kanegen.studies.tradeoff.judge import Judge
+from kanegen.studies.tradeoff.samples import Sample
+from tests.support.paths import MODELS
+
+Floats = NDArray[np.float64]
+PENDULUM = kg.load(MODELS / "double_pendulum.toml")
+
+
+class Hump:
+    """An error that is largest where q1 is 0.7, and how many states it was asked for."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def __call__(self, sample: Sample) -> Floats:
+        self.asked += len(sample)
+        found: Floats = 1 / (1e-6 + np.abs(sample.states.x[:, 0] - 0.7))
+        return found
+
+
+def setting(words: str) -> tuple[Region, Judge, Sample]:
+    region = read_domain(words, PENDULUM)
+    judge = Judge(region.system)
+    return region, judge, drawn(region, judge, 12, stream(0, "select", 0))
+
+
+@pytest.mark.parametrize("hard", [True, False])
+def test_it_climbs_and_counts(hard: bool) -> None:
+    region, judge, sample = setting("x.q1 = [-1, 1]")
+    hump = Hump()
+    found = attacked(region, judge, hump, sample, evaluations=200, seed=1, hard=hard)
+    assert found.error > 10 * hump(sample).max()
+    worst = sample_of(region.domain, found.where)
+    assert region.domain.contains(worst)
+    assert hump(worst)[0] == found.error
+    starts = 4 + len(sample)
+    assert 150 <= found.evaluations <= 200
+    assert hump.asked - len(sample) - 1 == found.evaluations + starts
+
+
+def test_it_stays_in_the_region() -> None:
+    """The top of the hump is outside the box; states that cancel are outside the region."""
+    region, judge, sample = setting("x.q1 = [-1, 0.5]; exclude.cancellation = 2")
+    found = attacked(region, judge, Hump(), sample, evaluations=100, seed=1, hard=True)
+    worst = sample_of(region.domain, found.where)
+    assert worst.states.x[0, 0] <= 0.5
+    assert judge.truths(worst)[0].conditioning.chi <= 2
+
+
+def test_the_same_seed_finds_the_same_state() -> None:
+    region, judge, sample = setting("")
+    first, second, other = (
+        attacked(region, judge, Hump(), sample, evaluations=60, seed=seed, hard=True) for seed in (1, 1, 2)
+    )
+    assert first == second
+    assert first.where != other.where
+
+
+def test_a_state_in_words_is_exact() -> None:
+    region, _, sample = setting("")
+    row = sample[3:4]
+    assert (sample_of(region.domain, state(row)).flat() == row.flat()).all()
+    for wrong in ({}, {"x": ["0x1p0"]}, {"x": 3}, {"x": ["soft"] * 6}, {"x": ["0x1p99999"] * 6}):
+        with pytest.raises(CertificateError, match="none of this model"):
+            sample_of(region.domain, wrong)
+
+
+def test_causes() -> None:
+    region, judge, sample = setting("")
+    held = sample[:1].flat().copy()
+    equations = kg.build(PENDULUM)
+    held[0, 2:4] = 0.0
+    held[0, 4:6] = -equations.forcing(held[0, :2], held[0, 2:4]) * (1 + 1e-6)
+    assert "exclude.cancellation" in cause(judge, region.domain.states(held), sample)
+    assert cause(judge, sample[:1], sample[:1]) == "Nothing about the state is unusual."
+
+    body = read_domain("exclude.clearance = 1e-4", kg.load(MODELS / "free_body.toml"))
+    judge = Judge(body.system)
+    usual = drawn(body, judge, 5, stream(0, "select", 0))
+    locked = usual[:1].flat().copy()
+    locked[0, 1] = np.pi / 2 - 1e-3
+    assert "exclude.clearance" in cause(judge, body.domain.states(locked), usual)
+
+
+def test_ranges_hold_every_state() -> None:
+    _, judge, sample = setting("")
+    found = ranges(judge, sample)
+    chi = [exact.conditioning.chi for exact in judge.truths(sample)]
+    assert found["chi"] == [min(chi), max(chi)]
+    assert set(found) == {"chi", "kappa_s", "formation"}

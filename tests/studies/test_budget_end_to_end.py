@@ -1,0 +1,278 @@
+"""From a model to C with a certificate, and from the certificate to a verdict."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.c.provenance import stamped
+from kanegen.errors import BudgetError, CertificateError, OptionError, ReadError
+from kanegen.measure.truth import measure
+from kanegen.options import STRICT
+from kanegen.studies.budget import certificate, evaluating
+from kanegen.studies.budget.certified import Certified
+from kanegen.studies.budget.domain_file import read_domain
+from kanegen.studies.budget.finding import find
+from kanegen.studies.budget.request import Effort, Request
+from kanegen.studies.budget.verification import Verification, verify
+from kanegen.studies.budget.workbench import field_of, is_reproducible
+from kanegen.studies.budget.worst import sample_of
+from kanegen.studies.tradeoff.judge import Judge
+from kanegen.studies.tradeoff.variants import Candidate
+from tests.support.paths import MODELS
+
+MODEL = kg.load(MODELS / "double_pendulum.toml")
+FILE = "double_pendulum_certificate.json"
+SINGLE = Candidate(replace(STRICT, precision="float"))
+FIELD = (Candidate(STRICT), SINGLE, Candidate(replace(STRICT, optimisation=1)))
+EFFORT = Effort(select=24, attack=32, rounds=6, seconds=0.0005)
+BOX = "x.angles = [-1, 1]; exclude.cancellation = 100"
+
+
+def request(**terms: Any) -> Request:
+    return Request(**{"quantile": 0.9, "attempts": 1, "effort": EFFORT, **terms})
+
+
+@pytest.fixture(scope="module")
+def strict() -> Certified:
+    """A budget that only double precision keeps."""
+    return find(MODEL, read_domain(BOX, MODEL), request(error=1e-10), FIELD)
+
+
+@pytest.fixture(scope="module")
+def written(strict: Certified, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return strict.source.write(tmp_path_factory.mktemp("out") / "strict") / FILE
+
+
+def copied(written: Path, tmp_path: Path) -> Path:
+    shutil.copytree(written.parent, tmp_path / "copy")
+    return tmp_path / "copy" / FILE
+
+
+def failed(found: Verification) -> set[str]:
+    return {finding.what for finding in found.findings if finding.holds is False}
+
+
+def test_the_certificate_says_what_was_measured(strict: Certified, written: Path) -> None:
+    content = json.loads(written.read_text())
+    assert content["variant"]["precision"] == "double"
+    assert content["candidates"][SINGLE.label].startswith("not built")
+    assert content["claim"]["error"] == 1e-10
+    assert "guarantee" not in written.read_text()
+    assert "no counterexample found in" in content["claim"]["words"]
+    seen = content["validation"]
+    assert (seen["states"], seen["exceeded"]) == (29, 0)
+    assert content["claim"]["exceeded_by_less_than"] == pytest.approx(1 - 0.05 ** (1 / 29))
+    assert 1 <= seen["chi"][0] <= seen["chi"][1] <= 100
+    assert content["search"]["evaluations"] > 32
+    assert content["times"]["median"] == pytest.approx(np.median(content["times"]["rounds"]))
+    assert {"double_pendulum.c", "double_pendulum.h"} <= set(content["source"])
+
+
+def test_the_worst_state_has_the_error_that_is_told(strict: Certified) -> None:
+    """Measured by `check.truth.measure`, which shares no code with the search."""
+    worst = strict.certificate.content["validation"]["worst"]
+    box = read_domain(BOX, MODEL)
+    sample = sample_of(box.domain, worst["state"])
+    library = kg.build(MODEL, ("forward_dynamics",), tier=strict.choice.candidate.variant)
+    found = measure(MODEL, library, sample.states, sample.tau)["forward_dynamics"]
+    alone = library.forward_dynamics(sample.states.x[0], sample.states.y[0], sample.tau[0])
+    together = library.forward_dynamics(sample.states.x, sample.states.y, sample.tau)[0]
+    if (alone == together).all():
+        assert found.normwise[0] == pytest.approx(worst["error"], rel=1e-4)
+    assert worst["error"] <= found.bound[0]
+
+
+def test_a_certificate_verifies(written: Path) -> None:
+    found = verify(written, MODEL)
+    assert found.passed, found.findings
+    names = [finding.what for finding in found.findings]
+    assert {"source", "double_pendulum.c", "results", "error", "times"} <= set(names)
+
+
+def test_another_model_is_an_error(written: Path) -> None:
+    with pytest.raises(CertificateError, match="of another model than 'cart_pole'"):
+        verify(written, kg.load(MODELS / "cart_pole.toml"))
+    with pytest.raises(CertificateError, match="of another model than 'double_pendulum' as it is now"):
+        verify(written, MODEL.with_parameters({"m1": 1.0000000000000002}))
+
+
+def test_c_that_was_changed_does_not_hold(written: Path, tmp_path: Path) -> None:
+    path = copied(written, tmp_path)
+    file = path.parent / "double_pendulum.c"
+    file.write_text(file.read_text().replace("+", "-", 1))
+    assert failed(verify(path)) == {"double_pendulum.c"}
+    file.unlink()
+    assert verify(path, states=1).passed
+
+
+def rewritten(path: Path, change: Callable[[dict[str, Any]], Any]) -> Path:
+    """A forgery: the content changed and the stamp renewed."""
+    content = json.loads(path.read_text())
+    del content["//"]
+    change(content)
+    path.write_text(certificate.Certificate(content).text(path.name))
+    return path
+
+
+def test_a_forged_certificate_does_not_hold(written: Path, tmp_path: Path) -> None:
+    def forge(content: dict[str, Any]) -> None:
+        content["claim"].update(error=1e-18, quantile="max")
+        content["source"]["double_pendulum.h"] = "0" * 64
+        content["bits"]["sha256"] = "0" * 64
+        content["validation"]["worst"]["error"] = 1e-12
+
+    found = failed(verify(rewritten(copied(written, tmp_path), forge)))
+    assert found == {"error", "source", "double_pendulum.h", "results", "worst state of the validation"}
+
+
+def test_a_variant_that_was_exchanged_has_another_source(written: Path, tmp_path: Path) -> None:
+    path = rewritten(copied(written, tmp_path), lambda content: content["variant"].update(without=["factor"]))
+    assert "source" in failed(verify(path, states=1))
+
+
+def test_another_machine_takes_the_times_only(written: Path, tmp_path: Path) -> None:
+    path = rewritten(copied(written, tmp_path), lambda c: c["built_with"].update(processor="abacus"))
+    found = verify(path)
+    assert found.passed
+    assert "another processor" in found.findings[-1].words
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "not valid JSON"),
+        ("[1, 2]", "not a certificate of kanegen"),
+        ('{"kind": "cake"}', "not a certificate of kanegen"),
+        (
+            f'{{"kind": "{certificate.KIND}", "format": 1, "generator": "0.0.1"}}',
+            "made by kanegen 0.0.1, this is",
+        ),
+    ],
+)
+def test_what_is_no_certificate(text: str, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "c.json"
+    file.write_text(text)
+    with pytest.raises(CertificateError, match=message) as error:
+        verify(file)
+    assert str(error.value).startswith(str(file))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: c.pop("claim"), "no section 'claim'"),
+        (lambda c: c["claim"].pop("error"), "KeyError"),
+        (lambda c: c["claim"].update(error=0.0), "makes no sense"),
+        (lambda c: c["source"].update({"../c": ""}), "makes no sense"),
+        (lambda c: c.update(model=3), "TypeError"),
+        (
+            lambda c: c["variant"].update(precision="triple"),
+            "its variant is none: unknown precision 'triple'",
+        ),
+        (lambda c: c["variant"].update(charm=1), "its variant is none"),
+        (lambda c: c["model"].update(text="name = 'x'"), "a model needs bodies"),
+        (lambda c: c["domain"].update(z=1), "unknown key 'z'"),
+        (
+            lambda c: c["validation"]["worst"].update(state={"x": ["0x1p0"]}),
+            "worst state is none of this model",
+        ),
+    ],
+)
+def test_broken_certificates(
+    change: Callable[[dict[str, Any]], Any], message: str, written: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(CertificateError, match=message):
+        verify(rewritten(copied(written, tmp_path), change))
+
+
+def test_an_edited_certificate_is_an_error(written: Path, tmp_path: Path) -> None:
+    path = copied(written, tmp_path)
+    path.write_text(path.read_text().replace("1e-10", "1e-11"))
+    with pytest.raises(CertificateError, match="edited since kanegen wrote it"):
+        verify(path)
+    with pytest.raises(ReadError, match="there is no such file"):
+        verify(tmp_path / "nothing.json")
+
+
+def test_single_precision_where_it_is_good_enough() -> None:
+    """Whichever is the faster one, the claim holds for it; single precision alone must do."""
+    found = find(MODEL, read_domain(BOX, MODEL), request(error=1e-2), (SINGLE,))
+    assert found.source.precision == "float"
+    assert 1e-9 < found.choice.validation.errors.max() <= 1e-2
+    with pytest.raises(BudgetError, match=rf"error of 1e-09.*'{SINGLE.label}' with"):
+        find(MODEL, read_domain(BOX, MODEL), request(error=1e-9), (SINGLE,))
+
+
+def test_a_counterexample_names_what_to_exclude() -> None:
+    """Near equilibrium single precision loses all digits, and a search finds that."""
+    terms = request(error=2e-5, quantile=1.0, effort=replace(EFFORT, attack=200))
+    with pytest.raises(BudgetError, match=r"refuted in \d+ evaluations.*exclude\.cancellation"):
+        find(MODEL, read_domain("x.angles = [-1, 1]", MODEL), terms, (SINGLE,))
+
+
+def test_a_budget_of_time() -> None:
+    found = find(MODEL, read_domain(BOX, MODEL), request(time=1e9), FIELD)
+    assert found.source.precision == "double"
+    assert found.choice.validation.exceeded == 0
+    with pytest.raises(BudgetError, match=r"time of 0\.001 ns for latency.*fastest one is"):
+        find(MODEL, read_domain(BOX, MODEL), request(time=1e-3), FIELD)
+
+
+def test_batches_are_judged_as_batches(tmp_path: Path) -> None:
+    found = find(MODEL, read_domain(BOX, MODEL), request(error=1e-9, objective="batch"), FIELD)
+    assert found.certificate.content["times"]["objective"] == "batch"
+    assert verify(found.source.write(tmp_path / "out") / FILE).passed
+
+
+def test_regular_speeds_need_no_clearance(tmp_path: Path) -> None:
+    """A free body over all orientations, through gimbal lock."""
+    body = kg.load(MODELS / "free_body.toml").with_speeds("angular_velocity")
+    found = find(body, read_domain(None, body), request(error=1e-8), FIELD)
+    assert found.certificate.content["domain"]["exclude"] == {"clearance": 0.0}
+    assert found.choice.validation.errors.max() < 1e-10
+    path = found.source.write(tmp_path / "out") / f"{body.name}_certificate.json"
+    assert verify(path, body).passed
+
+
+def test_loads_and_parameters(tmp_path: Path) -> None:
+    """The C keeps them; the claim is for the parameters that the domain gives."""
+    crane = kg.load(MODELS / "gantry_crane.toml")
+    names = [parameter.name for parameter in crane.parameters]
+    value = 1.25 * crane.parameters[0].value
+    box = read_domain(f"parameters.{names[0]} = {value!r}; exclude.cancellation = 100", crane)
+    found = find(crane, box, request(error=1e-8), FIELD)
+    assert [parameter for parameter, _ in found.source.model.parameters] == names
+    assert found.certificate.content["domain"]["parameters"] == {names[0]: value}
+    assert verify(found.source.write(tmp_path / "out") / f"{crane.name}_certificate.json", crane).passed
+
+
+def test_the_field() -> None:
+    field = field_of()
+    assert field[0] == Candidate(STRICT)
+    assert len(set(field)) == len(field)
+    assert all(candidate.speeds is None for candidate in field)
+    assert {c.variant.machine for c in field_of(is_reproducible)} == {"portable"}
+    with pytest.raises(OptionError, match="no variant is left"):
+        field_of(lambda candidate: False)
+
+
+def test_results_that_are_not_finite_have_infinite_errors(strict: Certified) -> None:
+    class Broken:
+        source = strict.source
+
+        def forward_dynamics(self, x: Any, *_: Any) -> Any:
+            return np.full_like(x, np.nan)
+
+    box = read_domain(BOX, MODEL)
+    sample = box.domain.sample(3, 0)
+    assert (evaluating.errors(Judge(MODEL), Broken(), sample, "latency") == np.inf).all()
+    assert stamped(FILE, "x").startswith('{"//": "Generated by kanegen ')

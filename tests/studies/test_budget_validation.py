@@ -1,0 +1,251 @@
+"""The judgement on a chosen variant: fresh states used once, attempts paid for, claims that hold."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy import stats
+
+from kanegen.errors import BudgetError, OptionError
+from kanegen.studies.budget import confidence as odds
+from kanegen.studies.budget.confidence import quantile_level
+from kanegen.studies.budget.evaluator import SELECT, VALIDATE, Draw
+from kanegen.studies.budget.judging import judged
+from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
+from kanegen.studies.budget.selection import choose
+from kanegen.studies.budget.times import Times, speedup
+from tests.studies.test_budget_selection import FIELD, SMALL, STRICT, Fake, Planted
+
+Floats = NDArray[np.float64]
+SLOW = Planted("slow", 1e-15, 100.0)
+QUICK = Planted("quick", 1e-15, 50.0)
+MIDDLE = Planted("middle", 1e-15, 70.0)
+
+
+def heavy(share: float, *labels: str):
+    """Errors that exceed 1e-9 in a share of all states, for the candidates of these labels."""
+
+    def drawn(candidate: Planted, draw: Draw, rng: np.random.Generator) -> Floats:
+        rare = rng.random(draw.count) < (share if candidate.label in labels else 0.0)
+        seen = draw.purpose == VALIDATE
+        return np.where(rare & seen, 1e-6, candidate.error)
+
+    return drawn
+
+
+def test_the_numbers_of_wilks() -> None:
+    assert odds.draws_needed(1e-3, 0.05) == 2995
+    assert odds.draws_needed(1e-4, 0.05) == 29956
+    for share, alpha in ((1e-3, 0.05), (0.1, 0.1), (0.01, 0.003)):
+        n = odds.draws_needed(share, alpha)
+        assert odds.exceedance_limit(0, n, alpha) <= share < odds.exceedance_limit(0, n - 1, alpha)
+        assert (1 - share) ** n <= alpha < (1 - share) ** (n - 1)
+
+
+@pytest.mark.parametrize(("exceeded", "count"), [(0, 2995), (1, 2995), (3, 50), (49, 50)])
+def test_the_limit_is_that_of_clopper_and_pearson(exceeded: int, count: int) -> None:
+    limit = odds.exceedance_limit(exceeded, count, 0.05)
+    assert limit == pytest.approx(stats.beta.ppf(0.95, exceeded + 1, count - exceeded), rel=1e-12)
+    assert stats.binom.cdf(exceeded, count, limit) == pytest.approx(0.05, rel=1e-9)
+
+
+def test_where_all_exceed_nothing_is_shown() -> None:
+    assert odds.exceedance_limit(7, 7, 0.05) == 1.0
+    assert judged(np.full(7, math.nan), 1.0, 0.05, 1).exceeded == 7
+
+
+def test_the_limit_covers_the_truth_as_often_as_it_says() -> None:
+    """Over 4000 samples the limit may be too low in 5 %, up to the scatter of counting (4 sigma)."""
+    rng = np.random.default_rng(3)
+    for share in (0.003, 0.05, 0.4):
+        counts = rng.binomial(200, share, 4000)
+        low = sum(odds.exceedance_limit(k, 200, 0.05) < share for k in counts.tolist())
+        assert low / 4000 <= 0.05 + 4 * math.sqrt(0.05 * 0.95 / 4000)
+
+
+def test_the_fresh_sample_is_drawn_once_and_for_one_candidate() -> None:
+    lab = Fake(FIELD)
+    choose(lab, Request(error=1e-9, effort=SMALL))
+    fresh = [(label, draw) for label, draw in lab.draws if draw.purpose == VALIDATE]
+    assert fresh == [("fast", Draw(VALIDATE, 1, 3688))]
+    assert [draw for _, draw in lab.draws if draw.purpose == SELECT] == [Draw(SELECT, 0, 50)] * len(FIELD)
+
+
+def test_every_further_attempt_has_a_sample_of_its_own_and_its_part_of_alpha() -> None:
+    lab = Fake([SLOW, QUICK, MIDDLE], heavy(0.1, "quick"))
+    request = Request(error=1e-9, attempts=3, effort=SMALL)
+    found = choose(lab, request)
+    assert found.candidate is MIDDLE
+    assert found.validation.attempt == 2
+    assert found.verdicts["quick"].endswith("fresh states exceed 1.0e-09")
+    fresh = [draw for _, draw in lab.draws if draw.purpose == VALIDATE]
+    assert [draw.number for draw in fresh] == [1, 2]
+    assert request.alpha == pytest.approx(0.05 / 3)
+    assert {draw.count for draw in fresh} == {odds.draws_needed(1e-3, 0.05 / 3)}
+    assert found.validation.limit <= 1e-3
+
+
+def test_attempts_end() -> None:
+    field = [SLOW, QUICK, MIDDLE]
+    with pytest.raises(BudgetError, match=r"No further attempt.*quick.*failed validation 1"):
+        choose(Fake(field, heavy(0.1, "quick")), Request(error=1e-9, attempts=1, effort=SMALL))
+    with pytest.raises(BudgetError, match="borne out"):
+        choose(
+            Fake(field, heavy(0.1, "slow", "quick", "middle")), Request(error=1e-9, attempts=9, effort=SMALL)
+        )
+
+
+def test_an_attempt_is_not_spent_on_what_an_attack_refutes_first() -> None:
+    lab = Fake([SLOW, QUICK, MIDDLE], attacked={"quick": 1e-6, "middle": math.inf})
+    found = choose(lab, Request(error=1e-9, attempts=1, effort=SMALL))
+    assert found.candidate is SLOW
+    assert found.validation.attempt == 1
+    assert "refuted in 10 evaluations: error 1.0e-06. Exclude something" in found.verdicts["quick"]
+    with pytest.raises(BudgetError, match="Exclude something"):
+        choose(Fake([SLOW], attacked={"slow": 1e-8}), Request(error=1e-9, effort=SMALL))
+
+
+def test_more_digits_are_tried_where_all_others_are_refuted() -> None:
+    long = Planted("long", 1e-18, 900.0, long=True)
+    lab = Fake([SLOW, QUICK, long], attacked={"slow": 1e-8, "quick": 1e-8})
+    found = choose(lab, Request(error=1e-9, attempts=1, effort=SMALL))
+    assert found.candidate is long
+    assert set(found.verdicts) == {"slow", "quick", "long"}
+    assert "refuted" in found.verdicts["quick"]
+    assert "not built" not in found.verdicts["long"]
+    sound = Fake([SLOW, QUICK, long])
+    assert choose(sound, Request(error=1e-9, effort=SMALL)).candidate is QUICK
+    assert "long" not in [label for label, _ in sound.draws]
+
+
+def test_a_defeat_names_three_and_counts_the_others() -> None:
+    field = [Planted(f"v{k}", 1e-15, 100.0 + k) for k in range(7)]
+    with pytest.raises(BudgetError, match=r"v2: .* And 4 more\.$") as caught:
+        choose(Fake(field, attacked={one.label: 1e-8 for one in field}), Request(error=1e-9, effort=SMALL))
+    assert "v3" not in str(caught.value)
+
+
+def test_a_quantile_admits_a_few() -> None:
+    """Of 3000 states a share of 0.3 % may exceed where 1 % may, but not where 0.1 % may."""
+    lab = Fake([SLOW, QUICK], heavy(0.003, "quick"), attacked={"quick": 1e-6})
+    effort = replace(SMALL, validate=4000)
+    found = choose(lab, Request(error=1e-9, quantile=0.99, effort=effort))
+    assert found.candidate is QUICK
+    assert found.validation.exceeded > 0
+    assert found.validation.limit <= 0.01
+    assert choose(lab, Request(error=1e-9, quantile=0.999, effort=effort)).candidate is SLOW
+
+
+def test_wrong_claims_are_as_rare_as_the_confidence_says() -> None:
+    """Fields in which every candidate is a little worse than the claim: the worst that luck can be given.
+
+    At 90 % and with two attempts, at most one search in ten may end with a claim, up to 4 sigma.
+    """
+    effort = replace(SMALL, attack=1)
+    request = Request(error=1e-9, quantile=0.95, confidence=0.9, effort=effort)
+    wrong, searches = 0, 1500
+    for seed in range(searches):
+        lab = Fake([SLOW, QUICK, MIDDLE], heavy(0.0502, "slow", "quick", "middle"), seed=seed)
+        try:
+            choose(lab, request)
+            wrong += 1
+        except BudgetError:
+            pass
+    assert 0.05 < wrong / searches <= 0.1 + 4 * math.sqrt(0.1 * 0.9 / searches)
+
+
+def test_what_is_claimed_under_a_budget_of_time_covers_fresh_states() -> None:
+    """The largest of n errors is exceeded with a probability below the limit in at least 95 % of searches."""
+
+    def tail(candidate: Planted, draw: Draw, rng: np.random.Generator) -> Floats:
+        return candidate.error * rng.pareto(1.0, draw.count)
+
+    missed = 0
+    request = Request(time=200.0, quantile=0.9, attempts=1, effort=SMALL)
+    for seed in range(400):
+        found = choose(Fake([STRICT], tail, attacked={"strict": 0.0}, seed=seed), request)
+        beyond = (1 + found.validation.claim / STRICT.error) ** -1.0
+        missed += beyond > 0.1
+    assert missed / 400 <= 0.05 + 4 * math.sqrt(0.05 * 0.95 / 400)
+
+
+def test_a_gain_must_be_beyond_a_tie_in_its_interval_and_in_the_fastest_rounds() -> None:
+    slow = Times((100.0,) * 9)
+    assert speedup(slow, Times((90.0,) * 9)).is_real
+    assert not speedup(slow, Times((99.0,) * 9)).is_real
+    assert not speedup(slow, Times((90.0,) * 6 + (120.0,) * 3)).is_real  # the interval holds 1
+    assert not speedup(Times((100.0,) * 8 + (80.0,)), Times((90.0,) * 9)).is_real  # one fast round
+    assert not speedup(Times((100.0,) * 5), Times((50.0,) * 5)).is_real  # too few rounds
+
+
+def test_the_interval_of_a_ratio_covers_the_median() -> None:
+    rng = np.random.default_rng(1)
+    covered = 0
+    for _ in range(1000):
+        found = speedup(Times(tuple(rng.lognormal(0, 0.3, 9))), Times((1.0,) * 9))
+        covered += found.low <= 1.0 <= found.high
+    assert covered >= 950 - 4 * math.sqrt(1000 * 0.05 * 0.95)
+
+
+@pytest.mark.parametrize(
+    ("text", "nanoseconds"), [("200ns", 200.0), ("1.5 us", 1500.0), ("2e-3 ms", 2000.0), ("3µs", 3000.0)]
+)
+def test_budgets_of_time(text: str, nanoseconds: float) -> None:
+    assert time_budget(text) == pytest.approx(nanoseconds)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("200", "no unit"),
+        ("200 parsecs", "unknown unit 'parsecs'"),
+        ("fast", "write a time such as 200ns"),
+        ("1.2.3ns", "is not a number"),
+    ],
+)
+def test_budgets_of_time_that_are_none(text: str, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        time_budget(text)
+
+
+@pytest.mark.parametrize(
+    ("terms", "message"),
+    [
+        ({}, "one of them"),
+        ({"error": 1e-9, "time": 10.0}, "not both"),
+        ({"error": 0.0}, "error is 0.0"),
+        ({"error": -1e-9}, "positive"),
+        ({"error": math.nan}, "positive"),
+        ({"error": math.inf}, "positive"),
+        ({"time": time_budget("-5ns")}, "budget of time is -5.0"),
+        ({"time": time_budget("nan ns")}, "budget of time is nan"),
+        ({"time": time_budget("0 ns")}, "positive"),
+        ({"error": 1e-9, "objective": "latencies"}, "Did you mean 'latency'"),
+        ({"error": 1e-9, "confidence": 1.0}, "confidence is 1.0"),
+        ({"error": 1e-9, "quantile": 0.0}, "quantile is 0.0"),
+        ({"error": 1e-9, "attempts": 0}, "attempts is 0"),
+        ({"error": 1e-9, "effort": Effort(validate=100)}, "3688 states are needed"),
+    ],
+)
+def test_requests_that_are_none(terms: dict[str, object], message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        Request(**terms)
+
+
+def test_words_that_are_no_numbers() -> None:
+    assert error_budget("1e-9") == 1e-9
+    with pytest.raises(OptionError, match="error is 'small'"):
+        error_budget("small")
+    assert quantile_level("max") == 1.0
+    assert quantile_level("0.999") == 0.999
+    for wrong in ("median", "1.5", "nan", "1"):
+        with pytest.raises(OptionError, match='or "max"'):
+            quantile_level(wrong)
+    with pytest.raises(OptionError, match="select is 0"):
+        Effort(select=0)
+    with pytest.raises(OptionError, match="seconds is nan"):
+        Effort(seconds=math.nan)

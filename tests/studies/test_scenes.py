@@ -1,0 +1,105 @@
+"""The scenes in models/ are what they claim to be, and the pages of docs/models say what they cost today."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import kanegen as kg
+from benchmarks import receipts, scenes
+from kanegen.cli.app import app
+from kanegen.compiler import compile_module
+from kanegen.studies.explain import receipt
+from kanegen.studies.explain.markdown import markdown
+from tests.support.robots import robot_file
+
+LARGE = {"eight_body", "front_of_eight", "panda_arm", "six_revolute_arm"}
+"""Whose general programs take seconds each."""
+
+SMALL = [model for model in receipts.MODELS if model.stem not in LARGE]
+FIXED = (False,) * 6
+
+
+def written(name: str) -> str:
+    return (receipts.DOCS / name).read_text(encoding="utf-8")
+
+
+def index_row(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |\n"
+
+
+def require_current(model: Path) -> None:
+    found = receipt(kg.load(model), receipts.outputs(model))
+    assert written(f"{model.stem}.md") == receipts.page(model, found), "run `make receipts`, if that is meant"
+    assert index_row(receipts.line(model, found)) in written("README.md")
+
+
+@pytest.mark.parametrize("model", SMALL, ids=lambda path: path.stem)
+def test_pages_are_current(model: Path) -> None:
+    require_current(model)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(LARGE))
+def test_large_pages_are_current(name: str) -> None:
+    require_current(receipts.ROOT / "models" / f"{name}.toml")
+
+
+@pytest.mark.parametrize("name", sorted(LARGE))
+def test_large_pages_count_what_the_scene_costs(name: str) -> None:
+    """The specialised program alone."""
+    model = receipts.ROOT / "models" / f"{name}.toml"
+    operations = compile_module(kg.load(model), receipts.outputs(model)).operations
+    total = sum(operations.values()) - operations["prepare"]
+    assert f"**{total} operations** where" in written(f"{name}.md")
+
+
+def test_every_model_has_a_page_and_every_scene_a_model() -> None:
+    pages = {path.stem for path in receipts.DOCS.glob("*.md")} - {"README"}
+    assert pages == {model.stem for model in receipts.MODELS}
+    assert len(scenes.SCENES) == 5
+    assert {scene.name for scene in scenes.SCENES} <= pages
+    for model in receipts.MODELS:
+        paragraph, *_ = receipts.description(model)
+        assert len(paragraph) > 80  # says what it is
+        assert paragraph in written(f"{model.stem}.md")
+
+
+def test_the_command_writes_the_same_receipt(tmp_path: Path) -> None:
+    model = receipts.ROOT / "models" / "satellite.toml"
+    options = ("--output", "momentum", "--output", "kinetic_energy", "--markdown", str(tmp_path / "page.md"))
+    done = CliRunner().invoke(app, ["explain", str(model), *options])
+    assert done.exit_code == 0
+    found = receipt(kg.load(model), receipts.outputs(model))
+    assert (tmp_path / "page.md").read_text() == markdown(found)
+    assert markdown(found).split("\n\n")[-1] in written("satellite.md")
+    for option in ("--html", "--markdown"):
+        refused = CliRunner().invoke(app, ["explain", str(model), option, "page.txt"])
+        assert isinstance(refused.exception, kg.OptionError)
+        assert f"{option}: page.txt does not end in ." in str(refused.exception)
+
+
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
+def test_the_panda_arm_is_the_robot_with_a_locked_gripper() -> None:
+    """To the last bit; `make scenes` has no numbers of its own."""
+    robot = kg.load(robot_file("panda"))
+    bodies = tuple(
+        replace(body, joint=replace(body.joint, free=FIXED)) if "finger" in body.name else body
+        for body in robot.bodies
+    )
+    arm = replace(robot, name="panda_arm", bodies=bodies)
+    arm = arm.with_points({"tool": ("panda_link7", (0.0, 0.0, 0.21))})
+    assert kg.load("models/panda_arm.toml") == arm
+    assert len(arm.freedoms) == 7
+
+
+def test_the_front_of_eight_is_the_tree_of_the_notes() -> None:
+    eight = kg.load("models/eight_body.toml")
+    welded = tuple(
+        replace(body, loads=False, joint=body.joint if k < 3 else replace(body.joint, free=FIXED))
+        for k, body in enumerate(eight.bodies)
+    )
+    assert kg.load("models/front_of_eight.toml") == replace(eight, name="front_of_eight", bodies=welded)

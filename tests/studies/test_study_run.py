@@ -1,0 +1,228 @@
+"""A whole study: who is measured, what is refused, what is written, and how the command line leads there."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import sys
+import xml.etree.ElementTree
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import kanegen as kg
+from kanegen.cli.app import app
+from kanegen.options import Variant
+from kanegen.studies.bench import Terms as Rounds
+from kanegen.studies.tradeoff import built as building
+from kanegen.studies.tradeoff import study as module
+from kanegen.studies.tradeoff import variants
+from kanegen.studies.tradeoff.built import Built, build_all
+from kanegen.studies.tradeoff.document import comma_separated, markdown, statements
+from kanegen.studies.tradeoff.domain import default_domain
+from kanegen.studies.tradeoff.judge import OBJECTIVES, computed
+from kanegen.studies.tradeoff.outcome import Study, Terms
+from kanegen.studies.tradeoff.plot import svg
+from kanegen.studies.tradeoff.record import record
+from kanegen.studies.tradeoff.study import study
+from kanegen.studies.tradeoff.times import Times, computed_in_c, timed
+from kanegen.studies.tradeoff.variants import Candidate
+from tests.support import systems
+
+HINGES = systems.chain(2, ["theta3"])
+HUGE = kg.System.from_arrays([0], [1e60], [1e60 * np.eye(3)], [[0, 0, 0]], [[0, 0, 0]], name="huge")
+QUICK = Terms(states=4, hard=2, search=8, rounds=2, seconds=0.0)
+FEW: list[dict[str, Any]] = [
+    {"solver": "articulated bodies", "refinement": 0, "optimisation": 0},
+    {"solver": "factorisation", "refinement": 0, "optimisation": 0},
+    {"solver": "articulated bodies", "refinement": 0, "precision": "float", "optimisation": 0},
+    {"solver": "articulated bodies", "refinement": 0, "speeds": "angular_velocity", "optimisation": 0},
+    {"precision": "quad"},
+]
+QUIET = ["tradeoff", "--states", "3", "--rounds", "1", "--seconds", "0", "--search", "2"]
+
+
+def quiet(stage: str) -> None:
+    """Nobody watches."""
+
+
+def few() -> list[Candidate]:
+    return variants.candidates(FEW)[0]
+
+
+def invented(samples: Mapping[Built, Any], terms: Rounds, progress: Any) -> dict[Built, Times]:
+    """Times that are the same every time: bytes for single precision count half."""
+    del terms, progress
+    return {
+        one: Times(*[(one.operations / (2 if one.candidate.variant.precision == "float" else 1),)] * 2)
+        for one in samples
+    }
+
+
+@pytest.fixture
+def still(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "timed", invented)
+
+
+@pytest.fixture(scope="module")
+def outcome() -> Study:
+    return study(HINGES, QUICK, quiet, variants=few())
+
+
+@pytest.fixture
+def small_table(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setattr(variants, "choices", lambda: FEW)
+    yield
+
+
+def test_what_is_timed_computes_what_is_judged() -> None:
+    (one, _, single, _), _ = build_all(HINGES, few(), quiet)
+    sample = default_domain(HINGES).sample(40, 0)
+    for built in (one, single):
+        found = computed_in_c(built, sample)
+        for objective in OBJECTIVES:
+            assert np.array_equal(found[objective], computed(built.library, sample, objective))
+    times = timed({one: sample, single: sample}, Rounds(40, 3, 0.0), quiet)
+    assert [len(times[built].of(objective)) for built in times for objective in OBJECTIVES] == [3] * 4
+    assert times[one].least("batch") <= times[one].median("batch")
+    assert times[one].least("latency") > 0
+
+
+def test_a_study_measures_everybody_and_shares_equal_programs(outcome: Study) -> None:
+    by_label = {entry.label: entry for entry in outcome.entries}
+    assert len(by_label) == 4
+    spinning = by_label["articulated, -O0, angular velocity"]
+    plain = by_label["articulated, -O0"]
+    assert spinning.same_as == plain.label  # hinges have no angular velocity to choose
+    assert (spinning.times, spinning.errors) == (plain.times, plain.errors)
+    assert plain.errors["latency"].max < 1e-14
+    assert 1e-9 < by_label["float, articulated, -O0"].errors["batch"].max < 1e-4
+    assert not any(entry.wrong for entry in outcome.entries)
+    assert outcome.points("batch")[0].time == plain.times.median("batch")  # type: ignore[union-attr]
+    for objective, front in outcome.fronts.items():
+        assert any(confirmed.stays for confirmed in front)
+        for confirmed in front:
+            assert confirmed.found >= confirmed.errors.max
+            assert not np.array_equal(confirmed.errors.normwise, confirmed.entry.errors[objective].normwise)
+
+
+def test_who_cannot_be_built_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    built, refused = build_all(HUGE, [Candidate(Variant(precision="float"))], quiet)
+    assert not built
+    assert "leaves the range of single precision" in refused[0].reason
+    monkeypatch.setenv("KANEGEN_CC", sys.executable)
+    built, refused = build_all(HINGES, few()[:1], quiet)
+    assert not built
+    assert refused[0].label == "articulated, -O0"
+    assert refused[0].reason
+
+
+def test_a_wrong_variant_is_not_timed(monkeypatch: pytest.MonkeyPatch, still: None) -> None:
+    heavier = replace(HINGES, bodies=tuple(replace(b, mass=1.001 * b.mass) for b in HINGES.bodies))  # type: ignore[operator]
+    right = building.generated
+
+    def generated(system: kg.System, candidate: Candidate) -> Any:
+        return right(heavier if candidate.variant.solver == "factorisation" else system, candidate)
+
+    monkeypatch.setattr(building, "generated", generated)
+    found = study(HINGES, QUICK, quiet, variants=few())
+    wrong = [entry for entry in found.entries if entry.wrong]
+    assert [entry.label for entry in wrong] == ["factorisation, -O0"]
+    assert wrong[0].wrong == 8
+    assert wrong[0].times is None
+    assert "Wrong, and not timed" in statements(found)[-1]
+    assert not any(c.entry is wrong[0] for front in found.fronts.values() for c in front)
+    assert "| factorisation, -O0 | wrong |" in markdown(found)
+
+
+def test_documents_are_the_same_but_for_times(still: None) -> None:
+    one, two = (study(HINGES, QUICK, quiet, variants=few()) for _ in range(2))
+    assert markdown(one) == markdown(two)
+    assert comma_separated(one) == comma_separated(two)
+    assert record(one) == record(two)
+    assert svg(one) == svg(two)
+
+
+def test_documents_hold_every_variant(outcome: Study) -> None:
+    text, facts = markdown(outcome), json.loads(record(outcome))
+    rows = list(csv.DictReader(io.StringIO(comma_separated(outcome))))
+    assert [row["variant"] for row in rows] == 2 * [entry.label for entry in outcome.entries]
+    assert [entry["variant"] for entry in facts["variants"]] == [entry.label for entry in outcome.entries]
+    for entry in outcome.entries:
+        assert text.count(f"| {entry.label} |") >= 2
+    assert float(rows[0]["max"]) == outcome.entries[0].errors["latency"].max
+    worst = facts["fronts"]["batch"][0]["worst_state"]
+    assert len([float.fromhex(number) for number in worst["tau"]]) == 2
+    assert "the same program as articulated, -O0" in text
+    xml.etree.ElementTree.fromstring(svg(outcome))
+
+
+def test_terms_and_domains_that_make_no_sense() -> None:
+    with pytest.raises(kg.OptionError, match=r"unknown quantile 'mx'. Did you mean 'max'\?"):
+        study(HINGES, replace(QUICK, quantile="mx"))
+    other = default_domain(systems.chain(3, ["theta3"]))
+    with pytest.raises(kg.OptionError, match="the domain belongs to another system than 'chain'"):
+        study(HINGES, QUICK, quiet, other, variants=few())
+
+
+def test_where_nothing_can_be_built() -> None:
+    with pytest.raises(kg.OptionError, match=r"no variant can be built\. The first one, float.*the range"):
+        study(HUGE, QUICK, quiet, variants=[Candidate(Variant(precision="float"))])
+    massless = kg.System.from_arrays([0], [0.0], [np.zeros((3, 3))], [[0, 0, 0]], [[0, 0, 0]])
+    with pytest.raises(kg.SingularError):
+        study(massless, QUICK, quiet)
+
+
+def test_loads_and_parameters_are_named() -> None:
+    system = kg.load("models/double_pendulum.toml")
+    found = study(system, QUICK, quiet, variants=few()[:1])
+    assert "run-time parameters are constants" in found.notes[0]
+    assert "Note: run-time parameters" in markdown(found)
+
+
+def test_the_command(tmp_path: Path, small_table: None, still: None) -> None:
+    HINGES.save(tmp_path / "hinges.toml")
+    out = tmp_path / "made" / "here"
+    arguments = [*QUIET, str(tmp_path / "hinges.toml"), "-o", str(out), "--json", str(tmp_path / "x")]
+    done = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert done.exit_code == 0
+    assert {path.name for path in out.iterdir()} == {
+        f"tradeoff.{end}" for end in ("md", "csv", "json", "svg")
+    }
+    assert (out / "tradeoff.json").read_text() == (tmp_path / "x").read_text()
+    assert "Refused: quad: unknown precision 'quad'" in done.stdout
+    assert done.stdout.count("All variants") == 2
+    assert "Spearman" in done.stdout
+
+
+def refusal(*arguments: str) -> str:
+    done = CliRunner().invoke(app, [*QUIET, "models/double_pendulum.toml", *arguments])
+    assert isinstance(done.exception, kg.KanegenError)
+    return str(done.exception)
+
+
+def test_what_cannot_work_is_said_before_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kanegen.cli.study.study", None)
+    file = tmp_path / "file"
+    file.touch()
+    assert "cannot be made: Not a directory" in refusal("-o", str(file / "folder"))
+    assert f"{tmp_path}: cannot be written: Is a directory" in refusal("--json", str(tmp_path))
+    assert "cannot be written: No such file" in refusal("--plot", str(tmp_path / "no" / "a.svg"))
+    assert "does not end in .svg" in refusal("--plot", "a.png")
+    assert "Did you mean 'latency'?" in refusal("--objective", "latncy")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kanegen.extras.importlib.util.find_spec", _without_flint)
+    assert refusal() == "the Python package flint is not installed (pip install 'kanegen[study]')"
+
+
+def _without_flint(name: str) -> Any:
+    return None if name == "flint" else sys.modules[name.partition(".")[0]].__spec__

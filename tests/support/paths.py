@@ -1,0 +1,20 @@
+"""Where the checkout keeps what tests read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+"""The checkout."""
+
+MODELS = ROOT / "models"
+"""The model files, of which `generated/` holds the C."""
+
+MODEL_FILES = sorted(MODELS.glob("*.toml"))
+"""Every model file."""
+
+GENERATED = ROOT / "generated"
+"""The committed C, a folder for each model."""
+
+EVERY_JOINT = ROOT / "tests" / "readers" / "data" / "every_joint.urdf"
+"""A URDF robot with a joint of every kind."""
