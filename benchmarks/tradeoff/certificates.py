@@ -12,8 +12,7 @@ import kanegen as kg
 from kanegen.errors import BudgetError
 from kanegen.files import write_whole
 from kanegen.studies.budget.certificate import SUFFIX
-from kanegen.studies.budget.certified import Certified
-from kanegen.studies.budget.finding import find
+from kanegen.studies.budget.certification import Certified, find
 from kanegen.studies.budget.region import region
 from kanegen.studies.budget.request import Request
 

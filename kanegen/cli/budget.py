@@ -13,13 +13,12 @@ from rich.markup import escape
 from kanegen.c.folder import require_room
 from kanegen.model.system import System
 from kanegen.program.precision import named
-from kanegen.studies.budget.certified import Certified, words
+from kanegen.studies.budget.certification import Certified, file_names, find, words
 from kanegen.studies.budget.confidence import quantile_level
-from kanegen.studies.budget.domain_file import read_domain
-from kanegen.studies.budget.finding import file_names, find
+from kanegen.studies.budget.region import read_domain
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
+from kanegen.studies.budget.variant_evaluator import field_of, is_reproducible
 from kanegen.studies.budget.verification import Verification, verify
-from kanegen.studies.budget.workbench import field_of, is_reproducible
 from kanegen.studies.tradeoff.variants import Candidate
 
 __all__ = ["Terms", "generate", "show", "show_verification", "verify"]

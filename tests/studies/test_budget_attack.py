@@ -8,11 +8,9 @@ from numpy.typing import NDArray
 
 import kanegen as kg
 from kanegen.errors import CertificateError
-from kanegen.studies.budget.counterexample import attacked
-from kanegen.studies.budget.domain_file import read_domain
-from kanegen.studies.budget.region import Region
-from kanegen.studies.budget.sampling import drawn, stream
-from kanegen.studies.budget.worst import cause, ranges, sample_of, state
+from kanegen.studies.budget.counterexample import attacked, conditioning_ranges, explain_difficulty
+from kanegen.studies.budget.region import Region, read_domain
+from kanegen.studies.budget.sampling import drawn, sample_from_table, state_table, stream
 from kanegen.studies.tradeoff.judge import Judge
 from kanegen.studies.tradeoff.samples import Sample
 from tests.support.paths import MODELS
@@ -45,7 +43,7 @@ def test_it_climbs_and_counts(hard: bool) -> None:
     hump = Hump()
     found = attacked(region, judge, hump, sample, evaluations=200, seed=1, hard=hard)
     assert found.error > 10 * hump(sample).max()
-    worst = sample_of(region.domain, found.where)
+    worst = sample_from_table(region.domain, found.where)
     assert region.domain.contains(worst)
     assert hump(worst)[0] == found.error
     starts = 4 + len(sample)
@@ -57,7 +55,7 @@ def test_it_stays_in_the_region() -> None:
     """The top of the hump is outside the box; states that cancel are outside the region."""
     region, judge, sample = setting("x.q1 = [-1, 0.5]; exclude.cancellation = 2")
     found = attacked(region, judge, Hump(), sample, evaluations=100, seed=1, hard=True)
-    worst = sample_of(region.domain, found.where)
+    worst = sample_from_table(region.domain, found.where)
     assert worst.states.x[0, 0] <= 0.5
     assert judge.truths(worst)[0].conditioning.chi <= 2
 
@@ -74,10 +72,10 @@ def test_the_same_seed_finds_the_same_state() -> None:
 def test_a_state_in_words_is_exact() -> None:
     region, _, sample = setting("")
     row = sample[3:4]
-    assert (sample_of(region.domain, state(row)).flat() == row.flat()).all()
+    assert (sample_from_table(region.domain, state_table(row)).flat() == row.flat()).all()
     for wrong in ({}, {"x": ["0x1p0"]}, {"x": 3}, {"x": ["soft"] * 6}, {"x": ["0x1p99999"] * 6}):
         with pytest.raises(CertificateError, match="none of this model"):
-            sample_of(region.domain, wrong)
+            sample_from_table(region.domain, wrong)
 
 
 def test_causes() -> None:
@@ -86,20 +84,20 @@ def test_causes() -> None:
     equations = kg.build(PENDULUM)
     held[0, 2:4] = 0.0
     held[0, 4:6] = -equations.forcing(held[0, :2], held[0, 2:4]) * (1 + 1e-6)
-    assert "exclude.cancellation" in cause(judge, region.domain.states(held), sample)
-    assert cause(judge, sample[:1], sample[:1]) == "Nothing about the state is unusual."
+    assert "exclude.cancellation" in explain_difficulty(judge, region.domain.states(held), sample)
+    assert explain_difficulty(judge, sample[:1], sample[:1]) == "Nothing about the state is unusual."
 
     body = read_domain("exclude.clearance = 1e-4", kg.load(MODELS / "free_body.toml"))
     judge = Judge(body.system)
     usual = drawn(body, judge, 5, stream(0, "select", 0))
     locked = usual[:1].flat().copy()
     locked[0, 1] = np.pi / 2 - 1e-3
-    assert "exclude.clearance" in cause(judge, body.domain.states(locked), usual)
+    assert "exclude.clearance" in explain_difficulty(judge, body.domain.states(locked), usual)
 
 
 def test_ranges_hold_every_state() -> None:
     _, judge, sample = setting("")
-    found = ranges(judge, sample)
+    found = conditioning_ranges(judge, sample)
     chi = [exact.conditioning.chi for exact in judge.truths(sample)]
     assert found["chi"] == [min(chi), max(chi)]
     assert set(found) == {"chi", "kappa_s", "formation"}

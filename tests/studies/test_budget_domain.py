@@ -11,9 +11,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.errors import OptionError, ReadError
-from kanegen.studies.budget.domain_file import read_domain
-from kanegen.studies.budget.gimbal_lock import require_clear
-from kanegen.studies.budget.region import Region, region
+from kanegen.studies.budget.region import Region, read_domain, region, require_clear
 from kanegen.studies.budget.sampling import drawn, stream, within
 from kanegen.studies.tradeoff.judge import Judge
 from tests.support import systems

@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from kanegen.errors import BudgetError
+from kanegen.studies.budget.confidence import at_quantile
 from kanegen.studies.budget.evaluator import SELECT, VALIDATE, Attack, Draw
-from kanegen.studies.budget.judging import at_quantile
 from kanegen.studies.budget.request import Effort, Request
 from kanegen.studies.budget.selection import Choice, choose
 from kanegen.studies.budget.times import Times

@@ -12,9 +12,8 @@ from scipy import stats
 
 from kanegen.errors import BudgetError, OptionError
 from kanegen.studies.budget import confidence as odds
-from kanegen.studies.budget.confidence import quantile_level
+from kanegen.studies.budget.confidence import judged, quantile_level
 from kanegen.studies.budget.evaluator import SELECT, VALIDATE, Draw
-from kanegen.studies.budget.judging import judged
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
 from kanegen.studies.budget.selection import choose
 from kanegen.studies.budget.times import Times, speedup

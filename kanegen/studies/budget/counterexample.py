@@ -13,10 +13,9 @@ import numpy as np
 from kanegen.model.arrays import Floats
 from kanegen.studies.budget.evaluator import Attack
 from kanegen.studies.budget.region import Region
-from kanegen.studies.budget.sampling import within
-from kanegen.studies.budget.worst import cause, state
+from kanegen.studies.budget.sampling import state_table, within
 from kanegen.studies.tradeoff.hard_states import hard_states
-from kanegen.studies.tradeoff.judge import Judge
+from kanegen.studies.tradeoff.judge import Exact, Judge
 from kanegen.studies.tradeoff.samples import Sample, joined
 from kanegen.studies.tradeoff.search import climb
 
@@ -57,7 +56,9 @@ def attacked(
         climb(region.domain, begun[k : k + 1], inside, each, seed + rank) for rank, k in enumerate(order)
     ]
     worst, height = max(found, key=lambda pair: pair[1])
-    return Attack(height, tried + each * len(order), state(worst), cause(judge, worst, sample))
+    return Attack(
+        height, tried + each * len(order), state_table(worst), explain_difficulty(judge, worst, sample)
+    )
 
 
 def _beginnings(region: Region, judge: Judge, sample: Sample, evaluations: int, seed: int) -> Sample:
@@ -78,3 +79,39 @@ def _only_inside(
         return np.where(within(region, judge, sample), error(sample), 0.0)
 
     return limited
+
+
+def explain_difficulty(judge: Judge, worst: Sample, ordinary: Sample) -> str:
+    """A sentence that says what makes a state hard, beside ordinary ones, and how to exclude it."""
+    (exact,) = judge.truths(worst)
+    usual = judge.truths(ordinary)
+    factors = {what: _of(exact, what) / float(np.median([_of(e, what) for e in usual])) for what in _REMEDIES}
+    hardest = max(factors, key=factors.__getitem__)
+    if not factors[hardest] > _NOTABLE:
+        return "Nothing about the state is unusual."
+    return _REMEDIES[hardest].format(_of(exact, hardest))
+
+
+_NOTABLE = 10.0
+"""Times the usual value, at which it is named."""
+
+_REMEDIES = {
+    "chi": "There accelerations cancel, chi = {0:.1e}: exclude it by exclude.cancellation in the domain.",
+    "kappa_s": (
+        "There [A] is nearly singular, kappa_s = {0:.1e}: exclude it by narrower ranges in the domain "
+        "or, near gimbal lock, by exclude.clearance."
+    ),
+    "formation": "There terms of [A] or {{f}} cancel, {0:.1e}: exclude it by narrower ranges in the domain.",
+}
+
+
+def _of(exact: Exact, what: str) -> float:
+    value: float = getattr(exact.conditioning, what)
+    return min(value, 1e300)
+
+
+def conditioning_ranges(judge: Judge, sample: Sample) -> dict[str, list[float]]:
+    """The least and the largest kappa_s, chi and formation over a sample."""
+    exacts = judge.truths(sample)
+    values: dict[str, Floats] = {what: np.array([_of(e, what) for e in exacts]) for what in _REMEDIES}
+    return {what: [float(v.min()), float(v.max())] for what, v in values.items()}

@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,9 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import KanegenError, OptionError
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
-from kanegen.studies.budget.values import ends, ends_of_three, number, positive
-from kanegen.studies.tradeoff.domain import Domain, default_domain
+from kanegen.readers.text import read_text
+from kanegen.readers.toml import parsed
+from kanegen.studies.tradeoff.domain import GRID, Domain, default_domain
 
 KINDS = {"angles": "rad", "translations": "m", "quaternions": "1"}
 """Names for all coordinates of a kind, and their unit."""
@@ -158,3 +160,105 @@ def _known(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None
     for key in table:
         if key not in known:
             raise OptionError(f"{where}: unknown key {key!r}. {did_you_mean(key, known)}")
+
+
+_LARGEST = float(np.finfo(GRID.dtype).max)
+
+
+def number(where: str, value: Any) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise OptionError(f"{where}: {value!r} is not a number.")
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise OptionError(f"{where}: {found!r} is not a finite number.")
+    return found
+
+
+def positive(where: str, value: Any) -> float:
+    """A finite number that is not negative."""
+    found = number(where, value)
+    if found < 0:
+        raise OptionError(f"{where}: {found!r} is negative.")
+    return found
+
+
+def ends(where: str, value: Any) -> tuple[float, float]:
+    """The ends of a range, which for a single number are the same."""
+    if not isinstance(value, list):
+        fixed = _held(where, value)
+        return fixed, fixed
+    if len(value) != 2:
+        raise OptionError(f"{where}: a range is [low, high], or one number that stays fixed; got {value!r}.")
+    low, high = (_held(where, end) for end in value)
+    if low > high:
+        raise OptionError(f"{where}: the range [{low!r}, {high!r}] is inverted. Write [{high!r}, {low!r}].")
+    return low, high
+
+
+def ends_of_three(where: str, value: Any) -> Floats:
+    """(3, 2) those of the ranges of components, from one range or three."""
+    if isinstance(value, list) and any(isinstance(item, list) for item in value):
+        if len(value) != 3:
+            raise OptionError(f"{where}: expected one range or three, got {len(value)}.")
+        return np.array([ends(f"{where}[{k}]", item) for k, item in enumerate(value)])
+    return np.array([ends(where, value)] * 3)
+
+
+def _held(where: str, value: Any) -> float:
+    """A number that a state can hold."""
+    found = number(where, value)
+    if abs(found) > _LARGEST:
+        raise OptionError(f"{where}: {found!r} is beyond single precision, which all states have.")
+    return found
+
+
+OPTION = "--domain"
+
+
+def read_domain(given: str | None, system: System) -> Region:
+    """The region that an option `--domain` names.
+
+    Args:
+        given: A file that ends in .toml, or TOML as it would stand in one, with ";" instead of the ends of
+            lines; None for the default.
+        system: The tree.
+
+    Raises:
+        OptionError: If it describes no region of this system; names the file and the key.
+        ReadError: If there is no such file, or it is no TOML.
+    """
+    if given is None:
+        return region(system, {})
+    if given.lower().endswith(".toml"):
+        return region(system, parsed(read_text(Path(given)), given), given)
+    return region(system, parsed(given.replace(";", "\n"), OPTION), OPTION)
+
+
+def require_clear(region: Region) -> None:
+    """Make sure that no state of a region stands at gimbal lock where that matters.
+
+    Raises:
+        OptionError: If one does; names what to exclude.
+    """
+    domain, system = region.domain, region.system
+    if domain.clearance > 0:
+        return
+    for place, lock in domain.locking.items():
+        body = system.bodies[system.coordinates[place].body - 1]
+        if not body.joint.spins and _meets(lock, domain.low[place], domain.high[place]):
+            name = system.coordinate_names[place]
+            raise OptionError(
+                f"domain: [A] is singular where {'cos' if lock else 'sin'}({name}) = 0, which x.{name} from "
+                f"{domain.low[place]:.4g} to {domain.high[place]:.4g} meets. Exclude that, such as by "
+                f"exclude.clearance = 0.05, or give the joint of {body.name!r} the speeds angular_velocity, "
+                "which are regular there."
+            )
+
+
+def _meets(lock: float, low: float, high: float) -> bool:
+    """Whether an angle between these ends can be `lock`, or half turns away from it."""
+    return math.floor((high - lock) / math.pi) >= math.ceil((low - lock) / math.pi)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from kanegen.errors import OptionError
+from kanegen.errors import CertificateError, OptionError
 from kanegen.studies.budget.region import Region
+from kanegen.studies.tradeoff.domain import Domain
 from kanegen.studies.tradeoff.judge import Judge
 from kanegen.studies.tradeoff.samples import Sample, joined
 
@@ -53,3 +56,29 @@ def within(region: Region, judge: Judge, sample: Sample) -> list[bool]:
         region.domain.contains(sample[k : k + 1]) and exact.conditioning.chi <= region.cancellation
         for k, exact in enumerate(judge.truths(sample))
     ]
+
+
+def state_table(sample: Sample) -> dict[str, Any]:
+    """One state, its numbers in hexadecimal: exactly, and the same on every machine."""
+    (row,) = sample.flat()
+    m, n = sample.states.x.shape[1], sample.tau.shape[1]
+    loads = (len(row) - m - 2 * n) // 2
+    ends = np.cumsum([m, n, n, loads, loads])
+    names = ("x", "y", "tau", "force", "torque")
+    parts = zip(names, np.split(row, ends)[: len(names)], strict=True)
+    return {name: [float(value).hex() for value in values] for name, values in parts if len(values)}
+
+
+def sample_from_table(domain: Domain, words: Mapping[str, Any]) -> Sample:
+    """The state that `state` put into words.
+
+    Raises:
+        CertificateError: If it is none of this domain's system.
+    """
+    try:
+        row = [float.fromhex(value) for name in words for value in words[name]]
+    except (TypeError, ValueError, OverflowError):
+        row = []
+    if len(row) != domain.size:
+        raise CertificateError("its worst state is none of this model.")
+    return domain.states(np.array([row]))

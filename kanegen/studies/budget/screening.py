@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Generic
 
 from kanegen.errors import BudgetError
+from kanegen.studies.budget.confidence import at_quantile
 from kanegen.studies.budget.evaluator import SELECT, C, Draw, Laboratory
-from kanegen.studies.budget.judging import at_quantile
 from kanegen.studies.budget.request import SAFETY, Request
 from kanegen.studies.budget.times import TIE, Times, tied
 

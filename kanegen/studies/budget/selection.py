@@ -21,8 +21,8 @@ from typing import Generic
 import numpy as np
 
 from kanegen.errors import BudgetError
+from kanegen.studies.budget.confidence import Validation, judged
 from kanegen.studies.budget.evaluator import VALIDATE, Attack, C, Draw, Laboratory
-from kanegen.studies.budget.judging import Validation, judged
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.screening import Screening
 from kanegen.studies.budget.times import Speedup, Times, speedup

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -9,16 +10,30 @@ import numpy as np
 
 from kanegen import __version__
 from kanegen.c import Source
+from kanegen.compiler import Progress, quiet
 from kanegen.model.system import System
-from kanegen.options import TIERS
-from kanegen.studies.budget import worst
-from kanegen.studies.budget.certificate import FORMAT, KIND, SUFFIX, Certificate, variant_table
+from kanegen.options import STRICT, TIERS
+from kanegen.studies.budget.certificate import (
+    BITS,
+    FORMAT,
+    KIND,
+    SUFFIX,
+    Certificate,
+    bits,
+    built_with,
+    hashes,
+    model_text,
+    variant_table,
+)
+from kanegen.studies.budget.confidence import at_quantile
+from kanegen.studies.budget.counterexample import conditioning_ranges
 from kanegen.studies.budget.evaluator import VALIDATE, Draw
-from kanegen.studies.budget.fingerprint import BITS, bits, built_with, hashes, model_text
-from kanegen.studies.budget.judging import at_quantile
+from kanegen.studies.budget.region import Region, require_clear
 from kanegen.studies.budget.request import Request
-from kanegen.studies.budget.selection import Choice
-from kanegen.studies.budget.workbench import Workbench
+from kanegen.studies.budget.sampling import state_table
+from kanegen.studies.budget.selection import Choice, choose
+from kanegen.studies.budget.variant_evaluator import Workbench, field_of
+from kanegen.studies.tradeoff.built import generated
 from kanegen.studies.tradeoff.judge import OUTPUT
 from kanegen.studies.tradeoff.variants import Candidate
 
@@ -139,8 +154,8 @@ def _validation(bench: Workbench, request: Request, choice: Choice[Candidate]) -
         "attempts": {"made": seen.attempt, "allowed": request.attempts},
         "exceeded": seen.exceeded,
         "errors": {name: at_quantile(seen.errors, share) for name, share in QUANTILES.items()},
-        "worst": {"error": float(seen.errors[place]), "state": worst.state(sample[place : place + 1])},
-        **worst.ranges(bench.judge, sample),
+        "worst": {"error": float(seen.errors[place]), "state": state_table(sample[place : place + 1])},
+        **conditioning_ranges(bench.judge, sample),
         "states_to_choose_by": {"states": request.effort.select, "error": choice.error},
     }
 
@@ -165,3 +180,42 @@ def _times(request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
         "compared_with": choice.reference.label,
         "times_as_fast": None if gain is None else asdict(gain),
     }
+
+
+def find(
+    model: System,
+    region: Region,
+    request: Request,
+    field: Iterable[Candidate] | None = None,
+    seed: int = 0,
+    progress: Progress = quiet,
+) -> Certified:
+    """C for the forward dynamics of a model that keeps a budget, with a certificate.
+
+    Args:
+        model: The tree.
+        region: The states that count, of this model.
+        request: The budget and its terms.
+        field: Candidates, the default first; by default those of the study.
+        seed: Of all samples; the same one gives the same states.
+        progress: Told the name of each stage.
+
+    Raises:
+        BudgetError: If no variant keeps the budget; says how far one gets and with which.
+        BuildError: If there is no C compiler.
+        OptionError: If [A] is singular somewhere in the region; names what to exclude.
+    """
+    require_clear(region)
+    bench = Workbench(region, request, tuple(field or field_of()), seed, progress)
+    choice = choose(bench, request)
+    progress("writing the certificate")
+    return certified(model, bench, request, choice, seed)
+
+
+def file_names(model: System) -> set[str]:
+    """Names of the files that come of a search, by which a folder can be tried beforehand.
+
+    Raises:
+        ModelError, SingularError: As `kanegen.generate`.
+    """
+    return {*generated(model, Candidate(STRICT)).files, f"{model.name}{SUFFIX}"}

@@ -7,6 +7,8 @@ import math
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from kanegen.c.formats import formats
 from kanegen.compiler import Progress, quiet
 from kanegen.errors import OptionError
@@ -17,14 +19,12 @@ from kanegen.model.system import System
 from kanegen.options import STRICT
 from kanegen.studies.bench import Terms
 from kanegen.studies.bench.states import plain
-from kanegen.studies.budget import evaluating
 from kanegen.studies.budget.counterexample import attacked
 from kanegen.studies.budget.evaluator import Attack, Draw
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.request import Request
-from kanegen.studies.budget.sampling import drawn, stream
+from kanegen.studies.budget.sampling import drawn, sample_from_table, stream
 from kanegen.studies.budget.times import Times
-from kanegen.studies.budget.worst import sample_of
 from kanegen.studies.tradeoff.built import Built, build_all
 from kanegen.studies.tradeoff.domain import Domain
 from kanegen.studies.tradeoff.judge import Judge
@@ -132,7 +132,7 @@ class Workbench:
         return self._built[candidate].library
 
     def errors(self, candidate: Candidate, draw: Draw) -> Floats:
-        """(count,) errors; see `evaluating.errors`."""
+        """(count,) errors; see `normwise_errors`."""
         return self._error(self.library(candidate), self.sample(draw))
 
     def times(self, candidates: Sequence[Candidate]) -> dict[Candidate, Times]:
@@ -154,7 +154,7 @@ class Workbench:
         self._progress(f"searching for a counterexample: {candidate.label}")
         error = functools.partial(self._error, self.library(candidate))
         for tried, refutation in enumerate(self._refutations, start=1):
-            height = float(error(sample_of(self.region.domain, refutation.where))[0])
+            height = float(error(sample_from_table(self.region.domain, refutation.where))[0])
             if height > self._budget:
                 return replace(refutation, error=height, evaluations=tried)
         seed = int(stream(self._seed, "attack", number).integers(2**31))
@@ -170,7 +170,7 @@ class Workbench:
         return self._request.error if self._request.error and self._request.is_strict else math.inf
 
     def _error(self, library: Library, sample: Sample) -> Floats:
-        return evaluating.errors(self.judge, library, sample, self._request.objective)
+        return normwise_errors(self.judge, library, sample, self._request.objective)
 
     def _timed_sample(self, system: System) -> Sample:
         """States of the region, without loads."""
@@ -178,3 +178,9 @@ class Workbench:
         size = own.first["force"]
         rows = own.uniform(TIMED_STATES, stream(self._seed, "time", 0))
         return Domain(system, own.low[:size], own.high[:size]).states(rows[:, :size])
+
+
+def normwise_errors(judge: Judge, library: Library, sample: Sample, objective: str) -> Floats:
+    """(B,) normwise errors of {ydot}; infinite where it is not finite, or not a solution at all."""
+    found = judge.errors(library, sample, objective)
+    return np.where(found.wrong | ~np.isfinite(found.normwise), np.inf, found.normwise)
