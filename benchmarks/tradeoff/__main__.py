@@ -13,10 +13,10 @@ from pathlib import Path
 from benchmarks import models
 from benchmarks.tradeoff import certificates
 from kanegen.files import write_whole
-from kanegen.studies.tradeoff import document, runs
+from kanegen.studies.tradeoff import report
 from kanegen.studies.tradeoff.outcome import Study
-from kanegen.studies.tradeoff.plot import svg
-from kanegen.studies.tradeoff.simulating import simulated
+from kanegen.studies.tradeoff.plot import simulation_svg, tradeoff_svg
+from kanegen.studies.tradeoff.simulation import simulated
 from kanegen.studies.tradeoff.study import study
 
 DOCS = Path(__file__).parents[2] / "docs" / "tradeoff"
@@ -52,9 +52,9 @@ def _options() -> argparse.Namespace:
 
 def _write(found: Study, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    write_whole(folder / "tradeoff.md", document.markdown(found))
-    write_whole(folder / "tradeoff.svg", svg(found))
-    write_whole(folder / "tradeoff-simulation.svg", runs.svg(found))
+    write_whole(folder / "tradeoff.md", report.markdown(found))
+    write_whole(folder / "tradeoff.svg", tradeoff_svg(found))
+    write_whole(folder / "tradeoff-simulation.svg", simulation_svg(found))
 
 
 def _say(what: str, stage: str) -> None:

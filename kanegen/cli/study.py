@@ -14,21 +14,21 @@ from rich.table import Table
 from kanegen.choices import require_one
 from kanegen.files import make_folder, require_writable, write_whole
 from kanegen.model.system import System
-from kanegen.studies.tradeoff import document, runs, tables
+from kanegen.studies.tradeoff import report, tables
 from kanegen.studies.tradeoff.judge import OBJECTIVES
 from kanegen.studies.tradeoff.outcome import Study, Terms
-from kanegen.studies.tradeoff.plot import svg
-from kanegen.studies.tradeoff.record import record
-from kanegen.studies.tradeoff.simulating import simulated
+from kanegen.studies.tradeoff.plot import simulation_svg, tradeoff_svg
+from kanegen.studies.tradeoff.report import json_record
+from kanegen.studies.tradeoff.simulation import simulated
 from kanegen.studies.tradeoff.study import study
 
 __all__ = ["Outputs", "Terms", "run", "show"]
 
 _KINDS: dict[str, Callable[[Study], str]] = {
-    ".md": document.markdown,
-    ".csv": document.comma_separated,
-    ".json": record,
-    ".svg": svg,
+    ".md": report.markdown,
+    ".csv": report.comma_separated,
+    ".json": json_record,
+    ".svg": tradeoff_svg,
 }
 """What is written into a folder, by the ending of the file."""
 
@@ -51,7 +51,7 @@ class Outputs:
             make_folder(folder)
             files = {folder / f"tradeoff{ending}": text for ending, text in _KINDS.items()}
             if simulation:
-                files[folder / "tradeoff-simulation.svg"] = runs.svg
+                files[folder / "tradeoff-simulation.svg"] = simulation_svg
         files |= {file: _KINDS[kind] for file, kind in ((json, ".json"), (plot, ".svg")) if file is not None}
         require_writable(*files)
         return cls(files)
@@ -96,10 +96,10 @@ def show(found: Study, objectives: Sequence[str] | None, console: Console) -> No
         console.print(_table(tables.FRESH, tables.fresh_rows(found, objective)))
     if found.runs:
         console.print(f"[bold]Simulation[/] of {found.duration:.3g} s: the least work for an error")
-        console.print(_table(runs.HEAD, runs.cheapest(found), runs.TEXTS))
+        console.print(_table(tables.SIMULATION, tables.simulation_rows(found), tables.SIMULATION_TEXTS))
     lines = [f"Refused: {refusal.label}: {refusal.reason}" for refusal in found.refusals]
     lines += [f"Note: {note}." for note in found.notes]
-    for line in (*lines, *document.statements(found)):
+    for line in (*lines, *report.statements(found)):
         console.print(escape(line), soft_wrap=True)
 
 

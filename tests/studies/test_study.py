@@ -17,11 +17,10 @@ from kanegen.studies.tradeoff import variants
 from kanegen.studies.tradeoff.converting import converted
 from kanegen.studies.tradeoff.domain import Domain, default_domain, rounded
 from kanegen.studies.tradeoff.errors import Errors
-from kanegen.studies.tradeoff.hard_states import EQUILIBRIUM, LOCK, STRAIGHT, hard_states
+from kanegen.studies.tradeoff.hard_states import EQUILIBRIUM, LOCK, STRAIGHT, climb, hard_states
 from kanegen.studies.tradeoff.judge import BATCH, OBJECTIVES, OUTPUT, Judge, computed
 from kanegen.studies.tradeoff.pareto_front import TIE, Point, front, rank_correlation, verdict
 from kanegen.studies.tradeoff.samples import UNIFORM, Sample, joined
-from kanegen.studies.tradeoff.search import climb
 from tests.support import systems
 from tests.support.high_precision import true_values
 

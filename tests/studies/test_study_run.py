@@ -20,16 +20,14 @@ import kanegen as kg
 from kanegen.cli.app import app
 from kanegen.options import Variant
 from kanegen.studies.bench import Terms as Rounds
-from kanegen.studies.tradeoff import built as building
+from kanegen.studies.tradeoff import compilation, variants
 from kanegen.studies.tradeoff import study as module
-from kanegen.studies.tradeoff import variants
-from kanegen.studies.tradeoff.built import Built, build_all
-from kanegen.studies.tradeoff.document import comma_separated, markdown, statements
+from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.domain import default_domain
 from kanegen.studies.tradeoff.judge import OBJECTIVES, computed
 from kanegen.studies.tradeoff.outcome import Study, Terms
-from kanegen.studies.tradeoff.plot import svg
-from kanegen.studies.tradeoff.record import record
+from kanegen.studies.tradeoff.plot import tradeoff_svg
+from kanegen.studies.tradeoff.report import comma_separated, json_record, markdown, statements
 from kanegen.studies.tradeoff.study import study
 from kanegen.studies.tradeoff.times import Times, computed_in_c, timed
 from kanegen.studies.tradeoff.variants import Candidate
@@ -56,7 +54,9 @@ def few() -> list[Candidate]:
     return variants.candidates(FEW)[0]
 
 
-def invented(samples: Mapping[Built, Any], terms: Rounds, progress: Any) -> dict[Built, Times]:
+def invented(
+    samples: Mapping[CompiledVariant, Any], terms: Rounds, progress: Any
+) -> dict[CompiledVariant, Times]:
     """Times that are the same every time: bytes for single precision count half."""
     del terms, progress
     return {
@@ -82,7 +82,7 @@ def small_table(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def test_what_is_timed_computes_what_is_judged() -> None:
-    (one, _, single, _), _ = build_all(HINGES, few(), quiet)
+    (one, _, single, _), _ = compile_variants(HINGES, few(), quiet)
     sample = default_domain(HINGES).sample(40, 0)
     for built in (one, single):
         found = computed_in_c(built, sample)
@@ -113,11 +113,11 @@ def test_a_study_measures_everybody_and_shares_equal_programs(outcome: Study) ->
 
 
 def test_who_cannot_be_built_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    built, refused = build_all(HUGE, [Candidate(Variant(precision="float"))], quiet)
+    built, refused = compile_variants(HUGE, [Candidate(Variant(precision="float"))], quiet)
     assert not built
     assert "leaves the range of single precision" in refused[0].reason
     monkeypatch.setenv("KANEGEN_CC", sys.executable)
-    built, refused = build_all(HINGES, few()[:1], quiet)
+    built, refused = compile_variants(HINGES, few()[:1], quiet)
     assert not built
     assert refused[0].label == "articulated, -O0"
     assert refused[0].reason
@@ -125,12 +125,12 @@ def test_who_cannot_be_built_is_refused(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_a_wrong_variant_is_not_timed(monkeypatch: pytest.MonkeyPatch, still: None) -> None:
     heavier = replace(HINGES, bodies=tuple(replace(b, mass=1.001 * b.mass) for b in HINGES.bodies))  # type: ignore[operator]
-    right = building.generated
+    right = compilation.generate_variant
 
-    def generated(system: kg.System, candidate: Candidate) -> Any:
+    def generate_variant(system: kg.System, candidate: Candidate) -> Any:
         return right(heavier if candidate.variant.solver == "factorisation" else system, candidate)
 
-    monkeypatch.setattr(building, "generated", generated)
+    monkeypatch.setattr(compilation, "generate_variant", generate_variant)
     found = study(HINGES, QUICK, quiet, variants=few())
     wrong = [entry for entry in found.entries if entry.wrong]
     assert [entry.label for entry in wrong] == ["factorisation, -O0"]
@@ -145,12 +145,12 @@ def test_documents_are_the_same_but_for_times(still: None) -> None:
     one, two = (study(HINGES, QUICK, quiet, variants=few()) for _ in range(2))
     assert markdown(one) == markdown(two)
     assert comma_separated(one) == comma_separated(two)
-    assert record(one) == record(two)
-    assert svg(one) == svg(two)
+    assert json_record(one) == json_record(two)
+    assert tradeoff_svg(one) == tradeoff_svg(two)
 
 
 def test_documents_hold_every_variant(outcome: Study) -> None:
-    text, facts = markdown(outcome), json.loads(record(outcome))
+    text, facts = markdown(outcome), json.loads(json_record(outcome))
     rows = list(csv.DictReader(io.StringIO(comma_separated(outcome))))
     assert [row["variant"] for row in rows] == 2 * [entry.label for entry in outcome.entries]
     assert [entry["variant"] for entry in facts["variants"]] == [entry.label for entry in outcome.entries]
@@ -160,7 +160,7 @@ def test_documents_hold_every_variant(outcome: Study) -> None:
     worst = facts["fronts"]["batch"][0]["worst_state"]
     assert len([float.fromhex(number) for number in worst["tau"]]) == 2
     assert "the same program as articulated, -O0" in text
-    xml.etree.ElementTree.fromstring(svg(outcome))
+    xml.etree.ElementTree.fromstring(tradeoff_svg(outcome))
 
 
 def test_terms_and_domains_that_make_no_sense() -> None:

@@ -16,19 +16,20 @@ from kanegen.model.freedoms import FREEDOMS
 from kanegen.options import STRICT, Variant
 from kanegen.reference import equations as reference
 from kanegen.studies.bench.states import plain
-from kanegen.studies.tradeoff import runs, simulating
+from kanegen.studies.tradeoff import simulation
 from kanegen.studies.tradeoff import study as module
-from kanegen.studies.tradeoff.built import build_all
-from kanegen.studies.tradeoff.document import markdown
+from kanegen.studies.tradeoff.compilation import compile_variants
 from kanegen.studies.tradeoff.domain import default_domain
 from kanegen.studies.tradeoff.errors import GATE
 from kanegen.studies.tradeoff.hard_states import hard_states
 from kanegen.studies.tradeoff.judge import OBJECTIVES, OUTPUT, Judge, computed, unit
 from kanegen.studies.tradeoff.outcome import Run, Study, Terms
-from kanegen.studies.tradeoff.record import record
+from kanegen.studies.tradeoff.plot import simulation_svg
+from kanegen.studies.tradeoff.report import json_record, markdown
 from kanegen.studies.tradeoff.samples import joined
-from kanegen.studies.tradeoff.simulating import simulated
+from kanegen.studies.tradeoff.simulation import simulated
 from kanegen.studies.tradeoff.study import study
+from kanegen.studies.tradeoff.tables import simulation_rows
 from kanegen.studies.tradeoff.times import computed_in_c
 from kanegen.studies.tradeoff.variants import Candidate
 from tests.studies.test_study_run import invented, quiet
@@ -50,8 +51,8 @@ PRECISIONS = [
 def outcome() -> Study:
     patch = pytest.MonkeyPatch()
     patch.setattr(module, "timed", invented)
-    patch.setattr(simulating, "STEPS", (16, 32, 64))
-    patch.setattr(simulating, "FINEST", 1024)
+    patch.setattr(simulation, "STEPS", (16, 32, 64))
+    patch.setattr(simulation, "FINEST", 1024)
     wanted = [Candidate(STRICT), Candidate(Variant(precision="float"))]
     terms = Terms(states=3, hard=1, search=0, rounds=1, seconds=0.0)
     found = simulated(HINGES, study(HINGES, terms, quiet, variants=wanted), quiet)
@@ -77,7 +78,7 @@ def test_errors_fall_by_the_order_of_the_method(outcome: Study) -> None:
 def test_the_end_is_that_of_the_reference_in_numpy(outcome: Study) -> None:
     """SciPy with accelerations from the NumPy reference: nothing of the C takes part."""
     model, _ = plain(HINGES)
-    start = outcome.domain.sample(1, (outcome.terms.seed, simulating.START)).states
+    start = outcome.domain.sample(1, (outcome.terms.seed, simulation.START)).states
     x, y, n = start.x[0], 0.5 * start.y[0], 2
 
     def rates(time: float, state: np.ndarray) -> np.ndarray:
@@ -87,16 +88,16 @@ def test_the_end_is_that_of_the_reference_in_numpy(outcome: Study) -> None:
     span = (0.0, outcome.duration)
     end = solve_ivp(rates, span, np.concatenate([x, y]), "DOP853", rtol=1e-12, atol=1e-12).y[:n, -1]
     built = kg.build(model, (OUTPUT,))
-    for way in simulating.ways(built, x, y, outcome.duration):
-        error, evaluations = simulating.tried(way, built, way.motion(built))
+    for way in simulation.ways(built, x, y, outcome.duration):
+        error, evaluations = simulation.tried(way, built, way.motion(built))
         assert error == 0
         assert evaluations > 0
-    finest = simulating.fixed(x, y, outcome.duration, "RK4", 1024, True).motion(built)
+    finest = simulation.fixed(x, y, outcome.duration, "RK4", 1024, True).motion(built)
     assert finest.x[-1] == pytest.approx(end, abs=1e-9)
 
 
 def test_the_cheapest_way_to_every_error(outcome: Study) -> None:
-    rows = runs.cheapest(outcome)
+    rows = simulation_rows(outcome)
     assert rows
     for level, variant, method, setting, *_ in rows:
         (own,) = [r for r in outcome.runs if (r.variant, r.method, r.setting) == (variant, method, setting)]
@@ -106,19 +107,19 @@ def test_the_cheapest_way_to_every_error(outcome: Study) -> None:
 
 
 def test_simulations_in_the_documents(outcome: Study) -> None:
-    text, facts = markdown(outcome), json.loads(record(outcome))
+    text, facts = markdown(outcome), json.loads(json_record(outcome))
     assert "## Simulation" in text
     assert "tradeoff-simulation.svg" in text
     assert len(facts["simulation"]["runs"]) == len(outcome.runs)
-    xml.etree.ElementTree.fromstring(runs.svg(outcome))
+    xml.etree.ElementTree.fromstring(simulation_svg(outcome))
 
 
 def test_a_simulation_that_fails_has_an_infinite_error() -> None:
     def fails(library: kg.Library) -> Any:
         raise kg.SingularError("nothing")
 
-    way = simulating.Way("RK4", "1 step", fails)
-    assert simulating.tried(way, kg.build(HINGES, (OUTPUT,)), None) == (np.inf, 0)  # type: ignore[arg-type]
+    way = simulation.Way("RK4", "1 step", fails)
+    assert simulation.tried(way, kg.build(HINGES, (OUTPUT,)), None) == (np.inf, 0)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("variant", PRECISIONS, ids=lambda v: f"{v.precision} {v.storage} {v.sincos}")
@@ -127,7 +128,7 @@ def test_every_precision_is_judged_and_timed(variant: Variant) -> None:
     system = systems.chain(1, FREEDOMS)
     domain = default_domain(system)
     sample = joined([domain.sample(6, 0), hard_states(domain, 4, 0) or domain.sample(1, 1)])
-    (built,), _ = build_all(system, [Candidate(variant)], quiet)
+    (built,), _ = compile_variants(system, [Candidate(variant)], quiet)
     driven = computed_in_c(built, sample)
     for objective in OBJECTIVES:
         errors = Judge(system).errors(built.library, sample, objective)

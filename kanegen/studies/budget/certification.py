@@ -33,7 +33,7 @@ from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.sampling import state_table
 from kanegen.studies.budget.selection import Choice, choose
 from kanegen.studies.budget.variant_evaluator import Workbench, field_of
-from kanegen.studies.tradeoff.built import generated
+from kanegen.studies.tradeoff.compilation import generate_variant
 from kanegen.studies.tradeoff.judge import OUTPUT
 from kanegen.studies.tradeoff.variants import Candidate
 
@@ -218,4 +218,4 @@ def file_names(model: System) -> set[str]:
     Raises:
         ModelError, SingularError: As `kanegen.generate`.
     """
-    return {*generated(model, Candidate(STRICT)).files, f"{model.name}{SUFFIX}"}
+    return {*generate_variant(model, Candidate(STRICT)).files, f"{model.name}{SUFFIX}"}

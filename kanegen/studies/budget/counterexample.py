@@ -14,10 +14,9 @@ from kanegen.model.arrays import Floats
 from kanegen.studies.budget.evaluator import Attack
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.sampling import state_table, within
-from kanegen.studies.tradeoff.hard_states import hard_states
+from kanegen.studies.tradeoff.hard_states import climb, hard_states
 from kanegen.studies.tradeoff.judge import Exact, Judge
 from kanegen.studies.tradeoff.samples import Sample, joined
-from kanegen.studies.tradeoff.search import climb
 
 CLIMBS = 4
 """States from which it is climbed."""

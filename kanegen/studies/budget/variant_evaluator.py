@@ -25,7 +25,7 @@ from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.sampling import drawn, sample_from_table, stream
 from kanegen.studies.budget.times import Times
-from kanegen.studies.tradeoff.built import Built, build_all
+from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.domain import Domain
 from kanegen.studies.tradeoff.judge import Judge
 from kanegen.studies.tradeoff.samples import Sample
@@ -95,7 +95,7 @@ class Workbench:
         self._seed = seed
         self._progress = progress
         self._samples: dict[Draw, Sample] = {}
-        self._built: dict[Candidate, Built] = {}
+        self._built: dict[Candidate, CompiledVariant] = {}
         self._refutations: list[Attack] = []
 
     def floor(self, candidate: Candidate) -> float:
@@ -121,11 +121,11 @@ class Workbench:
         self, candidates: Sequence[Candidate]
     ) -> tuple[Mapping[Candidate, Hashable], Mapping[Candidate, str]]:
         """Compiled for this machine."""
-        built, refused = build_all(self.region.system, candidates, self._progress)
+        built, refused = compile_variants(self.region.system, candidates, self._progress)
         self._built |= {one.candidate: one for one in built}
         reasons = {refusal.label: refusal.reason for refusal in refused}
         missing = (c for c in candidates if c not in self._built)
-        return {one.candidate: one.essence for one in built}, {c: reasons[c.label] for c in missing}
+        return {one.candidate: one.fingerprint for one in built}, {c: reasons[c.label] for c in missing}
 
     def library(self, candidate: Candidate) -> Library:
         """What was built."""
@@ -140,7 +140,7 @@ class Workbench:
         system, _ = plain(self.region.system)
         built = [self._built[candidate] for candidate in candidates]
         if system != self.region.system:
-            built, _ = build_all(system, candidates, self._progress)
+            built, _ = compile_variants(system, candidates, self._progress)
         sample = self._timed_sample(system)
         terms = Terms(len(sample), self._request.effort.rounds, self._request.effort.seconds)
         found = timed(dict.fromkeys(built, sample), terms, self._progress)

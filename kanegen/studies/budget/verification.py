@@ -35,7 +35,7 @@ from kanegen.studies.budget.confidence import exceedance_floor
 from kanegen.studies.budget.region import Region, region
 from kanegen.studies.budget.sampling import drawn, sample_from_table, stream
 from kanegen.studies.budget.variant_evaluator import is_reproducible, normwise_errors
-from kanegen.studies.tradeoff.built import generated
+from kanegen.studies.tradeoff.compilation import generate_variant
 from kanegen.studies.tradeoff.judge import Judge, unit
 
 
@@ -79,7 +79,7 @@ def verify(
         if model is not None and model_text(model) != said.model_text:
             raise CertificateError(f"of another model than {model.name!r} as it is now. Generate it anew.")
         box = region(_model(said.model_text), said.domain)
-        library = load(generated(box.system, certificate.candidate))
+        library = load(generate_variant(box.system, certificate.candidate))
     except BuildError:
         raise
     except KanegenError as error:

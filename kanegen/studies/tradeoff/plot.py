@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from kanegen.extras import module
 from kanegen.measure.truth.bounds import FACTOR
 from kanegen.studies.tradeoff.errors import Errors
 from kanegen.studies.tradeoff.judge import OBJECTIVES
-from kanegen.studies.tradeoff.outcome import Study
+from kanegen.studies.tradeoff.outcome import Run, Study
 from kanegen.studies.tradeoff.tables import TITLES
 
 STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
@@ -20,7 +20,7 @@ LEAST = 1e-40
 """Where an error of 0 stands."""
 
 
-def svg(study: Study) -> str:
+def tradeoff_svg(study: Study) -> str:
     """Above, errors, from the median to the one that counts; below, the largest over what the problem costs.
 
     Raises:
@@ -91,3 +91,46 @@ def _precisions(study: Study) -> list[str]:
 
 def _legend(panel: Any) -> list[tuple[Any, str]]:
     return list(zip(*panel.get_legend_handles_labels(), strict=True))
+
+
+_LINES = {"semi-implicit Euler": ":", "RK4": "-", "RK4, compensated": "-.", "DOP853": "--"}
+
+
+def simulation_svg(study: Study) -> str:
+    """Work against error: a colour for every variant, a kind of line for every method.
+
+    Raises:
+        MissingError: If matplotlib is not installed.
+    """
+    mpl = module("matplotlib")
+    with mpl.rc_context(STYLE):
+        figure = module("matplotlib.figure").Figure(figsize=(8, 6.5), layout="constrained")
+        panel = figure.subplots()
+        for number, variant in enumerate(dict.fromkeys(run.variant for run in study.runs)):
+            own = [run for run in study.runs if run.variant == variant]
+            panel.plot([], [], color=f"C{number}", label=variant)
+            for method in dict.fromkeys(run.method for run in own):
+                _curve(panel, [run for run in own if run.method == method], f"C{number}")
+        for method in dict.fromkeys(run.method for run in study.runs):
+            panel.plot([], [], color="0.3", linestyle=_LINES[method], label=method)
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.set_title(f"{study.model}, {study.duration:.3g} s of free motion")
+        panel.set_xlabel("ms for all evaluations")
+        panel.set_ylabel("error of the coordinates at the end")
+        figure.legend(ncols=2, loc="outside upper center")
+        text = io.StringIO()
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()
+
+
+def _curve(panel: Any, runs: Sequence[Run], colour: str) -> None:
+    finite = [run for run in runs if math.isfinite(run.error)]
+    panel.plot(
+        [1e3 * run.work for run in finite],
+        [max(run.error, LEAST) for run in finite],
+        marker=".",
+        color=colour,
+        linestyle=_LINES[runs[0].method],
+        linewidth=1,
+    )

@@ -17,16 +17,15 @@ from kanegen.reference.regularity import require_regular
 from kanegen.studies.bench import Terms as Rounds
 from kanegen.studies.bench.contest import Progress
 from kanegen.studies.bench.states import plain
-from kanegen.studies.tradeoff.built import Built, build_all
+from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.converting import converted
 from kanegen.studies.tradeoff.domain import Domain, default_domain
 from kanegen.studies.tradeoff.errors import QUANTILES, Errors
-from kanegen.studies.tradeoff.hard_states import hard_states
+from kanegen.studies.tradeoff.hard_states import climb, hard_states
 from kanegen.studies.tradeoff.judge import OBJECTIVES, Judge
 from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study, Terms
 from kanegen.studies.tradeoff.pareto_front import Point, front
 from kanegen.studies.tradeoff.samples import Sample
-from kanegen.studies.tradeoff.search import climb
 from kanegen.studies.tradeoff.times import Times, timed
 from kanegen.studies.tradeoff.variants import Candidate, Refusal, candidates
 
@@ -67,7 +66,7 @@ def study(
     compilers.find()
     bench = Bench(model, domain or default_domain(model), terms, progress)
     wanted, refused = (list(variants), []) if variants is not None else candidates()
-    built, not_built = build_all(model, wanted, progress)
+    built, not_built = compile_variants(model, wanted, progress)
     if not built:
         first = (*refused, *not_built, Refusal("none", "there is none"))[0]
         raise OptionError(f"no variant can be built. The first one, {first.label}: {first.reason}")
@@ -89,13 +88,13 @@ class Bench:
         self._system, self._terms, self._progress = system, terms, progress
         self._judges: dict[System, Judge] = {}
 
-    def entries(self, built: Sequence[Built]) -> dict[Built, Entry]:
+    def entries(self, built: Sequence[CompiledVariant]) -> dict[CompiledVariant, Entry]:
         """Every variant with its errors and, where it is right, its times; equal programs share them."""
         terms = self._terms
         sample = self.domain.sample(terms.states, (terms.seed, SELECT))
         hard = hard_states(self.domain, terms.hard, (terms.seed, HARD))
-        programs = {one.essence: one for one in reversed(built)}
-        measured: dict[Built, Entry] = {}
+        programs = {one.fingerprint: one for one in reversed(built)}
+        measured: dict[CompiledVariant, Entry] = {}
         for number, one in enumerate(programs.values()):
             self._progress(f"judging {number + 1} of {len(programs)}: {one.candidate.label}")
             errors = {objective: self.errors(one, sample, objective) for objective in OBJECTIVES}
@@ -104,15 +103,15 @@ class Bench:
             )
         times = self._times([one for one, entry in measured.items() if not entry.wrong])
         measured = {one: replace(entry, times=times.get(one)) for one, entry in measured.items()}
-        return {one: _shared(one, programs[one.essence], measured) for one in built}
+        return {one: _shared(one, programs[one.fingerprint], measured) for one in built}
 
-    def errors(self, built: Built, sample: Sample, objective: str) -> Errors:
+    def errors(self, built: CompiledVariant, sample: Sample, objective: str) -> Errors:
         """Of a variant in states of the domain."""
         own = built.candidate.of(self._system)
         judge = self._judges.setdefault(own, Judge(own))
         return judge.errors(built.library, converted(sample, self._system, own), objective)
 
-    def confirmed(self, entries: Mapping[Built, Entry], objective: str) -> tuple[Confirmed, ...]:
+    def confirmed(self, entries: Mapping[CompiledVariant, Entry], objective: str) -> tuple[Confirmed, ...]:
         """The front by one objective, measured again."""
         share, terms = QUANTILES[self._terms.quantile], self._terms
         points = [
@@ -131,7 +130,7 @@ class Bench:
             Confirmed(entries[one], errors[one], times[one], *found[one], one in stay) for one in best
         )
 
-    def _by_stratum(self, built: Built, hard: Sample | None) -> dict[str, dict[str, Errors]]:
+    def _by_stratum(self, built: CompiledVariant, hard: Sample | None) -> dict[str, dict[str, Errors]]:
         if hard is None:
             return {}
         errors = {objective: self.errors(built, hard, objective) for objective in OBJECTIVES}
@@ -140,7 +139,7 @@ class Bench:
             for stratum in dict.fromkeys(hard.strata)
         }
 
-    def _times(self, built: Sequence[Built]) -> dict[Built, Times]:
+    def _times(self, built: Sequence[CompiledVariant]) -> dict[CompiledVariant, Times]:
         """In the states by which variants are selected; time hardly depends on them."""
         terms = self._terms
         sample = self.domain.sample(terms.states, (terms.seed, SELECT))
@@ -148,7 +147,7 @@ class Bench:
         return timed(own, Rounds(terms.states, terms.rounds, terms.seconds), self._progress)
 
     def _attacked(
-        self, built: Built, sample: Sample, errors: Errors, objective: str
+        self, built: CompiledVariant, sample: Sample, errors: Errors, objective: str
     ) -> tuple[float, dict[str, tuple[float, ...]]]:
         """The largest error near the worst state of a sample, and that state."""
         terms, start = self._terms, sample[errors.worst : errors.worst + 1]
@@ -164,7 +163,9 @@ class Bench:
         return height, {name: tuple(values[0].tolist()) for name, values in arrays.items()}
 
 
-def _shared(one: Built, program: Built, measured: Mapping[Built, Entry]) -> Entry:
+def _shared(
+    one: CompiledVariant, program: CompiledVariant, measured: Mapping[CompiledVariant, Entry]
+) -> Entry:
     """The entry of a variant, which may share its program with another."""
     entry = measured[program]
     if one is program:

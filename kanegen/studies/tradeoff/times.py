@@ -18,7 +18,7 @@ from kanegen.studies.bench.contestant import Contestant
 from kanegen.studies.bench.results import DYNAMICS, Task
 from kanegen.studies.bench.settings import Setting
 from kanegen.studies.bench.states import States
-from kanegen.studies.tradeoff.built import Built
+from kanegen.studies.tradeoff.compilation import CompiledVariant
 from kanegen.studies.tradeoff.judge import BATCH, LATENCY, OUTPUT
 from kanegen.studies.tradeoff.samples import Sample
 
@@ -46,7 +46,9 @@ class Times:
         return min(self.of(objective))
 
 
-def timed(samples: Mapping[Built, Sample], terms: Terms, progress: Progress) -> dict[Built, Times]:
+def timed(
+    samples: Mapping[CompiledVariant, Sample], terms: Terms, progress: Progress
+) -> dict[CompiledVariant, Times]:
     """The times of libraries.
 
     Args:
@@ -70,14 +72,14 @@ def timed(samples: Mapping[Built, Sample], terms: Terms, progress: Progress) -> 
         }
 
 
-def computed_in_c(built: Built, sample: Sample) -> dict[str, Floats]:
+def computed_in_c(built: CompiledVariant, sample: Sample) -> dict[str, Floats]:
     """(B, n) {ydot} of the driver, by objective: for seeing that it times what it should."""
     with tempfile.TemporaryDirectory() as folder:
         results = _contestant(built, sample, Path(folder) / "states").results(sample.tau.shape[1])
     return {objective: rows[:, 0] for objective, rows in results.items()}
 
 
-def _contestant(built: Built, sample: Sample, file: Path) -> Contestant:
+def _contestant(built: CompiledVariant, sample: Sample, file: Path) -> Contestant:
     library = built.library
     states = States(sample.states.x, sample.states.y, sample.tau).write(file)
     real = formats(library.source.variant).storage

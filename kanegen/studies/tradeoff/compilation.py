@@ -22,7 +22,7 @@ _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 
 
 @dataclass(frozen=True)
-class Built:
+class CompiledVariant:
     """A candidate as compiled code."""
 
     candidate: Candidate
@@ -44,15 +44,15 @@ class Built:
         return sum(self.library.source.operations.values()) - self.library.source.operations["prepare"]
 
     @property
-    def essence(self) -> tuple[str, ...]:
+    def fingerprint(self) -> tuple[str, ...]:
         """What the machine code depends on: variants with the same one are the same program."""
         source = self.library.source
         return (*source.variant.flags, *_code(source))
 
 
-def build_all(
+def compile_variants(
     system: System, candidates: Iterable[Candidate], progress: Progress
-) -> tuple[list[Built], list[Refusal]]:
+) -> tuple[list[CompiledVariant], list[Refusal]]:
     """Every candidate compiled, in order, and the others with the reason.
 
     Args:
@@ -65,22 +65,22 @@ def build_all(
     for candidate in candidates:
         progress(f"generating: {candidate.label}")
         try:
-            sources[candidate] = generated(system, candidate)
+            sources[candidate] = generate_variant(system, candidate)
         except KanegenError as error:
             refused.append(Refusal(candidate.label, str(error)))
     progress(f"compiling {len(sources)} variants")
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         futures = {candidate: pool.submit(library.load, source) for candidate, source in sources.items()}
-    built: list[Built] = []
+    built: list[CompiledVariant] = []
     for candidate, future in futures.items():
         try:
-            built.append(Built(candidate, future.result()))
+            built.append(CompiledVariant(candidate, future.result()))
         except KanegenError as error:
             refused.append(Refusal(candidate.label, _first_line(str(error))))
     return built, refused
 
 
-def generated(system: System, candidate: Candidate) -> Source:
+def generate_variant(system: System, candidate: Candidate) -> Source:
     """The C of a candidate.
 
     Raises:

@@ -4,16 +4,32 @@ from __future__ import annotations
 
 import csv
 import io
+import json
+import math
 from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
 
+from kanegen import __version__
 from kanegen.measure import machine
 from kanegen.measure.truth.bounds import FACTOR
-from kanegen.studies.tradeoff import runs
-from kanegen.studies.tradeoff.errors import GATE
+from kanegen.studies.tradeoff.errors import GATE, Errors
 from kanegen.studies.tradeoff.judge import OBJECTIVES
-from kanegen.studies.tradeoff.outcome import Study
+from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
 from kanegen.studies.tradeoff.pareto_front import TIE
-from kanegen.studies.tradeoff.tables import FRESH, TITLES, fresh_rows, head, plain, rows, strata
+from kanegen.studies.tradeoff.tables import (
+    FRESH,
+    SIMULATION,
+    SIMULATION_TEXTS,
+    TITLES,
+    fresh_rows,
+    head,
+    plain,
+    rows,
+    simulation_method,
+    simulation_rows,
+    strata,
+)
 
 _CONCERNS = {
     "max": "the largest error of the sample counts",
@@ -63,9 +79,9 @@ def markdown(study: Study) -> str:
         picture = "![Simulations](tradeoff-simulation.svg)"
         parts += [
             "## Simulation",
-            runs.explained(study),
+            simulation_method(study),
             picture,
-            _table(runs.HEAD, runs.cheapest(study), runs.TEXTS),
+            _table(SIMULATION, simulation_rows(study), SIMULATION_TEXTS),
         ]
     same = [entry for entry in study.entries if entry.same_as]
     if same:
@@ -133,3 +149,76 @@ def _method(study: Study) -> str:
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]], texts: int) -> str:
     rule = ["---"] * texts + ["---:"] * (len(head) - texts)
     return "\n".join(f"| {' | '.join(cells)} |" for cells in (head, rule, *rows))
+
+
+def json_record(study: Study) -> str:
+    """Everything as JSON, with the machine's description."""
+    facts = {
+        "kanegen": __version__,
+        "machine": machine.description(),
+        "model": study.model,
+        "freedoms": study.n,
+        "notes": list(study.notes),
+        "terms": asdict(study.terms),
+        "domain": study.domain.as_dict(),
+        "statements": statements(study),
+        "variants": [_entry_record(entry) for entry in study.entries],
+        "refused": [asdict(refusal) for refusal in study.refusals],
+        "fronts": {
+            objective: [_confirmed_record(confirmed, objective) for confirmed in front]
+            for objective, front in study.fronts.items()
+        },
+        "simulation": {
+            "seconds": study.duration,
+            "runs": [{**asdict(run), "error": _finite(run.error)} for run in study.runs],
+        },
+    }
+    return json.dumps(facts, indent=2) + "\n"
+
+
+def _entry_record(entry: Entry) -> dict[str, Any]:
+    return {
+        "variant": entry.label,
+        "choices": dict(entry.candidate.variant.described()),
+        "speeds": entry.candidate.speeds,
+        "coordinates": entry.candidate.coordinates,
+        "operations": entry.operations,
+        "bytes": entry.size,
+        "wrong": entry.wrong,
+        "same_as": entry.same_as,
+        "errors": {objective: _errors_record(errors) for objective, errors in entry.errors.items()},
+        "hard": {
+            stratum: {objective: _errors_record(errors) for objective, errors in found.items()}
+            for stratum, found in entry.hard.items()
+        },
+        "nanoseconds": None if entry.times is None else asdict(entry.times),
+    }
+
+
+def _confirmed_record(confirmed: Confirmed, objective: str) -> dict[str, Any]:
+    return {
+        "variant": confirmed.entry.label,
+        "errors": _errors_record(confirmed.errors),
+        "nanoseconds": list(confirmed.times.of(objective)),
+        "found_by_search": _finite(confirmed.found),
+        "worst_state": {name: [number.hex() for number in row] for name, row in confirmed.state.items()},
+        "stays": confirmed.stays,
+    }
+
+
+def _errors_record(errors: Errors) -> dict[str, Any]:
+    figures = {
+        "median": errors.median,
+        "p99": errors.high,
+        "max": errors.max,
+        "componentwise": float(errors.componentwise.max()),
+        "of_bound": errors.bound_share,
+        "backward": float(errors.backward.max()),
+    }
+    counts = {"states": len(errors), "failed": int(errors.failed.sum()), "wrong": int(errors.wrong.sum())}
+    return {name: _finite(value) for name, value in figures.items()} | counts
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return value if math.isfinite(value) else None

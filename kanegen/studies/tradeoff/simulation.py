@@ -21,7 +21,7 @@ from kanegen.options import STRICT, Variant
 from kanegen.reference.states import ranges
 from kanegen.studies.bench.contest import Progress
 from kanegen.studies.bench.states import plain
-from kanegen.studies.tradeoff.built import generated
+from kanegen.studies.tradeoff.compilation import generate_variant
 from kanegen.studies.tradeoff.judge import LATENCY
 from kanegen.studies.tradeoff.outcome import Run, Study
 from kanegen.studies.tradeoff.variants import Candidate
@@ -104,7 +104,7 @@ def _duration(system: System) -> float:
 
 
 def _library(system: System, candidate: Candidate) -> Library:
-    return library.load(generated(system, candidate))
+    return library.load(generate_variant(system, candidate))
 
 
 def ways(built: Library, x: Floats, y: Floats, duration: float) -> Iterator[Way]:
