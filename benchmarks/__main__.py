@@ -13,7 +13,7 @@ from pathlib import Path
 from benchmarks import models
 from benchmarks.document import document, section
 from kanegen.files import write_whole
-from kanegen.studies.bench import Outcome, Terms, compete
+from kanegen.studies.bench import BenchOptions, Outcome, compete
 from kanegen.studies.bench.plot import svg
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -21,7 +21,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 
 def main() -> None:
     options = _options()
-    terms = Terms(options.states, options.rounds, options.seconds)
+    terms = BenchOptions(options.states, options.rounds, options.seconds)
     options.docs.mkdir(parents=True, exist_ok=True)
     outcomes: list[Outcome] = []
     for name in options.models:
@@ -36,9 +36,11 @@ def main() -> None:
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.splitlines()[0])
     parser.add_argument("--models", nargs="+", default=models.NAMES, choices=models.NAMES)
-    parser.add_argument("--rounds", type=int, default=Terms.rounds)
-    parser.add_argument("--seconds", type=float, default=Terms.seconds, help="of every task in every round")
-    parser.add_argument("--states", type=int, default=Terms.states)
+    parser.add_argument("--rounds", type=int, default=BenchOptions.rounds)
+    parser.add_argument(
+        "--seconds", type=float, default=BenchOptions.seconds, help="of every task in every round"
+    )
+    parser.add_argument("--states", type=int, default=BenchOptions.states)
     parser.add_argument("--docs", type=Path, default=DOCS)
     return parser.parse_args()
 

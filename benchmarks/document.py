@@ -7,7 +7,7 @@ from pathlib import Path
 from string import Template
 
 from kanegen.measure import machine
-from kanegen.studies.bench import Entry, Outcome, Terms, table
+from kanegen.studies.bench import BenchOptions, Entry, Outcome, table
 from kanegen.studies.bench.outcome import KANEGEN, PYTHON
 from kanegen.studies.bench.peers.arena import MOST_DERIVED
 from kanegen.studies.bench.peers.casadi_peer import CASADI
@@ -34,7 +34,7 @@ The C is the same, compiled as *{EXACT.name}*; *beyond* is what Python and NumPy
 _METHOD = Path(__file__).with_name("method.md")
 
 
-def document(outcomes: Sequence[Outcome], terms: Terms) -> str:
+def document(outcomes: Sequence[Outcome], terms: BenchOptions) -> str:
     """Markdown with summaries first, then how it was done, then every number."""
     parts = [
         "# kanegen beside its peers",
@@ -107,7 +107,7 @@ def _markdown(head: Sequence[str], texts: int, rows: Sequence[Sequence[str]]) ->
     return "\n".join(f"| {' | '.join(row)} |" for row in (head, rule, *rows))
 
 
-def _method(terms: Terms) -> str:
+def _method(terms: BenchOptions) -> str:
     template = Template(_METHOD.read_text(encoding="utf-8"))
     numbers = {
         "states": terms.states,

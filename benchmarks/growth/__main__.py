@@ -16,7 +16,7 @@ from pathlib import Path
 
 from benchmarks.growth import compiling
 from benchmarks.growth.cases import Curve, cases
-from benchmarks.growth.document import ONCE, Terms, document
+from benchmarks.growth.document import ONCE, GrowthOptions, document
 from benchmarks.growth.generating import generated
 from benchmarks.growth.plot import svg
 from benchmarks.growth.results import Point, Study
@@ -28,7 +28,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 def main() -> None:
     options = _options()
-    terms = Terms(options.rounds, options.seconds, options.patience)
+    terms = GrowthOptions(options.rounds, options.seconds, options.patience)
     require("matplotlib")
     options.docs.mkdir(parents=True, exist_ok=True)
     study = Study([Point(case) for case in cases(options.most)])
@@ -45,9 +45,15 @@ def main() -> None:
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.growth", description=__doc__.splitlines()[0])
     parser.add_argument("--most", type=int, default=256, help="bodies of the largest tree")
-    parser.add_argument("--rounds", type=int, default=Terms.rounds, help="of everything; medians count")
-    parser.add_argument("--seconds", type=float, default=Terms.seconds, help="of every timing of one state")
-    parser.add_argument("--patience", type=float, default=Terms.patience, help="seconds for one file of C")
+    parser.add_argument(
+        "--rounds", type=int, default=GrowthOptions.rounds, help="of everything; medians count"
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=GrowthOptions.seconds, help="of every timing of one state"
+    )
+    parser.add_argument(
+        "--patience", type=float, default=GrowthOptions.patience, help="seconds for one file of C"
+    )
     parser.add_argument("--docs", type=Path, default=DOCS)
     return parser.parse_args()
 
@@ -59,7 +65,7 @@ def _generate(study: Study, folders: Sequence[Path]) -> None:
         point.add(generated(point.case, folder))
 
 
-def _compile(study: Study, folders: Sequence[Path], terms: Terms) -> None:
+def _compile(study: Study, folders: Sequence[Path], terms: GrowthOptions) -> None:
     """All rounds; where a file has exceeded the patience, larger trees of the same curve are left out."""
     given_up: dict[tuple[Curve, str], int] = {}
     for turn, (point, folder), kind in product(
@@ -77,7 +83,7 @@ def _compile(study: Study, folders: Sequence[Path], terms: Terms) -> None:
             study.missing.append(f"{point.case}{kind} and larger ones: the compiler took {error}")
 
 
-def _time(study: Study, folders: Sequence[Path], terms: Terms) -> None:
+def _time(study: Study, folders: Sequence[Path], terms: GrowthOptions) -> None:
     """Everybody has a turn in every round."""
     programs = {
         id(point): compiling.link(point.case, folder, int(point.found["freedoms"][0]))

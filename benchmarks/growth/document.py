@@ -33,7 +33,7 @@ ONCE = 0.1
 
 
 @dataclass(frozen=True)
-class Terms:
+class GrowthOptions:
     """How carefully it was measured.
 
     Attributes:
@@ -52,7 +52,7 @@ class Terms:
         return 3 * self.rounds
 
 
-def document(study: Study, terms: Terms) -> str:
+def document(study: Study, terms: GrowthOptions) -> str:
     """Markdown: growth first, then how it was done, then every number."""
     parts = ["# Growth with the number of bodies", _INTRODUCTION, _exponents(study), _method(terms)]
     if study.missing:
@@ -66,7 +66,7 @@ def document(study: Study, terms: Terms) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _method(terms: Terms) -> str:
+def _method(terms: GrowthOptions) -> str:
     largest = ", ".join(f"`{output}` up to {bodies} bodies" for output, bodies in LARGEST.items())
     care = (
         f"{largest}. Every case has a turn in each of {terms.rounds} rounds; medians are over rounds. What "

@@ -15,7 +15,7 @@ from kanegen.cli.terminal import FAILED, progress, screen
 from kanegen.files import require_writable, write_whole
 from kanegen.model.right_angles import AS_WRITTEN
 from kanegen.readers import load
-from kanegen.studies.bench import Outcome, Terms, compete, table
+from kanegen.studies.bench import BenchOptions, Outcome, compete, table
 from kanegen.studies.bench.peers.field import PEERS
 from kanegen.studies.bench.plot import svg
 from kanegen.studies.bench.record import record
@@ -44,7 +44,7 @@ def bench(
     """
     require_plot(plot)
     require_writable(json_, plot)
-    terms = Terms(states, rounds, seconds)
+    terms = BenchOptions(states, rounds, seconds)
     system = load(model, floating_base, right_angles)
     with progress() as report:
         outcome = compete(system, terms, report, peer)
@@ -57,7 +57,7 @@ def bench(
         raise typer.Exit(FAILED)
 
 
-def _show(outcome: Outcome, terms: Terms, console: Console) -> None:
+def _show(outcome: Outcome, terms: BenchOptions, console: Console) -> None:
     """Print the outcome for people."""
     console.print(
         f"[bold]{outcome.model}[/]: {outcome.n} freedoms, {terms.states} random states, "

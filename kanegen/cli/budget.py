@@ -21,13 +21,13 @@ from kanegen.studies.budget.variant_evaluator import field_of, is_reproducible
 from kanegen.studies.budget.verification import Verification, verify
 from kanegen.studies.tradeoff.variants import Candidate
 
-__all__ = ["Terms", "generate", "show", "show_verification", "verify"]
+__all__ = ["BudgetOptions", "generate", "show", "show_verification", "verify"]
 
 _MARKS = {True: "[green]holds[/]", False: "[bold red]does not hold[/]", None: "open"}
 
 
 @dataclass(frozen=True)
-class Terms:
+class BudgetOptions:
     """Options as they were typed."""
 
     error: str | None
@@ -44,7 +44,7 @@ class Terms:
     seed: int
 
     @classmethod
-    def typed(cls, options: Mapping[str, Any]) -> Terms:
+    def typed(cls, options: Mapping[str, Any]) -> BudgetOptions:
         """Those among all options of `generate`, by their names."""
         return cls(**{field.name: options[field.name] for field in fields(cls)})
 
@@ -72,7 +72,7 @@ class Terms:
 
 
 def generate(
-    system: System, terms: Terms, folder: Path, force: bool, progress: Callable[[str], None]
+    system: System, terms: BudgetOptions, folder: Path, force: bool, progress: Callable[[str], None]
 ) -> Certified:
     """The C that keeps the budget, with its certificate, once it is known that a folder will take them.
 

@@ -115,7 +115,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
 def _within_budget(system: System, context: typer.Context, folder: Path, force: bool) -> Source:
     """The C that keeps the budget that was typed, with its certificate; says which variant it is."""
     command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
-    terms = command.Terms.typed(context.params)
+    terms = command.BudgetOptions.typed(context.params)
     with progress() as report:
         found = command.generate(system, terms, folder, force, report)
     command.show(found, screen)

@@ -13,16 +13,16 @@ from rich.table import Table
 
 from kanegen.choices import require_one
 from kanegen.files import make_folder, require_writable, write_whole
+from kanegen.measure.timing import OBJECTIVES
 from kanegen.model.system import System
 from kanegen.studies.tradeoff import report, tables
-from kanegen.studies.tradeoff.judge import OBJECTIVES
-from kanegen.studies.tradeoff.outcome import Study, Terms
+from kanegen.studies.tradeoff.outcome import Study, StudyOptions
 from kanegen.studies.tradeoff.plot import simulation_svg, tradeoff_svg
 from kanegen.studies.tradeoff.report import json_record
 from kanegen.studies.tradeoff.simulation import simulated
 from kanegen.studies.tradeoff.study import study
 
-__all__ = ["Outputs", "Terms", "run", "show"]
+__all__ = ["Outputs", "StudyOptions", "run", "show"]
 
 _KINDS: dict[str, Callable[[Study], str]] = {
     ".md": report.markdown,
@@ -64,7 +64,7 @@ class Outputs:
 
 def run(
     system: System,
-    terms: Terms,
+    terms: StudyOptions,
     objectives: Sequence[str] | None,
     simulation: bool,
     progress: Callable[[str], None],

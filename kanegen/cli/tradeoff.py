@@ -53,7 +53,7 @@ def tradeoff(
     system = load(model, floating_base, right_angles)
     outputs = command.Outputs.chosen(output_dir, json_, plot, simulation)
     with progress() as report:
-        terms = command.Terms(
+        terms = command.StudyOptions(
             states=states, search=search, rounds=rounds, seconds=seconds, seed=seed, quantile=quantile
         )
         found = command.run(system, terms, objective, simulation, report)

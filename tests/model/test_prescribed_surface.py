@@ -14,7 +14,7 @@ import kanegen as kg
 from kanegen.cli.app import app
 from kanegen.library.simulation import simulate
 from kanegen.measure import truth as certified
-from kanegen.studies.bench import Terms
+from kanegen.studies.bench import BenchOptions
 from kanegen.studies.bench.contest import compete
 from kanegen.studies.tradeoff.domain import default_domain
 from kanegen.studies.tradeoff.study import study
@@ -139,7 +139,7 @@ def test_who_cannot_be_told_refuses() -> None:
     system = pendulum()
     message = r"system 'double_pendulum' has prescribed freedoms \(q1\), whose motion cannot be given here"
     for refuse in (
-        lambda: compete(system, Terms()),
+        lambda: compete(system, BenchOptions()),
         lambda: study(system),
         lambda: default_domain(system),
         lambda: certified.truth(system, [0.1], [0.2]),

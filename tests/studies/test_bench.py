@@ -16,6 +16,7 @@ import pytest
 import kanegen as kg
 from kanegen import extras as optional
 from kanegen.errors import MissingError
+from kanegen.measure.timing import Times
 from kanegen.studies import bench
 from kanegen.studies.bench import building, plot, record, table
 from kanegen.studies.bench.contest import judge
@@ -31,7 +32,7 @@ from tests.support import systems
 from tests.support.paths import MODELS
 
 TWO_LINKS = systems.chain(2)
-QUICK = bench.Terms(states=40, rounds=2, seconds=0.0)
+QUICK = bench.BenchOptions(states=40, rounds=2, seconds=0.0)
 """More states than a batch holds, and no whole number of batches."""
 
 
@@ -82,8 +83,8 @@ def test_a_compiler_is_enough(alone: Outcome) -> None:
     assert names == settings | {(PYTHON, "exact")}
     for entry in alone.entries:
         assert entry.error < TOLERANCE
-        assert len(entry.times) == QUICK.rounds
-        assert min(entry.times) > 0
+        assert len(entry.times.rounds) == QUICK.rounds
+        assert entry.times.least > 0
 
 
 def test_batches_are_timed_beside_single_states(alone: Outcome) -> None:
@@ -124,7 +125,7 @@ def test_who_computes_something_else_is_not_timed(tmp_path: Path) -> None:
     assert not absences
     for entry in entries:
         assert entry.agrees == (entry.contestant == KANEGEN)
-        assert len(entry.times) == (QUICK.rounds if entry.agrees else 0)
+        assert len(entry.times.rounds) == (QUICK.rounds if entry.agrees else 0)
     outcome = Outcome("chain", 2, tuple(entries))
     assert not outcome.agrees
     assert outcome.best("liar", EQUATIONS) is None
@@ -241,7 +242,8 @@ def test_states_return_from_their_file(tmp_path: Path) -> None:
 
 
 def entry(contestant: str, median: float, batch: bool = False) -> Entry:
-    return Entry(contestant, NATIVE, Task("a", EQUATIONS, batch), 0.0, (median - 1, median, median + 2))
+    times = Times((median - 1, median, median + 2))
+    return Entry(contestant, NATIVE, Task("a", EQUATIONS, batch), 0.0, times)
 
 
 def test_ratios_and_reasons_in_words() -> None:

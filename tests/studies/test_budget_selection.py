@@ -12,11 +12,11 @@ import pytest
 from numpy.typing import NDArray
 
 from kanegen.errors import BudgetError
+from kanegen.measure.timing import Times
 from kanegen.studies.budget.confidence import at_quantile
 from kanegen.studies.budget.evaluator import SELECT, VALIDATE, Attack, Draw
 from kanegen.studies.budget.request import Effort, Request
 from kanegen.studies.budget.selection import Choice, choose
-from kanegen.studies.budget.times import Times
 
 Floats = NDArray[np.float64]
 SMALL = Effort(select=50, attack=10)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from kanegen.errors import BudgetError, OptionError
+from kanegen.measure.timing import Times, speedup
 from kanegen.studies.budget import confidence as odds
 from kanegen.studies.budget.confidence import judged, quantile_level
 from kanegen.studies.budget.evaluator import SELECT, VALIDATE, Draw
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
 from kanegen.studies.budget.selection import choose
-from kanegen.studies.budget.times import Times, speedup
 from tests.studies.test_budget_selection import FIELD, SMALL, STRICT, Fake, Planted
 
 Floats = NDArray[np.float64]

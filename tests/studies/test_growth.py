@@ -10,7 +10,7 @@ import pytest
 import kanegen as kg
 from benchmarks.growth import compiling
 from benchmarks.growth.cases import CURVES, Case, Curve, cases, free_tree
-from benchmarks.growth.document import Terms, document
+from benchmarks.growth.document import GrowthOptions, document
 from benchmarks.growth.generating import generated
 from benchmarks.growth.results import Point, Study, exponent, series
 
@@ -66,7 +66,7 @@ def test_document_holds_exponents_numbers_and_what_is_missing() -> None:
     study.points[0].add({"operations": 100.0})
     study.points[0].add({"operations": 112.0})
     study.missing.append("forcing, chain of 128: too slow")
-    text = document(study, Terms())
+    text = document(study, GrowthOptions())
     assert "| forcing, chain | 1.00 | - |" in text
     assert "| 16 | - | 112 |" in text
     assert "- forcing, chain of 128: too slow" in text

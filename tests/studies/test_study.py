@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.measure.timing import BATCH, OBJECTIVES
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.options import Variant
 from kanegen.reference.equations import forcing, mass_matrix
@@ -18,7 +19,7 @@ from kanegen.studies.tradeoff.converting import converted
 from kanegen.studies.tradeoff.domain import Domain, default_domain, rounded
 from kanegen.studies.tradeoff.errors import Errors
 from kanegen.studies.tradeoff.hard_states import EQUILIBRIUM, LOCK, STRAIGHT, climb, hard_states
-from kanegen.studies.tradeoff.judge import BATCH, OBJECTIVES, OUTPUT, Judge, computed
+from kanegen.studies.tradeoff.judge import OUTPUT, Judge, computed
 from kanegen.studies.tradeoff.pareto_front import TIE, Point, front, rank_correlation, verdict
 from kanegen.studies.tradeoff.samples import UNIFORM, Sample, joined
 from tests.support import systems

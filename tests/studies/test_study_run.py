@@ -18,24 +18,24 @@ from typer.testing import CliRunner
 
 import kanegen as kg
 from kanegen.cli.app import app
+from kanegen.measure.timing import OBJECTIVES, Rounds, Times
 from kanegen.options import Variant
-from kanegen.studies.bench import Terms as Rounds
 from kanegen.studies.tradeoff import compilation, variants
 from kanegen.studies.tradeoff import study as module
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.domain import default_domain
-from kanegen.studies.tradeoff.judge import OBJECTIVES, computed
-from kanegen.studies.tradeoff.outcome import Study, Terms
+from kanegen.studies.tradeoff.judge import computed
+from kanegen.studies.tradeoff.outcome import Study, StudyOptions
 from kanegen.studies.tradeoff.plot import tradeoff_svg
 from kanegen.studies.tradeoff.report import comma_separated, json_record, markdown, statements
 from kanegen.studies.tradeoff.study import study
-from kanegen.studies.tradeoff.times import Times, computed_in_c, timed
+from kanegen.studies.tradeoff.times import computed_in_c, timed
 from kanegen.studies.tradeoff.variants import Candidate
 from tests.support import systems
 
 HINGES = systems.chain(2, ["theta3"])
 HUGE = kg.System.from_arrays([0], [1e60], [1e60 * np.eye(3)], [[0, 0, 0]], [[0, 0, 0]], name="huge")
-QUICK = Terms(states=4, hard=2, search=8, rounds=2, seconds=0.0)
+QUICK = StudyOptions(states=4, hard=2, search=8, rounds=2, seconds=0.0)
 FEW: list[dict[str, Any]] = [
     {"solver": "articulated bodies", "refinement": 0, "optimisation": 0},
     {"solver": "factorisation", "refinement": 0, "optimisation": 0},
@@ -55,14 +55,15 @@ def few() -> list[Candidate]:
 
 
 def invented(
-    samples: Mapping[CompiledVariant, Any], terms: Rounds, progress: Any
-) -> dict[CompiledVariant, Times]:
+    samples: Mapping[CompiledVariant, Any], rounds: Rounds, progress: Any
+) -> dict[CompiledVariant, dict[str, Times]]:
     """Times that are the same every time: bytes for single precision count half."""
-    del terms, progress
-    return {
-        one: Times(*[(one.operations / (2 if one.candidate.variant.precision == "float" else 1),)] * 2)
-        for one in samples
-    }
+    del rounds, progress
+    found = {}
+    for one in samples:
+        bytes_a_number = 1 if one.candidate.variant.precision == "float" else 2
+        found[one] = dict.fromkeys(OBJECTIVES, Times((one.operations * bytes_a_number / 2,)))
+    return found
 
 
 @pytest.fixture
@@ -88,10 +89,10 @@ def test_what_is_timed_computes_what_is_judged() -> None:
         found = computed_in_c(built, sample)
         for objective in OBJECTIVES:
             assert np.array_equal(found[objective], computed(built.library, sample, objective))
-    times = timed({one: sample, single: sample}, Rounds(40, 3, 0.0), quiet)
-    assert [len(times[built].of(objective)) for built in times for objective in OBJECTIVES] == [3] * 4
-    assert times[one].least("batch") <= times[one].median("batch")
-    assert times[one].least("latency") > 0
+    times = timed({one: sample, single: sample}, Rounds(3, 0.0), quiet)
+    assert [len(times[built][objective].rounds) for built in times for objective in OBJECTIVES] == [3] * 4
+    assert times[one]["batch"].least <= times[one]["batch"].median
+    assert times[one]["latency"].least > 0
 
 
 def test_a_study_measures_everybody_and_shares_equal_programs(outcome: Study) -> None:
@@ -104,7 +105,8 @@ def test_a_study_measures_everybody_and_shares_equal_programs(outcome: Study) ->
     assert plain.errors["latency"].max < 1e-14
     assert 1e-9 < by_label["float, articulated, -O0"].errors["batch"].max < 1e-4
     assert not any(entry.wrong for entry in outcome.entries)
-    assert outcome.points("batch")[0].time == plain.times.median("batch")  # type: ignore[union-attr]
+    assert plain.times is not None
+    assert outcome.points("batch")[0].time == plain.times["batch"].median
     for objective, front in outcome.fronts.items():
         assert any(confirmed.stays for confirmed in front)
         for confirmed in front:

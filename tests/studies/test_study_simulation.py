@@ -12,6 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import kanegen as kg
+from kanegen.measure.timing import OBJECTIVES
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.options import STRICT, Variant
 from kanegen.reference import equations as reference
@@ -22,8 +23,8 @@ from kanegen.studies.tradeoff.compilation import compile_variants
 from kanegen.studies.tradeoff.domain import default_domain
 from kanegen.studies.tradeoff.errors import GATE
 from kanegen.studies.tradeoff.hard_states import hard_states
-from kanegen.studies.tradeoff.judge import OBJECTIVES, OUTPUT, Judge, computed, unit
-from kanegen.studies.tradeoff.outcome import Run, Study, Terms
+from kanegen.studies.tradeoff.judge import OUTPUT, Judge, computed, unit
+from kanegen.studies.tradeoff.outcome import Run, Study, StudyOptions
 from kanegen.studies.tradeoff.plot import simulation_svg
 from kanegen.studies.tradeoff.report import json_record, markdown
 from kanegen.studies.tradeoff.samples import joined
@@ -54,7 +55,7 @@ def outcome() -> Study:
     patch.setattr(simulation, "STEPS", (16, 32, 64))
     patch.setattr(simulation, "FINEST", 1024)
     wanted = [Candidate(STRICT), Candidate(Variant(precision="float"))]
-    terms = Terms(states=3, hard=1, search=0, rounds=1, seconds=0.0)
+    terms = StudyOptions(states=3, hard=1, search=0, rounds=1, seconds=0.0)
     found = simulated(HINGES, study(HINGES, terms, quiet, variants=wanted), quiet)
     patch.undo()
     return found

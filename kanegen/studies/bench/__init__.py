@@ -4,6 +4,6 @@ The programs come from the extra `bench`. None of them is needed: who is missing
 """
 
 from kanegen.studies.bench.contest import compete
-from kanegen.studies.bench.outcome import Entry, Outcome, Terms
+from kanegen.studies.bench.outcome import BenchOptions, Entry, Outcome
 
-__all__ = ["Entry", "Outcome", "Terms", "compete"]
+__all__ = ["BenchOptions", "Entry", "Outcome", "compete"]

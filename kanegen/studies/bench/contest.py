@@ -9,10 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from kanegen.errors import MissingError, OptionError
+from kanegen.measure.timing import Rounds, Times
 from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
 from kanegen.studies.bench.contestant import Contestant
-from kanegen.studies.bench.outcome import Absence, Entry, Outcome, Terms
+from kanegen.studies.bench.outcome import Absence, BenchOptions, Entry, Outcome
 from kanegen.studies.bench.peers.field import PEERS, contestants
 from kanegen.studies.bench.results import Results, difference
 from kanegen.studies.bench.states import plain, random_states
@@ -21,7 +22,7 @@ Progress = Callable[[str], None]
 
 
 def compete(
-    system: System, terms: Terms, progress: Progress = lambda stage: None, peers: Iterable[str] = PEERS
+    system: System, terms: BenchOptions, progress: Progress = lambda stage: None, peers: Iterable[str] = PEERS
 ) -> Outcome:
     """Time kanegen and its peers on `system`, in turns, after comparing their results.
 
@@ -57,7 +58,7 @@ def compete(
 
 
 def judge(
-    contestants: Sequence[Contestant], n: int, terms: Terms, progress: Progress
+    contestants: Sequence[Contestant], n: int, terms: BenchOptions, progress: Progress
 ) -> tuple[list[Entry], list[Absence]]:
     """Agreement with the first contestant that gives results, then rounds in which everybody has a turn.
 
@@ -79,28 +80,26 @@ def judge(
         for task in contestant.tasks
     }
     agreeing = dict.fromkeys(contestant for (contestant, _), entry in entries.items() if entry.agrees)
-    times = take_turns(agreeing, terms, progress)
-    timed = [
-        replace(entry, times=tuple(times[key])) if entry.agrees else entry for key, entry in entries.items()
-    ]
+    times = take_turns(agreeing, Rounds(terms.rounds, terms.seconds), progress)
+    timed = [replace(entry, times=times[key]) if entry.agrees else entry for key, entry in entries.items()]
     return timed, absences
 
 
 def take_turns(
-    contestants: Iterable[Contestant], terms: Terms, progress: Progress
-) -> defaultdict[tuple[Contestant, str], list[float]]:
-    """Nanoseconds by contestant and task, a number a round, in each of which everybody has one turn.
+    contestants: Iterable[Contestant], rounds: Rounds, progress: Progress
+) -> dict[tuple[Contestant, str], Times]:
+    """Times by contestant and task, of rounds in each of which every contestant has one turn.
 
     Raises:
         MissingError: If a driver fails.
     """
     times: defaultdict[tuple[Contestant, str], list[float]] = defaultdict(list)
-    for turn in range(terms.rounds):
-        progress(f"timing, round {turn + 1} of {terms.rounds}")
+    for turn in range(rounds.number):
+        progress(f"timing, round {turn + 1} of {rounds.number}")
         for contestant in contestants:
-            for name, value in contestant.times(terms.seconds).items():
+            for name, value in contestant.times(rounds.seconds).items():
                 times[contestant, name].append(value)
-    return times
+    return {key: Times(tuple(values)) for key, values in times.items()}
 
 
 def _results(contestants: Sequence[Contestant], n: int) -> tuple[dict[Contestant, Results], list[Absence]]:

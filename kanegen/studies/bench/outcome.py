@@ -7,15 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from kanegen.measure.timing import Times
 from kanegen.studies.bench.results import TOLERANCE, Task
 from kanegen.studies.bench.settings import EXACT, Setting
 
 KANEGEN = "kanegen"
 PYTHON = "kanegen from Python"
+UNTIMED = Times(())
 
 
 @dataclass(frozen=True)
-class Terms:
+class BenchOptions:
     """How a contest is held.
 
     Attributes:
@@ -38,19 +40,19 @@ class Entry:
         setting: Of its compiler.
         task: What was timed.
         error: Largest difference from the first contestant's result, relative.
-        times: ns an evaluation, one number a round; none where the results do not agree.
+        times: Times of an evaluation; without rounds where the results do not agree.
     """
 
     contestant: str
     setting: Setting
     task: Task
     error: float
-    times: tuple[float, ...] = ()
+    times: Times = UNTIMED
 
     @property
     def median(self) -> float:
         """ns an evaluation."""
-        return float(np.median(self.times))
+        return self.times.median
 
     @property
     def agrees(self) -> bool:
@@ -102,7 +104,7 @@ class Outcome:
         timed = [
             entry
             for entry in self.entries
-            if entry.times
+            if entry.times.rounds
             and (entry.contestant, entry.task.quantity, entry.task.batch) == (contestant, quantity, batch)
             and setting in (None, entry.setting)
         ]
@@ -130,7 +132,7 @@ class Outcome:
                     "quantity": entry.task.quantity,
                     "batch": entry.task.batch,
                     "difference": entry.error if np.isfinite(entry.error) else None,
-                    "nanoseconds": list(entry.times),
+                    "nanoseconds": list(entry.times.rounds),
                 }
                 for entry in self.entries
             ],

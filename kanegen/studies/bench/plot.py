@@ -76,8 +76,8 @@ def _panel(panel: Any, outcomes: Sequence[Outcome], quantity: str) -> None:
         timed = {place: entry for place, entry in entries.items() if entry is not None}
         medians = [entry.median for entry in timed.values()]
         ranges = [
-            [entry.median - min(entry.times) for entry in timed.values()],
-            [max(entry.times) - entry.median for entry in timed.values()],
+            [entry.median - entry.times.least for entry in timed.values()],
+            [entry.times.largest - entry.median for entry in timed.values()],
         ]
         color = f"C{SERIES.index(series)}"
         bars = panel.bar(

@@ -8,10 +8,10 @@ from dataclasses import asdict
 
 from kanegen import __version__
 from kanegen.measure import machine
-from kanegen.studies.bench.outcome import Outcome, Terms
+from kanegen.studies.bench.outcome import BenchOptions, Outcome
 
 
-def record(outcomes: Sequence[Outcome], terms: Terms) -> str:
+def record(outcomes: Sequence[Outcome], terms: BenchOptions) -> str:
     """Every number, with the machine's description."""
     facts = {
         "kanegen": __version__,

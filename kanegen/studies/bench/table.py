@@ -62,8 +62,8 @@ def _row(outcome: Outcome, entry: Entry) -> list[str]:
     task = entry.task
     way = "batch" if task.batch else _WAYS.get(task.name, "")
     row = [entry.contestant, way, entry.setting.name]
-    if not entry.times:
+    if not entry.times.rounds:
         return [*row, "not timed", "", "", f"{entry.error:.0e}"]
-    spread = f"{ns(min(entry.times))}-{ns(max(entry.times))}"
+    spread = f"{ns(entry.times.least)}-{ns(entry.times.largest)}"
     share = ratio(entry, outcome.best(outcome.standard, task.quantity))
     return [*row, ns(entry.median), spread, share, f"{entry.error:.0e}"]

@@ -21,12 +21,13 @@ from kanegen.c.provenance import is_unchanged, stamped
 from kanegen.errors import CertificateError, KanegenError
 from kanegen.library import Library
 from kanegen.measure import machine
+from kanegen.measure.timing import OBJECTIVES
 from kanegen.model.system import System
 from kanegen.model.toml_text import toml_text
 from kanegen.options import Variant
 from kanegen.readers.text import read_text
 from kanegen.studies.budget.region import Region
-from kanegen.studies.budget.request import OBJECTIVES, SHARE
+from kanegen.studies.budget.request import SHARE
 from kanegen.studies.budget.sampling import stream
 from kanegen.studies.tradeoff.judge import computed
 from kanegen.studies.tradeoff.samples import Sample

@@ -10,8 +10,8 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+from kanegen.measure.timing import Times
 from kanegen.model.arrays import Floats
-from kanegen.studies.budget.times import Times
 
 SELECT = "select"
 VALIDATE = "validate"

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 
 from kanegen.choices import did_you_mean, require_one
 from kanegen.errors import OptionError
+from kanegen.measure.timing import OBJECTIVES
 from kanegen.studies.budget.confidence import corrected, draws_needed, probability
-
-OBJECTIVES = ("latency", "batch")
-"""What is timed: one state a call, or many states a call."""
 
 SAFETY = 4.0
 """The error on the sample by which a candidate is chosen must stay below the budget by this factor."""

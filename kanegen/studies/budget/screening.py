@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import Generic
 
 from kanegen.errors import BudgetError
+from kanegen.measure.timing import TIE, Times, tied
 from kanegen.studies.budget.confidence import at_quantile
 from kanegen.studies.budget.evaluator import SELECT, C, Draw, Laboratory
 from kanegen.studies.budget.request import SAFETY, Request
-from kanegen.studies.budget.times import TIE, Times, tied
 
 FINALISTS = 6
 """Candidates that are timed once more before one of them is chosen."""

@@ -21,11 +21,11 @@ from typing import Generic
 import numpy as np
 
 from kanegen.errors import BudgetError
+from kanegen.measure.timing import Speedup, Times, speedup
 from kanegen.studies.budget.confidence import Validation, judged
 from kanegen.studies.budget.evaluator import VALIDATE, Attack, C, Draw, Laboratory
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.screening import Screening
-from kanegen.studies.budget.times import Speedup, Times, speedup
 
 SHOWN = 3
 """Candidates that are named where all fail."""

@@ -14,17 +14,16 @@ from kanegen.compiler import Progress, quiet
 from kanegen.errors import OptionError
 from kanegen.library import Library
 from kanegen.library.native import compilers
+from kanegen.measure.timing import Rounds, Times
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import STRICT
-from kanegen.studies.bench import Terms
 from kanegen.studies.bench.states import plain
 from kanegen.studies.budget.counterexample import attacked
 from kanegen.studies.budget.evaluator import Attack, Draw
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.sampling import drawn, sample_from_table, stream
-from kanegen.studies.budget.times import Times
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.domain import Domain
 from kanegen.studies.tradeoff.judge import Judge
@@ -142,9 +141,9 @@ class Workbench:
         if system != self.region.system:
             built, _ = compile_variants(system, candidates, self._progress)
         sample = self._timed_sample(system)
-        terms = Terms(len(sample), self._request.effort.rounds, self._request.effort.seconds)
-        found = timed(dict.fromkeys(built, sample), terms, self._progress)
-        return {one.candidate: Times(found[one].of(self._request.objective)) for one in built}
+        rounds = Rounds(self._request.effort.rounds, self._request.effort.seconds)
+        found = timed(dict.fromkeys(built, sample), rounds, self._progress)
+        return {one.candidate: found[one][self._request.objective] for one in built}
 
     def attack(self, candidate: Candidate, draw: Draw, number: int) -> Attack:
         """A search for a counterexample; the first one also tries the strata.

@@ -13,6 +13,7 @@ from kanegen.c.formats import formats
 from kanegen.c.minimax import minimax
 from kanegen.errors import KanegenWarning, SingularError
 from kanegen.library import Library
+from kanegen.measure.timing import BATCH, LATENCY
 from kanegen.measure.truth.balls import ctx
 from kanegen.measure.truth.bounds import FACTOR, bound
 from kanegen.measure.truth.cancellation import sizes
@@ -29,15 +30,6 @@ from kanegen.studies.tradeoff.samples import Sample
 
 OUTPUT = "forward_dynamics"
 """What is studied: {ydot} of x, y and tau."""
-
-LATENCY = "latency"
-"""One state a call, each call waiting for the result of the one before."""
-
-BATCH = "batch"
-"""Many states a call; the time is that of one state. With loose semantics the bits are others as well."""
-
-OBJECTIVES = (LATENCY, BATCH)
-"""What a variant may be chosen for."""
 
 Wide = NDArray[np.longdouble]
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from kanegen.measure.timing import Times
 from kanegen.studies.tradeoff.domain import Domain
 from kanegen.studies.tradeoff.errors import QUANTILES, Errors
 from kanegen.studies.tradeoff.pareto_front import Point, rank_correlation, verdict
-from kanegen.studies.tradeoff.times import Times
 from kanegen.studies.tradeoff.variants import Candidate, Refusal
 
 
 @dataclass(frozen=True)
-class Terms:
+class StudyOptions:
     """How a study is held.
 
     Attributes:
@@ -45,7 +45,7 @@ class Entry:
         size: Bytes of the shared library.
         errors: In the uniform sample, by objective.
         hard: In the hard states, by stratum and objective.
-        times: None where results are wrong.
+        times: Times by objective; None where results are wrong.
         same_as: Label of the variant with which it shares its program, its errors and its times.
     """
 
@@ -54,7 +54,7 @@ class Entry:
     size: int
     errors: Mapping[str, Errors]
     hard: Mapping[str, Mapping[str, Errors]]
-    times: Times | None
+    times: Mapping[str, Times] | None
     same_as: str | None = None
 
     @property
@@ -75,7 +75,7 @@ class Entry:
         """Where it stands; None where it is not timed."""
         if self.times is None:
             return None
-        return Point(self, self.times.median(objective), self.errors[objective].quantile(share))
+        return Point(self, self.times[objective].median, self.errors[objective].quantile(share))
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Confirmed:
     Attributes:
         entry: As it was selected.
         errors: In the fresh states.
-        times: Fresh.
+        times: Fresh times, by objective.
         found: The largest error that a search found, and `state`, the numbers of that state.
         state: x, y and tau.
         stays: Whether it is on the front of the fresh figures, too.
@@ -93,7 +93,7 @@ class Confirmed:
 
     entry: Entry
     errors: Errors
-    times: Times
+    times: Mapping[str, Times]
     found: float
     state: Mapping[str, tuple[float, ...]]
     stays: bool
@@ -146,7 +146,7 @@ class Study:
     n: int
     notes: tuple[str, ...]
     domain: Domain
-    terms: Terms
+    terms: StudyOptions
     entries: tuple[Entry, ...]
     refusals: tuple[Refusal, ...]
     fronts: Mapping[str, tuple[Confirmed, ...]]
@@ -166,7 +166,7 @@ class Study:
     def verdict(self, objective: str) -> str:
         """Whether there is a trade, in words, by the fresh figures."""
         fresh = [
-            Point(c.entry, c.times.median(objective), c.errors.quantile(self.share))
+            Point(c.entry, c.times[objective].median, c.errors.quantile(self.share))
             for c in self.fronts[objective]
             if c.stays
         ]
@@ -176,5 +176,5 @@ class Study:
     def rank_correlation(self, objective: str) -> float:
         """Spearman's rho of operations and times, over programs that differ."""
         timed = [entry for entry in self.entries if entry.times is not None and entry.same_as is None]
-        times = [entry.times.median(objective) for entry in timed if entry.times is not None]
+        times = [entry.times[objective].median for entry in timed if entry.times is not None]
         return rank_correlation([entry.operations for entry in timed], times)

@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from kanegen.extras import module
+from kanegen.measure.timing import OBJECTIVES
 from kanegen.measure.truth.bounds import FACTOR
 from kanegen.studies.tradeoff.errors import Errors
-from kanegen.studies.tradeoff.judge import OBJECTIVES
 from kanegen.studies.tradeoff.outcome import Run, Study
 from kanegen.studies.tradeoff.tables import TITLES
 

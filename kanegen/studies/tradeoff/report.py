@@ -6,15 +6,15 @@ import csv
 import io
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from kanegen import __version__
 from kanegen.measure import machine
+from kanegen.measure.timing import OBJECTIVES, Times
 from kanegen.measure.truth.bounds import FACTOR
 from kanegen.studies.tradeoff.errors import GATE, Errors
-from kanegen.studies.tradeoff.judge import OBJECTIVES
 from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
 from kanegen.studies.tradeoff.pareto_front import TIE
 from kanegen.studies.tradeoff.tables import (
@@ -104,7 +104,7 @@ def comma_separated(study: Study) -> str:
         on_front = [confirmed.entry.label for confirmed in study.fronts[objective]]
         for entry in study.entries:
             errors, times = entry.errors[objective], entry.times
-            speed = [times.median(objective), times.least(objective)] if times else ["", ""]
+            speed = [times[objective].median, times[objective].least] if times else ["", ""]
             figures = [errors.median, errors.high, errors.max, errors.componentwise.max(), errors.bound_share]
             hardest = [found[objective].max for found in entry.hard.values()]
             ends = [entry.failed(objective), entry.wrong, entry.same_as or "", entry.label in on_front]
@@ -191,7 +191,7 @@ def _entry_record(entry: Entry) -> dict[str, Any]:
             stratum: {objective: _errors_record(errors) for objective, errors in found.items()}
             for stratum, found in entry.hard.items()
         },
-        "nanoseconds": None if entry.times is None else asdict(entry.times),
+        "nanoseconds": _nanoseconds(entry.times),
     }
 
 
@@ -199,11 +199,15 @@ def _confirmed_record(confirmed: Confirmed, objective: str) -> dict[str, Any]:
     return {
         "variant": confirmed.entry.label,
         "errors": _errors_record(confirmed.errors),
-        "nanoseconds": list(confirmed.times.of(objective)),
+        "nanoseconds": list(confirmed.times[objective].rounds),
         "found_by_search": _finite(confirmed.found),
         "worst_state": {name: [number.hex() for number in row] for name, row in confirmed.state.items()},
         "stays": confirmed.stays,
     }
+
+
+def _nanoseconds(times: Mapping[str, Times] | None) -> dict[str, list[float]] | None:
+    return None if times is None else {objective: list(found.rounds) for objective, found in times.items()}
 
 
 def _errors_record(errors: Errors) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from kanegen import library
 from kanegen.errors import SingularError
 from kanegen.library import Library
 from kanegen.library.simulation import Trajectory, mescd, simulate
+from kanegen.measure.timing import LATENCY
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
@@ -22,7 +23,6 @@ from kanegen.reference.states import ranges
 from kanegen.studies.bench.contest import Progress
 from kanegen.studies.bench.states import plain
 from kanegen.studies.tradeoff.compilation import generate_variant
-from kanegen.studies.tradeoff.judge import LATENCY
 from kanegen.studies.tradeoff.outcome import Run, Study
 from kanegen.studies.tradeoff.variants import Candidate
 
@@ -85,11 +85,11 @@ def simulated(system: System, study: Study, progress: Progress = lambda stage: N
 
 def _taking_part(study: Study) -> list[tuple[Candidate, float]]:
     """Variants and their ns an evaluation: those on the front, and the default."""
-    best = {c.entry.candidate: c.times.median(LATENCY) for c in study.fronts[LATENCY] if c.stays}
+    best = {c.entry.candidate: c.times[LATENCY].median for c in study.fronts[LATENCY] if c.stays}
     default = Candidate(STRICT)
     for entry in study.entries:
         if entry.candidate == default and entry.times is not None:
-            best.setdefault(default, entry.times.median(LATENCY))
+            best.setdefault(default, entry.times[LATENCY].median)
     return [
         (candidate, time)
         for candidate, time in best.items()

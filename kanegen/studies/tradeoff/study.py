@@ -11,10 +11,10 @@ from dataclasses import replace
 from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.library.native import compilers
+from kanegen.measure.timing import OBJECTIVES, Rounds, Times
 from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
 from kanegen.reference.regularity import require_regular
-from kanegen.studies.bench import Terms as Rounds
 from kanegen.studies.bench.contest import Progress
 from kanegen.studies.bench.states import plain
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
@@ -22,23 +22,23 @@ from kanegen.studies.tradeoff.converting import converted
 from kanegen.studies.tradeoff.domain import Domain, default_domain
 from kanegen.studies.tradeoff.errors import QUANTILES, Errors
 from kanegen.studies.tradeoff.hard_states import climb, hard_states
-from kanegen.studies.tradeoff.judge import OBJECTIVES, Judge
-from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study, Terms
+from kanegen.studies.tradeoff.judge import Judge
+from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study, StudyOptions
 from kanegen.studies.tradeoff.pareto_front import Point, front
 from kanegen.studies.tradeoff.samples import Sample
-from kanegen.studies.tradeoff.times import Times, timed
+from kanegen.studies.tradeoff.times import timed
 from kanegen.studies.tradeoff.variants import Candidate, Refusal, candidates
 
 SELECT, VALIDATE, HARD, SEARCH = range(4)
 """What samples are for; with the seed of the study it is their seed, so that no two share a state."""
 
-USUAL = Terms()
+USUAL = StudyOptions()
 """Unless others are asked for."""
 
 
 def study(
     system: System,
-    terms: Terms = USUAL,
+    terms: StudyOptions = USUAL,
     progress: Progress = lambda stage: None,
     domain: Domain | None = None,
     variants: Iterable[Candidate] | None = None,
@@ -81,7 +81,7 @@ def study(
 class Bench:
     """Judges and times the variants of one model, remembering every truth."""
 
-    def __init__(self, system: System, domain: Domain, terms: Terms, progress: Progress) -> None:
+    def __init__(self, system: System, domain: Domain, terms: StudyOptions, progress: Progress) -> None:
         if domain.system != system:
             raise OptionError(f"the domain belongs to another system than {system.name!r} as it is studied.")
         self.domain = domain
@@ -123,7 +123,7 @@ class Bench:
         sample = self.domain.sample(terms.states, (terms.seed, VALIDATE))
         errors = {one: self.errors(one, sample, objective) for one in best}
         times = self._times(best)
-        fresh = front(Point(one, times[one].median(objective), errors[one].quantile(share)) for one in best)
+        fresh = front(Point(one, times[one][objective].median, errors[one].quantile(share)) for one in best)
         stay = [point.what for point in fresh]
         found = {one: self._attacked(one, sample, errors[one], objective) for one in best}
         return tuple(
@@ -139,12 +139,12 @@ class Bench:
             for stratum in dict.fromkeys(hard.strata)
         }
 
-    def _times(self, built: Sequence[CompiledVariant]) -> dict[CompiledVariant, Times]:
+    def _times(self, built: Sequence[CompiledVariant]) -> dict[CompiledVariant, dict[str, Times]]:
         """In the states by which variants are selected; time hardly depends on them."""
         terms = self._terms
         sample = self.domain.sample(terms.states, (terms.seed, SELECT))
         own = {one: converted(sample, self._system, one.candidate.of(self._system)) for one in built}
-        return timed(own, Rounds(terms.states, terms.rounds, terms.seconds), self._progress)
+        return timed(own, Rounds(terms.rounds, terms.seconds), self._progress)
 
     def _attacked(
         self, built: CompiledVariant, sample: Sample, errors: Errors, objective: str

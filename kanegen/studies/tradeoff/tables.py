@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from kanegen.measure.timing import BATCH, LATENCY
 from kanegen.studies.tradeoff.errors import Errors
-from kanegen.studies.tradeoff.judge import BATCH, LATENCY
 from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
 
 TITLES = {LATENCY: "one state a call", BATCH: "batches"}
@@ -54,7 +54,7 @@ def fresh_rows(study: Study, objective: str) -> list[list[str]]:
 
 def _row(study: Study, entry: Entry, objective: str) -> list[str]:
     errors, times = entry.errors[objective], entry.times
-    speed = [_ns(times.median(objective)), _ns(times.least(objective))] if times else ["wrong", ""]
+    speed = [_ns(times[objective].median), _ns(times[objective].least)] if times else ["wrong", ""]
     hardest = [_error(found[objective].max) for found in entry.hard.values()]
     lost = f"{entry.failed(objective)}" if entry.failed(objective) else ""
     figures = [*_quantiles(errors), *hardest, plain(errors.bound_share), lost]
@@ -63,7 +63,7 @@ def _row(study: Study, entry: Entry, objective: str) -> list[str]:
 
 def _short_row(study: Study, entry: Entry, objective: str) -> list[str]:
     errors = entry.errors[objective]
-    time = "wrong" if entry.times is None else _ns(entry.times.median(objective))
+    time = "wrong" if entry.times is None else _ns(entry.times[objective].median)
     hardest = max((found[objective].max for found in entry.hard.values()), default=math.nan)
     lost = f"{entry.failed(objective)}" if entry.failed(objective) else ""
     figures = [time, _error(errors.median), _error(errors.max), _error(hardest), lost]
@@ -72,7 +72,7 @@ def _short_row(study: Study, entry: Entry, objective: str) -> list[str]:
 
 def _fresh_row(confirmed: Confirmed, objective: str) -> list[str]:
     times = confirmed.times
-    speed = [_ns(times.median(objective)), _ns(times.least(objective))]
+    speed = [_ns(times[objective].median), _ns(times[objective].least)]
     found = _error(confirmed.found)
     stays = "yes" if confirmed.stays else "no"
     return [confirmed.entry.label, *speed, *_quantiles(confirmed.errors), found, stays]
@@ -83,7 +83,7 @@ def _quantiles(errors: Errors) -> list[str]:
 
 
 def _time(entry: Entry, objective: str) -> float:
-    return math.inf if entry.times is None else entry.times.median(objective)
+    return math.inf if entry.times is None else entry.times[objective].median
 
 
 def _ns(value: float) -> str:

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from kanegen.c.formats import formats
+from kanegen.measure.timing import BATCH, LATENCY, Rounds, Times
 from kanegen.model.arrays import Floats
-from kanegen.studies.bench import Terms
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.contest import Progress, take_turns
 from kanegen.studies.bench.contestant import Contestant
@@ -19,41 +16,21 @@ from kanegen.studies.bench.results import DYNAMICS, Task
 from kanegen.studies.bench.settings import Setting
 from kanegen.studies.bench.states import States
 from kanegen.studies.tradeoff.compilation import CompiledVariant
-from kanegen.studies.tradeoff.judge import BATCH, LATENCY, OUTPUT
+from kanegen.studies.tradeoff.judge import OUTPUT
 from kanegen.studies.tradeoff.samples import Sample
 
 _TASKS = (Task(LATENCY, DYNAMICS), Task(BATCH, DYNAMICS, batch=True))
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
 
 
-@dataclass(frozen=True)
-class Times:
-    """ns of one evaluation, one number a round."""
-
-    latency: tuple[float, ...]
-    batch: tuple[float, ...]
-
-    def of(self, objective: str) -> tuple[float, ...]:
-        """For one of `OBJECTIVES`."""
-        return self.latency if objective == LATENCY else self.batch
-
-    def median(self, objective: str) -> float:
-        """Of the rounds."""
-        return float(np.median(self.of(objective)))
-
-    def least(self, objective: str) -> float:
-        """Of the rounds."""
-        return min(self.of(objective))
-
-
 def timed(
-    samples: Mapping[CompiledVariant, Sample], terms: Terms, progress: Progress
-) -> dict[CompiledVariant, Times]:
-    """The times of libraries.
+    samples: Mapping[CompiledVariant, Sample], rounds: Rounds, progress: Progress
+) -> dict[CompiledVariant, dict[str, Times]]:
+    """The times of libraries, by objective.
 
     Args:
         samples: What each is to compute, on models without loads and parameters.
-        terms: Rounds and seconds.
+        rounds: Number of rounds, and seconds of each objective in every round.
         progress: Told the name of each stage.
 
     Raises:
@@ -65,9 +42,9 @@ def timed(
             built: _contestant(built, sample, Path(folder) / str(number))
             for number, (built, sample) in enumerate(samples.items())
         }
-        found = take_turns(list(contestants.values()), terms, progress)
+        found = take_turns(list(contestants.values()), rounds, progress)
         return {
-            built: Times(*(tuple(found[contestant, task.name]) for task in _TASKS))
+            built: {task.name: found[contestant, task.name] for task in _TASKS}
             for built, contestant in contestants.items()
         }
 
