@@ -13,7 +13,7 @@ from kanegen.studies.bench.peers.arena import MOST_DERIVED
 from kanegen.studies.bench.peers.casadi_peer import CASADI
 from kanegen.studies.bench.peers.mujoco_peer import MUJOCO
 from kanegen.studies.bench.peers.pinocchio_peer import FREE_FLYER, PINOCCHIO
-from kanegen.studies.bench.peers.pydy_peer import MOST, PATIENCE, PYDY
+from kanegen.studies.bench.peers.pydy_peer import MOST, PYDY, TIME_LIMIT
 from kanegen.studies.bench.results import QUANTITIES, TOLERANCE
 from kanegen.studies.bench.settings import EXACT, NATIVE, RELAXED, SETTINGS, Setting
 
@@ -116,6 +116,6 @@ def _method(terms: BenchOptions) -> str:
         "tolerance": f"{TOLERANCE:.0e}",
         "most": MOST,
         "derived": MOST_DERIVED,
-        "patience": PATIENCE,
+        "time_limit": TIME_LIMIT,
     }
     return template.substitute(numbers).strip()

@@ -30,6 +30,11 @@ def module(name: str, *needs: str, extra: str = BENCH) -> ModuleType:
     return importlib.import_module(name)
 
 
+def is_installed(package: str) -> bool:
+    """Whether `package` can be imported; it is not imported."""
+    return importlib.util.find_spec(package) is not None
+
+
 def require(package: str, extra: str = BENCH) -> Path:
     """The folder of the importable `package`, which is not imported.
 

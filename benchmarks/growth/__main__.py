@@ -1,6 +1,6 @@
 """Measures how kanegen grows from 1 to 256 bodies, and writes docs/growth.md and docs/growth.svg.
 
-python -m benchmarks.growth [--most N] [--rounds R] [--seconds S] [--patience S] [--docs FOLDER]
+python -m benchmarks.growth [--most N] [--rounds R] [--seconds S] [--time-limit S] [--docs FOLDER]
 
 Needs the extra `bench` for the picture. The whole takes about an hour, most of it in the C compiler.
 """
@@ -22,13 +22,14 @@ from benchmarks.growth.plot import svg
 from benchmarks.growth.results import Point, Study
 from kanegen.extras import require
 from kanegen.files import write_whole
+from kanegen.library.native.commands import TimeLimitError
 
 DOCS = Path(__file__).parents[2] / "docs"
 
 
 def main() -> None:
     options = _options()
-    terms = GrowthOptions(options.rounds, options.seconds, options.patience)
+    terms = GrowthOptions(options.rounds, options.seconds, options.time_limit)
     require("matplotlib")
     options.docs.mkdir(parents=True, exist_ok=True)
     study = Study([Point(case) for case in cases(options.most)])
@@ -52,7 +53,7 @@ def _options() -> argparse.Namespace:
         "--seconds", type=float, default=GrowthOptions.seconds, help="of every timing of one state"
     )
     parser.add_argument(
-        "--patience", type=float, default=GrowthOptions.patience, help="seconds for one file of C"
+        "--time-limit", type=float, default=GrowthOptions.time_limit, help="s for one file of C"
     )
     parser.add_argument("--docs", type=Path, default=DOCS)
     return parser.parse_args()
@@ -66,21 +67,22 @@ def _generate(study: Study, folders: Sequence[Path]) -> None:
 
 
 def _compile(study: Study, folders: Sequence[Path], terms: GrowthOptions) -> None:
-    """All rounds; where a file has exceeded the patience, larger trees of the same curve are left out."""
+    """All rounds; where a file has exceeded the time limit, larger trees of the same curve are left out."""
     given_up: dict[tuple[Curve, str], int] = {}
     for turn, (point, folder), kind in product(
         range(terms.rounds), list(zip(study.points, folders, strict=True)), compiling.KINDS
     ):
         curve, bodies = point.case.curve, point.case.bodies
         known = point.median(f"compile{kind}") or 0.0
-        if bodies >= given_up.get((curve, kind), bodies + 1) or (turn and known > terms.patience * ONCE):
+        if bodies >= given_up.get((curve, kind), bodies + 1) or (turn and known > terms.time_limit * ONCE):
             continue
         _say(f"compiling {point.case}{kind}")
         try:
-            point.add(compiling.compiled(folder, kind, terms.patience))
-        except compiling.ExceededError as error:
+            point.add(compiling.compiled(folder, kind, terms.time_limit))
+        except TimeLimitError as error:
             given_up[curve, kind] = bodies
-            study.missing.append(f"{point.case}{kind} and larger ones: the compiler took {error}")
+            reason = f"the compiler took more than {error.seconds:g} s for a file"
+            study.missing.append(f"{point.case}{kind} and larger ones: {reason}")
 
 
 def _time(study: Study, folders: Sequence[Path], terms: GrowthOptions) -> None:

@@ -5,15 +5,12 @@ from __future__ import annotations
 import platform
 import re
 import shutil
-import subprocess
 import time
-from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.growth.cases import Case
-from kanegen.library.native import compilers
+from kanegen.library.native import commands, compilers
 from kanegen.options import STRICT
-from kanegen.studies.bench import patient
 
 DRIVER = Path(__file__).with_name("driver.c")
 ARGUMENTS = {
@@ -27,24 +24,22 @@ KINDS = ("", " batch")
 """Of files: those of one state, those of many states at once. Ends of the names of measures."""
 
 
-class ExceededError(Exception):
-    """A compiler that took too long."""
-
-
-def compiled(folder: Path, kind: str, patience: float) -> dict[str, float]:
+def compiled(folder: Path, kind: str, time_limit: float) -> dict[str, float]:
     """Compile every file of a kind with kanegen's default flags, one after the other.
 
     Returns:
         Seconds, and bytes of instructions where binutils tell them.
 
     Raises:
-        ExceededError: If a file takes more than `patience` seconds.
+        TimeLimitError: If a file takes more than `time_limit` seconds.
+        BuildError: If the compiler fails.
     """
     files = [path.name for path in sorted(folder.glob("*.c")) if path.name != "main.c"]
     chosen = [file for file in files if ("_batch" in file) == bool(kind)]
     start = time.perf_counter()
     for file in chosen:
-        _run([*_compiler(), *STRICT.flags, "-c", file, "-o", f"{file}.o"], folder, patience)
+        command = [*_compiler(), *STRICT.flags, "-c", file, "-o", f"{file}.o"]
+        commands.make(command, f"{file}.o", folder, time_limit)
     seconds = time.perf_counter() - start
     can_tell = platform.system() == "Linux" and shutil.which("size")
     sizes = [_text_bytes(folder / f"{file}.o") for file in chosen] if can_tell else []
@@ -53,8 +48,7 @@ def compiled(folder: Path, kind: str, patience: float) -> dict[str, float]:
 
 def _text_bytes(file: Path) -> float:
     """Size of the instructions in an object file."""
-    command = ["size", "-A", "-d", str(file)]
-    printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    printed = commands.output(["size", "-A", "-d", file])
     return float(sum(map(int, re.findall(r"^\.text\S*\s+(\d+)", printed, flags=re.MULTILINE))))
 
 
@@ -67,26 +61,16 @@ def link(case: Case, folder: Path, freedoms: int) -> Path:
         f"-DRESULTS={freedoms**2 if output == 'mass_matrix' else freedoms}",
         f"-DCALL={name}_{output}({ARGUMENTS[output]})",
     ]
-    program = folder / "timing"
     objects = [path.name for path in sorted(folder.glob("*.c.o")) if "_batch" not in path.name]
     command = [*_compiler(), "-O2", f"-I{folder}", *definitions, str(DRIVER), *objects, "-lm"]
-    _run([*command, "-o", str(program)], folder, None)
-    return program
+    commands.make([*command, "-o", "timing"], "timing", folder)
+    return folder / "timing"
 
 
 def run_time(program: Path, seconds: float) -> float:
     """Nanoseconds of one state, over about `seconds`."""
-    return float(subprocess.run([program, str(seconds)], check=True, capture_output=True, text=True).stdout)
+    return float(commands.output([program, str(seconds)]))
 
 
 def _compiler() -> tuple[str, ...]:
     return (*compilers.find().command, "-std=c99")
-
-
-def _run(command: Sequence[str], folder: Path, patience: float | None) -> None:
-    try:
-        done = patient.run(command, folder, patience)
-    except subprocess.TimeoutExpired:
-        raise ExceededError(f"more than {patience:g} s for a file") from None
-    if done.returncode:
-        raise RuntimeError(f"{' '.join(command)}\n{done.stderr}")

@@ -29,7 +29,7 @@ as the square, so 2 is all that can be asked there."""
 WIDTH = 110
 
 ONCE = 0.1
-"""Share of the patience beyond which nothing is compiled a second time."""
+"""Share of the time limit beyond which nothing is compiled a second time."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +39,12 @@ class GrowthOptions:
     Attributes:
         rounds: Of generation and compilation; three times as many of run times.
         seconds: Of every timing of one state.
-        patience: Seconds that the compiler is given for one file.
+        time_limit: Seconds that the compiler is given for one file.
     """
 
     rounds: int = 3
     seconds: float = 0.05
-    patience: float = 600.0
+    time_limit: float = 600.0
 
     @property
     def turns(self) -> int:
@@ -70,8 +70,8 @@ def _method(terms: GrowthOptions) -> str:
     largest = ", ".join(f"`{output}` up to {bodies} bodies" for output, bodies in LARGEST.items())
     care = (
         f"{largest}. Every case has a turn in each of {terms.rounds} rounds; medians are over rounds. What "
-        f"takes the compiler more than {terms.patience * ONCE:g} s is compiled once; a file is given up "
-        f"after {terms.patience:g} s, and with it all larger trees of its curve."
+        f"takes the compiler more than {terms.time_limit * ONCE:g} s is compiled once; a file is given up "
+        f"after {terms.time_limit:g} s, and with it all larger trees of its curve."
     )
     return f"""\
 ## What is measured

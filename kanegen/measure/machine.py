@@ -21,7 +21,7 @@ def description() -> list[str]:
     """
     return [
         f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}",
-        compilers.find().identity.splitlines()[1],
+        compilers.find().version,
         f"Python {platform.python_version()}, {', '.join(map(_version, PACKAGES))}",
     ]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import kanegen as kg
 from kanegen.library.native.compilers import find
-from kanegen.library.native.selftest import honest, properties
+from kanegen.library.native.selftest import properties, sound_flags
 from kanegen.program import semantics
 from tests.battery import scenes
 from tests.battery.measuring import FORWARD
@@ -38,8 +38,8 @@ def _narrowing(command: str, short: str) -> Row:
     """Doubles that become floats, which gcc 12 forgets to round: with the flags used they are rounded."""
     compiler = find(command)
     source = kg.generate(scenes.straight(2), FORWARD, tier=kg.Variant(storage="float"))
-    flags = honest(compiler, source)
+    flags = sound_flags(compiler, source)
     lost = semantics.NARROWING not in properties(compiler, source.variant.flags)
-    over = f"{' '.join(flags)}; without a mend it is {'lost' if lost else 'kept'}"
+    over = f"{' '.join(flags)}; without a remedy it is {'lost' if lost else 'kept'}"
     still = semantics.NARROWING not in properties(compiler, flags)
     return count(f"rounding to float, {short}", [still], over, "kept")

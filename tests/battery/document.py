@@ -68,6 +68,6 @@ def _sentence(cause: str) -> str:
 
 
 def _where() -> str:
-    versions = [find(name).identity.splitlines()[1] for name in compilers()]
-    lines = [machine(), *versions, f"Figures of errors: {find().identity.splitlines()[1]}"]
+    versions = [find(name).version for name in compilers()]
+    lines = [machine(), *versions, f"Figures of errors: {find().version}"]
     return "\n".join(f"- {line}" for line in lines)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import kanegen as kg
-from kanegen.library.native import compilers
+from kanegen.library.native import commands
+from kanegen.library.native.build import code, program
 from kanegen.program.precision import Precision
 from kanegen.reference.states import States
 from tests.battery.measuring import FORWARD, Floats
@@ -27,59 +27,34 @@ def printed(
     flags: Sequence[str],
     sincos: str = "shared",
 ) -> str:
-    """What the program `driver` prints, which reads states from the files x, y and tau.
+    """Return what the program `driver` prints, which reads states from the files x, y and tau.
 
     Args:
-        driver: File next to this one.
-        system: Whose forward dynamics it calls, as ONE(x, y, tau, found) and MANY(count, ...).
-        precision: Its type is REAL.
-        states: B of them, without loads.
-        tau: (B, n).
-        flags: Of the compiler, for the driver and the generated code.
+        driver: File name of the C program, in this folder.
+        system: Model whose forward dynamics it calls, as ONE(x, y, tau, found) and MANY(count, ...).
+        precision: Precision whose type is REAL in the program.
+        states: B states without loads.
+        tau: (B, n) generalized forces.
+        flags: Compiler flags of the driver and the generated code.
         sincos: Which sine and cosine the code has, as in `Variant`.
 
     Raises:
-        CalledProcessError: If the compiler or the program fails; `output` says why.
+        CommandError: If the compiler or the program fails.
     """
     source = kg.generate(system, FORWARD, tier=kg.Variant(precision=precision.name, sincos=sincos))
+    defined = [f"-DN={len(system.freedoms)}", f"-DREAL={precision.name}", f'-DHEADER="{system.name}.h"']
+    calls = [f"-DONE={system.name}_forward_dynamics", f"-DMANY={system.name}_forward_dynamics_batch"]
+    files = code(source) | {path.name: path.read_text() for path in (HERE / driver, *HERE.glob("*.h"))}
+    every = ["-std=c99", *flags, *defined, *calls]
+    by_file = {file: every for file in files if file.endswith(".c")}
+    built = program("driver", files, by_file, (*flags, "-lm"))
     with tempfile.TemporaryDirectory() as name:
-        folder = source.write(Path(name) / "c")
         for array, values in (("x", states.x), ("y", states.y), ("tau", tau)):
-            (folder / array).write_bytes(values.astype(precision.dtype).tobytes())
-        code = [f"{system.name}.c", f"{system.name}_batch.c", str(HERE / driver)]
-        defined = [f"-DN={len(system.freedoms)}", f"-DREAL={precision.name}", f'-DHEADER="{system.name}.h"']
-        calls = [f"-DONE={system.name}_forward_dynamics", f"-DMANY={system.name}_forward_dynamics_batch"]
-        command = [
-            *compilers.find().command,
-            "-std=c99",
-            *flags,
-            *defined,
-            *calls,
-            "-I.",
-            *code,
-            "-lm",
-        ]
-        run([*command, "-o", "driver"], folder)
-        return run([str(folder / "driver"), str(len(states))], folder)
-
-
-def run(command: Sequence[str], folder: Path) -> str:
-    """What a command prints.
-
-    Raises:
-        CalledProcessError: If it fails.
-    """
-    done = subprocess.run(command, cwd=folder, check=True, text=True, capture_output=True)
-    return done.stdout
-
-
-def failure(error: subprocess.CalledProcessError) -> str:
-    """The first line of what a failed program said."""
-    lines = [line for line in str(error.stderr).splitlines() if line.strip()]
-    return next((line for line in lines if "error" in line), lines[0] if lines else str(error))
+            (Path(name) / array).write_bytes(values.astype(precision.dtype).tobytes())
+        return commands.output([built, str(len(states))], Path(name))
 
 
 def efforts_for(states: States, seed: int) -> Floats:
-    """(B, n) random, up to 10."""
+    """Return (B, n) random generalized forces, up to 10."""
     values: Floats = np.random.default_rng(seed).uniform(-10, 10, states.x.shape)
     return values

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import platform
-import subprocess
 import warnings
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 import kanegen as kg
+from kanegen.errors import BuildError
 from kanegen.library import Library
 from kanegen.program.precision import Precision
 from kanegen.reference.states import random_states
@@ -45,7 +45,7 @@ def _trapped(precision: Precision, amount: int) -> bool:
     states = random_states(system, amount, 20).rounded(precision)
     try:
         printed("flags.c", system, precision, states, efforts_for(states, 20), (*FLAGS, "-DTRAP"))
-    except subprocess.CalledProcessError:
+    except BuildError:
         return True
     return False
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import os
 import platform
 import shutil
@@ -14,6 +13,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 import kanegen as kg
+from kanegen.extras import is_installed
 from kanegen.program.precision import Precision, named
 from kanegen.reference.states import random_states
 from tests.battery import scenes
@@ -32,7 +32,7 @@ def compilers() -> list[str]:
     """Those of the machine, and the package ziglang, which links a libm of its own at -O0."""
     found = [name for name in ("gcc", "clang") if shutil.which(name)]
     zig = f"{sys.executable} -m ziglang cc"
-    return [*found, zig] if importlib.util.find_spec("ziglang") else found
+    return [*found, zig] if is_installed("ziglang") else found
 
 
 @subject("X32", "Reproducibility")

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Iterator
 
 import numpy as np
 
 import kanegen as kg
+from kanegen.library.native.commands import CommandError
 from kanegen.program.precision import Precision
 from kanegen.reference.states import random_states
 from tests.battery import scenes
-from tests.battery.drivers import efforts_for, failure, printed
+from tests.battery.drivers import efforts_for, printed
 from tests.battery.measuring import PRECISIONS
 from tests.battery.rows import Row, Size, count, subject
 
@@ -53,6 +53,6 @@ def _objection(system: kg.System, precision: Precision) -> str:
     states = random_states(system, 37, 33).rounded(precision)
     try:
         wrong = printed("sanitized.c", system, precision, states, efforts_for(states, 33), FLAGS)
-    except subprocess.CalledProcessError as error:
-        return failure(error)
+    except CommandError as error:
+        return error.reason
     return "" if int(wrong) == 0 else "a regular state is refused"

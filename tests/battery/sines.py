@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Iterator
-from pathlib import Path
 
 import flint
 import numpy as np
@@ -13,11 +11,12 @@ import numpy as np
 import kanegen as kg
 from kanegen.c.minimax import minimax
 from kanegen.c.sincos import SHARED, own
-from kanegen.library.native import compilers
+from kanegen.library.native import commands
+from kanegen.library.native.build import program
 from kanegen.options import SINCOS, Variant
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
 from tests.battery import scenes
-from tests.battery.drivers import HERE, run
+from tests.battery.drivers import HERE
 from tests.battery.measuring import FLAGS, PRECISIONS, Floats
 from tests.battery.rows import Row, Size, subject
 
@@ -65,13 +64,9 @@ def _polynomial(name: str, precision: Precision, amount: int) -> Row:
 def _floats(step: int) -> list[float]:
     """Largest errors of sine and cosine over every `step`-th float."""
     text = kg.generate(_mass(0), ("forcing",), precision="float").files["kanegen_sincosf.h"]
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "kanegen_sincosf.h").write_text(text)
-        driver = str(HERE / "sines.c")
-        flags = ["-std=c99", "-O2", "-ffp-contract=off", "-I."]
-        run([*compilers.find().command, *flags, driver, "-lm", "-o", "driver"], folder)
-        return [float(word) for word in run([str(folder / "driver"), str(step)], folder).split()]
+    files = {"kanegen_sincosf.h": text, "sines.c": (HERE / "sines.c").read_text()}
+    driver = program("sines", files, {"sines.c": ["-std=c99", "-O2", "-ffp-contract=off"]})
+    return [float(word) for word in commands.output([driver, str(step)]).split()]
 
 
 def _mass(direction: int) -> kg.System:

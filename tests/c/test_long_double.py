@@ -99,7 +99,7 @@ def test_c_is_clean_and_runs(compiler, tmp_path):
 
 def test_platforms_without_it_are_refused(monkeypatch):
     system = kg.load("models/cart_pole.toml")
-    monkeypatch.setattr(build, "bits", lambda dtype: 53)
+    monkeypatch.setattr(build, "significand_bits", lambda dtype: 53)
     assert kg.build(system).n == 2
     with pytest.raises(
         BuildError, match=r"^precision 'long double': long double has 53 bits .* Use double-double"

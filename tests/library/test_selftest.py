@@ -64,19 +64,19 @@ def test_the_program_sees_what_flags_do(flags, lost):
     assert lost not in kept("gcc", flags)
 
 
-def test_the_mend_for_dropped_rounding_brings_it_back():
-    mend = selftest.MENDS[semantics.NARROWING]
-    assert semantics.NARROWING in kept("gcc", shlex.join(("-O2", *mend)))
+def test_the_remedy_for_dropped_rounding_brings_it_back():
+    remedy = selftest.REMEDIES[semantics.NARROWING]
+    assert semantics.NARROWING in kept("gcc", shlex.join(("-O2", *remedy)))
 
 
-def test_the_mend_is_used_where_doubles_become_floats(monkeypatch):
+def test_the_remedy_is_used_where_doubles_become_floats(monkeypatch):
     def forgetful(compiler, flags):
         return EVERYTHING - (set() if "-fno-tree-slp-vectorize" in flags else {semantics.NARROWING})
 
     monkeypatch.setattr(selftest, "properties", forgetful)
     found = compilers.find()
-    assert selftest.honest(found, source(precision=FLOAT))[-1] == "-fno-tree-slp-vectorize"
-    assert "-fno-tree-slp-vectorize" not in selftest.honest(found, source())
+    assert selftest.sound_flags(found, source(precision=FLOAT))[-1] == "-fno-tree-slp-vectorize"
+    assert "-fno-tree-slp-vectorize" not in selftest.sound_flags(found, source())
 
 
 def test_a_compiler_that_does_not_keep_a_promise_is_refused(monkeypatch):

@@ -256,7 +256,7 @@ def test_motion_that_leaves_the_numbers() -> None:
 def test_without_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(
-        kg.KanegenError, match=r"needs the Python package scipy \(pip install 'kanegen\[study\]'\)"
+        kg.KanegenError, match=r"the Python package scipy is not installed \(pip install 'kanegen\[study\]'\)"
     ):
         run("DOP853")
     assert run("RK4", step=0.125).evaluations == 320

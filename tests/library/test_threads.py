@@ -41,7 +41,7 @@ import sys
 import numpy as np
 from kanegen.library import load
 from tests.support.handmade import source
-from tests.test_threads import states
+from tests.library.test_threads import states
 library = load(source(), "gcc", threads=True)
 x, y = states()
 result = library.evaluate(x, y)
@@ -95,7 +95,7 @@ import gc
 from pathlib import Path
 from kanegen.library import load
 from tests.support.handmade import source
-from tests.test_threads import states
+from tests.library.test_threads import states
 library = load(source(), "gcc", threads=True)
 library.evaluate(*states())
 del library

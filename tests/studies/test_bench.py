@@ -210,7 +210,7 @@ def test_sympy_is_not_tried_with_many_freedoms(monkeypatch: pytest.MonkeyPatch, 
 
 def test_sympy_is_stopped_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(pydy_peer, "require", Path)
-    monkeypatch.setattr(pydy_peer, "PATIENCE", 0.001)
+    monkeypatch.setattr(pydy_peer, "TIME_LIMIT", 0.001)
     states = random_states(TWO_LINKS, 1)
     ((_, make),) = pydy_peer.makers(Arena(TWO_LINKS, states, tmp_path / "states", tmp_path))
     with pytest.raises(MissingError, match=r"did not finish in 0\.001 s"):
@@ -220,7 +220,7 @@ def test_sympy_is_stopped_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch,
 def test_a_compiler_that_fails_or_takes_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(MissingError, match=r"the compiler failed: .*error"):
         building.compiled("broken", {"broken.c": "int main(void) { return }"}, ())
-    monkeypatch.setattr(building, "PATIENCE", 0.0001)
+    monkeypatch.setattr(building, "TIME_LIMIT", 0.0001)
     with pytest.raises(MissingError, match=r"the compiler took more than 0\.0001 s"):
         building.compiled("slow", {"slow.c": "int slow;"}, ())
 

@@ -13,6 +13,7 @@ from benchmarks.growth.cases import CURVES, Case, Curve, cases, free_tree
 from benchmarks.growth.document import GrowthOptions, document
 from benchmarks.growth.generating import generated
 from benchmarks.growth.results import Point, Study, exponent, series
+from kanegen.library.native.commands import CommandError, TimeLimitError
 
 
 def test_cases_double_and_end_at_their_largest() -> None:
@@ -51,13 +52,13 @@ def test_a_case_is_generated_compiled_and_run(output: str, tmp_path: Path) -> No
 
 def test_a_slow_compiler_is_stopped(tmp_path: Path) -> None:
     (tmp_path / "slow.c").write_text("int main(void) { return 0; }\n")
-    with pytest.raises(compiling.ExceededError, match="more than"):
+    with pytest.raises(TimeLimitError, match="more than"):
         compiling.compiled(tmp_path, "", 1e-4)
 
 
 def test_a_compiler_that_fails_says_why(tmp_path: Path) -> None:
     (tmp_path / "wrong.c").write_text("int x = y;\n")
-    with pytest.raises(RuntimeError, match="undeclared"):
+    with pytest.raises(CommandError, match="undeclared"):
         compiling.compiled(tmp_path, "", 60.0)
 
 

@@ -1,4 +1,4 @@
-"""From C to a shared library on disk."""
+"""Generated C becomes shared libraries and programs on disk, each compiled once and kept in the cache."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import platform
 import shlex
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +16,54 @@ import numpy as np
 
 from kanegen.c import Source
 from kanegen.errors import BuildError, KanegenWarning
-from kanegen.library.native import cache, compilers, selftest
+from kanegen.library.native import cache, commands, compilers, selftest
 from kanegen.program import precision as precisions
 from kanegen.program import semantics
 from kanegen.program.precision import LONG_DOUBLE
 
-_CALLER = 5
-"""Frames from a warning here to the line that called `kanegen.build`."""
+EXAMPLE = "main.c"
+"""Generated file that is an example of use and no part of the library."""
 
-_ALWAYS = ("-std=c99", "-fPIC")
+_FRAMES = 5
+"""Frames from a warning of `_openmp_flags` to the line that called `kanegen.build`."""
+
+_LIBRARY_FLAGS = ("-std=c99", "-fPIC")
+"""Compiler flags of every shared library."""
+
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+"""End of the name of a shared library on this platform."""
+
+
+@dataclass(frozen=True)
+class Product:
+    """A shared library or program, and everything that it depends on.
+
+    Attributes:
+        name: Name of its file.
+        files: Texts of sources and headers by relative path.
+        compile: For each source file the command that compiles it, without the names of files.
+        link: Command that links the objects, without the names of files.
+        link_arguments: Arguments of the linker after the objects, such as `("-lm",)`.
+        fingerprints: Fingerprints of the compilers.
+        seconds: Time limit of each command, s; None is no limit.
+    """
+
+    name: str
+    files: Mapping[str, str]
+    compile: Mapping[str, tuple[str, ...]]
+    link: tuple[str, ...]
+    link_arguments: tuple[str, ...]
+    fingerprints: tuple[str, ...]
+    seconds: float | None = None
+
+    @property
+    def key(self) -> str:
+        """Name of its entry in the cache."""
+        texts = [part for item in sorted(self.files.items()) for part in item]
+        commands_ = [shlex.join((file, *command)) for file, command in self.compile.items()]
+        flags = [*self.link, *(flag for command in self.compile.values() for flag in command)]
+        parts = [self.name, *texts, *commands_, *self.link, *self.link_arguments, *self.fingerprints]
+        return cache.key([*parts, *_machine(flags)])
 
 
 def build(
@@ -33,59 +72,134 @@ def build(
     flags: str | Sequence[str] | None = None,
     threads: bool = False,
 ) -> Path:
-    """Compile `source`, its files at the same time, unless the cache has it already.
+    """Compile `source` to a shared library, unless the cache has it already.
 
     Args:
-        source: From `kanegen.generate`.
-        compiler: Command of a compiler that takes gcc's options; default `$KANEGEN_CC`, `$CC`, cc, gcc,
-            clang, or that of the package ziglang.
-        flags: Instead of those of its variant, one by one or as a shell would have them.
-        threads: Let OpenMP share large batches among threads. A compiler without it brings a
-            `KanegenWarning`, and one thread.
+        source: Generated C, from `kanegen.generate`.
+        compiler: Command of a compiler that takes gcc's options; by default that of `compilers.find`.
+        flags: Compiler flags in place of those of the variant, as a sequence or as a shell would split them.
+        threads: Whether OpenMP shares large batches among threads. With a compiler without OpenMP this gives
+            a `KanegenWarning`, and batches use one thread.
 
     Returns:
-        The shared library.
+        Path of the shared library.
 
     Raises:
         BuildError: If there is no compiler, it fails or does not keep what the variant promises, or the
             cache folder cannot be used.
     """
     found = compilers.find(compiler)
-    chosen = selftest.honest(found, source) if flags is None else _split(flags)
-    _require_digits(source)
+    chosen = selftest.sound_flags(found, source) if flags is None else _split(flags)
+    _require_long_double(source)
     selftest.require(found, chosen, precisions.named(source.precision).needs)
     if threads:
-        chosen += _openmp(found)
-    texts = {file: text for file, text in source.files.items() if _is_code(file)}
-    library = f"lib{source.model.name}{_SUFFIX}"
-    start = (*found.command, *_ALWAYS, *chosen)
-    objects = {file: f"{file}.o" for file in texts if file.endswith(".c")}
-    compile_ = [[*start, "-c", file, "-o", object_] for file, object_ in objects.items()]
-    link = [*semantics.linking(start), "-shared", "-o", library, *objects.values(), "-lm"]
+        chosen += _openmp_flags(found)
+    command = (*found.command, *_LIBRARY_FLAGS, *chosen)
+    files = code(source)
+    product = Product(
+        name=f"lib{source.model.name}{_SUFFIX}",
+        files=files,
+        compile={file: command for file in files if file.endswith(".c")},
+        link=(*semantics.linking(command), "-shared"),
+        link_arguments=("-lm",),
+        fingerprints=(found.fingerprint,),
+    )
+    return made(product)
+
+
+def program(
+    name: str,
+    files: Mapping[str, str],
+    flags: Mapping[str, Sequence[str]],
+    link_arguments: Sequence[str] = ("-lm",),
+    seconds: float | None = None,
+) -> Path:
+    """Compile a program from C and C++, unless the cache has it already.
+
+    Args:
+        name: Name of the program.
+        files: Texts of sources and headers by relative path.
+        flags: For each source file, which ends in .c or .cpp, the compiler flags. Headers are also looked
+            for in the folder of the program.
+        link_arguments: Arguments of the linker after the objects.
+        seconds: Time limit for each file, s; by default there is none.
+
+    Returns:
+        Path of the program.
+
+    Raises:
+        BuildError: If there is no C compiler, it fails, or the cache folder cannot be used.
+        TimeLimitError: If a file takes longer than `seconds`.
+        MissingError: If there is C++ and no C++ compiler.
+    """
+    c = compilers.find()
+    cpp = compilers.find_cpp() if any(file.endswith(".cpp") for file in flags) else c
+    by_file = {file: cpp if file.endswith(".cpp") else c for file in flags}
+    product = Product(
+        name=name,
+        files=files,
+        compile={file: (*by_file[file].command, *own, "-I.") for file, own in flags.items()},
+        link=cpp.command,
+        link_arguments=tuple(link_arguments),
+        fingerprints=(c.fingerprint, cpp.fingerprint),
+        seconds=seconds,
+    )
+    return made(product)
+
+
+def made(product: Product) -> Path:
+    """Return the path of `product` in the cache, where it is compiled if it is missing.
+
+    Its source files are compiled at the same time.
+
+    Raises:
+        BuildError: If a compiler fails or the cache folder cannot be used.
+        TimeLimitError: If a command exceeds the time limit.
+    """
+    objects = {file: f"{file}.o" for file in product.compile}
+
+    def compile_(folder: Path, file: str) -> None:
+        command = [*product.compile[file], "-c", file, "-o", objects[file]]
+        commands.make(command, objects[file], folder, product.seconds)
 
     def fill(folder: Path) -> None:
-        for file, text in texts.items():
-            (folder / file).write_text(text, encoding="utf-8", newline="\n")
+        write(product.files, folder)
         with ThreadPoolExecutor() as pool:
-            list(pool.map(lambda command: compilers.make(command, command[-1], folder), compile_))
-        compilers.make(link, library, folder)
-        for object_ in objects.values():
-            (folder / object_).unlink()
+            list(pool.map(lambda file: compile_(folder, file), product.compile))
+        command = [*product.link, "-o", product.name, *objects.values(), *product.link_arguments]
+        commands.make(command, product.name, folder, product.seconds)
+        for file in objects.values():
+            (folder / file).unlink()
 
-    parts = (*texts.values(), found.identity, *link, *_machine(chosen))
-    return cache.entry(cache.key(parts), fill) / library
+    return cache.entry(product.key, fill) / product.name
 
 
-def bits(dtype: np.dtype[Any]) -> int:
-    """Bits of the significand of a type on this platform."""
+def code(source: Source) -> dict[str, str]:
+    """Return the sources and headers of the library, without the example, by file name."""
+    return {f: text for f, text in source.files.items() if f.endswith((".h", ".c")) and f != EXAMPLE}
+
+
+def write(files: Mapping[str, str], folder: Path) -> None:
+    """Write the texts `files`, by relative path, into `folder`."""
+    for file, text in files.items():
+        (folder / file).parent.mkdir(parents=True, exist_ok=True)
+        (folder / file).write_text(text, encoding="utf-8", newline="\n")
+
+
+def significand_bits(dtype: np.dtype[Any]) -> int:
+    """Return the number of bits of the significand of a floating-point type on this platform."""
     return int(np.finfo(dtype).nmant) + 1
 
 
-def _require_digits(source: Source) -> None:
-    """Refuse `long double` where it is no wider than double."""
+def _require_long_double(source: Source) -> None:
+    """Make sure that `long double`, where the code uses it, is wider than double.
+
+    Raises:
+        BuildError: If it has no more bits than double on this platform.
+    """
     for name in (source.precision, source.storage):
         precision = precisions.named(name)
-        digits = bits(precision.dtype)
+        digits = significand_bits(precision.dtype)
         if name == LONG_DOUBLE.name and digits < precision.digits:
             raise BuildError(
                 f"precision {name!r}: long double has {digits} bits on this platform, no more than double. "
@@ -93,29 +207,28 @@ def _require_digits(source: Source) -> None:
             )
 
 
-def _openmp(compiler: compilers.Compiler) -> tuple[str, ...]:
-    """The flag for threads, where the compiler has them."""
+def _openmp_flags(compiler: compilers.Compiler) -> tuple[str, ...]:
+    """Return the flag for threads, or nothing and a `KanegenWarning` if the compiler has no OpenMP."""
     if compilers.has_openmp(compiler):
         return (compilers.OPENMP,)
     warnings.warn(
         f"{shlex.join(compiler.command)} has no OpenMP, so batches use one thread. Install it, such as "
         "libomp for clang, or name another compiler.",
         KanegenWarning,
-        stacklevel=_CALLER,
+        stacklevel=_FRAMES,
     )
     return ()
 
 
 def _split(flags: str | Sequence[str]) -> tuple[str, ...]:
+    """Return flags one by one; one string is split as a shell does it."""
     return tuple(shlex.split(flags) if isinstance(flags, str) else flags)
 
 
-def _is_code(file: str) -> bool:
-    """Whether a generated file is part of the library; the example is not."""
-    return file.endswith((".h", ".c")) and file != "main.c"
-
-
 def _machine(flags: Sequence[str]) -> tuple[str, ...]:
-    """What the code runs on; a home folder may be shared by machines, so `native` code is for one of them."""
+    """Return what the code is compiled for: system and processor, and for native code this one machine.
+
+    A home folder may be shared by machines whose processors have different instructions.
+    """
     kind = (platform.system(), platform.machine())
     return (*kind, platform.node()) if any("native" in flag for flag in flags) else kind

@@ -1,8 +1,9 @@
 """Compiled code on disk, shared by all processes of a user.
 
-An entry is a folder whose name is a digest of everything that the code depends on. It is filled under another
-name and renamed when it is whole, so any number of processes may build it at once, and one that is killed
-leaves only a folder that nobody reads. A list of digests inside tells a damaged entry, which is made anew.
+An entry is a folder whose name is a digest of everything that the code depends on. It is filled under a
+temporary name and renamed when it is complete, so that any number of processes may make it at once, and a
+process that is killed leaves only a folder that nobody reads. A list of the digests of its files shows
+whether an entry is damaged; a damaged entry is made anew.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ import hashlib
 import os
 import shutil
 import tempfile
+import threading
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -21,21 +24,29 @@ import platformdirs
 from kanegen.errors import BuildError
 
 VARIABLE = "KANEGEN_CACHE"
-"""Environment variable that names another folder than the user's cache folder."""
+"""Environment variable that may name another folder than `kanegen` in the user's cache folder."""
 
-_MANIFEST = "SHA256SUMS"
+_DIGESTS = "SHA256SUMS"
+"""File of an entry that lists the SHA-256 digests of all other files, as `sha256sum` prints them."""
+
 _UNFINISHED = "unfinished-"
+"""Prefix of the temporary folders in which entries are made."""
+
 _DAY = 24 * 3600.0
+"""Age in s beyond which an unfinished folder is taken to be abandoned."""
+
+_LOCKS: defaultdict[str, threading.Lock] = defaultdict(threading.Lock)
+"""A lock for each entry: of several threads that need an entry one makes it and the others wait."""
 
 
 def folder() -> Path:
-    """Where the cache is: `$KANEGEN_CACHE`, or `kanegen` in the user's cache folder."""
+    """Return the folder of the cache: `$KANEGEN_CACHE`, or `kanegen` in the user's cache folder."""
     named = os.environ.get(VARIABLE)
     return Path(named).absolute() if named else platformdirs.user_cache_path("kanegen", appauthor=False)
 
 
 def key(parts: Iterable[str]) -> str:
-    """A name for what depends on exactly `parts`."""
+    """Return the name of the entry that depends on exactly `parts`, in their order."""
     digest = hashlib.sha256()
     for part in parts:
         data = part.encode()
@@ -44,27 +55,24 @@ def key(parts: Iterable[str]) -> str:
 
 
 def entry(name: str, fill: Callable[[Path], None]) -> Path:
-    """The folder of the entry `name`, which `fill` makes where it is missing.
+    """Return the folder of the entry `name`, which `fill` makes if it is missing or damaged.
 
     Args:
-        name: From `key`.
-        fill: Writes the files of the entry into the empty folder that it is given.
+        name: Name of the entry, from `key`.
+        fill: Function that writes the files of the entry into the empty folder that it is given.
 
     Raises:
-        BuildError: If the cache cannot be used; whatever `fill` raises.
+        BuildError: If the cache folder cannot be used.
+        Exception: Whatever `fill` raises.
     """
     root = folder()
     complete = root / name
     try:
-        if not _is_whole(complete):
-            root.mkdir(parents=True, exist_ok=True, mode=0o700)
-            _sweep(root)
-            with tempfile.TemporaryDirectory(prefix=_UNFINISHED, dir=root, ignore_cleanup_errors=True) as new:
-                content = Path(new) / name
-                content.mkdir()
-                fill(content)
-                _seal(content)
-                _publish(content, complete)
+        with _LOCKS[str(complete)]:
+            if not _is_intact(complete):
+                root.mkdir(parents=True, exist_ok=True, mode=0o700)
+                _remove_abandoned(root)
+                _make(complete, fill)
     except OSError as error:
         raise BuildError(
             f"cache folder {root} cannot be used: {error.strerror}. Set ${VARIABLE} to a folder that can be "
@@ -73,38 +81,48 @@ def entry(name: str, fill: Callable[[Path], None]) -> Path:
     return complete
 
 
+def _make(complete: Path, fill: Callable[[Path], None]) -> None:
+    """Fill an entry under a temporary name, list its digests and give it the name `complete`."""
+    with tempfile.TemporaryDirectory(
+        prefix=_UNFINISHED, dir=complete.parent, ignore_cleanup_errors=True
+    ) as temporary:
+        content = Path(temporary) / complete.name
+        content.mkdir()
+        fill(content)
+        files = sorted(path for path in content.rglob("*") if path.is_file())
+        lines = [f"{_digest(path)}  {path.relative_to(content).as_posix()}\n" for path in files]
+        (content / _DIGESTS).write_text("".join(lines))
+        _publish(content, complete)
+
+
 def _publish(content: Path, complete: Path) -> None:
-    """Give the entry its name, unless another process was faster."""
+    """Rename the folder `content` to `complete`, unless another process has made that entry meanwhile."""
     try:
         content.rename(complete)
     except OSError:
-        if _is_whole(complete):
+        if _is_intact(complete):
             return
         with suppress(FileNotFoundError):
             complete.rename(content.with_name("damaged"))
         content.rename(complete)
 
 
-def _seal(content: Path) -> None:
-    lines = [f"{_digest(path)}  {path.name}\n" for path in sorted(content.iterdir())]
-    (content / _MANIFEST).write_text("".join(lines))
-
-
-def _is_whole(complete: Path) -> bool:
-    """Whether every file is there as it was written."""
+def _is_intact(complete: Path) -> bool:
+    """Whether an entry exists and every file of it has the digest that is listed."""
     try:
-        rows = [line.split("  ") for line in (complete / _MANIFEST).read_text().splitlines()]
+        rows = [line.split("  ", 1) for line in (complete / _DIGESTS).read_text().splitlines()]
         return bool(rows) and all(_digest(complete / name) == digest for digest, name in rows)
     except (OSError, ValueError):
         return False
 
 
 def _digest(path: Path) -> str:
+    """Return the SHA-256 digest of a file, in hexadecimal."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _sweep(root: Path) -> None:
-    """Remove what processes left that were killed long ago."""
+def _remove_abandoned(root: Path) -> None:
+    """Remove unfinished folders of processes that were killed more than a day ago."""
     for path in root.glob(f"{_UNFINISHED}*"):
         with suppress(FileNotFoundError):
             if time.time() - path.stat().st_mtime > _DAY:

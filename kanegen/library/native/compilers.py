@@ -1,50 +1,65 @@
-"""Which C compiler to use."""
+"""The C and C++ compilers of the machine: which one is used, its version, and whether it has OpenMP."""
 
 from __future__ import annotations
 
 import functools
-import importlib.util
 import os
 import shlex
 import shutil
-import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from kanegen.errors import BuildError
+from kanegen.errors import BuildError, MissingError
+from kanegen.extras import is_installed
+from kanegen.library.native import commands
 
 VARIABLES = ("KANEGEN_CC", "CC")
-"""Environment variables that may name a compiler, the first one first."""
-
-OPENMP = "-fopenmp"
-"""Flag by which batches use several threads."""
-
-_PROBE = "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n"
+"""Environment variables that may name a C compiler; the first one that is set counts."""
 
 COMMANDS = ("cc", "gcc", "clang")
-"""What is looked for otherwise."""
+"""Names of C compilers that are looked for on the path, in this order, where no variable names one."""
+
+CPP_VARIABLE = "CXX"
+"""Environment variable that may name a C++ compiler."""
+
+CPP_COMMANDS = ("c++", "g++", "clang++")
+"""Names of C++ compilers that are looked for on the path, in this order."""
+
+OPENMP = "-fopenmp"
+"""Compiler flag with which batches are shared among several threads."""
+
+_OPENMP_PROGRAM = "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n"
 
 
 @dataclass(frozen=True)
 class Compiler:
-    """A C compiler that takes the options of gcc and clang.
+    """A compiler that takes the options of gcc and clang.
 
     Attributes:
         command: Program and first arguments, such as `("/usr/bin/gcc",)`.
-        identity: Command and version; code from compilers of the same identity is the same.
+        fingerprint: The command and, from the second line on, what `--version` prints. Compilers of the
+            same fingerprint make the same code.
     """
 
     command: tuple[str, ...]
-    identity: str
+    fingerprint: str
+
+    @property
+    def version(self) -> str:
+        """The first line that `--version` prints."""
+        return self.fingerprint.splitlines()[1]
 
 
 def find(command: str | None = None) -> Compiler:
-    """The compiler `command`, or that of `VARIABLES`, or of `COMMANDS`, or of the package ziglang.
+    """Find the C compiler: `command`, or that of `VARIABLES`, of `COMMANDS` or of the package ziglang.
+
+    Args:
+        command: A shell command, which may have arguments, such as "ccache gcc".
 
     Raises:
-        BuildError: If there is none, or the one asked for does not exist.
+        BuildError: If there is no C compiler, or the one that is named does not exist.
     """
     if command is not None:
         return _named(command, "compiler")
@@ -54,17 +69,41 @@ def find(command: str | None = None) -> Compiler:
     for name in COMMANDS:
         path = shutil.which(name)
         if path is not None:
-            return _identified((path,))
-    if importlib.util.find_spec("ziglang") is not None:
-        return _identified((sys.executable, "-m", "ziglang", "cc"))
+            return _versioned((path,))
+    if is_installed("ziglang"):
+        return _versioned((sys.executable, "-m", "ziglang", "cc"))
     raise BuildError(
         f"no C compiler: none of {', '.join(COMMANDS)} is on the path. Install gcc or clang with the "
         "system's package manager, or `pip install ziglang`, or name a compiler in $KANEGEN_CC."
     )
 
 
+def find_cpp() -> Compiler:
+    """Find the C++ compiler: that of `CPP_VARIABLE`, or the first of `CPP_COMMANDS` on the path.
+
+    Raises:
+        MissingError: If there is no C++ compiler, or the one that is named does not exist.
+    """
+    named = shlex.split(os.environ.get(CPP_VARIABLE, ""))
+    for program, *arguments in [named] if named else [[name] for name in CPP_COMMANDS]:
+        path = shutil.which(program)
+        if path is not None:
+            return _versioned((path, *arguments))
+    raise MissingError(f"there is no C++ compiler {' or '.join(named[:1] or CPP_COMMANDS)}")
+
+
+@functools.cache
+def has_openmp(compiler: Compiler) -> bool:
+    """Whether `compiler` compiles and links a program with `OPENMP`."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "openmp.c").write_text(_OPENMP_PROGRAM)
+        command = [*compiler.command, OPENMP, "openmp.c", "-o", "openmp"]
+        return commands.run(command, folder).returncode == 0
+
+
 def _named(command: str, origin: str) -> Compiler:
-    """A compiler that somebody asked for; it may have arguments, such as `ccache gcc`."""
+    """Return the compiler that the user names by `command`; `origin` says where, for error messages."""
     try:
         program, *arguments = shlex.split(command)
     except (ValueError, AttributeError):
@@ -72,54 +111,11 @@ def _named(command: str, origin: str) -> Compiler:
     path = shutil.which(program)
     if path is None:
         raise BuildError(f"{origin}: the C compiler {program!r} cannot be found. Install it or name another.")
-    return _identified((path, *arguments))
+    return _versioned((path, *arguments))
 
 
 @functools.cache
-def _identified(command: tuple[str, ...]) -> Compiler:
-    result = run([*command, "--version"])
-    return Compiler(command, f"{shlex.join(command)}\n{result.stdout}")
-
-
-@functools.cache
-def has_openmp(compiler: Compiler) -> bool:
-    """Whether `compiler` makes and links a program with `OPENMP`."""
-    with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "probe.c").write_text(_PROBE)
-        command = [*compiler.command, OPENMP, "probe.c", "-o", "probe"]
-        return run(command, folder).returncode == 0
-
-
-def run(command: list[str], folder: str | None = None) -> subprocess.CompletedProcess[str]:
-    """Run a compiler in `folder` and wait for it.
-
-    Raises:
-        BuildError: If it cannot be started.
-    """
-    try:
-        return subprocess.run(
-            command,
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-    except OSError as error:
-        raise BuildError(f"{shlex.join(command)}: cannot be run: {error.strerror}.") from error
-
-
-def make(command: list[str], output: str, folder: Path) -> None:
-    """Run a compiler in `folder`, where it makes the file `output`.
-
-    Raises:
-        BuildError: If it does not.
-    """
-    result = run(command, str(folder))
-    if result.returncode != 0 or not (folder / output).is_file():
-        raise BuildError(
-            f"the C compiler failed with status {result.returncode} and made no {output}.\n"
-            f"command: {shlex.join(command)}\n{result.stdout}"
-        )
+def _versioned(command: tuple[str, ...]) -> Compiler:
+    """Return the compiler `command` with its version, which the compiler is asked for once a process."""
+    result = commands.run([*command, "--version"])
+    return Compiler(command, f"{shlex.join(command)}\n{result.stdout}{result.stderr}")

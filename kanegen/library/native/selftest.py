@@ -1,33 +1,37 @@
 """What a compiler makes of floating-point arithmetic with given flags, found out by running a small program.
 
-Compilers have been seen to drop the rounding to float of two neighbouring stores (gcc 12 from -O2 on), to
-compile NaN tests away, and to switch subnormal numbers off. Code is only built where what its variant
-promises holds.
+Some compilers drop the rounding to float of two neighbouring stores (gcc 12 from -O2 on), compile tests for
+NaN away, or switch subnormal numbers off. A library is built only where everything that its variant promises
+holds.
 """
 
 from __future__ import annotations
 
+import functools
 import shlex
-import subprocess
-from functools import cache as remembered
 from pathlib import Path
 
 from kanegen.c import Source
 from kanegen.c.templates import fill
 from kanegen.errors import BuildError
-from kanegen.library.native import cache, compilers
+from kanegen.library.native import cache, commands, compilers
 from kanegen.program.semantics import NARROWING, promised
 
-MENDS: dict[str, tuple[str, ...]] = {NARROWING: ("-fno-tree-slp-vectorize",)}
-"""Flags that bring a property back where it is missing."""
+REMEDIES: dict[str, tuple[str, ...]] = {NARROWING: ("-fno-tree-slp-vectorize",)}
+"""For some properties the compiler flags that restore them where they are missing."""
 
 _PROGRAM = "selftest"
+"""Name of the program."""
+
 _RESULT = "properties"
-_PATIENCE = 60.0
+"""File of the cache entry that holds what the program printed."""
+
+_TIME_LIMIT = 60.0
+"""Time limit of the program, s."""
 
 
-def honest(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]:
-    """Flags by which `compiler` keeps what the variant of `source` promises.
+def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]:
+    """Return compiler flags with which `compiler` keeps what the variant of `source` promises.
 
     Raises:
         BuildError: If there are none.
@@ -37,9 +41,9 @@ def honest(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]:
     if any("(float)" in text for file, text in source.files.items() if file.endswith(".c")):
         wanted.add(NARROWING)
     missing = wanted - properties(compiler, flags)
-    mends = tuple(flag for name in sorted(missing) for flag in MENDS.get(name, ()))
-    if mends:
-        flags += mends
+    remedies = tuple(flag for name in sorted(missing) for flag in REMEDIES.get(name, ()))
+    if remedies:
+        flags += remedies
         missing = wanted - properties(compiler, flags)
     if missing:
         raise BuildError(
@@ -50,7 +54,7 @@ def honest(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]:
 
 
 def require(compiler: compilers.Compiler, flags: tuple[str, ...], wanted: frozenset[str]) -> None:
-    """See that `compiler` keeps some properties with `flags`.
+    """Make sure that `compiler` keeps the properties `wanted` with `flags`.
 
     Raises:
         BuildError: If it does not.
@@ -64,9 +68,9 @@ def require(compiler: compilers.Compiler, flags: tuple[str, ...], wanted: frozen
         )
 
 
-@remembered
+@functools.cache
 def properties(compiler: compilers.Compiler, flags: tuple[str, ...]) -> frozenset[str]:
-    """Lines that `selftest.c` prints, compiled with `flags`.
+    """Return the properties of arithmetic that `compiler` keeps with `flags`, a line each of `selftest.c`.
 
     Raises:
         BuildError: If the compiler fails, or its program does not run.
@@ -76,20 +80,24 @@ def properties(compiler: compilers.Compiler, flags: tuple[str, ...]) -> frozense
     def examine(folder: Path) -> None:
         (folder / f"{_PROGRAM}.c").write_text(text, encoding="utf-8")
         command = [*compiler.command, "-std=c99", *flags, f"{_PROGRAM}.c", "-o", _PROGRAM, "-lm"]
-        compilers.make(command, _PROGRAM, folder)
+        commands.make(command, _PROGRAM, folder)
         (folder / _RESULT).write_text(_printed(folder / _PROGRAM, compiler))
         (folder / _PROGRAM).unlink()
 
-    entry = cache.entry(cache.key((text, compiler.identity, *flags)), examine)
+    entry = cache.entry(cache.key((text, compiler.fingerprint, *flags)), examine)
     return frozenset((entry / _RESULT).read_text().splitlines())
 
 
 def _printed(program: Path, compiler: compilers.Compiler) -> str:
+    """Return what the program prints.
+
+    Raises:
+        BuildError: If it does not run, fails or takes too long.
+    """
     try:
-        result = subprocess.run([program], capture_output=True, text=True, timeout=_PATIENCE, check=True)
-    except (OSError, subprocess.SubprocessError) as error:
+        return commands.output([program], seconds=_TIME_LIMIT)
+    except commands.CommandError as error:
         raise BuildError(
-            f"a small test program of {shlex.join(compiler.command)} does not run: {error}. Does the "
+            f"a small test program of {shlex.join(compiler.command)} does not run: {error} Does the "
             "compiler make code for this machine?"
         ) from error
-    return result.stdout

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
-
 import numpy as np
 
-from kanegen.errors import MissingError, SingularError
+from kanegen.errors import SingularError
+from kanegen.extras import module
 from kanegen.library.simulation.motion import Motion
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
 
-INSTALL = "pip install 'kanegen[study]'"
+EXTRA = "study"
+"""The extra that brings SciPy."""
 
 
 def integrate(motion: Motion, start: Floats, times: Doubles, method: str, tolerance: float) -> Doubles:
@@ -29,9 +28,7 @@ def integrate(motion: Motion, start: Floats, times: Doubles, method: str, tolera
         MissingError: If SciPy is not installed.
         SingularError: If the solver gives up.
     """
-    if importlib.util.find_spec("scipy") is None:
-        raise MissingError(f"method {method!r} needs the Python package scipy ({INSTALL})")
-    solve = importlib.import_module("scipy.integrate").solve_ivp
+    solve = module("scipy.integrate", extra=EXTRA).solve_ivp
     found = solve(motion, (times[0], times[-1]), start, method, t_eval=times, rtol=tolerance, atol=tolerance)
     if not found.success:
         raise SingularError(f"at t = {found.t[-1]:.9g} s: {method} gives up. {found.message}")

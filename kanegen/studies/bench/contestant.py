@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from kanegen.errors import MissingError
+from kanegen.library.native import commands
 from kanegen.studies.bench.results import Results, Task, read
 from kanegen.studies.bench.settings import Setting
 
@@ -69,7 +69,7 @@ class Contestant:
     def _run(self, driver: str, mode: str, last: str, loads: tuple[Path, ...]) -> str:
         between = (mode, str(self.states), last, *map(str, loads))
         command = [driver, *self.command[1:], *between, *self.arguments]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = commands.run(command)
         if done.returncode:
             lines = done.stderr.strip().splitlines() or [f"status {done.returncode}"]
             raise MissingError(f"its driver failed: {lines[-1]}")

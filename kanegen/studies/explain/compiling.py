@@ -7,23 +7,22 @@ import time
 from pathlib import Path
 
 from kanegen.c import Source
-from kanegen.library.native import compilers
+from kanegen.library.native import commands, compilers
+from kanegen.library.native.build import code, write
 
 
 def seconds_to_compile(source: Source) -> float:
-    """Seconds for the functions for one state, with the flags of the variant, by the first compiler found.
+    """Return the time in s that the C compiler takes for the functions of one state.
+
+    The flags are those of the variant of `source`.
 
     Raises:
-        BuildError: If there is none, or it fails.
+        BuildError: If there is no C compiler, or it fails.
     """
-    found = compilers.find()
     file = f"{source.model.name}.c"
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for other, text in source.files.items():
-            if other.endswith((".c", ".h")):
-                (folder / other).write_text(text, encoding="utf-8", newline="\n")
-        command = [*found.command, "-std=c99", *source.variant.flags, "-c", file, "-o", "model.o"]
+    command = [*compilers.find().command, "-std=c99", *source.variant.flags, "-c", file, "-o", "model.o"]
+    with tempfile.TemporaryDirectory() as folder:
+        write(code(source), Path(folder))
         start = time.perf_counter()
-        compilers.make(command, "model.o", folder)
+        commands.make(command, "model.o", Path(folder))
         return time.perf_counter() - start

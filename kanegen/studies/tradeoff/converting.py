@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
+from kanegen.extras import module
 from kanegen.model.arrays import Floats
 from kanegen.model.coordinates import Freedom
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.model.system import System
 from kanegen.reference.kinematics import BodyKinematics, kinematics
+from kanegen.studies.tradeoff import EXTRA
 from kanegen.studies.tradeoff.domain import rounded
 from kanegen.studies.tradeoff.samples import Sample
 
@@ -55,5 +56,5 @@ def _columns(
 
 def _quaternion(rotation: Floats) -> Floats:
     """(B, 4) scalar first, of (B, 3, 3) rotations from body to joint components."""
-    found = importlib.import_module("scipy.spatial.transform").Rotation.from_matrix(rotation)
+    found = module("scipy.spatial.transform", extra=EXTRA).Rotation.from_matrix(rotation)
     return np.roll(found.as_quat(), 1, axis=1)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from kanegen import compiler
 from kanegen.c import Source
 from kanegen.library import load
+from kanegen.library.native.build import code
 from kanegen.recursion.outputs import EQUATIONS as BOTH
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.contestant import Contestant
@@ -38,10 +39,7 @@ def makers(arena: Arena) -> Makers:
 def _files(sources: Mapping[str, Source]) -> dict[str, str]:
     """The C, a folder a quantity: both have files of the same names."""
     return {
-        f"{folder}/{name}": text
-        for folder, source in sources.items()
-        for name, text in source.files.items()
-        if name.endswith((".c", ".h")) and name != "main.c"
+        f"{folder}/{name}": text for folder, source in sources.items() for name, text in code(source).items()
     }
 
 

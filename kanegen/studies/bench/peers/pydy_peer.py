@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import functools
-import subprocess
 import sys
 
 from kanegen.errors import MissingError
 from kanegen.extras import require
+from kanegen.library.native import commands
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.contestant import Contestant
 from kanegen.studies.bench.peers.arena import ONE, Arena, Makers
@@ -15,7 +15,7 @@ from kanegen.studies.bench.settings import NATIVE
 
 PYDY = "SymPy + PyDy"
 
-PATIENCE = 120
+TIME_LIMIT = 120
 """Seconds for deriving the equations and writing the C."""
 
 MOST = 9
@@ -43,9 +43,9 @@ def _code(arena: Arena) -> str:
     arena.system.save(model)
     command = [sys.executable, "-m", "kanegen.studies.bench.peers.pydy_code", str(model)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
-    except subprocess.TimeoutExpired:
-        raise MissingError(f"did not finish in {PATIENCE} s") from None
+        done = commands.run(command, seconds=TIME_LIMIT)
+    except commands.TimeLimitError:
+        raise MissingError(f"did not finish in {TIME_LIMIT} s") from None
     if done.returncode:
         lines = done.stderr.strip().splitlines()
         raise MissingError(f"failed: {lines[-1] if lines else done.returncode}")
