@@ -14,8 +14,7 @@ from kanegen.model.freedoms import FREEDOMS, named
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.program.passes import Stage, savings
-from kanegen.recursion.outputs import EQUATIONS, available
-from kanegen.recursion.outputs.derivatives import DERIVATIVES
+from kanegen.recursion.outputs import EQUATIONS, OUTPUTS, available
 
 TOGETHER = " + ".join(EQUATIONS)
 
@@ -62,7 +61,7 @@ def gather(
     """Count what every output costs alone and all together, without some passes if so wished."""
     variant = variants.chosen(without=without)
     # Derivatives of a large tree take minutes, and nobody has asked for them.
-    names = [name for name in available(system) if name not in DERIVATIVES]
+    names = [name for name in available(system) if not OUTPUTS[name].is_derivative]
     alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}

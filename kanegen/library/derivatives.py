@@ -10,7 +10,7 @@ from kanegen.choices import require_one
 from kanegen.library.compiled import Compiled
 from kanegen.model.arguments import Floats
 from kanegen.model.load_arguments import Given
-from kanegen.recursion.outputs.derivatives import DERIVATIVES, columns
+from kanegen.recursion.outputs import DERIVATIVES
 
 
 class Derivatives(Compiled):
@@ -106,4 +106,4 @@ class Derivatives(Compiled):
         """
         require_one("output of derivatives", output, DERIVATIVES)
         m, n = len(self.coordinate_names), self.n
-        return columns(output, m, n, len(self._parameters))
+        return DERIVATIVES[output].columns(m, n, len(self._parameters))

@@ -20,11 +20,12 @@ from kanegen.program.split import hoisted, restricted
 from kanegen.recursion import Methods, RecursiveForm, methods, recursive_form
 from kanegen.recursion.outputs import (
     EQUATIONS,
+    Derivative,
     chosen,
-    derivatives,
     functions,
     input_arrays,
     output_array,
+    prerequisites,
     require_available,
 )
 
@@ -71,7 +72,7 @@ def compile_module(
         require_usable(system)
     require_available(system, names)
     constants = precisions.named(variant.precision).constants
-    choices = decisions(system, methods(system, derivatives.with_needs(names), variant.solver), variant)
+    choices = decisions(system, methods(system, prerequisites(names), variant.solver), variant)
     ways = [_compiled(system, names, choice, variant.without, progress, constants) for choice in choices]
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
 
@@ -93,7 +94,7 @@ def _compiled(
     program, together = passes.run(program, passes.all_but(without, passes.SHARED))
     programs = restricted(program, functions(system, names))
     module, apart = _module(programs, passes.all_but(without, passes.OWN))
-    taken = {name: choice.methods.get(name, derivatives.METHOD) for name in names}
+    taken = {name: choice.methods.get(name, Derivative.method) for name in names}
     return Compiled(module, taken, (*together, *apart), choice.words)
 
 

@@ -1,8 +1,8 @@
-"""Derivatives of outputs, made on the program once that is lowered.
+"""Programs of the outputs that are derivatives, made by differentiating the lowered program of other outputs.
 
 {f} and the generalized forces of inverse dynamics are differentiated as they are computed. Of {ydot}, where
 [A]{ydot} = {f} + {tau}, the derivative by anything but {tau} is that of inverse dynamics at this {ydot}, held
-fast, with its sign changed and [A]^-1 in front (Carpentier and Mansard 2018, section III); by {tau} it is
+constant, with its sign changed and [A]^-1 in front (Carpentier and Mansard 2018, section III); by {tau} it is
 [A]^-1. So the solution is not differentiated, and its derivatives are those of the exact one.
 """
 
@@ -19,7 +19,7 @@ from kanegen.program.elimination import Column, Elimination
 from kanegen.program.ir import Op, Output, Program
 from kanegen.program.tangent import Tangent, tangents
 from kanegen.recursion.factorisation import carriers
-from kanegen.recursion.outputs.derivatives import DERIVATIVES, FORWARD, array, columns_of
+from kanegen.recursion.outputs import DERIVATIVES
 
 
 def differentiated(
@@ -29,90 +29,99 @@ def differentiated(
     names: Sequence[str],
     constants: Constants,
 ) -> Program:
-    """The program with the outputs `names`, of which some are derivatives.
+    """Return the program with the outputs `names`, of which some are derivatives.
 
     Args:
-        program: It has all that they need.
+        program: Program of the outputs that are differentiated or asked for.
         system: The tree.
-        outputs: Of the program, by name.
-        names: What is wanted, in order.
-        constants: How exact numbers are.
+        outputs: Outputs of the program, by name.
+        names: Names of the wanted outputs, in order.
+        constants: Precision of exact numbers.
     """
     if not DERIVATIVES.keys() & set(names):
         return program
-    making = _Making(program, system, outputs, constants)
-    return check(making.builder.program([making.output(name) for name in names]))
+    builder = Builder(program.inputs)
+    moved: dict[int, int] = {}
+    for i, instruction in enumerate(program.instructions):
+        moved[i] = builder.copy(instruction, [moved[j] for j in instruction.operands])
+    wanted = []
+    for name in names:
+        if name in DERIVATIVES:
+            wanted.append(
+                _Differentiation(builder, program, moved, system, outputs, constants, name).output()
+            )
+        else:
+            wanted.append(outputs[name].renumbered(moved))
+    return check(builder.program(wanted))
 
 
-class _Making:
-    """A builder that holds the program, to which derivatives are added."""
+class _Differentiation:
+    """The differentiation of a program for one output, in a builder that holds a copy of the program."""
 
     def __init__(
-        self, program: Program, system: System, outputs: Mapping[str, Output], constants: Constants
+        self,
+        builder: Builder,
+        program: Program,
+        moved: Mapping[int, int],
+        system: System,
+        outputs: Mapping[str, Output],
+        constants: Constants,
+        name: str,
     ) -> None:
-        self.builder = Builder(program.inputs)
-        self._program, self._system, self._outputs, self._constants = program, system, outputs, constants
-        self._moved: dict[int, int] = {}
-        for i, instruction in enumerate(program.instructions):
-            operands = [self._moved[j] for j in instruction.operands]
-            self._moved[i] = self.builder.copy(instruction, operands)
-        self._zero = self.builder.constant(constants.number(0, 1))
-        self._one = self.builder.constant(constants.number(1, 1))
+        self._builder, self._program, self._moved = builder, program, moved
+        self._outputs, self._constants = outputs, constants
+        self._derivative = DERIVATIVES[name]
+        self._array = self._derivative.array(system, name)
+        self._columns = self._derivative.columns_of(system)
+        self._n = len(system.freedoms)
+        self._carriers = carriers(system)
+        self._zero = builder.constant(constants.number(0, 1))
+        self._one = builder.constant(constants.number(1, 1))
 
-    def output(self, name: str) -> Output:
-        """An output of the program, or a derivative."""
-        if name not in DERIVATIVES:
-            return self._outputs[name].renumbered(self._moved)
-        if name == FORWARD:
-            solution = self._outputs["forward_dynamics"].renumbered(self._moved)
-            return Output(array(self._system, name), tuple(self._forward(name)), solution.positive)
-        (base,) = DERIVATIVES[name].needs
-        rows = self._rows(self._outputs[base], self._moved, name)
-        return Output(array(self._system, name), tuple(self._filled(rows, name)))
+    def output(self) -> Output:
+        """Return the output, added to the builder."""
+        if "forward_dynamics" in self._derivative.needs:
+            rows = self._rows_of_solution()
+            positive = self._outputs["forward_dynamics"].renumbered(self._moved).positive
+        else:
+            (base,) = self._derivative.needs
+            rows, positive = self._rows(self._outputs[base], self._moved), ()
+        width = self._array.row
+        values = [row.get(column, self._zero) for row in rows for column in range(width)]
+        return Output(self._array, tuple(values), positive)
 
-    def _rows(self, output: Output, moved: Mapping[int, int], name: str) -> list[Tangent]:
-        """Derivatives of the elements of an output, by column."""
+    def _rows(self, output: Output, moved: Mapping[int, int]) -> list[Tangent]:
+        """Return the derivatives of the elements of an output, by column."""
         found = tangents(
-            self.builder,
-            self._program,
-            moved,
-            dict(self._directions(name)),
-            output.values,
-            self._constants,
+            self._builder, self._program, moved, dict(self._directions()), output.values, self._constants
         )
         return [found[value] for value in output.values]
 
-    def _directions(self, name: str) -> Iterator[tuple[int, int]]:
-        """Of the inputs by which is differentiated, the column of each."""
-        by = columns_of(self._system, name)
+    def _directions(self) -> Iterator[tuple[int, int]]:
+        """Yield the inputs by which is differentiated, each with its column."""
         for i, instruction in enumerate(self._program.instructions):
-            if instruction.op is Op.INPUT and instruction.array in by:
-                yield i, by[instruction.array].start + instruction.index
+            if instruction.op is Op.INPUT and instruction.array in self._columns:
+                yield i, self._columns[instruction.array].start + instruction.index
 
-    def _filled(self, rows: Sequence[Tangent], name: str) -> Iterator[int]:
-        width = array(self._system, name).row
-        for row in rows:
-            yield from (row.get(column, self._zero) for column in range(width))
-
-    def _forward(self, name: str) -> Iterator[int]:
-        """Derivatives of {ydot}, row by row."""
-        n = len(self._system.freedoms)
-        needs = self._rows(self._outputs["inverse_dynamics"], self._at_solution(), name)
+    def _rows_of_solution(self) -> list[Tangent]:
+        """Return the derivatives of the elements of {ydot}, by column."""
+        needed = self._rows(self._outputs["inverse_dynamics"], self._at_solution())
         elimination = self._elimination()
-        by = columns_of(self._system, name)
+        tau = self._columns["tau"]
         solved: list[Column] = []
-        for column in range(array(self._system, name).row):
-            if by["tau"].start <= column < by["tau"].stop:
-                solved.append(elimination.solve({column - by["tau"].start: self._one}))
+        for column in range(self._array.row):
+            if tau.start <= column < tau.stop:
+                solved.append(elimination.solve({column - tau.start: self._one}))
             else:
-                right = {row: need[column] for row, need in enumerate(needs) if column in need}
+                right = {row: need[column] for row, need in enumerate(needed) if column in need}
                 found = elimination.solve(right)
-                solved.append({row: self.builder.negate(value) for row, value in found.items()})
-        rows = [{c: values[row] for c, values in enumerate(solved) if row in values} for row in range(n)]
-        return self._filled(rows, name)
+                solved.append({row: self._builder.negate(value) for row, value in found.items()})
+        return [
+            {c: values[row] for c, values in enumerate(solved) if row in values} for row in range(self._n)
+        ]
 
     def _at_solution(self) -> dict[int, int]:
-        """Where the values of the program stand that {ydot} leads to, if it is the solution."""
+        """Return the places of the values of the program where {ydot} is the solution."""
         solution = [self._moved[value] for value in self._outputs["forward_dynamics"].values]
         moved: dict[int, int] = {}
         for i, instruction in enumerate(self._program.instructions):
@@ -121,21 +130,22 @@ class _Making:
             elif all(moved[j] == self._moved[j] for j in instruction.operands):
                 moved[i] = self._moved[i]
             else:
-                bare = self.builder.copy(
+                bare = self._builder.copy(
                     replace(instruction, name="", note=""), [moved[j] for j in instruction.operands]
                 )
-                moved[i] = self.builder.name(bare, f"{instruction.name}_s" if instruction.name else "")
+                moved[i] = self._builder.name(bare, f"{instruction.name}_s" if instruction.name else "")
         return moved
 
     def _elimination(self) -> Elimination:
-        n, values = len(self._system.freedoms), self._outputs["mass_matrix"].values
+        """Return the elimination of [A], in the order in which freedoms carry each other."""
+        n, values = self._n, self._outputs["mass_matrix"].values
         matrix = {
             (i, j): self._moved[values[n * i + j]]
             for i in range(n)
             for j in range(i + 1)
             if not self._is_zero(values[n * i + j])
         }
-        return Elimination(self.builder, matrix, carriers(self._system), self._one)
+        return Elimination(self._builder, matrix, self._carriers, self._one)
 
     def _is_zero(self, value: int) -> bool:
         instruction = self._program.instructions[value]

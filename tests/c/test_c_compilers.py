@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.recursion.outputs import available
-from kanegen.recursion.outputs.derivatives import DERIVATIVES
+from kanegen.recursion.outputs import DERIVATIVES, available
 from tests.support.handmade import bits, evaluate, module, source
 from tests.support.paths import GENERATED, MODELS
 

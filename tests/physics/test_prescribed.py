@@ -17,8 +17,7 @@ from kanegen.compiler import compile_module
 from kanegen.model.coordinates import Freedom
 from kanegen.model.sequences import SEQUENCES
 from kanegen.program.evaluate import evaluate
-from kanegen.recursion.outputs import available, chosen
-from kanegen.recursion.outputs.derivatives import DERIVATIVES
+from kanegen.recursion.outputs import DERIVATIVES, available, chosen
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
 from kanegen.symbolic.literal.orientation import skew

@@ -8,7 +8,7 @@ import pytest
 import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.program.count import count
-from kanegen.recursion.outputs.derivatives import DERIVATIVES
+from kanegen.recursion.outputs import DERIVATIVES
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
 from tests.physics.test_quaternions import with_some

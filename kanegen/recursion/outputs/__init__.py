@@ -1,23 +1,37 @@
-"""The arrays of the generated functions: what can be asked for, and what each output reads."""
+"""Outputs of the generated code: one table that holds what each computes, reads and requires.
 
-from kanegen.recursion.outputs.functions import functions
+`table` has one entry an output; everything else asks the table: the derivation (`recursion.derive`), the C
+functions (`selection.functions`), the methods of `library.Library` and the command line. `inputs` has the
+arrays that functions read. A new output is one entry, one function that derives it, one method of `Library`,
+and one function of `reference` to compare with.
+"""
+
 from kanegen.recursion.outputs.inputs import input_arrays
-from kanegen.recursion.outputs.table import (
-    EQUATIONS,
-    OUTPUTS,
+from kanegen.recursion.outputs.output import Derivative, OfSolution, Output, Recursion, Subject
+from kanegen.recursion.outputs.selection import (
     available,
     chosen,
+    functions,
     output_array,
+    prerequisites,
     require_available,
 )
+from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, OUTPUTS
 
 __all__ = [
+    "DERIVATIVES",
     "EQUATIONS",
     "OUTPUTS",
+    "Derivative",
+    "OfSolution",
+    "Output",
+    "Recursion",
+    "Subject",
     "available",
     "chosen",
     "functions",
     "input_arrays",
     "output_array",
+    "prerequisites",
     "require_available",
 ]

@@ -1,72 +1,280 @@
-"""The outputs that can be asked for, and which of them a system has."""
+"""The table of outputs: one entry an output, in the order in which the generated C has them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
-from functools import partial
-
-from kanegen.choices import several
-from kanegen.errors import OptionError
 from kanegen.model.system import System
-from kanegen.program.ir import Array
-from kanegen.recursion.outputs import derivatives
-from kanegen.recursion.outputs.dynamics import DYNAMICS, EFFORTS
-from kanegen.recursion.outputs.inputs import LOADS
-from kanegen.recursion.outputs.kind import OutputKind
-from kanegen.recursion.outputs.kinematics import KINEMATICS
-from kanegen.recursion.outputs.totals import TOTALS
+from kanegen.program.ir import Array, Condition
+from kanegen.recursion.coordinate_rates import coordinate_rates
+from kanegen.recursion.first_moment import mass_center, potential_energy
+from kanegen.recursion.forcing import forcing, inverse_dynamics, prescribed_efforts
+from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.recursion.momentum import kinetic_energy, momentum
+from kanegen.recursion.outputs.inputs import LOADS, coordinate_units
+from kanegen.recursion.outputs.output import Derivative, OfSolution, Output, Recursion, Subject
+from kanegen.recursion.points import point_accelerations, point_jacobians, point_positions, point_velocities
+from kanegen.recursion.poses import body_poses
+from kanegen.recursion.reactions import reaction_loads
+from kanegen.recursion.refinement import Solution
+
+REACTIONS = Subject(
+    lambda system: system.reacting,
+    "has no locked directions, all joints move freely. Lock some, or ask for inverse_dynamics.",
+)
+
+PRESCRIBED = Subject(
+    lambda system: system.prescribed,
+    'has no prescribed freedoms. Prescribe some in the model file, such as prescribed = ["theta1"] in a '
+    "joint, or use System.with_prescribed.",
+)
+
+POINTS = Subject(
+    lambda system: system.points,
+    "has no points. Give a body points in the model file, such as points = {tool = [0, 0, 0.1]}, or use "
+    "System.with_points.",
+)
 
 
-def _derivatives(name: str, *inputs: str) -> dict[str, OutputKind]:
-    return {name: OutputKind(partial(derivatives.array, name=name), inputs)}
+def _n(system: System) -> int:
+    return len(system.freedoms)
 
 
-OUTPUTS: dict[str, OutputKind] = {
-    **DYNAMICS,
-    **TOTALS,
-    **KINEMATICS,
-    **EFFORTS,
-    **_derivatives("forcing_derivatives", "x", "y", *LOADS),
-    **_derivatives("inverse_dynamics_derivatives", "x", "y", "ydot", *LOADS),
-    **_derivatives("forward_dynamics_derivatives", "x", "y", "tau", *LOADS),
-}
-"""By name, in the order in which the C has them."""
+def _poses_doc(system: System) -> str:
+    which = "body" if system.poses is None else "chosen body"
+    return (
+        f"for each {which} the rows of [R_K], Eq. (3), which takes inertial to body components, "
+        "then its origin {p_O_K}, Eq. (22), inertial components"
+    )
+
+
+def _rate_units(system: System) -> str:
+    return ", ".join({"1": "1/s"}.get(unit, f"{unit}/s") for unit in coordinate_units(system))
+
+
+def _derivative(name: str, inputs: tuple[str, ...], derivation: Derivative) -> Output:
+    return Output(name, lambda system: derivation.array(system, name), inputs, derivation)
+
+
+_ENTRIES = (
+    Output(
+        "mass_matrix",
+        lambda system: Array(
+            "A", (_n(system),) * 2, "kg m^2, kg m, kg", "[A], the generalized mass matrix, Eq. (43)"
+        ),
+        ("x",),
+        Recursion("composite bodies", mass_matrix),
+    ),
+    Output(
+        "forcing",
+        lambda system: Array(
+            "f", (_n(system),), "N m, N", "{f}, the right side of [A]{ydot} = {f}, Eq. (44)"
+        ),
+        ("x", "y", *LOADS),
+        Recursion("recursion of forces", forcing),
+    ),
+    Output(
+        "inverse_dynamics",
+        lambda system: Array(
+            "generalized_force",
+            (_n(system),),
+            "N m, N",
+            "[A]{ydot} - {f}, the generalized forces that {ydot} needs beside loads and gravity",
+        ),
+        ("x", "y", "ydot", *LOADS),
+        Recursion("recursion of forces", inverse_dynamics),
+    ),
+    Output(
+        "reaction_loads",
+        lambda system: Array(
+            "reaction_loads",
+            (len(system.reacting),),
+            "N m, N",
+            "what holds locked directions, beside loads and gravity: for an angle the moment about O_K and "
+            "its axis, for a translation the force along it",
+        ),
+        ("x", "y", "ydot", *LOADS),
+        Recursion("recursion of forces", reaction_loads),
+        REACTIONS,
+    ),
+    Output(
+        "forward_dynamics",
+        lambda system: Array(
+            "acceleration", (_n(system),), "rad/s^2, m/s^2", "{ydot} of [A]{ydot} = {f} + {tau}, Eq. (42)"
+        ),
+        ("x", "y", "tau", *LOADS),
+        OfSolution(Solution.forward_dynamics),
+    ),
+    Output(
+        "error_estimate",
+        lambda system: Array(
+            "error_estimate",
+            (_n(system),),
+            "rad/s^2, m/s^2",
+            "about the error of each entry of {ydot} before refinement: how much a first step changes it",
+        ),
+        ("x", "y", "tau", *LOADS),
+        OfSolution(Solution.error_estimate),
+    ),
+    Output(
+        "regularity",
+        lambda system: Array(
+            "regularity",
+            (_n(system),),
+            "1",
+            "for each freedom what is left of its inertia where freedoms that are eliminated before it may "
+            "move; 1 is all, 0 singular",
+        ),
+        ("x",),
+        OfSolution(Solution.regularity),
+    ),
+    Output(
+        "kinetic_energy",
+        lambda system: Array(
+            "kinetic_energy", (), "J", "the sum of m v_G^2 / 2 + {omega}^T [I_G] {omega} / 2, Eqs. (18), (31)"
+        ),
+        ("x", "y"),
+        Recursion("velocities of the bodies", kinetic_energy),
+    ),
+    Output(
+        "potential_energy",
+        lambda system: Array(
+            "potential_energy",
+            (),
+            "J",
+            "of gravity, minus the sum of m g . p_G, zero where all mass centres are at the inertial origin",
+        ),
+        ("x",),
+        Recursion("first moments of mass", potential_energy),
+    ),
+    Output(
+        "momentum",
+        lambda system: Array(
+            "momentum",
+            (6,),
+            "kg m/s, kg m^2/s",
+            "the sum of m {v_G}, then the sum of [I_G] {omega} + ({p_G} - {p_C}) x m {v_G} about the mass "
+            "centre C of all bodies, inertial components",
+        ),
+        ("x", "y"),
+        Recursion("velocities of the bodies", momentum),
+    ),
+    Output(
+        "mass_center",
+        lambda system: Array(
+            "mass_center",
+            (3,),
+            "m",
+            "{p_C}, the sum of m {p_G}, Eq. (23), over the sum of m, inertial components",
+        ),
+        ("x",),
+        Recursion("first moments of mass", mass_center),
+    ),
+    Output(
+        "body_poses",
+        lambda system: Array("body_poses", (len(system.posed), 4, 3), "1, m", _poses_doc(system)),
+        ("x",),
+        Recursion("turns of the joints", body_poses),
+    ),
+    Output(
+        "coordinate_rates",
+        lambda system: Array(
+            "xdot",
+            (len(system.coordinates),),
+            _rate_units(system),
+            "{xdot}, the rates of the coordinates, Eqs. (9), (45)",
+            Condition("squared divisor of Eq. (9)", "the angles have no rates"),
+        ),
+        ("x", "y"),
+        Recursion("turns of the joints", coordinate_rates),
+    ),
+    Output(
+        "point_positions",
+        lambda system: Array(
+            "point_positions",
+            (len(system.points), 3),
+            "m",
+            "{p_P} of each point from the inertial origin, Eq. (22), inertial components",
+        ),
+        ("x",),
+        Recursion("turns of the joints", point_positions),
+        POINTS,
+    ),
+    Output(
+        "point_velocities",
+        lambda system: Array(
+            "point_velocities",
+            (len(system.points), 3),
+            "m/s",
+            "{v_P} of each point, Eq. (27), inertial components",
+        ),
+        ("x", "y"),
+        Recursion("velocities of the bodies", point_velocities),
+        POINTS,
+    ),
+    Output(
+        "point_accelerations",
+        lambda system: Array(
+            "point_accelerations",
+            (len(system.points), 3),
+            "m/s^2",
+            "{a_P} of each point, Eq. (33), without gravity, inertial components",
+        ),
+        ("x", "y", "ydot"),
+        Recursion("accelerations of the bodies", point_accelerations),
+        POINTS,
+    ),
+    Output(
+        "point_jacobians",
+        lambda system: Array(
+            "point_jacobians",
+            (len(system.points), 3, _n(system)),
+            "m, 1",
+            "[v_P,y] of each point, its partial velocities, Eq. (32), inertial components",
+        ),
+        ("x",),
+        Recursion("turns of the joints", point_jacobians),
+        POINTS,
+    ),
+    Output(
+        "prescribed_efforts",
+        lambda system: Array(
+            "prescribed_efforts",
+            (len(system.prescribed),),
+            "N m, N",
+            "generalized forces that act at the prescribed freedoms, beside loads and gravity",
+        ),
+        ("x", "y", "ydot", *LOADS),
+        Recursion("recursion of forces", prescribed_efforts),
+        PRESCRIBED,
+    ),
+    _derivative(
+        "forcing_derivatives",
+        ("x", "y", *LOADS),
+        Derivative("{f}, Eq. (44),", "N m, N", ("forcing",), ("x", "y")),
+    ),
+    _derivative(
+        "inverse_dynamics_derivatives",
+        ("x", "y", "ydot", *LOADS),
+        Derivative("[A]{ydot} - {f} for given {ydot}", "N m, N", ("inverse_dynamics",), ("x", "y")),
+    ),
+    _derivative(
+        "forward_dynamics_derivatives",
+        ("x", "y", "tau", *LOADS),
+        Derivative(
+            "{ydot} of [A]{ydot} = {f} + {tau}",
+            "rad/s^2, m/s^2",
+            ("mass_matrix", "inverse_dynamics", "forward_dynamics"),
+            ("x", "y", "tau"),
+        ),
+    ),
+)
+
+OUTPUTS: dict[str, Output] = {output.name: output for output in _ENTRIES}
+"""The outputs by name."""
 
 EQUATIONS = ("mass_matrix", "forcing")
-"""What is computed unless something else is asked for: [A] and {f} of Eq. (42)."""
+"""The outputs that are computed unless others are asked for: [A] and {f} of Eq. (42)."""
 
-
-def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
-    """`outputs` checked, in the order of `OUTPUTS`, each once.
-
-    Raises:
-        OptionError: If there is none, or one is unknown.
-    """
-    asked = several("outputs", "output", outputs, OUTPUTS)
-    if not asked:
-        raise OptionError(f"no output is asked for. There are {', '.join(OUTPUTS)}.")
-    return asked
-
-
-def available(system: System) -> tuple[str, ...]:
-    """The outputs that a system has."""
-    return tuple(name for name, kind in OUTPUTS.items() if not kind.subject or kind.subject.found(system))
-
-
-def require_available(system: System, outputs: Iterable[str]) -> None:
-    """Make sure that a system has what outputs are about.
-
-    Raises:
-        OptionError: If they are about something that there is not.
-    """
-    for name in outputs:
-        subject = OUTPUTS[name].subject
-        if subject and not subject.found(system):
-            raise OptionError(f"output {name!r}: system {system.name!r} {subject.missing}")
-
-
-def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array:
-    """The array of an output, its documentation saying how it is derived."""
-    array = OUTPUTS[name].array(system)
-    return replace(array, doc=f"{array.doc}; by {methods[name]}")
+DERIVATIVES = {
+    name: output.derivation for name, output in OUTPUTS.items() if isinstance(output.derivation, Derivative)
+}
+"""The derivations of the outputs that are derivatives of other outputs, by name."""

@@ -1,0 +1,108 @@
+"""Derivation of several outputs together: one recursion each, on shared definitions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from kanegen.model.system import System
+from kanegen.program.constants import DOUBLES, Constants
+from kanegen.recursion import factorisation
+from kanegen.recursion.derived import Derived
+from kanegen.recursion.forward_dynamics import ArticulatedBodies
+from kanegen.recursion.outputs.output import OfSolution, Recursion
+from kanegen.recursion.outputs.table import OUTPUTS
+from kanegen.recursion.refinement import UNREFINED, Refinement, Solution, Solver
+from kanegen.recursion.tree import Tree, apart, tree
+from kanegen.symbolic.definitions import Definition
+
+SOLVERS: dict[str, Callable[[Tree], Solver]] = {
+    "articulated bodies": ArticulatedBodies,
+    "factorisation": factorisation.Factorisation,
+}
+"""The solvers of [A]{ydot} = {b} by name; the first is the most accurate."""
+
+Methods = Mapping[str, str]
+"""The method by which each output is derived: a name of an algorithm or of a solver."""
+
+
+@dataclass(frozen=True)
+class RecursiveForm:
+    """Outputs in terms of definitions.
+
+    Attributes:
+        system: The system that the outputs were derived for.
+        methods: The method by output.
+        definitions: Intermediate values in order of evaluation; every expression is small.
+        outputs: The derived entries by name of output.
+    """
+
+    system: System
+    methods: Methods
+    definitions: tuple[Definition, ...]
+    outputs: dict[str, Derived]
+
+
+def methods(system: System, outputs: Sequence[str], solver: str = "cheapest") -> tuple[Methods, ...]:
+    """Return the ways to derive `outputs` among which the operation count may choose.
+
+    Args:
+        system: The tree.
+        outputs: Names of outputs that are no derivatives; see `outputs.prerequisites`.
+        solver: Name of the solver for {ydot}, or "cheapest" for each that loses no accuracy.
+    """
+    derivations = {name: OUTPUTS[name].derivation for name in outputs}
+    solved = any(isinstance(derivation, OfSolution) for derivation in derivations.values())
+    solvers = _solvers(system, solver) if solved else tuple(SOLVERS)[:1]
+    return tuple(
+        {
+            name: derivation.method if isinstance(derivation, Recursion) else way
+            for name, derivation in derivations.items()
+        }
+        for way in solvers
+    )
+
+
+def _solvers(system: System, solver: str) -> tuple[str, ...]:
+    if solver in SOLVERS:
+        return (solver,)
+    every = tuple(SOLVERS)
+    return every if factorisation.worth_trying(system) else every[:1]
+
+
+def recursive_form(
+    system: System, methods: Methods, constants: Constants = DOUBLES, refinement: Refinement = UNREFINED
+) -> RecursiveForm:
+    """Derive outputs together, sharing every intermediate.
+
+    Args:
+        system: The tree.
+        methods: The outputs and the method of each, from `methods`.
+        constants: Precision of the sines of constant angles.
+        refinement: Iterative refinement of {ydot}.
+    """
+    prepared = tree(system, constants)
+    outputs: dict[str, Derived] = {}
+    solution: Solution | None = None
+    for name, method in methods.items():
+        derivation = OUTPUTS[name].derivation
+        if isinstance(derivation, OfSolution):
+            if solution is None:
+                solver = SOLVERS[method](_solved_tree(prepared, methods, refinement))
+                solution = Solution(solver, refinement)
+            outputs[name] = derivation.derive(solution)
+        elif isinstance(derivation, Recursion):
+            outputs[name] = derivation.derive(prepared)
+    return RecursiveForm(system, methods, prepared.definitions.listed(), outputs)
+
+
+def _solved_tree(prepared: Tree, methods: Methods, refinement: Refinement) -> Tree:
+    """Return the tree for a solver; corrections need the inertia of every body by itself."""
+    return apart(prepared) if refinement.steps or "error_estimate" in methods else prepared
+
+
+def measuring_form(system: System, solver: str) -> RecursiveForm:
+    """Derive the size of a solution and of its first correction, named "sizes"; see `Solution.sizes`."""
+    prepared = tree(system)
+    sizes = Solution(SOLVERS[solver](prepared)).sizes()
+    return RecursiveForm(system, {}, prepared.definitions.listed(), {"sizes": sizes})

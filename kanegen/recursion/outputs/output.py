@@ -1,0 +1,134 @@
+"""What the table of outputs records of an output, before there is a system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sized
+from dataclasses import dataclass
+
+from kanegen.model.arguments import ARGUMENTS, FURTHER
+from kanegen.model.system import System
+from kanegen.program.ir import Array
+from kanegen.program.selection import PARAMETERS
+from kanegen.recursion.derived import Derived
+from kanegen.recursion.refinement import Solution
+from kanegen.recursion.tree import Tree
+
+
+@dataclass(frozen=True)
+class Recursion:
+    """Derivation by recursions over the bodies of the tree.
+
+    Attributes:
+        method: Name of the algorithm, as documented in the generated C.
+        derive: Function that adds the definitions to the tree and returns the entries.
+    """
+
+    method: str
+    derive: Callable[[Tree], Derived]
+
+
+@dataclass(frozen=True)
+class OfSolution:
+    """Derivation from the solution {ydot} of [A]{ydot} = {f} + {tau}; the method is the solver that found it.
+
+    Attributes:
+        derive: Function that returns the entries.
+    """
+
+    derive: Callable[[Solution], Derived]
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """Derivation of an output by differentiating the programs of other outputs.
+
+    Attributes:
+        of: The differentiated quantity, as documented in the generated C.
+        unit: Unit of the differentiated quantity.
+        needs: Names of the outputs whose programs are differentiated.
+        by: Names of the arrays by whose elements they are differentiated; the run-time parameters are added.
+    """
+
+    of: str
+    unit: str
+    needs: tuple[str, ...]
+    by: tuple[str, ...]
+
+    method = "tangents of the recursions"
+    """Name of the algorithm, as documented in the generated C."""
+
+    def columns(self, coordinates: int, n: int, parameters: int) -> dict[str, slice]:
+        """Return the columns of the output by array of `by`; run-time parameters come last.
+
+        Args:
+            coordinates: Number of elements of {x}.
+            n: Number of freedoms.
+            parameters: Number of run-time parameters.
+        """
+        sizes = {"x": coordinates, "y": n, "tau": n, PARAMETERS: parameters}
+        found: dict[str, slice] = {}
+        first = 0
+        for name in (*self.by, *((PARAMETERS,) if parameters else ())):
+            found[name] = slice(first, first + sizes[name])
+            first += sizes[name]
+        return found
+
+    def columns_of(self, system: System) -> dict[str, slice]:
+        """Return the columns of the output for a system."""
+        return self.columns(len(system.coordinates), len(system.freedoms), len(system.parameters))
+
+    def array(self, system: System, name: str) -> Array:
+        """Return the array of the output `name`: rows are freedoms, columns are elements of `by`."""
+        columns = self.columns_of(system)
+        places = ", then ".join(
+            f"{one} (columns {part.start} to {part.stop - 1})" for one, part in columns.items()
+        )
+        width = max(part.stop for part in columns.values())
+        doc = f"derivatives of {self.of} by {places}"
+        return Array(name, (len(system.freedoms), width), f"{self.unit} over the units of these", doc)
+
+
+@dataclass(frozen=True)
+class Subject:
+    """Part of a system that an output is about and that not every system has, such as points.
+
+    Attributes:
+        found: Function that returns these parts of a system.
+        missing: End of the error message about a system without them; says how to add some.
+    """
+
+    found: Callable[[System], Sized]
+    missing: str
+
+
+@dataclass(frozen=True)
+class Output:
+    """An output that a user can ask for.
+
+    Attributes:
+        name: Name of the output, of its C function and of its method in `Library`.
+        array: Function that returns the array which the output fills: name in C, shape, unit, documentation.
+        inputs: Names of the arrays that the output may read, beside those of `inputs.EVERYWHERE`.
+        derivation: The way in which its entries are derived.
+        subject: Part of a system that the output is about; None if every system has the output.
+    """
+
+    name: str
+    array: Callable[[System], Array]
+    inputs: tuple[str, ...]
+    derivation: Recursion | OfSolution | Derivative
+    subject: Subject | None = None
+
+    @property
+    def is_derivative(self) -> bool:
+        """Whether the output is the derivative of other outputs."""
+        return isinstance(self.derivation, Derivative)
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Arguments of the method in `Library`, in order; further inputs are passed by name."""
+        return tuple(name for name in ARGUMENTS if name in self.inputs and name not in FURTHER)
+
+    def is_available(self, system: System) -> bool:
+        """Return whether a system has what the output is about."""
+        return self.subject is None or len(self.subject.found(system)) > 0

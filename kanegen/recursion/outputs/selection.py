@@ -1,0 +1,75 @@
+"""The outputs that a user selects for a system: checked names, arrays, and the C functions that fill them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from kanegen.choices import several
+from kanegen.errors import OptionError
+from kanegen.model.system import System
+from kanegen.program.ir import EVALUATE, Array
+from kanegen.program.split import Signature
+from kanegen.recursion.outputs.inputs import EVERYWHERE, input_arrays
+from kanegen.recursion.outputs.output import Derivative
+from kanegen.recursion.outputs.table import OUTPUTS
+
+
+def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
+    """Return the names `outputs`, checked, in the order of `OUTPUTS`, each once.
+
+    Raises:
+        OptionError: If there is no name, or one is unknown.
+    """
+    asked = several("outputs", "output", outputs, OUTPUTS)
+    if not asked:
+        raise OptionError(f"no output is asked for. There are {', '.join(OUTPUTS)}.")
+    return asked
+
+
+def available(system: System) -> tuple[str, ...]:
+    """Return the names of the outputs that a system has."""
+    return tuple(name for name, output in OUTPUTS.items() if output.is_available(system))
+
+
+def require_available(system: System, outputs: Iterable[str]) -> None:
+    """Make sure that a system has the parts that the outputs are about.
+
+    Raises:
+        OptionError: If it has no such parts, such as points.
+    """
+    for name in outputs:
+        output = OUTPUTS[name]
+        if output.subject and not output.is_available(system):
+            raise OptionError(f"output {name!r}: system {system.name!r} {output.subject.missing}")
+
+
+def prerequisites(outputs: Sequence[str]) -> tuple[str, ...]:
+    """Return the outputs to derive for `outputs`: derivatives are replaced by what they differentiate."""
+    found: list[str] = []
+    for name in outputs:
+        derivation = OUTPUTS[name].derivation
+        found += derivation.needs if isinstance(derivation, Derivative) else (name,)
+    return tuple(dict.fromkeys(found))
+
+
+def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array:
+    """Return the array of an output, with the method of its derivation added to its documentation."""
+    array = OUTPUTS[name].array(system)
+    return replace(array, doc=f"{array.doc}; by {methods[name]}")
+
+
+def functions(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
+    """Return the C functions: one for every output, and `EVALUATE` for several together."""
+    arrays = [array.name for array in input_arrays(system)]
+    read = {name: {*OUTPUTS[name].inputs, *EVERYWHERE} for name in outputs}
+    groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}
+    if len(outputs) > 1:
+        groups[EVALUATE] = tuple(outputs)
+    return {
+        function: Signature(
+            inputs=tuple(array for array in arrays if any(array in read[name] for name in group)),
+            outputs=tuple(OUTPUTS[name].array(system).name for name in group),
+        )
+        for function, group in groups.items()
+    }

@@ -1,0 +1,61 @@
+"""The table of outputs: an entry is all that the pipeline needs, and Python methods agree with the entries."""
+
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.program.ir import Array
+from kanegen.recursion.derived import Derived
+from kanegen.recursion.outputs import OUTPUTS, Output, Recursion, chosen
+from kanegen.recursion.tree import Tree
+from kanegen.recursion.velocities import angular_velocities
+from kanegen.reference.kinematics import kinematics
+from tests.support import systems
+
+
+def last_angular_velocity(tree: Tree) -> Derived:
+    """Derive {omega'_N} of the last body, in its frame."""
+    return Derived(angular_velocities(tree)[-1])
+
+
+ADDED = Output(
+    "last_angular_velocity",
+    lambda system: Array("omega_last", (3,), "rad/s", "{omega'_N}, Eq. (11), body components"),
+    ("x", "y"),
+    Recursion("velocities of the bodies", last_angular_velocity),
+)
+
+
+def test_a_new_output_is_a_derivation_and_an_entry(monkeypatch: pytest.MonkeyPatch) -> None:
+    """C, header, batch form and Python result follow from it; only a typed method is written by hand."""
+    monkeypatch.setitem(OUTPUTS, ADDED.name, ADDED)
+    system = systems.random_system(np.random.default_rng(11), 3)
+    n = len(system.freedoms)
+    library = kg.build(system, ("mass_matrix", ADDED.name), flags="-O1")
+    prototype = f"void tree_{ADDED.name}(const double x[{n}], const double y[{n}], double omega_last[3]);"
+    assert prototype in library.source.files["tree.h"]
+    assert "Eq. (11), body components; by velocities of the bodies" in " ".join(
+        library.source.files["tree.h"].split()
+    ).replace(" * ", " ")
+    x, y = np.random.default_rng(12).normal(size=(2, 5, n))
+    expected = kinematics(system.values(), x, y)[-1].omega
+    np.testing.assert_allclose(
+        library.evaluate(x, y)[1], expected, rtol=0, atol=1e-14 * np.abs(expected).max()
+    )
+    np.testing.assert_allclose(
+        library.evaluate(x[0], y[0])[1], expected[0], atol=1e-14 * np.abs(expected).max()
+    )
+    assert chosen([ADDED.name, "forcing"]) == ("forcing", ADDED.name)
+
+
+@pytest.mark.parametrize("name", OUTPUTS)
+def test_every_output_has_a_method_with_its_arguments(name: str) -> None:
+    method = inspect.signature(getattr(kg.Library, name))
+    positional = [p for p in method.parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
+    assert tuple(parameter.name for parameter in positional[1:]) == OUTPUTS[name].arguments
+    optional = {p.name for p in positional if p.default is None}
+    assert optional == {"tau", "force", "torque"} & set(OUTPUTS[name].inputs)
