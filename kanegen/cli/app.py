@@ -1,4 +1,4 @@
-"""All commands together, and the entry point; every command is a module of its own beside this one."""
+"""The entry point of the command line, which joins the commands of the modules beside this one."""
 
 from __future__ import annotations
 
@@ -29,21 +29,22 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     bench,
     tradeoff,
 )
-"""In the order of --help."""
+"""All commands, in the order in which `kanegen --help` lists them."""
 
 app = typer.Typer(
     name="kanegen",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="markdown",
-    help="Kane's equations of motion [A]{ydot} = {f} for a tree of rigid bodies, as C made for that tree.",
-    epilog="Exit status: 0 done, 1 a check did not pass, 2 bad input.",
+    help="Derive Kane's equations of motion [A]{ydot} = {f} of a tree of rigid bodies and write C for "
+    "exactly that tree.",
+    epilog="Exit status: 0 success, 1 a check did not pass, 2 bad input.",
 )
 for command in COMMANDS:
     app.command()(command)
 
 
-def _version(wanted: bool) -> None:
+def _print_version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"kanegen {__version__}")
         raise typer.Exit
@@ -52,14 +53,15 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def common(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit."),
     ] = False,
 ) -> None:
-    """Options before the command."""
+    """Accept the options that stand before a command."""
 
 
 def main() -> None:
-    """Entry point: errors of kanegen become one line and status 2."""
+    """Run the command line; an error of kanegen becomes one line on standard error and exit status 2."""
     show_warnings()
     try:
         app()

@@ -1,4 +1,8 @@
-"""`kanegen generate` with a budget, and `verify`; imported only where the extra `study` is installed."""
+"""Budgets on the command line: from options to a request, and from results to text.
+
+`kanegen generate` with a budget and `kanegen verify` import this module when they run, since it needs the
+extra `study`.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +11,10 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.markup import escape
 
 from kanegen.c.folder import require_room
+from kanegen.cli.terminal import print_plain, screen
 from kanegen.model.system import System
 from kanegen.program.precision import named
 from kanegen.studies.budget.certification import Certified, file_names, find, words
@@ -28,7 +32,7 @@ _MARKS = {True: "[green]holds[/]", False: "[bold red]does not hold[/]", None: "o
 
 @dataclass(frozen=True)
 class BudgetOptions:
-    """Options as they were typed."""
+    """The options of a budget as they were typed."""
 
     error: str | None
     budget: str | None
@@ -45,15 +49,15 @@ class BudgetOptions:
 
     @classmethod
     def typed(cls, options: Mapping[str, Any]) -> BudgetOptions:
-        """Those among all options of `generate`, by their names."""
+        """Take the options of a budget from all options of `kanegen generate`, by their names."""
         return cls(**{field.name: options[field.name] for field in fields(cls)})
 
     @property
     def request(self) -> Request:
-        """What they ask for.
+        """The request that the options make.
 
         Raises:
-            OptionError: If that makes no sense.
+            OptionError: If an option has an impossible value.
         """
         return Request(
             error=None if self.error is None else error_budget(self.error),
@@ -66,7 +70,7 @@ class BudgetOptions:
         )
 
     def admits(self, candidate: Candidate) -> bool:
-        """Whether a variant may be chosen."""
+        """Return whether --precision and --reproducible allow a variant."""
         right = self.precision is None or candidate.variant.precision == named(self.precision).name
         return right and (is_reproducible(candidate) or not self.reproducible)
 
@@ -74,11 +78,13 @@ class BudgetOptions:
 def generate(
     system: System, terms: BudgetOptions, folder: Path, force: bool, progress: Callable[[str], None]
 ) -> Certified:
-    """The C that keeps the budget, with its certificate, once it is known that a folder will take them.
+    """Find the C that keeps the budget and certify it, after checking that `folder` can take the files.
 
     Raises:
-        BudgetError, BuildError, OptionError: As `budget.finding.find`.
-        WriteError: If the folder will not.
+        BudgetError: If no variant keeps the budget.
+        BuildError: If a variant cannot be compiled.
+        OptionError: If an option has an impossible value.
+        WriteError: If the folder cannot take the files.
     """
     request = terms.request
     region = read_domain(terms.domain, system)
@@ -86,23 +92,23 @@ def generate(
     return find(system, region, request, field_of(terms.admits), terms.seed, progress)
 
 
-def show(found: Certified, console: Console) -> None:
-    """Say which variant it is and what is claimed of it."""
-    choice, request = found.choice, found.request
-    console.print(f"variant: {escape(choice.candidate.label)}", soft_wrap=True)
-    console.print(escape(words(request, choice)), soft_wrap=True)
-    console.print(escape(_time(found)), soft_wrap=True)
+def show(found: Certified) -> None:
+    """Print the variant that was chosen, what its certificate claims, and its time."""
+    print_plain(f"variant: {found.choice.candidate.label}")
+    print_plain(words(found.request, found.choice))
+    print_plain(_time(found))
 
 
-def show_verification(path: Path, found: Verification, console: Console) -> None:
-    """A line for every finding, then the verdict."""
+def show_verification(path: Path, found: Verification) -> None:
+    """Print a line for each finding of a verification, then its verdict."""
     for finding in found.findings:
-        console.print(f"{finding.what}: {_MARKS[finding.holds]}; {escape(finding.words)}", soft_wrap=True)
+        screen.print(f"{finding.what}: {_MARKS[finding.holds]}; {escape(finding.words)}", soft_wrap=True)
     verdict = "holds as far as it was looked at" if found.passed else "DOES NOT HOLD"
-    console.print(f"{escape(str(path))}: {verdict}", soft_wrap=True)
+    print_plain(f"{path}: {verdict}")
 
 
 def _time(found: Certified) -> str:
+    """The time of the variant beside that of the fastest one that is as accurate as the default."""
     choice, objective = found.choice, found.request.objective
     said = f"time: {choice.times.median:.4g} ns for {objective} on this machine"
     if choice.candidate == choice.reference:

@@ -1,4 +1,4 @@
-"""`kanegen check`: the compiled C beside the NumPy reference."""
+"""`kanegen check`: the compiled C compared with the NumPy reference."""
 
 from __future__ import annotations
 
@@ -7,23 +7,21 @@ from typing import Annotated
 
 import typer
 
-from kanegen import compiler
-from kanegen import options as variants
-from kanegen.cli.loading import loaded
+from kanegen.cli.loading import load_system
 from kanegen.cli.options import (
+    AS_WRITTEN,
     AsJson,
     Coordinates,
     FloatingBase,
     Model,
-    Numbers,
+    Precision,
     RightAngles,
+    Sincos,
     Speeds,
-    Stored,
+    Storage,
     Tier,
-    Waves,
 )
 from kanegen.cli.terminal import FAILED, progress
-from kanegen.model.right_angles import AS_WRITTEN
 
 
 def check(
@@ -32,18 +30,23 @@ def check(
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 0,
     floating_base: FloatingBase = False,
     right_angles: RightAngles = AS_WRITTEN,
-    precision: Numbers = None,
-    storage: Stored = None,
-    sincos: Waves = None,
+    precision: Precision = None,
+    storage: Storage = None,
+    sincos: Sincos = None,
     tier: Tier = "strict",
     speeds: Speeds = None,
     coordinates: Coordinates = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compile the C for MODEL and compare it with the NumPy reference; status 1 if it does not pass."""
-    system = loaded(model, floating_base, right_angles, speeds, coordinates)
+    """Compile the C for MODEL and compare its results with those of an independent NumPy program.
+
+    The exit status is 1 if a difference exceeds what rounding errors explain.
+    """
+    from kanegen import compiler, options
+
+    system = load_system(model, floating_base, right_angles, speeds, coordinates)
     with progress() as report:
-        variant = variants.chosen(tier, precision=precision, storage=storage, sincos=sincos)
+        variant = options.chosen(tier, precision=precision, storage=storage, sincos=sincos)
         result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)
     typer.echo(json.dumps(result.as_dict(), indent=2) if as_json else str(result))
     if not result.passed:

@@ -1,16 +1,12 @@
-"""`kanegen generate`: the C for a model, the usual one or the one that keeps a budget."""
+"""`kanegen generate`: the C for a model, in the chosen variant or in the one that keeps a budget."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kanegen import compiler
-from kanegen import options as variants
-from kanegen.artifacts.reanchoring import with_anchors
-from kanegen.c.source import Source
 from kanegen.cli.budget_options import (
     Attempts,
     Confidence,
@@ -25,31 +21,32 @@ from kanegen.cli.budget_options import (
     TimeBudget,
     has_budget,
 )
-from kanegen.cli.loading import loaded, reporting
+from kanegen.cli.loading import load_system, with_selection
 from kanegen.cli.options import (
+    AS_WRITTEN,
+    DEFAULT_OUTPUTS,
     Coordinates,
     FloatingBase,
     Model,
-    Numbers,
     Outputs,
     Poses,
+    Precision,
     Reactions,
     Reanchoring,
     RightAngles,
+    Sincos,
     Speeds,
-    Stored,
+    Storage,
     Tier,
-    Waves,
     Without,
 )
 from kanegen.cli.terminal import progress, screen
-from kanegen.extras import module
-from kanegen.model.reanchorable import anchors
-from kanegen.model.right_angles import AS_WRITTEN
-from kanegen.model.system import System
-from kanegen.recursion.outputs import EQUATIONS
-from kanegen.studies.tradeoff import EXTRA as STUDY
-from kanegen.studies.tradeoff import NEEDS
+from kanegen.extras import require
+from kanegen.studies.tradeoff import EXTRA, NEEDS
+
+if TYPE_CHECKING:
+    from kanegen.c.source import Source
+    from kanegen.model.system import System
 
 
 def generate(  # noqa: PLR0913  (an argument for every option)
@@ -57,22 +54,22 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     *,
     model: Model,
     output_dir: Annotated[
-        Path, typer.Option("--output-dir", "-o", help="Folder for the files; made if absent.")
+        Path, typer.Option("--output-dir", "-o", help="Folder for the files; it is made if absent.")
     ],
-    output: Outputs = list(EQUATIONS),  # noqa: B006  (typer reads the default, nobody changes it)
+    output: Outputs = DEFAULT_OUTPUTS,
     poses: Poses = None,
     reactions: Reactions = None,
     floating_base: FloatingBase = False,
     right_angles: RightAngles = AS_WRITTEN,
     force: Annotated[
-        bool, typer.Option("--force", help="Write also where the folder holds files of another origin.")
+        bool, typer.Option("--force", help="Write even if the folder holds files that kanegen did not write.")
     ] = False,
     without: Without = None,
-    precision: Numbers = None,
-    storage: Stored = None,
-    sincos: Waves = None,
+    precision: Precision = None,
+    storage: Storage = None,
+    sincos: Sincos = None,
     tier: Tier = "strict",
-    # From here to seed: the terms of a budget, which reads them from the context by name.
+    # From here to seed: the options of a budget, which are read from the context by their names.
     error: ErrorBudget = None,
     budget: TimeBudget = None,
     domain: Domain = None,
@@ -90,20 +87,24 @@ def generate(  # noqa: PLR0913  (an argument for every option)
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
 
-    With --error the fastest variant of forward dynamics whose error stays below a budget, with --budget the
-    most accurate one whose time does: all are measured on this machine, the chosen one is validated in fresh
-    states and searched for counterexamples, and a certificate says what was found. This takes minutes, and
-    `pip install 'kanegen[study]'`.
+    With --error, kanegen chooses the fastest variant of forward dynamics whose error stays below a budget;
+    with --budget, the most accurate one whose time does. It measures all variants on this machine, validates
+    the chosen one in fresh states, searches for counterexamples and writes a certificate of the result. This
+    takes minutes and needs `pip install 'kanegen[study]'`.
     """
+    from kanegen import compiler, options
+    from kanegen.artifacts.reanchoring import with_anchors
+    from kanegen.model.reanchorable import anchors
+
     keeps_budget = has_budget(context)
-    system = loaded(model, floating_base, right_angles, speeds, coordinates)
-    system = reporting(system, output, poses, reactions)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates)
+    system = with_selection(system, output, poses, reactions)
     wanted = anchors(system) if reanchoring else ()
     if keeps_budget:
         source = _within_budget(system, context, output_dir, force)
     else:
         with progress() as report:
-            variant = variants.chosen(
+            variant = options.chosen(
                 tier, precision=precision, without=without, storage=storage, sincos=sincos
             )
             source = compiler.generate(system, outputs=output, progress=report, tier=variant)
@@ -113,14 +114,16 @@ def generate(  # noqa: PLR0913  (an argument for every option)
 
 
 def _within_budget(system: System, context: typer.Context, folder: Path, force: bool) -> Source:
-    """The C that keeps the budget that was typed, with its certificate; says which variant it is."""
-    command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
-    terms = command.BudgetOptions.typed(context.params)
+    """Find the variant that keeps the budget, print it, and return its C with the certificate."""
+    for package in NEEDS:
+        require(package, EXTRA)
+    from kanegen.cli.budget import BudgetOptions, generate, show
+
+    terms = BudgetOptions.typed(context.params)
     with progress() as report:
-        found = command.generate(system, terms, folder, force, report)
-    command.show(found, screen)
-    source: Source = found.source
-    return source
+        found = generate(system, terms, folder, force, report)
+    show(found)
+    return found.source
 
 
 def _show(system: System, source: Source, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""`kanegen info`: facts about a model, for people or as JSON."""
+"""`kanegen info`: the tree of a model, its freedoms and parameters, and the cost of its equations."""
 
 from __future__ import annotations
 
@@ -6,14 +6,18 @@ import json
 
 import typer
 
-from kanegen.cli import facts
-from kanegen.cli.drawing import show
-from kanegen.cli.loading import loaded
-from kanegen.cli.options import AsJson, Coordinates, FloatingBase, Model, RightAngles, Speeds, Without
-from kanegen.cli.right_angles import Angles
-from kanegen.cli.terminal import progress, screen, unheard
-from kanegen.model.right_angles import AS_WRITTEN, TYPED
-from kanegen.studies.explain import exactness
+from kanegen.cli.loading import load_system
+from kanegen.cli.options import (
+    AS_WRITTEN,
+    AsJson,
+    Coordinates,
+    FloatingBase,
+    Model,
+    RightAngles,
+    Speeds,
+    Without,
+)
+from kanegen.cli.terminal import progress, screen, without_warnings
 
 
 def info(
@@ -25,18 +29,23 @@ def info(
     coordinates: Coordinates = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show the tree of MODEL, its freedoms and parameters, and what its equations cost."""
-    system = loaded(model, floating_base, right_angles, speeds, coordinates)
+    """Show the tree of MODEL, its freedoms and parameters, and the number of operations of its outputs."""
+    from kanegen.cli.summary import RightAngleChanges, summarize
+    from kanegen.cli.summary_text import show
+    from kanegen.model.right_angles import TYPED
+    from kanegen.studies.explain import exactness
+
+    system = load_system(model, floating_base, right_angles, speeds, coordinates)
     tolerance = right_angles or TYPED
-    with unheard():
+    with without_warnings():
         written, exact = (
-            loaded(model, floating_base, limit, speeds, coordinates) for limit in (AS_WRITTEN, tolerance)
+            load_system(model, floating_base, limit, speeds, coordinates) for limit in (AS_WRITTEN, tolerance)
         )
     with progress() as report:
         found = exactness(written, exact, report)
-        angles = Angles(tolerance, bool(right_angles), found) if found else None
-        gathered = facts.gather(system, report, without, angles)
+        changes = RightAngleChanges(tolerance, bool(right_angles), found) if found else None
+        summary = summarize(system, report, without, changes)
     if as_json:
-        typer.echo(json.dumps(gathered.as_dict(), indent=2))
+        typer.echo(json.dumps(summary.as_dict(), indent=2))
     else:
-        show(gathered, screen)
+        show(summary, screen)

@@ -1,51 +1,61 @@
-"""The system that a command is about: a model file, and what options say beside it."""
+"""The system that a command works on: a model file and the options that change it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from kanegen import compiler
 from kanegen.errors import OptionError
-from kanegen.model.system import System
-from kanegen.readers import load
+
+if TYPE_CHECKING:
+    from kanegen.model.system import System
 
 
-def loaded(
-    model: Path, floating_base: bool, right_angles: float, speeds: str | None, coordinates: str | None
+def load_system(
+    model: Path,
+    floating_base: bool = False,
+    right_angles: float = 0.0,
+    speeds: str | None = None,
+    coordinates: str | None = None,
 ) -> System:
-    """The system of a model file, with other speeds and coordinates if so wished.
+    """Read the system of a model file and give it the generalized speeds and coordinates that were asked for.
 
     Raises:
-        ModelError: If the file cannot be read, or describes what cannot exist.
-        OptionError: If an option does not fit it.
+        ModelError: If the file cannot be read or describes an impossible system.
+        OptionError: If an option does not fit the system.
     """
-    return compiler.described(load(model, floating_base, right_angles), speeds, coordinates)
+    from kanegen.compiler import described
+    from kanegen.readers import load
+
+    return described(load(model, floating_base, right_angles), speeds, coordinates)
 
 
-def reporting(system: System, outputs: Sequence[str], poses: str | None, reactions: str | None) -> System:
-    """The system with the bodies of `body_poses` and the directions of `reaction_loads` that are given.
+def with_selection(
+    system: System, outputs: Sequence[str], poses: str | None, reactions: str | None
+) -> System:
+    """Return the system with the bodies of `body_poses` and the directions of `reaction_loads` selected.
 
     Args:
         system: The tree.
-        outputs: What is asked for.
-        poses: Names with commas between them; None leaves what the model says.
-        reactions: Likewise.
+        outputs: Names of the outputs that are computed.
+        poses: Names of bodies, separated by commas; None keeps the selection of the model.
+        reactions: Names of locked directions, separated by commas; None keeps the selection of the model.
 
     Raises:
-        OptionError: If an option is about an output that is not asked for.
-        ModelError: If a name is none of the system's.
+        OptionError: If a selection is for an output that is not computed.
+        ModelError: If the system has no body or direction of such a name.
     """
     if poses is not None:
-        _require("--poses", "body_poses", outputs)
+        _require_output("--poses", "body_poses", outputs)
         system = system.with_poses(_names(poses))
     if reactions is not None:
-        _require("--reactions", "reaction_loads", outputs)
+        _require_output("--reactions", "reaction_loads", outputs)
         system = system.with_reactions(_names(reactions))
     return system
 
 
-def _require(option: str, output: str, outputs: Sequence[str]) -> None:
+def _require_output(option: str, output: str, outputs: Sequence[str]) -> None:
     if output not in outputs:
         raise OptionError(f"{option}: only with --output {output}. Add that, or leave {option} out.")
 

@@ -1,4 +1,8 @@
-"""Arguments and options of the commands; those of a budget stand apart in `budget_options`."""
+"""Arguments and options that several commands share.
+
+Names that a user chooses among are written out here, since importing the modules that define them would load
+SymPy and NumPy, and `kanegen COMMAND --help` loads neither. A test compares the texts with those modules.
+"""
 
 from __future__ import annotations
 
@@ -9,92 +13,126 @@ import typer
 
 from kanegen.errors import OptionError
 from kanegen.extras import BENCH, require
-from kanegen.model.freedoms import ORIENTATIONS, SPEEDS
-from kanegen.model.right_angles import TYPED
-from kanegen.options import TIERS
-from kanegen.program.passes import NAMES
-from kanegen.program.precision import PRECISIONS
-from kanegen.recursion.outputs import OUTPUTS
+
+DEFAULT_OUTPUTS = ["mass_matrix", "forcing"]
+"""The outputs that are computed where the command line names none."""
+
+AS_WRITTEN = 0.0
+"""The tolerance (rad) that leaves every angle of a model as it is written."""
 
 Model = Annotated[
-    Path, typer.Argument(metavar="MODEL", help="Model file, .toml or .urdf.", show_default=False)
+    Path, typer.Argument(metavar="MODEL", help="The model file, .toml or .urdf.", show_default=False)
 ]
 FloatingBase = Annotated[
-    bool, typer.Option("--floating-base", help="Give the root link of a .urdf six freedoms.")
+    bool, typer.Option("--floating-base", help="Give the root link of a .urdf file six freedoms.")
 ]
 RightAngles = Annotated[
     float,
     typer.Option(
         "--right-angles",
         metavar="TOL",
-        help=f"Make exact what misses a right angle by no more (rad); {TYPED:g} takes 1.5708 for pi/2.",
+        help="Make angles exact that miss a multiple of pi/2 by TOL at most (rad); 5e-05 takes 1.5708.",
     ),
 ]
 Outputs = Annotated[
     list[str],
-    typer.Option("--output", metavar="NAME", help=f"What to compute, repeatable: {', '.join(OUTPUTS)}."),
+    typer.Option(
+        "--output",
+        metavar="NAME",
+        help="Compute this output (repeatable): mass_matrix, forcing, inverse_dynamics, reaction_loads, "
+        "forward_dynamics, error_estimate, regularity, kinetic_energy, potential_energy, momentum, "
+        "mass_center, body_poses, coordinate_rates, point_positions, point_velocities, point_accelerations, "
+        "point_jacobians, prescribed_efforts, forcing_derivatives, inverse_dynamics_derivatives, "
+        "forward_dynamics_derivatives.",
+    ),
 ]
 Poses = Annotated[
     str | None,
-    typer.Option("--poses", metavar="NAMES", help="Bodies of output body_poses, such as tool,base."),
+    typer.Option("--poses", metavar="NAMES", help="Bodies whose poses body_poses gives, such as tool,base."),
 ]
 Reactions = Annotated[
     str | None,
     typer.Option(
-        "--reactions", metavar="NAMES", help="Directions of output reaction_loads, such as arm.theta2,arm.s1."
+        "--reactions",
+        metavar="NAMES",
+        help="Locked directions whose loads reaction_loads gives, such as arm.theta2,arm.s1.",
     ),
 ]
 Without = Annotated[
     list[str] | None,
-    typer.Option("--without", metavar="PASS", help=f"Leave a pass out, repeatable: {', '.join(NAMES)}."),
+    typer.Option(
+        "--without", metavar="PASS", help="Leave out this optimiser pass (repeatable): fold, prune, factor."
+    ),
 ]
-Numbers = Annotated[
-    str | None,
-    typer.Option("--precision", metavar="NAME", help=f"Arithmetic in C: {', '.join(PRECISIONS)}."),
-]
-Stored = Annotated[
-    str | None,
-    typer.Option("--storage", metavar="NAME", help="Arrays in C, where they differ: a precision."),
-]
-Waves = Annotated[
+Precision = Annotated[
     str | None,
     typer.Option(
-        "--sincos", metavar="NAME", help="Sine and cosine: shared, libm, or polynomial-5 to polynomial-15."
+        "--precision",
+        metavar="NAME",
+        help="Arithmetic of the C: double, float, long double, double-double.",
+    ),
+]
+Storage = Annotated[
+    str | None,
+    typer.Option(
+        "--storage",
+        metavar="NAME",
+        help="Precision of the arrays of the C, where it is not that of its arithmetic.",
+    ),
+]
+Sincos = Annotated[
+    str | None,
+    typer.Option(
+        "--sincos",
+        metavar="NAME",
+        help="Implementation of sine and cosine: shared, libm, or polynomial-5 to polynomial-15.",
     ),
 ]
 Tier = Annotated[
-    str, typer.Option("--tier", metavar="NAME", help=f"Speed against accuracy: {' or '.join(TIERS)}.")
+    str,
+    typer.Option(
+        "--tier",
+        metavar="NAME",
+        help="Choices between speed and accuracy: strict, fast, single, exact.",
+    ),
 ]
 Speeds = Annotated[
     str | None,
-    typer.Option("--speeds", metavar="NAME", help=f"Where three angles are free: {' or '.join(SPEEDS)}."),
+    typer.Option(
+        "--speeds",
+        metavar="NAME",
+        help="Generalized speeds of joints with three free angles: angle_rates, angular_velocity.",
+    ),
 ]
 Coordinates = Annotated[
     str | None,
     typer.Option(
-        "--coordinates", metavar="NAME", help=f"Where three angles are free: {' or '.join(ORIENTATIONS)}."
+        "--coordinates",
+        metavar="NAME",
+        help="Coordinates of joints with three free angles: angles, quaternion.",
     ),
 ]
 Reanchoring = Annotated[
     bool,
     typer.Option(
-        "--reanchoring", help="Add a header that turns joint frames, where these are parameters, at run time."
+        "--reanchoring",
+        help="Add a C header that turns joint frames at run time, where their angles are parameters.",
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 JsonFile = Annotated[
     Path | None,
-    typer.Option("--json", metavar="FILE", help="Write every number and the machine as JSON."),
+    typer.Option("--json", metavar="FILE", help="Write all numbers and the machine as JSON."),
 ]
 Plot = Annotated[Path | None, typer.Option("--plot", metavar="FILE.svg", help="Draw the times as SVG.")]
 
 
 def require_plot(path: Path | None, extra: str = BENCH) -> None:
-    """Say at once what would only fail minutes later.
+    """Check, before minutes of measurement, that a plot can be drawn into `path`.
 
     Raises:
-        OptionError: If the file is no .svg.
-        MissingError: If what draws is not installed; names the `extra` that brings it.
+        OptionError: If the name of the file does not end in .svg.
+        MissingError: If matplotlib is not installed; the message names the `extra` that brings it.
     """
     if path is not None:
         if path.suffix != ".svg":

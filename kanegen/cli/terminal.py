@@ -1,36 +1,60 @@
-"""What every command needs of a terminal: progress, warnings, errors."""
+"""The terminal: progress, tables, warnings, errors and exit statuses of all commands."""
 
 from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NoReturn, TextIO
 
+from rich import box
 from rich.console import Console
 from rich.markup import escape
+from rich.table import Table
 
 from kanegen.errors import KanegenWarning
 
 BAD_INPUT = 2
-"""Exit status of an error in a model or an option; the same as of a misspelt command."""
+"""Exit status after an error in a model or an option; typer uses the same after a misspelt command."""
 
 FAILED = 1
-"""Exit status of a check that ran and did not pass."""
+"""Exit status after a check that ran and did not pass."""
 
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
+"""Standard error, for progress, warnings and errors."""
+
 screen = Console(highlight=False)
+"""Standard output, for results."""
 
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A function that shows the stage at work, on a terminal only."""
+    """Yield a function that shows the name of the current stage on a terminal, and nothing elsewhere."""
     if not errors.is_terminal:
         yield lambda stage: None
         return
     with errors.status("starting") as status:
         yield lambda stage: status.update(escape(stage))
+
+
+def print_plain(text: str) -> None:
+    """Print a line of text as it is, wrapped by the terminal only."""
+    screen.print(escape(text), soft_wrap=True)
+
+
+def text_table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> Table:
+    """Build a table whose first `left` columns are aligned to the left, the others, numbers, to the right.
+
+    No column becomes narrower than its longest word, so that lines break between words only.
+    """
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for place, cells in enumerate(zip(head, *rows, strict=True)):
+        longest = max(len(word) for cell in cells for word in cell.split(" "))
+        table.add_column(head[place], justify="left" if place < left else "right", min_width=longest)
+    for row in rows:
+        table.add_row(*map(escape, row))
+    return table
 
 
 def show_warning(
@@ -41,25 +65,25 @@ def show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """Print a warning as one line; stands in for `warnings.showwarning`, whose signature this is."""
+    """Print a warning as one line; this replaces `warnings.showwarning` and has its signature."""
     errors.print(f"[yellow]warning:[/] {escape(str(message))}")
 
 
 def show_warnings() -> None:
-    """Show kanegen's own warnings, each time."""
+    """Print every warning of kanegen, also one that was printed before."""
     warnings.simplefilter("always", KanegenWarning)
     warnings.showwarning = show_warning
 
 
 @contextmanager
-def unheard() -> Iterator[None]:
-    """Without kanegen's warnings, of what has been said before."""
+def without_warnings() -> Iterator[None]:
+    """Suppress kanegen's warnings, for a model that is read again."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", KanegenWarning)
         yield
 
 
 def fail(error: Exception) -> NoReturn:
-    """Print an error as one line and leave with `BAD_INPUT`."""
+    """Print an error as one line and exit with the status `BAD_INPUT`."""
     errors.print(f"[bold red]error:[/] {escape(str(error))}")
     sys.exit(BAD_INPUT)

@@ -1,63 +1,148 @@
-"""`kanegen tradeoff`: speed against accuracy, every variant measured."""
+"""`kanegen tradeoff`: speed against accuracy of a model, every variant measured."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.markup import escape
 
-from kanegen.cli.options import FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
-from kanegen.cli.terminal import FAILED, progress, screen
-from kanegen.extras import module
-from kanegen.model.right_angles import AS_WRITTEN
-from kanegen.readers import load
-from kanegen.studies.tradeoff import EXTRA as STUDY
-from kanegen.studies.tradeoff import NEEDS
+from kanegen.choices import require_one
+from kanegen.cli.options import AS_WRITTEN, FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
+from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
+from kanegen.extras import require
+from kanegen.files import make_folder, require_writable, write_whole
+from kanegen.studies.tradeoff import EXTRA, NEEDS
+
+if TYPE_CHECKING:
+    from kanegen.studies.tradeoff.outcome import Study
 
 
 def tradeoff(
     model: Model,
-    states: Annotated[int, typer.Option(min=1, help="Random states of every sample.")] = 256,
-    search: Annotated[int, typer.Option(min=0, help="States tried to find the largest error.")] = 64,
-    rounds: Annotated[int, typer.Option(min=1, help="Rounds, in each of which all have one turn.")] = 7,
-    seconds: Annotated[float, typer.Option(min=0.0, help="Of every way to call in every turn.")] = 0.02,
-    seed: Annotated[int, typer.Option(min=0, help="Of all samples.")] = 0,
+    states: Annotated[int, typer.Option(min=1, help="Number of random states of each sample.")] = 256,
+    search: Annotated[
+        int, typer.Option(min=0, help="Number of states tried in the search for the largest error.")
+    ] = 64,
+    rounds: Annotated[
+        int, typer.Option(min=1, help="Number of rounds; in each, every variant is timed once.")
+    ] = 7,
+    seconds: Annotated[float, typer.Option(min=0.0, help="Seconds of each timing of a variant.")] = 0.02,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of all samples.")] = 0,
     quantile: Annotated[
-        str, typer.Option(metavar="NAME", help="The error that counts: max, p99 or median.")
+        str,
+        typer.Option(metavar="NAME", help="Error that ranks variants: max, p99, median."),
     ] = "max",
     objective: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Show one table only: latency or batch; repeatable."),
+        typer.Option(metavar="NAME", help="Show only this table (repeatable): latency, batch."),
     ] = None,
     output_dir: Annotated[
         Path | None,
         typer.Option("--output-dir", "-o", help="Folder for tradeoff.md, .csv, .json and .svg."),
     ] = None,
     simulation: Annotated[
-        bool, typer.Option("--simulation", help="Integrate a motion with the best variants, too.")
+        bool, typer.Option("--simulation", help="Also integrate a motion with the best variants.")
     ] = False,
     json_: JsonFile = None,
     plot: Plot = None,
     floating_base: FloatingBase = False,
     right_angles: RightAngles = AS_WRITTEN,
 ) -> None:
-    """Speed against accuracy of MODEL: every variant measured; status 1 if one computes something wrong.
+    """Measure the speed and the accuracy of every variant of the C for MODEL.
 
-    Errors are against certified truth, in random and in hard states; times are taken in turns. What none
-    beats in both is the front, measured again in fresh states. Loads are switched off and run-time parameters
-    become constants. Needs `pip install 'kanegen[study]'`.
+    Errors are measured against certified truth, in random states and in hard ones; variants are timed in
+    turns. The variants that no other beats in both speed and accuracy form the Pareto front, which is
+    measured again in fresh states. The exit status is 1 if a variant computes something wrong. Loads are
+    switched off and run-time parameters become constants. Needs `pip install 'kanegen[study]'`.
     """
-    require_plot(plot, STUDY)
-    command = module("kanegen.cli.study", *NEEDS, extra=STUDY)
+    require_plot(plot, EXTRA)
+    for package in NEEDS:
+        require(package, EXTRA)
+    from kanegen.measure.timing import OBJECTIVES
+    from kanegen.readers import load
+    from kanegen.studies.tradeoff.outcome import StudyOptions
+    from kanegen.studies.tradeoff.simulation import simulated
+    from kanegen.studies.tradeoff.study import study
+
     system = load(model, floating_base, right_angles)
-    outputs = command.Outputs.chosen(output_dir, json_, plot, simulation)
-    with progress() as report:
-        terms = command.StudyOptions(
+    files = _Files.chosen(output_dir, json_, plot, simulation)
+    with progress() as show_stage:
+        terms = StudyOptions(
             states=states, search=search, rounds=rounds, seconds=seconds, seed=seed, quantile=quantile
         )
-        found = command.run(system, terms, objective, simulation, report)
-    outputs.write(found)
-    command.show(found, objective, screen)
+        for name in objective or ():
+            require_one("objective", name, OBJECTIVES)
+        found = study(system, terms, show_stage)
+        if simulation:
+            found = simulated(system, found, show_stage)
+    files.write(found)
+    _show(found, objective or OBJECTIVES)
     if any(entry.wrong for entry in found.entries):
         raise typer.Exit(FAILED)
+
+
+@dataclass(frozen=True)
+class _Files:
+    """The files into which a study is written, known to be writable, and the function that fills each."""
+
+    writers: Mapping[Path, Callable[[Study], str]]
+
+    @classmethod
+    def chosen(cls, folder: Path | None, json: Path | None, plot: Path | None, simulation: bool) -> _Files:
+        """Choose all kinds of files in `folder`, which is made if absent, and the single files.
+
+        Raises:
+            WriteError: If a file cannot be written.
+        """
+        from kanegen.studies.tradeoff import report
+        from kanegen.studies.tradeoff.plot import simulation_svg, tradeoff_svg
+
+        kinds: dict[str, Callable[[Study], str]] = {
+            ".md": report.markdown,
+            ".csv": report.comma_separated,
+            ".json": report.json_record,
+            ".svg": tradeoff_svg,
+        }
+        writers: dict[Path, Callable[[Study], str]] = {}
+        if folder is not None:
+            make_folder(folder)
+            writers = {folder / f"tradeoff{ending}": text for ending, text in kinds.items()}
+            if simulation:
+                writers[folder / "tradeoff-simulation.svg"] = simulation_svg
+        writers |= {path: kinds[kind] for path, kind in ((json, ".json"), (plot, ".svg")) if path is not None}
+        require_writable(*writers)
+        return cls(writers)
+
+    def write(self, found: Study) -> None:
+        """Write every file."""
+        for path, text in self.writers.items():
+            write_whole(path, text(found))
+
+
+def _show(found: Study, objectives: Sequence[str]) -> None:
+    """Print a study for people."""
+    from kanegen.studies.tradeoff import report, tables
+
+    terms = found.terms
+    screen.print(
+        f"[bold]{escape(found.model)}[/]: {found.n} freedoms, {len(found.entries)} variants, "
+        f"{terms.states} random states, {terms.rounds} x {terms.seconds:g} s\n",
+        soft_wrap=True,
+    )
+    for objective in objectives:
+        title = tables.TITLES[objective]
+        screen.print(f"[bold]All variants[/], {title}")
+        screen.print(text_table(tables.SHORT, tables.short_rows(found, objective)))
+        screen.print(f"[bold]Front[/], {title}, measured again in fresh states and processes")
+        screen.print(text_table(tables.FRESH, tables.fresh_rows(found, objective)))
+    if found.runs:
+        screen.print(f"[bold]Simulation[/] of {found.duration:.3g} s: the least work for an error")
+        screen.print(text_table(tables.SIMULATION, tables.simulation_rows(found), tables.SIMULATION_TEXTS))
+    lines = [f"Refused: {refusal.label}: {refusal.reason}" for refusal in found.refusals]
+    lines += [f"Note: {note}." for note in found.notes]
+    for line in (*lines, *report.statements(found)):
+        print_plain(line)

@@ -1,4 +1,4 @@
-"""`kanegen verify`: what a certificate says, made and measured anew."""
+"""`kanegen verify`: the claims of a certificate, checked by generating, compiling and measuring again."""
 
 from __future__ import annotations
 
@@ -7,40 +7,47 @@ from typing import Annotated
 
 import typer
 
-from kanegen.cli.loading import loaded
-from kanegen.cli.options import Coordinates, FloatingBase, RightAngles, Speeds
-from kanegen.cli.terminal import FAILED, progress, screen
-from kanegen.extras import module
-from kanegen.model.right_angles import AS_WRITTEN
-from kanegen.studies.tradeoff import EXTRA as STUDY
-from kanegen.studies.tradeoff import NEEDS
+from kanegen.cli.loading import load_system
+from kanegen.cli.options import AS_WRITTEN, Coordinates, FloatingBase, RightAngles, Speeds
+from kanegen.cli.terminal import FAILED, progress
+from kanegen.extras import require
+from kanegen.studies.tradeoff import EXTRA, NEEDS
 
 
 def verify(
     certificate: Annotated[
-        Path, typer.Argument(metavar="CERTIFICATE", help="The .json beside the C.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="CERTIFICATE", help="The certificate, a .json file beside the C.", show_default=False
+        ),
     ],
     model: Annotated[
-        Path | None, typer.Option("--model", metavar="MODEL", help="What it should be of, .toml or .urdf.")
+        Path | None,
+        typer.Option("--model", metavar="MODEL", help="Model that the C should be for, .toml or .urdf."),
     ] = None,
     states: Annotated[
-        int | None, typer.Option(min=1, help="Fresh states; by default as many as it was validated by.")
+        int | None,
+        typer.Option(min=1, help="Number of fresh states; by default that of the certificate's validation."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the fresh states.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the fresh states.")] = 1,
     floating_base: FloatingBase = False,
     right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
 ) -> None:
-    """Make and measure anew what a CERTIFICATE of `generate` says; status 1 if something does not hold.
+    """Check the CERTIFICATE that `kanegen generate` wrote with a budget.
 
-    Generates and compiles the variant, compares the C, its results and its worst states, and measures its
-    error in states of its own. Times are not measured again. Needs `pip install 'kanegen[study]'`.
+    Generates and compiles the variant again, compares the C, its results and its worst states with those of
+    the certificate, and measures its error in fresh states. Times are not measured again. The exit status is
+    1 if a claim does not hold. Needs `pip install 'kanegen[study]'`.
     """
-    command = module("kanegen.cli.budget", *NEEDS, extra=STUDY)
-    system = None if model is None else loaded(model, floating_base, right_angles, speeds, coordinates)
+    for package in NEEDS:
+        require(package, EXTRA)
+    from kanegen.cli import budget
+
+    system = None if model is None else load_system(model, floating_base, right_angles, speeds, coordinates)
     with progress() as report:
-        found = command.verify(certificate, system, states, seed, report)
-    command.show_verification(certificate, found, screen)
+        found = budget.verify(certificate, system, states, seed, report)
+    budget.show_verification(certificate, found)
     if not found.passed:
         raise typer.Exit(FAILED)

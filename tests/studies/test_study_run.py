@@ -210,7 +210,7 @@ def refusal(*arguments: str) -> str:
 
 
 def test_what_cannot_work_is_said_before_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kanegen.cli.study.study", None)
+    monkeypatch.setattr("kanegen.studies.tradeoff.study.study", None)
     file = tmp_path / "file"
     file.touch()
     assert "cannot be made: Not a directory" in refusal("-o", str(file / "folder"))

@@ -1,4 +1,4 @@
-"""The facts of `kanegen info` on a terminal: the tree drawn, then a section for everything else."""
+"""The summary of `kanegen info` on a terminal: the tree, then a section for everything else."""
 
 from __future__ import annotations
 
@@ -12,41 +12,44 @@ from rich.segment import Segments
 from rich.table import Table
 from rich.tree import Tree
 
-from kanegen.cli import right_angles
-from kanegen.cli.facts import TOGETHER, Facts
+from kanegen.cli.summary import TOGETHER, RightAngleChanges, Summary
 from kanegen.model.body import Body
 from kanegen.model.freedoms import named
 from kanegen.model.numbers import Number, Parameter
 from kanegen.model.sequences import NOTES
 from kanegen.model.system import System
 from kanegen.program.passes import savings
+from kanegen.studies.explain.exactness import STATES
 
 WIDEST = 2**16
-"""Columns for the tree: what goes beyond them, or beyond the screen's, rich would leave out."""
+"""Characters of a line of the tree; rich would cut off what is wider than the screen."""
+
+SYMBOLS = {"mass_matrix": "[A]", "forcing": "{f}", "ydot": "{ydot}"}
+"""The letters of the notes by the names of the results that exact right angles change."""
 
 
-def show(facts: Facts, console: Console) -> None:
-    """Print the facts for people."""
-    system = facts.system
+def show(summary: Summary, console: Console) -> None:
+    """Print the summary for people."""
+    system = summary.system
     n, bodies = len(system.freedoms), system.number_of_bodies
     gravity = ", ".join(_text(value) for value in system.gravity)
     console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s^2\n")
     drawing = console.render(_tree(system), console.options.update_width(WIDEST))
     console.print(Segments(drawing), soft_wrap=True)
-    for title, remark, content in _sections(facts):
+    for title, remark, content in _sections(summary):
         console.print(f"\n[bold]{title}[/]{remark}")
         console.print(content)
-    saved = ", ".join(f"{name} {number}" for name, number in savings(facts.stages).items())
+    saved = ", ".join(f"{name} {number}" for name, number in savings(summary.stages).items())
     console.print(f"passes saved: {saved or 'none was run'}")
-    console.print(", ".join(f"{name} by {method}" for name, method in facts.methods.items()))
-    console.print(escape(f"refinement of forward_dynamics: {facts.refinement}"))
-    if facts.right_angles:
-        right_angles.show(facts.right_angles, console)
+    console.print(", ".join(f"{name} by {method}" for name, method in summary.methods.items()))
+    console.print(escape(f"refinement of forward_dynamics: {summary.refinement}"))
+    if summary.right_angles:
+        _show_right_angles(summary.right_angles, console)
 
 
-def _sections(facts: Facts) -> Iterator[tuple[str, str, RenderableType]]:
-    """Title, remark and content of what a system has."""
-    system = facts.system
+def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
+    """Yield title, remark and content of each section; what the system does not have gets no section."""
+    system = summary.system
     quaternions = len(system.coordinates) > len(system.freedoms)
     if quaternions:
         units = [coordinate.unit for coordinate in system.coordinates]
@@ -60,7 +63,7 @@ def _sections(facts: Facts) -> Iterator[tuple[str, str, RenderableType]]:
         yield "Parameters", ", with their defaults", _parameters(system)
     if system.force_elements:
         yield "Force elements", "", escape("\n".join(element.words for element in system.force_elements))
-    yield "Operations", " of one evaluation", _costs(facts)
+    yield "Operations", " of one evaluation", _costs(summary)
 
 
 def _tree(system: System) -> Tree:
@@ -85,7 +88,7 @@ def _freedoms(system: System) -> Columns:
 
 
 def _columns(names: Sequence[str], units: Sequence[str], remarks: Sequence[str] | None = None) -> Columns:
-    """Numbered names with their units and what else is to be said of each."""
+    """Arrange numbered names in columns, each with its unit and a remark."""
     rows = zip(names, units, remarks or [""] * len(names), strict=True)
     cells = [f"{i} {escape(name)} ({unit}){remark}" for i, (name, unit, remark) in enumerate(rows)]
     return Columns(cells, column_first=True, padding=(0, 3))
@@ -98,17 +101,36 @@ def _parameters(system: System) -> Table:
     return table
 
 
-def _costs(facts: Facts) -> Table:
-    kinds = list(facts.operations[TOGETHER])
+def _costs(summary: Summary) -> Table:
+    kinds = list(summary.operations[TOGETHER])
     table = Table("", *kinds, box=box.SIMPLE_HEAD)
     for column in table.columns[1:]:
         column.justify = "right"
-    for name, counts in facts.operations.items():
+    for name, counts in summary.operations.items():
         table.add_row(name, *(str(counts[kind]) for kind in kinds))
-    for stage in facts.stages:
+    for stage in summary.stages:
         cells = (str(stage.operations.get(kind, "")) for kind in kinds)
         table.add_row(f"[dim]this after {stage.name}[/]", *cells)
     return table
+
+
+def _show_right_angles(changes: RightAngleChanges, console: Console) -> None:
+    """Print what exact right angles change: bodies, results and operations."""
+    found, limit = changes.exactness, f"{changes.tolerance:g}"
+    hint = "are exact here" if changes.applied else f"are as written; --right-angles {limit} makes them exact"
+    console.print(f"\n[bold]Right angles[/] missed by no more than {limit} rad {hint}", soft_wrap=True)
+    table = Table("body", "turned, rad", "shifted, m", "inertia, relative", box=box.SIMPLE_HEAD)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for body in found.bodies:
+        table.add_row(escape(body.body), *(f"{x:.1e}" for x in (body.turned, body.shifted, body.inertia)))
+    console.print(table)
+    results = ", ".join(f"{SYMBOLS[name]} {change:.1e}" for name, change in found.results.items())
+    verb = "changes" if changes.applied else "would change"
+    text = f"relative to the model as written this {verb}: {results}, at most in {STATES} random states"
+    console.print(escape(text), soft_wrap=True)
+    costs = ", ".join(f"{name} {old} to {new}" for name, (old, new) in found.operations.items())
+    console.print(f"operations: {costs}", soft_wrap=True)
 
 
 def _moving(body: Body) -> str:

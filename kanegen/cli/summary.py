@@ -1,4 +1,4 @@
-"""What `kanegen info` says of a system: everything in it, and what its equations cost."""
+"""The summary of a system that `kanegen info` gives: its contents, and the cost of its equations."""
 
 from __future__ import annotations
 
@@ -8,28 +8,48 @@ from typing import Any
 
 from kanegen import compiler
 from kanegen import options as variants
-from kanegen.cli.right_angles import Angles
 from kanegen.model.coordinates import Freedom
 from kanegen.model.freedoms import FREEDOMS, named
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.program.passes import Stage, savings
 from kanegen.recursion.outputs import EQUATIONS, OUTPUTS, available
+from kanegen.studies.explain import Exactness
 
 TOGETHER = " + ".join(EQUATIONS)
+"""The key of [A] and {f} computed together among the operation counts."""
 
 
 @dataclass(frozen=True)
-class Facts:
-    """A system and its operation counts.
+class RightAngleChanges:
+    """The changes that exact right angles make to a model, or would make.
+
+    Attributes:
+        tolerance: Largest distance from a multiple of pi/2 that counts as a right angle (rad).
+        applied: Whether the system that is shown has exact right angles already.
+        exactness: The system as written compared with the system with exact right angles.
+    """
+
+    tolerance: float
+    applied: bool
+    exactness: Exactness
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields as plain data for JSON."""
+        return {"tolerance": self.tolerance, "taken": self.applied, **self.exactness.as_dict()}
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A system and the operation counts of its outputs.
 
     Attributes:
         system: The tree.
-        operations: By output, and of [A] and {f} together.
-        methods: How each output is derived.
-        refinement: Whether {ydot} is refined, and why.
-        stages: What all outputs together cost after lowering and after every pass.
-        right_angles: What it changes to take them; None where the model misses none.
+        operations: Operations by kind, for each output by itself and for [A] and {f} together.
+        methods: The algorithm of each output.
+        refinement: The number of steps of iterative refinement in forward dynamics, and its reason.
+        stages: Operations of [A] and {f} together after lowering and after every pass.
+        right_angles: The changes of exact right angles; None if the model misses no right angle.
     """
 
     system: System
@@ -37,10 +57,10 @@ class Facts:
     methods: dict[str, str]
     refinement: str
     stages: tuple[Stage, ...]
-    right_angles: Angles | None
+    right_angles: RightAngleChanges | None
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as plain data."""
+        """Return the contents of the system and all counts as plain data for JSON."""
         return {
             **_contents(self.system),
             "operations": self.operations,
@@ -52,15 +72,23 @@ class Facts:
         }
 
 
-def gather(
+def summarize(
     system: System,
     progress: Callable[[str], None],
     without: Iterable[str] | None = None,
-    angles: Angles | None = None,
-) -> Facts:
-    """Count what every output costs alone and all together, without some passes if so wished."""
+    right_angles: RightAngleChanges | None = None,
+) -> Summary:
+    """Count the operations of every output by itself, and of [A] and {f} together.
+
+    Derivatives are left out, since deriving those of a large tree takes minutes.
+
+    Args:
+        system: The tree.
+        progress: Function that receives the name of each stage.
+        without: Names of the optimiser passes to leave out.
+        right_angles: The changes of exact right angles, to be part of the summary.
+    """
     variant = variants.chosen(without=without)
-    # Derivatives of a large tree take minutes, and nobody has asked for them.
     names = [name for name in available(system) if not OUTPUTS[name].is_derivative]
     alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
@@ -68,10 +96,11 @@ def gather(
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}
     refinement = alone["forward_dynamics"].refinement
     operations[TOGETHER] = together.operations
-    return Facts(system, operations, methods, refinement, together.stages, angles)
+    return Summary(system, operations, methods, refinement, together.stages, right_angles)
 
 
 def _contents(system: System) -> dict[str, Any]:
+    """Everything that the system holds, by the keys of the JSON."""
     coordinates = zip(system.coordinate_names, system.coordinates, strict=True)
     efforts = [freedom.effort for freedom in system.reacting]
     return {
@@ -112,7 +141,7 @@ def _bodies(system: System) -> list[dict[str, Any]]:
 def _directions(
     names: Sequence[str], freedoms: Sequence[Freedom], units: Sequence[str] | None = None
 ) -> list[dict[str, Any]]:
-    """A row for each, in units of the coordinates if nothing else is said."""
+    """A row for each freedom, with the unit of its coordinate unless `units` says otherwise."""
     units = [freedom.unit for freedom in freedoms] if units is None else units
     return [
         {"name": name, "body": freedom.body, "freedom": FREEDOMS[freedom.index], "unit": unit}
