@@ -13,15 +13,16 @@ the reference (`magnitudes`), and D = diag(S_A)^(1/2), which takes the units fro
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kanegen.errors import OptionError
-from kanegen.measure.errors import StateErrors, joined, state_errors
+from kanegen.errors import ArrayError, OptionError
+from kanegen.measure.errors import Errors, quotient, scaled_norm
 from kanegen.measure.report import Accuracy, Evaluation, Report
-from kanegen.model.arrays import Floats, SystemArrays
+from kanegen.model.arrays import Flags, Floats, SystemArrays
 from kanegen.model.system import System
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.reference import equations as reference
@@ -47,6 +48,25 @@ OUTPUTS = ("mass_matrix", "forcing")
 
 BATCH_NUMBERS = 2**24
 """How many numbers a batch of states may hold at once."""
+
+
+@dataclass(frozen=True)
+class ReferenceErrors(Errors):
+    """Errors of one output against the reference in B states.
+
+    Attributes:
+        cancellation: (B,) norm of the terms' magnitudes over the norm of their sum.
+        finite: (B,) flags of the states with a finite result.
+        entry: (B,) index of the entry with the largest componentwise error.
+        value: (B,) this entry as the library computed it.
+        reference: (B,) this entry as the reference computed it.
+    """
+
+    cancellation: Floats
+    finite: Flags
+    entry: NDArray[np.int64]
+    value: Floats
+    reference: Floats
 
 
 class ComparedLibrary(Protocol):
@@ -100,7 +120,8 @@ def compare(
     parts = _batches(sample, system.number_of_bodies)
     batches = [_batch_errors(arrays, library, outputs, part, limit, held) for part in parts]
     accuracies = (
-        _accuracy(system, sample, name, joined([batch[name] for batch in batches]), limit) for name in outputs
+        _accuracy(system, sample, name, _joined([batch[name] for batch in batches]), limit)
+        for name in outputs
     )
     return Report(system.name, states, seed, tuple(accuracies), _reason(precision, held))
 
@@ -118,7 +139,7 @@ def _batch_errors(
     states: States,
     limit: float,
     storage: Precision,
-) -> dict[str, StateErrors]:
+) -> dict[str, ReferenceErrors]:
     x, y, force, torque = states.x, states.y, states.force, states.torque
     given_x, given_y = storage.stored(x), storage.stored(y)
     given_force, given_torque = (None if f is None else storage.stored(f) for f in (force, torque))
@@ -134,15 +155,59 @@ def _batch_errors(
         truth = reference.mass_matrix(arrays, x, told)
         scales = scale[:, :, None] * scale[:, None, :]
         value = storage.nearest(library.mass_matrix(given_x, **given))
-        errors["mass_matrix"] = state_errors(value, truth, matrix_size, scales, limit)
+        errors["mass_matrix"] = reference_errors(value, truth, matrix_size, scales, limit)
     if "forcing" in outputs:
         truth = reference.forcing(arrays, x, y, force, torque, **states.given)
         size = forcing_magnitude(arrays, reach, force, torque)
         size = size + element_magnitude(arrays, bodies, x, y, **states.given)
         found = library.forcing(given_x, given_y, force=given_force, torque=given_torque, **given)
         value = storage.nearest(found)
-        errors["forcing"] = state_errors(value, truth, size, scale, limit)
+        errors["forcing"] = reference_errors(value, truth, size, scale, limit)
     return errors
+
+
+def reference_errors(
+    value: NDArray[Any], truth: Floats, size: Floats, scale: Floats, limit: float
+) -> ReferenceErrors:
+    """Compare results with those of the reference; what is not finite counts as an infinite error.
+
+    Args:
+        value: (B, ...) results of a library.
+        truth: (B, ...) results of the reference.
+        size: (B, ...) magnitudes of the terms of `truth`.
+        scale: (B, ...) factors that take the units away.
+        limit: Norm of a `truth` that is nothing but rounding, relative to the norm of `size`.
+
+    Raises:
+        ArrayError: If `value` has another shape than `truth`.
+    """
+    if np.shape(value) != truth.shape:
+        raise ArrayError(f"the library returned shape {np.shape(value)}; expected {truth.shape}.")
+    value, truth, size, scale = (array.reshape(len(truth), -1) for array in (value, truth, size, scale))
+    finite = np.isfinite(value) & np.isfinite(truth)
+    difference = np.full(truth.shape, np.inf)
+    np.abs(np.subtract(value, truth, where=finite, out=difference), out=difference)
+    ratio = quotient(difference, size)
+    rows, entry = np.arange(len(truth)), ratio.argmax(axis=1)
+    norm, size_norm = scaled_norm(truth, scale), scaled_norm(size, scale)
+    compared = np.where(norm > limit * size_norm, norm, size_norm)
+    return ReferenceErrors(
+        normwise=quotient(scaled_norm(difference, scale), compared),
+        componentwise=ratio[rows, entry],
+        cancellation=quotient(size_norm, norm),
+        finite=np.all(finite, axis=1),
+        entry=entry,
+        value=value[rows, entry],
+        reference=truth[rows, entry],
+    )
+
+
+def _joined(batches: list[ReferenceErrors]) -> ReferenceErrors:
+    """Return the errors of several batches as those of one."""
+    names = [field.name for field in fields(ReferenceErrors)]
+    return ReferenceErrors(
+        **{name: np.concatenate([getattr(part, name) for part in batches]) for name in names}
+    )
 
 
 def _coarser(a: Precision, b: Precision) -> Precision:
@@ -157,7 +222,7 @@ def _reason(precision: Precision, storage: Precision) -> str:
     return reason
 
 
-def _accuracy(system: System, sample: States, output: str, errors: StateErrors, bound: float) -> Accuracy:
+def _accuracy(system: System, sample: States, output: str, errors: ReferenceErrors, bound: float) -> Accuracy:
     worst = int(errors.componentwise.argmax())
     names = system.speed_names
     shape = (len(names),) * (2 if output == "mass_matrix" else 1)

@@ -1,79 +1,96 @@
-"""The error of one output, state by state; `compare` says what the numbers mean."""
+"""Errors of results over many states: definitions that every measurement shares, and their statistics.
+
+With E the difference of a result from the true one, t the true one, and S factors that take the units away:
+
+- normwise error: ||S E|| / ||S t||, Euclidean for vectors and Frobenius for [A].
+- componentwise error: the largest |E_i| over the size of entry i. What the size of an entry is depends on
+  what
+  t is: `comparison` takes the magnitudes of the terms of the entry, `truth.errors` the entry itself.
+
+A result that is not finite has infinite errors.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kanegen.errors import ArrayError
-from kanegen.model.arrays import Floats
+from kanegen.model.arrays import Flags, Floats
+from kanegen.reference.matrices import length
+
+QUANTILES = {"median": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "max": 1.0}
+"""Shares of the states that an error is not to exceed, by name."""
 
 
 @dataclass(frozen=True)
-class StateErrors:
-    """One output in B states; every field is (B,). The last three are of the worst entry."""
+class Errors:
+    """Errors of one output in B states.
+
+    Attributes:
+        normwise: (B,) normwise errors; infinite where a result is not finite.
+        componentwise: (B,) componentwise errors.
+    """
 
     normwise: Floats
     componentwise: Floats
-    cancellation: Floats
-    finite: NDArray[np.bool_]
-    entry: NDArray[np.int64]
-    value: Floats
-    reference: Floats
+
+    def __len__(self) -> int:
+        """Return the number of states B."""
+        return len(self.normwise)
+
+    def __getitem__(self, rows: slice | list[int]) -> Self:
+        """Return the errors in some of the states."""
+        return type(self)(*(values[rows] for values in vars(self).values()))
+
+    def quantile(self, share: float) -> float:
+        """Return the normwise error that this share of the states does not exceed; see `quantile`."""
+        return quantile(self.normwise, share)
+
+    @property
+    def median(self) -> float:
+        """Median of the normwise errors."""
+        return self.quantile(QUANTILES["median"])
+
+    @property
+    def p99(self) -> float:
+        """Normwise error that 99 % of the states do not exceed."""
+        return self.quantile(QUANTILES["p99"])
+
+    @property
+    def max(self) -> float:
+        """Largest normwise error."""
+        return self.quantile(QUANTILES["max"])
+
+    @property
+    def worst(self) -> int:
+        """Index of the state with the largest normwise error."""
+        return int(self.normwise.argmax())
+
+    @property
+    def failed(self) -> Flags:
+        """(B,) flags of the states without a finite result."""
+        failed: Flags = ~np.isfinite(self.normwise)
+        return failed
 
 
-def state_errors(
-    value: NDArray[Any], truth: Floats, size: Floats, scale: Floats, limit: float
-) -> StateErrors:
-    """Compare `value` with `truth`; what is not finite counts as an infinite error.
+def quantile(errors: Floats, share: float) -> float:
+    """Return the smallest of the errors (B,) that at least this share of them does not exceed.
 
-    Args:
-        value: (B, ...) what a library computed.
-        truth: (B, ...) what the reference computed.
-        size: (B, ...) magnitudes of the terms of `truth`.
-        scale: (B, ...) factors that take the units away.
-        limit: Relative to the norm of `size`, the norm of a `truth` that is nothing but rounding.
-
-    Raises:
-        ArrayError: If `value` has another shape than `truth`.
+    A NaN counts as an infinite error.
     """
-    if np.shape(value) != truth.shape:
-        raise ArrayError(f"the library returned shape {np.shape(value)}; expected {truth.shape}.")
-    value, truth, size, scale = (array.reshape(len(truth), -1) for array in (value, truth, size, scale))
-    finite = np.isfinite(value) & np.isfinite(truth)
-    difference = np.full(truth.shape, np.inf)
-    np.abs(np.subtract(value, truth, where=finite, out=difference), out=difference)
-    ratio = _quotient(difference, size)
-    rows, entry = np.arange(len(truth)), ratio.argmax(axis=1)
-    norm, size_norm = _norm(truth * scale), _norm(size * scale)
-    return StateErrors(
-        normwise=_quotient(_norm(difference * scale), np.where(norm > limit * size_norm, norm, size_norm)),
-        componentwise=ratio[rows, entry],
-        cancellation=_quotient(size_norm, norm),
-        finite=np.all(finite, axis=1),
-        entry=entry,
-        value=value[rows, entry],
-        reference=truth[rows, entry],
-    )
+    ordered = np.sort(np.where(np.isnan(errors), np.inf, errors))
+    return float(np.quantile(ordered, share, method="inverted_cdf"))
 
 
-def _norm(values: Floats) -> Floats:
-    """(B,) Euclidean norms."""
-    norm: Floats = np.linalg.norm(values, axis=1)
-    return norm
+def scaled_norm(values: Floats, scale: Floats) -> Floats:
+    """Return the (B,) Euclidean norms of `values` times `scale`, both (B, ...)."""
+    return length((values * scale).reshape(len(values), -1))
 
 
-def _quotient(a: Floats, b: Floats) -> Floats:
-    """The quotient of `a` and `b`: 0 where `a` is 0, infinite where it cannot be computed."""
+def quotient(difference: Floats, size: Floats) -> Floats:
+    """Return `difference` over `size`: 0 where `difference` is 0, infinite where it is undefined."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        quotient = np.where(a == 0, 0.0, a / b)
+        quotient = np.where(difference == 0, 0.0, difference / size)
     return np.where(np.isnan(quotient), np.inf, quotient)
-
-
-def joined(batches: list[StateErrors]) -> StateErrors:
-    """The errors of several batches as those of one."""
-    names = [field.name for field in fields(StateErrors)]
-    return StateErrors(**{name: np.concatenate([getattr(part, name) for part in batches]) for name in names})

@@ -74,7 +74,7 @@ def test_bits(dtype: type) -> None:
 
 def test_what_is_not_finite_is_infinitely_wrong() -> None:
     found = truth.errors(np.array([1.0, np.nan]), exact(1.0, 1.0), np.ones(2), U)
-    assert found == truth.Errors(math.inf, math.inf, 32.0, 64.0)
+    assert found == truth.StateErrors(math.inf, math.inf, 32.0, 64.0)
 
 
 def test_enclosures() -> None:

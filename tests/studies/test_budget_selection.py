@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from kanegen.errors import BudgetError
+from kanegen.measure.errors import quantile
 from kanegen.measure.timing import Times
-from kanegen.studies.budget.confidence import at_quantile
 from kanegen.studies.budget.evaluator import SELECT, VALIDATE, Attack, Draw
 from kanegen.studies.budget.request import Effort, Request
 from kanegen.studies.budget.selection import Choice, choose
@@ -252,6 +252,6 @@ def test_gain_is_over_the_fastest_that_is_as_accurate_as_the_default() -> None:
 
 def test_quantile_of_errors_is_one_of_them() -> None:
     errors = np.array([3.0, 1.0, math.nan, 2.0])
-    assert at_quantile(errors, 1.0) == math.inf
-    assert at_quantile(errors, 0.75) == 3.0
-    assert at_quantile(errors, 0.5) == 2.0
+    assert quantile(errors, 1.0) == math.inf
+    assert quantile(errors, 0.75) == 3.0
+    assert quantile(errors, 0.5) == 2.0

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 import kanegen as kg
 from kanegen.measure.timing import OBJECTIVES
+from kanegen.measure.truth.errors import GATE
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.options import STRICT, Variant
 from kanegen.reference import equations as reference
@@ -21,7 +22,6 @@ from kanegen.studies.tradeoff import simulation
 from kanegen.studies.tradeoff import study as module
 from kanegen.studies.tradeoff.compilation import compile_variants
 from kanegen.studies.tradeoff.domain import default_domain
-from kanegen.studies.tradeoff.errors import GATE
 from kanegen.studies.tradeoff.hard_states import hard_states
 from kanegen.studies.tradeoff.judge import OUTPUT, Judge, computed, unit
 from kanegen.studies.tradeoff.outcome import Run, Study, StudyOptions

@@ -10,16 +10,16 @@ from kanegen.measure.truth.calibrate import calibrate
 from kanegen.measure.truth.certify import DisagreementError, Truth, truth
 from kanegen.measure.truth.conditioning import Conditioning, conditioning
 from kanegen.measure.truth.enclosure import Enclosure
-from kanegen.measure.truth.errors import Errors, errors
-from kanegen.measure.truth.measure import Measurement, measure
+from kanegen.measure.truth.errors import StateErrors, errors
+from kanegen.measure.truth.measurement import Measurement, measure
 
 __all__ = [
     "Conditioning",
     "DisagreementError",
     "Enclosure",
-    "Errors",
     "Fit",
     "Measurement",
+    "StateErrors",
     "Truth",
     "bound",
     "calibrate",

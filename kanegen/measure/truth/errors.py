@@ -1,12 +1,13 @@
-"""Errors of floating-point results against exact ones, one number a state.
+"""Errors of floating-point results of one state against exact ones.
 
-- normwise: ||S (v - t)|| / ||S t|| with the factors S of `units`, which take the units away; Euclidean, or
-  Frobenius for [A].
+- normwise: ||S (v - t)|| / ||S t|| with the factors S of `units`; Euclidean, or Frobenius for [A].
 - componentwise: the largest |v_i - t_i| / |t_i|. An entry smaller than the unit roundoff times the largest
-  (after scaling) counts as that large, because one that is zero has no relative error.
-- bits: log2(1 + floats between v_i and the float nearest to t_i), the mean over the entries and the worst.
-  What is not finite has all the bits of its type. In more than double precision the error in units of the
-  last place stands for the floats between.
+  one (after scaling) counts as that large, because an entry that is zero has no relative error.
+- bits: log2(1 + number of floats between v_i and the float nearest to t_i), the mean over the entries and
+  the largest. An entry that is not finite has lost all bits of its type. In more than double precision the
+  error in units of the last place stands for the number of floats.
+- backward: the largest row of [A]{ydot} - {f} - {tau}, each over the magnitudes of its terms, in units of
+  N u. No rounding explains a value above `GATE`.
 """
 
 from __future__ import annotations
@@ -18,15 +19,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kanegen.measure.errors import quotient, scaled_norm
 from kanegen.measure.truth.enclosure import SUBNORMAL, Enclosure, precision_of
 from kanegen.model.arrays import Floats
 from kanegen.program.precision import DOUBLE, Precision
-from kanegen.reference.matrices import length
+
+GATE = 10.0
+"""Largest backward error of a right program, in units of N u; a larger one means a wrong program."""
+
+Wide = NDArray[np.longdouble]
+"""Numbers with more digits than a double, where the platform has them."""
+
+_RESOLUTION = 6 * float(np.finfo(np.longdouble).eps)
+"""Least unit roundoff of a backward error: what long doubles resolve for a body of six freedoms."""
 
 
 @dataclass(frozen=True)
-class Errors:
-    """The errors of one output in one state."""
+class StateErrors:
+    """Errors of one output in one state.
+
+    Attributes:
+        normwise: Normwise error.
+        componentwise: Componentwise error.
+        bits: Mean number of bits lost.
+        worst_bits: Largest number of bits lost.
+    """
 
     normwise: float
     componentwise: float
@@ -34,34 +51,69 @@ class Errors:
     worst_bits: float
 
 
-def errors(value: NDArray[Any], truth: Enclosure, scale: Floats, unit_roundoff: float) -> Errors:
+@dataclass(frozen=True)
+class Residual:
+    """The equations [A]{ydot} = {f} + {tau} of one state, which tell a wrong solution from a rounded one.
+
+    Attributes:
+        matrix: (n, n) [A].
+        right: (n,) {f} + {tau}.
+        matrix_terms: (n, n) magnitudes of the terms that [A] is summed from.
+        right_terms: (n,) magnitudes of the terms of the right-hand side.
+        bodies: N.
+    """
+
+    matrix: Wide
+    right: Wide
+    matrix_terms: Floats
+    right_terms: Floats
+    bodies: int
+
+    def backward_error(self, ydot: NDArray[Any], unit_roundoff: float) -> float:
+        """Return the backward error of accelerations, in units of N u.
+
+        Args:
+            ydot: (n,) floats of any precision, or (n, 2) sums of two.
+            unit_roundoff: u of the program that computed them.
+        """
+        parts = precision_of(ydot, self.right.shape).parts(ydot)
+        solution = np.sum([part.astype(np.longdouble) for part in parts], axis=0)
+        left = np.abs(self.matrix @ solution - self.right)
+        terms = self.matrix_terms @ np.abs(solution) + self.right_terms
+        with np.errstate(invalid="ignore", divide="ignore"):
+            shares = np.where(left == 0, 0.0, left / terms)
+        return float(shares.max()) / (self.bodies * max(unit_roundoff, _RESOLUTION))
+
+
+def errors(value: NDArray[Any], truth: Enclosure, scale: Floats, unit_roundoff: float) -> StateErrors:
     """Compare `value` with the exact `truth`, both of the shape of `scale`.
 
     Args:
         value: Floats of any precision, or sums of two along a last axis.
         truth: The exact output.
         scale: Factors that take the units away.
-        unit_roundoff: Of the program that computed `value`.
+        unit_roundoff: Unit roundoff of the program that computed `value`.
 
     Raises:
         ArrayError: If the shapes differ.
     """
     distance = truth.distance(value)
-    scaled, difference = np.abs(truth.value) * scale, distance * scale
+    scaled = np.abs(truth.value) * scale
     floor = unit_roundoff * scaled.max()
     precision = precision_of(value, truth.shape)
     wide = precision.digits > DOUBLE.digits
     lost = places_lost(distance, truth.value, precision) if wide else bits_lost(value, truth.value)
-    return Errors(
-        normwise=_ratio(_norm(difference), _norm(scaled)),
-        componentwise=max(map(_ratio, difference.ravel(), np.maximum(scaled, floor).ravel())),
+    one, factors = distance[np.newaxis], scale[np.newaxis]
+    return StateErrors(
+        normwise=float(quotient(scaled_norm(one, factors), scaled_norm(truth.value[np.newaxis], factors))[0]),
+        componentwise=float(quotient(distance * scale, np.maximum(scaled, floor)).max()),
         bits=float(lost.mean()),
         worst_bits=float(lost.max()),
     )
 
 
 def bits_lost(value: NDArray[Any], truth: Floats) -> Floats:
-    """log2(1 + floats of the type of `value` between `value` and `truth` rounded to it)."""
+    """Return log2(1 + number of floats between `value` and `truth` rounded to the type of `value`)."""
     whole = 8.0 * value.dtype.itemsize
     with np.errstate(over="ignore", under="ignore"):
         nearest = truth.astype(value.dtype)
@@ -71,7 +123,7 @@ def bits_lost(value: NDArray[Any], truth: Floats) -> Floats:
 
 
 def places_lost(distance: Floats, truth: Floats, precision: Precision) -> Floats:
-    """log2(1 + `distance` in units of the last place of `truth`), at most the bits of the precision."""
+    """Return log2(1 + `distance` in last places of `truth`), at most the bits of the precision."""
     place = np.ldexp(np.spacing(np.abs(truth)), DOUBLE.digits - precision.digits)
     place = np.maximum(place, SUBNORMAL)
     with np.errstate(over="ignore"):
@@ -80,18 +132,7 @@ def places_lost(distance: Floats, truth: Floats, precision: Precision) -> Floats
 
 
 def _ordinals(values: NDArray[Any]) -> list[int]:
-    """Numbers of the floats, counted upward, both zeros being 0."""
+    """Return the numbers of the floats, counted upward; both zeros have the number 0."""
     integers = np.ascontiguousarray(values).ravel().view(f"i{values.dtype.itemsize}").tolist()
     least = -(2 ** (8 * values.dtype.itemsize - 1))
     return [least - number if number < 0 else number for number in integers]
-
-
-def _norm(values: Floats) -> float:
-    return float(length(values.ravel()))
-
-
-def _ratio(difference: float, size: float) -> float:
-    """The quotient: 0 where there is no difference, infinite where there is nothing to compare with."""
-    if difference == 0:
-        return 0.0
-    return float(difference / size) if size > 0 else math.inf

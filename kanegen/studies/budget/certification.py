@@ -11,6 +11,7 @@ import numpy as np
 from kanegen import __version__
 from kanegen.c import Source
 from kanegen.compiler import Progress, quiet
+from kanegen.measure.errors import QUANTILES, quantile
 from kanegen.model.system import System
 from kanegen.options import STRICT, TIERS
 from kanegen.studies.budget.certificate import (
@@ -25,7 +26,6 @@ from kanegen.studies.budget.certificate import (
     model_text,
     variant_table,
 )
-from kanegen.studies.budget.confidence import at_quantile
 from kanegen.studies.budget.counterexample import conditioning_ranges
 from kanegen.studies.budget.evaluator import VALIDATE, Draw
 from kanegen.studies.budget.region import Region, require_clear
@@ -36,8 +36,6 @@ from kanegen.studies.budget.variant_evaluator import Workbench, field_of
 from kanegen.studies.tradeoff.compilation import generate_variant
 from kanegen.studies.tradeoff.judge import OUTPUT
 from kanegen.studies.tradeoff.variants import Candidate
-
-QUANTILES = {"median": 0.5, "p90": 0.9, "p99": 0.99, "p99.9": 0.999, "max": 1.0}
 
 METRIC = "normwise relative error of {ydot} after unit scaling, against certified truth"
 
@@ -153,7 +151,7 @@ def _validation(bench: Workbench, request: Request, choice: Choice[Candidate]) -
         "alpha": request.alpha,
         "attempts": {"made": seen.attempt, "allowed": request.attempts},
         "exceeded": seen.exceeded,
-        "errors": {name: at_quantile(seen.errors, share) for name, share in QUANTILES.items()},
+        "errors": {name: quantile(seen.errors, share) for name, share in QUANTILES.items()},
         "worst": {"error": float(seen.errors[place]), "state": state_table(sample[place : place + 1])},
         **conditioning_ranges(bench.judge, sample),
         "states_to_choose_by": {"states": request.effort.select, "error": choice.error},

@@ -103,9 +103,3 @@ def judged(errors: Floats, claim: float, alpha: float, attempt: int) -> Validati
     """The errors (n,) of a fresh sample against a claim; what is no number exceeds every claim."""
     exceeded = int(np.sum(~(errors <= claim)))
     return Validation(errors, claim, exceeded, exceedance_limit(exceeded, len(errors), alpha), attempt)
-
-
-def at_quantile(errors: Floats, quantile: float) -> float:
-    """The smallest of the errors (n,) that at least this share of them does not exceed."""
-    ordered = np.sort(np.where(np.isnan(errors), np.inf, errors))
-    return float(np.quantile(ordered, quantile, method="inverted_cdf"))

@@ -10,12 +10,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from kanegen.measure.truth.measurement import ExactState
 from kanegen.model.arrays import Floats
 from kanegen.studies.budget.evaluator import Attack
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.sampling import state_table, within
 from kanegen.studies.tradeoff.hard_states import climb, hard_states
-from kanegen.studies.tradeoff.judge import Exact, Judge
+from kanegen.studies.tradeoff.judge import Judge
 from kanegen.studies.tradeoff.samples import Sample, joined
 
 CLIMBS = 4
@@ -104,7 +105,7 @@ _REMEDIES = {
 }
 
 
-def _of(exact: Exact, what: str) -> float:
+def _of(exact: ExactState, what: str) -> float:
     value: float = getattr(exact.conditioning, what)
     return min(value, 1e300)
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Generic
 
 from kanegen.errors import BudgetError
+from kanegen.measure.errors import quantile
 from kanegen.measure.timing import TIE, Times, tied
-from kanegen.studies.budget.confidence import at_quantile
 from kanegen.studies.budget.evaluator import SELECT, C, Draw, Laboratory
 from kanegen.studies.budget.request import SAFETY, Request
 
@@ -169,7 +169,7 @@ class Screening(Generic[C]):
                 self.say(candidate, f"the same program as {twin.label}")
                 continue
             errors = self.laboratory.errors(candidate, self.sample)
-            self.found[candidate] = at_quantile(errors, self.request.quantile)
+            self.found[candidate] = quantile(errors, self.request.quantile)
             self.say(candidate, f"error {self.found[candidate]:.1e}")
 
     @property

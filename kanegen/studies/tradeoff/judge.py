@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,50 +13,15 @@ from kanegen.c.minimax import minimax
 from kanegen.errors import KanegenWarning, SingularError
 from kanegen.library import Library
 from kanegen.measure.timing import BATCH, LATENCY
-from kanegen.measure.truth.balls import ctx
-from kanegen.measure.truth.bounds import FACTOR, bound
-from kanegen.measure.truth.cancellation import sizes
 from kanegen.measure.truth.certify import truth
-from kanegen.measure.truth.conditioning import Conditioning, conditioning
-from kanegen.measure.truth.enclosure import Enclosure, enclosure, precision_of
-from kanegen.measure.truth.errors import errors
-from kanegen.model.arrays import Floats
+from kanegen.measure.truth.measurement import ExactState, Measurement
 from kanegen.model.system import System
 from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE_DOUBLE
-from kanegen.studies.tradeoff.errors import Errors
 from kanegen.studies.tradeoff.samples import Sample
 
 OUTPUT = "forward_dynamics"
 """What is studied: {ydot} of x, y and tau."""
-
-Wide = NDArray[np.longdouble]
-
-_RESOLUTION = 6 * float(np.finfo(np.longdouble).eps)
-"""What a backward error is known to, a body, which has six freedoms at most."""
-
-
-@dataclass(frozen=True)
-class Exact:
-    """One state: the truth, and what is needed to judge a result by it.
-
-    Attributes:
-        ydot: The accelerations.
-        scale: (n,) factors that take the units away.
-        conditioning: Of the problem.
-        matrix: (n, n) [A].
-        right: (n,) {f} + {tau}.
-        matrix_terms: (n, n) magnitudes of the terms that [A] is summed from.
-        right_terms: (n,) likewise.
-    """
-
-    ydot: Enclosure
-    scale: Floats
-    conditioning: Conditioning
-    matrix: Wide
-    right: Wide
-    matrix_terms: Floats
-    right_terms: Floats
 
 
 class Judge:
@@ -69,10 +33,10 @@ class Judge:
 
     def __init__(self, system: System) -> None:
         self.system = system
-        self._known: dict[bytes, Exact] = {}
-        self._judged: dict[tuple[bytes, ...], Errors] = {}
+        self._known: dict[bytes, ExactState] = {}
+        self._judged: dict[tuple[bytes, ...], Measurement] = {}
 
-    def truths(self, sample: Sample) -> list[Exact]:
+    def truths(self, sample: Sample) -> list[ExactState]:
         """The truth in every state, from memory where it was asked for before.
 
         Raises:
@@ -83,11 +47,11 @@ class Judge:
                 self._known[key] = self._exact(sample, row)
         return [self._known[key] for key in sample.bits()]
 
-    def errors(self, library: Library, sample: Sample, objective: str = LATENCY) -> Errors:
+    def errors(self, library: Library, sample: Sample, objective: str = LATENCY) -> Measurement:
         """The errors of a library built from the system, called for one of `OBJECTIVES`."""
         return self.judged(computed(library, sample, objective), sample, unit(library.source.variant))
 
-    def judged(self, values: NDArray[Any], sample: Sample, unit: float) -> Errors:
+    def judged(self, values: NDArray[Any], sample: Sample, unit: float) -> Measurement:
         """The errors of results from anywhere; many variants have the same, which are judged once.
 
         Args:
@@ -98,34 +62,17 @@ class Judge:
         key = (values.tobytes(), str(unit).encode(), *sample.bits())
         if key not in self._judged:
             pairs = zip(values, self.truths(sample), strict=True)
-            rows = [self._row(value, exact, unit) for value, exact in pairs]
-            self._judged[key] = Errors(*np.reshape(rows, (-1, 4)).T)
+            self._judged[key] = Measurement.from_rows(
+                [exact.measured(OUTPUT, value, unit) for value, exact in pairs]
+            )
         return self._judged[key]
 
-    def _row(self, value: NDArray[Any], exact: Exact, unit: float) -> tuple[float, ...]:
-        found = errors(value, exact.ydot, exact.scale, unit)
-        state, bodies = exact.conditioning, self.system.number_of_bodies
-        limit = bound(unit, bodies, state.chi, state.kappa_s, state.formation)
-        normalised = FACTOR * found.normwise / limit if np.isfinite(limit) else np.nan
-        backward = _left(value, exact) / (bodies * max(unit, _RESOLUTION))
-        return found.normwise, found.componentwise, normalised, backward
-
-    def _exact(self, sample: Sample, row: int) -> Exact:
+    def _exact(self, sample: Sample, row: int) -> ExactState:
         states = sample.states
         force, torque = (None if load is None else load[row] for load in (states.force, states.torque))
         inputs = (states.x[row], states.y[row], sample.tau[row], force, torque)
-        found = truth(self.system, *inputs, outputs=(OUTPUT,), unit_roundoff=DOUBLE_DOUBLE.roundoff)
-        terms, equations = sizes(found), found.equations
-        with ctx.workprec(found.bits):
-            matrix, forcing = _wide(equations.A), _wide(equations.f)[:, 0]
-        return Exact(
-            ydot=found[OUTPUT],
-            scale=found.units.of(OUTPUT),
-            conditioning=conditioning(found),
-            matrix=matrix,
-            right=forcing + sample.tau[row],
-            matrix_terms=terms["mass_matrix"],
-            right_terms=terms["forcing"] + np.abs(sample.tau[row]),
+        return ExactState.of(
+            truth(self.system, *inputs, outputs=(OUTPUT,), unit_roundoff=DOUBLE_DOUBLE.roundoff)
         )
 
 
@@ -155,20 +102,3 @@ def unit(variant: Variant) -> float:
     roundoff = max(held.arithmetic.roundoff, held.storage.roundoff)
     kind, _, degree = variant.sincos.partition("-")
     return max(roundoff, minimax(int(degree), held.arithmetic).error) if kind == "polynomial" else roundoff
-
-
-def _left(value: NDArray[Any], exact: Exact) -> float:
-    """The largest row of [A]{ydot} - {f} - {tau}, each over the magnitudes of its terms."""
-    parts = precision_of(value, exact.right.shape).parts(value)
-    ydot = np.sum([part.astype(np.longdouble) for part in parts], axis=0)
-    left = np.abs(exact.matrix @ ydot - exact.right)
-    terms = exact.matrix_terms @ np.abs(ydot) + exact.right_terms
-    with np.errstate(invalid="ignore", divide="ignore"):
-        shares = np.where(left == 0, 0.0, left / terms)
-    return float(shares.max())
-
-
-def _wide(matrix: Any) -> Wide:
-    """Balls as numbers of more digits than a double has, where the platform has such."""
-    entries = enclosure(matrix, (matrix.nrows(), matrix.ncols()))
-    return entries.value.astype(np.longdouble) + entries.residue

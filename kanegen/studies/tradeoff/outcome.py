@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from kanegen.measure.errors import QUANTILES
 from kanegen.measure.timing import Times
+from kanegen.measure.truth.measurement import Measurement
 from kanegen.studies.tradeoff.domain import Domain
-from kanegen.studies.tradeoff.errors import QUANTILES, Errors
 from kanegen.studies.tradeoff.pareto_front import Point, rank_correlation, verdict
 from kanegen.studies.tradeoff.variants import Candidate, Refusal
+
+RANKED_BY = ("median", "p99", "max")
+"""Quantiles of its errors by which a variant may be ranked."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +27,7 @@ class StudyOptions:
         rounds: Of timing, in each of which every variant has one turn.
         seconds: Of each of the two ways to call, in every turn.
         seed: Of all samples.
-        quantile: The error that counts, one of `errors.QUANTILES`.
+        quantile: The error that counts, one of `RANKED_BY`.
     """
 
     states: int = 256
@@ -52,8 +56,8 @@ class Entry:
     candidate: Candidate
     operations: int
     size: int
-    errors: Mapping[str, Errors]
-    hard: Mapping[str, Mapping[str, Errors]]
+    errors: Mapping[str, Measurement]
+    hard: Mapping[str, Mapping[str, Measurement]]
     times: Mapping[str, Times] | None
     same_as: str | None = None
 
@@ -92,7 +96,7 @@ class Confirmed:
     """
 
     entry: Entry
-    errors: Errors
+    errors: Measurement
     times: Mapping[str, Times]
     found: float
     state: Mapping[str, tuple[float, ...]]

@@ -10,7 +10,7 @@ from typing import Any
 from kanegen.extras import module
 from kanegen.measure.timing import OBJECTIVES
 from kanegen.measure.truth.bounds import FACTOR
-from kanegen.studies.tradeoff.errors import Errors
+from kanegen.measure.truth.measurement import Measurement
 from kanegen.studies.tradeoff.outcome import Run, Study
 from kanegen.studies.tradeoff.tables import TITLES
 
@@ -68,7 +68,7 @@ def _shares(panel: Any, study: Study, objective: str) -> None:
     panel.axhline(FACTOR, color="0.3", linewidth=0.8, linestyle="--", label="what is promised")
 
 
-def _scatter(panel: Any, study: Study, objective: str, figure: Callable[[Errors], float]) -> None:
+def _scatter(panel: Any, study: Study, objective: str, figure: Callable[[Measurement], float]) -> None:
     colours = {name: f"C{number}" for number, name in enumerate(_precisions(study))}
     for point in study.points(objective):
         if point.what.same_as is None:

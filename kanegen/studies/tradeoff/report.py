@@ -14,7 +14,8 @@ from kanegen import __version__
 from kanegen.measure import machine
 from kanegen.measure.timing import OBJECTIVES, Times
 from kanegen.measure.truth.bounds import FACTOR
-from kanegen.studies.tradeoff.errors import GATE, Errors
+from kanegen.measure.truth.errors import GATE
+from kanegen.measure.truth.measurement import Measurement
 from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
 from kanegen.studies.tradeoff.pareto_front import TIE
 from kanegen.studies.tradeoff.tables import (
@@ -105,7 +106,7 @@ def comma_separated(study: Study) -> str:
         for entry in study.entries:
             errors, times = entry.errors[objective], entry.times
             speed = [times[objective].median, times[objective].least] if times else ["", ""]
-            figures = [errors.median, errors.high, errors.max, errors.componentwise.max(), errors.bound_share]
+            figures = [errors.median, errors.p99, errors.max, errors.componentwise.max(), errors.bound_share]
             hardest = [found[objective].max for found in entry.hard.values()]
             ends = [entry.failed(objective), entry.wrong, entry.same_as or "", entry.label in on_front]
             start = [entry.label, objective, *speed, entry.operations, entry.size]
@@ -210,10 +211,10 @@ def _nanoseconds(times: Mapping[str, Times] | None) -> dict[str, list[float]] | 
     return None if times is None else {objective: list(found.rounds) for objective, found in times.items()}
 
 
-def _errors_record(errors: Errors) -> dict[str, Any]:
+def _errors_record(errors: Measurement) -> dict[str, Any]:
     figures = {
         "median": errors.median,
-        "p99": errors.high,
+        "p99": errors.p99,
         "max": errors.max,
         "componentwise": float(errors.componentwise.max()),
         "of_bound": errors.bound_share,

@@ -11,7 +11,9 @@ from dataclasses import replace
 from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.library.native import compilers
+from kanegen.measure.errors import QUANTILES
 from kanegen.measure.timing import OBJECTIVES, Rounds, Times
+from kanegen.measure.truth.measurement import Measurement
 from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
 from kanegen.reference.regularity import require_regular
@@ -20,10 +22,9 @@ from kanegen.studies.bench.states import plain
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.converting import converted
 from kanegen.studies.tradeoff.domain import Domain, default_domain
-from kanegen.studies.tradeoff.errors import QUANTILES, Errors
 from kanegen.studies.tradeoff.hard_states import climb, hard_states
 from kanegen.studies.tradeoff.judge import Judge
-from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study, StudyOptions
+from kanegen.studies.tradeoff.outcome import RANKED_BY, Confirmed, Entry, Study, StudyOptions
 from kanegen.studies.tradeoff.pareto_front import Point, front
 from kanegen.studies.tradeoff.samples import Sample
 from kanegen.studies.tradeoff.times import timed
@@ -59,7 +60,7 @@ def study(
             or no variant can be built.
         SingularError: If [A] is singular in every state.
     """
-    require_one("quantile", terms.quantile, QUANTILES)
+    require_one("quantile", terms.quantile, RANKED_BY)
     require_unprescribed(system, "study")
     model, notes = plain(system)
     require_regular(model)
@@ -105,7 +106,7 @@ class Bench:
         measured = {one: replace(entry, times=times.get(one)) for one, entry in measured.items()}
         return {one: _shared(one, programs[one.fingerprint], measured) for one in built}
 
-    def errors(self, built: CompiledVariant, sample: Sample, objective: str) -> Errors:
+    def errors(self, built: CompiledVariant, sample: Sample, objective: str) -> Measurement:
         """Of a variant in states of the domain."""
         own = built.candidate.of(self._system)
         judge = self._judges.setdefault(own, Judge(own))
@@ -130,7 +131,7 @@ class Bench:
             Confirmed(entries[one], errors[one], times[one], *found[one], one in stay) for one in best
         )
 
-    def _by_stratum(self, built: CompiledVariant, hard: Sample | None) -> dict[str, dict[str, Errors]]:
+    def _by_stratum(self, built: CompiledVariant, hard: Sample | None) -> dict[str, dict[str, Measurement]]:
         if hard is None:
             return {}
         errors = {objective: self.errors(built, hard, objective) for objective in OBJECTIVES}
@@ -147,7 +148,7 @@ class Bench:
         return timed(own, Rounds(terms.rounds, terms.seconds), self._progress)
 
     def _attacked(
-        self, built: CompiledVariant, sample: Sample, errors: Errors, objective: str
+        self, built: CompiledVariant, sample: Sample, errors: Measurement, objective: str
     ) -> tuple[float, dict[str, tuple[float, ...]]]:
         """The largest error near the worst state of a sample, and that state."""
         terms, start = self._terms, sample[errors.worst : errors.worst + 1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from kanegen.measure.timing import BATCH, LATENCY
-from kanegen.studies.tradeoff.errors import Errors
+from kanegen.measure.truth.measurement import Measurement
 from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
 
 TITLES = {LATENCY: "one state a call", BATCH: "batches"}
@@ -78,8 +78,8 @@ def _fresh_row(confirmed: Confirmed, objective: str) -> list[str]:
     return [confirmed.entry.label, *speed, *_quantiles(confirmed.errors), found, stays]
 
 
-def _quantiles(errors: Errors) -> list[str]:
-    return [_error(errors.median), _error(errors.high), _error(errors.max)]
+def _quantiles(errors: Measurement) -> list[str]:
+    return [_error(errors.median), _error(errors.p99), _error(errors.max)]
 
 
 def _time(entry: Entry, objective: str) -> float:
