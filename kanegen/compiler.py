@@ -180,5 +180,8 @@ def compare(
     system = described(system, speeds, coordinates)
     built = build(system, progress=progress, precision=precision, tier=tier)
     progress("comparing")
-    arithmetic, storage = precisions.named(built.precision), precisions.named(built.storage)
+    arithmetic, storage = (
+        precisions.precision_named(built.precision),
+        precisions.precision_named(built.storage),
+    )
     return compare_with_reference(system, built, states, seed, arithmetic, storage)

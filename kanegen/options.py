@@ -71,19 +71,21 @@ class Variant:
         Raises:
             OptionError: If one does not exist.
         """
-        precisions.storage(self.precision, self.storage)
+        precisions.storage_precision(self.precision, self.storage)
         require_one("solver", self.solver, SOLVERS)
         require_one("refinement", self.refinement, REFINEMENTS)
         require_one("machine", self.machine, rules.MACHINES)
         require_one("sincos", self.sincos, SINCOS)
         self._require_sincos()
         require_one("optimisation", self.optimisation, rules.OPTIMISATIONS)
-        object.__setattr__(self, "without", passes.names(self.without))
-        object.__setattr__(self, "semantics", rules.names(self.semantics))
+        object.__setattr__(self, "without", passes.checked_names(self.without))
+        object.__setattr__(self, "semantics", rules.checked_semantics(self.semantics))
         self._require_properties()
 
     def _require_properties(self) -> None:
-        missing = precisions.named(self.precision).needs.difference(rules.promised(self.semantics))
+        missing = precisions.precision_named(self.precision).required_properties.difference(
+            rules.guaranteed_properties(self.semantics)
+        )
         if missing:
             raise OptionError(
                 f"precision {self.precision!r} needs {', '.join(sorted(missing))}, which semantics "
@@ -102,7 +104,7 @@ class Variant:
     @property
     def flags(self) -> tuple[str, ...]:
         """Flags by which gcc and clang honour it."""
-        return rules.flags(self.semantics, self.machine, self.optimisation)
+        return rules.compiler_flags(self.semantics, self.machine, self.optimisation)
 
     @property
     def flushes(self) -> bool:
@@ -155,7 +157,7 @@ def chosen(
     if sincos is not None:
         tier = replace(tier, sincos=sincos)
     if without is not None:
-        tier = replace(tier, without=passes.names(without))
+        tier = replace(tier, without=passes.checked_names(without))
     return tier
 
 

@@ -12,23 +12,23 @@ from kanegen.program.ir import Array
 
 def prototype(model: str, function: Function, formats: Formats) -> list[str]:
     """`void model_forcing(const double x[2], ..., double f[2])`, without a semicolon; int with a status."""
-    arguments = [f"const {formats.of(array.name).type} {declarator(array)}" for array in function.inputs]
-    arguments += [f"{formats.of(array.name).type} {declarator(array)}" for array in function.outputs]
+    arguments = [f"const {formats.of(array.name).c_type} {declarator(array)}" for array in function.inputs]
+    arguments += [f"{formats.of(array.name).c_type} {declarator(array)}" for array in function.outputs]
     return _prototype("int" if function.spoilt else "void", f"{model}_{function.name}", arguments)
 
 
 def batch_prototype(model: str, function: Function, formats: Formats) -> list[str]:
     """`void model_forcing_batch(size_t count, const double *x, ..., double *f)`, without a semicolon."""
     arguments = ["size_t count"]
-    arguments += [f"const {formats.of(array.name).type} *{array.name}" for array in function.inputs]
-    arguments += [f"{formats.of(array.name).type} *{array.name}" for array in function.outputs]
+    arguments += [f"const {formats.of(array.name).c_type} *{array.name}" for array in function.inputs]
+    arguments += [f"{formats.of(array.name).c_type} *{array.name}" for array in function.outputs]
     return _prototype("size_t" if function.spoilt else "void", f"{model}_{function.name}_batch", arguments)
 
 
 def lanes_prototype(model: str, function: Function, formats: Formats) -> list[str]:
     """`static void model_forcing_lanes(const lanes *x, ..., lanes *f)`, without a semicolon."""
     arguments = [
-        f"const {formats.of(array.name).type if array.name in function.shared else 'lanes'} *{array.name}"
+        f"const {formats.of(array.name).c_type if array.name in function.shared else 'lanes'} *{array.name}"
         for array in function.inputs
     ]
     arguments += [f"lanes *{array.name}" for array in function.outputs]

@@ -47,7 +47,7 @@ class Dialect:
     @property
     def common(self) -> str:
         """Type of a value that is the same in all states."""
-        return self.arithmetic.type
+        return self.arithmetic.c_type
 
     @property
     def notation(self) -> Notation:
@@ -63,7 +63,7 @@ class Dialect:
     @property
     def has_pairs(self) -> bool:
         """Whether sine and cosine of an angle come from one call."""
-        return self.own or self.arithmetic.takes_together or not self.is_scalar
+        return self.own or self.arithmetic.has_sincos or not self.is_scalar
 
     @property
     def status(self) -> str:
@@ -73,16 +73,16 @@ class Dialect:
     def function(self, op: Op, everywhere: bool) -> str:
         """Name of the function for `op`, of values that are the same everywhere or of those that differ."""
         if self.own and op is not Op.SQRT and (self.is_scalar or everywhere):
-            return f"kanegen_{op.value}{self.arithmetic.suffix}"
+            return f"kanegen_{op.value}{self.arithmetic.libm_suffix}"
         if self.is_scalar or everywhere:
-            return self.arithmetic.function(op.value)
+            return self.arithmetic.c_function(op.value)
         return f"{self.prefix}{op.value}"
 
     def pair(self, angle: str, sine: str, cosine: str) -> str:
         """A call that sets both of the angle, the name of a local."""
         if self.own and self.is_scalar:
-            return f"kanegen_sincos{self.arithmetic.suffix}({angle}, &{sine}, &{cosine});"
-        name = self.arithmetic.function("sincos") if self.is_scalar else f"{self.prefix}sincos"
+            return f"kanegen_sincos{self.arithmetic.libm_suffix}({angle}, &{sine}, &{cosine});"
+        name = self.arithmetic.c_function("sincos") if self.is_scalar else f"{self.prefix}sincos"
         return f"{name}(&{angle}, &{sine}, &{cosine});"
 
     def read(self, array: str, element: str) -> Expression:
@@ -97,7 +97,7 @@ class Dialect:
     def number_in(self, array: str, number: Any) -> str:
         """A number as an output array holds it, rounded once: as the arithmetic has it, if that has less."""
         held = self.formats.of(array)
-        coarser = min(self.arithmetic, held, key=lambda precision: precision.digits)
+        coarser = min(self.arithmetic, held, key=lambda precision: precision.significand_bits)
         text = notation(held).text(converted(literal(number, coarser), coarser, held))
         return self.everywhere(text)
 
@@ -131,7 +131,7 @@ class Dialect:
         if not has_margins:
             return ["    int failed = 0;"]
         kind = self.arithmetic if self._is_ordered else DOUBLE
-        return ["    int failed = 0, doubtful = 0;", f"    {kind.type} least = {kind.literal(0.0)};"]
+        return ["    int failed = 0, doubtful = 0;", f"    {kind.c_type} least = {kind.literal(0.0)};"]
 
     def closing(self, spoilt: Sequence[Array], has_margins: bool) -> list[str]:
         """End a function that watches values.
@@ -155,7 +155,7 @@ class Dialect:
 def scalar(formats: Formats, arithmetic: Precision | None = None, own: bool = False) -> Dialect:
     """One state: numbers of C; computes in the arithmetic of `formats` unless told otherwise."""
     inner = arithmetic or formats.arithmetic
-    reserved = {inner.function(op.value) for op in FUNCTIONS} | {
+    reserved = {inner.c_function(op.value) for op in FUNCTIONS} | {
         "failed",
         "doubtful",
         "least",
@@ -164,7 +164,7 @@ def scalar(formats: Formats, arithmetic: Precision | None = None, own: bool = Fa
         "cosines",
         "lanes_waves",
     }
-    return Dialect(formats, inner, inner.type, "", frozenset(reserved), own)
+    return Dialect(formats, inner, inner.c_type, "", frozenset(reserved), own)
 
 
 def lanes(precision: Precision = DOUBLE, own: bool = False) -> Dialect:

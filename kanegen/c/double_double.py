@@ -16,7 +16,7 @@ from math import factorial
 import mpmath
 from mpmath.libmp import to_rational
 
-from kanegen.program.precision import split
+from kanegen.program.precision import double_double_parts
 
 DECLARATION = """#ifndef KANEGEN_PAIR
 #define KANEGEN_PAIR
@@ -43,7 +43,7 @@ class Series:
 def _series(orders: Sequence[int], in_pairs: int) -> Series:
     """Reciprocal factorials with alternating signs, for terms that begin at -1 / orders[0]!."""
     exact = [Fraction((-1) ** (k + 1), factorial(order)) for k, order in enumerate(orders)][::-1]
-    heads = (split(coefficient) for coefficient in exact[-in_pairs:])
+    heads = (double_double_parts(coefficient) for coefficient in exact[-in_pairs:])
     return Series(
         tuple(repr(float(coefficient)) for coefficient in exact[:-in_pairs]),
         tuple((repr(high), repr(low)) for high, low in heads),

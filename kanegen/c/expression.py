@@ -67,7 +67,7 @@ def converted(expression: Expression, source: Precision, target: Precision) -> E
         return replace(expression, text=f"pair_of({expression.text})", level=Level.ATOM)
     if source is DOUBLE_DOUBLE:
         return replace(expression, text=f"pair_rounded({expression.text})", level=Level.ATOM)
-    return cast(target.type, expression)
+    return cast(target.c_type, expression)
 
 
 class Notation:
@@ -79,7 +79,7 @@ class Notation:
     @property
     def nothing(self) -> str:
         """NaN."""
-        return f"({self._precision.type})NAN"
+        return f"({self._precision.c_type})NAN"
 
     def text(self, expression: Expression) -> str:
         """With its sign."""
@@ -138,7 +138,7 @@ class Calls(Notation):
         return replace(self._call(op.value, a, b), negative=a.negative != b.negative)
 
     def _call(self, name: str, a: Expression, b: Expression) -> Expression:
-        text = f"{self._precision.function(name)}({a.text},{BREAK}{b.text})"
+        text = f"{self._precision.c_function(name)}({a.text},{BREAK}{b.text})"
         return Expression(text, operations=a.operations + b.operations + 1)
 
 

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 
 from kanegen.options import Variant
 from kanegen.program import precision as precisions
-from kanegen.program.cut import WORKSPACE
+from kanegen.program.ir import PARAMETERS, PREPARED, WORKSPACE
 from kanegen.program.precision import DOUBLE, Precision
-from kanegen.program.selection import PARAMETERS
-from kanegen.program.split import PREPARED
 
 
 @dataclass(frozen=True)
@@ -32,12 +30,12 @@ class Formats:
     @property
     def parameters(self) -> Precision:
         """Of run-time parameters."""
-        return precisions.storage(self.arithmetic.name)
+        return precisions.storage_precision(self.arithmetic.name)
 
     @property
     def preparing(self) -> Precision:
         """Of what is computed from parameters alone: at least double."""
-        return max(DOUBLE, self.arithmetic, key=lambda precision: precision.digits)
+        return max(DOUBLE, self.arithmetic, key=lambda precision: precision.significand_bits)
 
     @property
     def is_mixed(self) -> bool:
@@ -59,7 +57,8 @@ class Formats:
 def formats(variant: Variant) -> Formats:
     """What a variant asks for."""
     return Formats(
-        precisions.named(variant.precision), precisions.storage(variant.precision, variant.storage)
+        precisions.precision_named(variant.precision),
+        precisions.storage_precision(variant.precision, variant.storage),
     )
 
 

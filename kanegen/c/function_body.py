@@ -15,8 +15,7 @@ from kanegen.c.dialect import SCALAR, Dialect
 from kanegen.c.expression import Expression, Level, apply, literal
 from kanegen.c.layout import BREAK, WIDTH, comment, wrap
 from kanegen.c.vector_sincos import NAMES, waves
-from kanegen.program.cut import WORKSPACE
-from kanegen.program.ir import Instruction, Op, Program
+from kanegen.program.ir import WORKSPACE, Instruction, Op, Program
 from kanegen.program.precision import Precision
 
 LONGEST = 16
@@ -63,7 +62,7 @@ class _Body:
 
     def lines(self) -> list[str]:
         self._mark_unused_inputs()
-        spoilt = [output.array for output in self._program.outputs if output.positive]
+        spoilt = [output.array for output in self._program.outputs if output.exists_if_positive]
         if spoilt:
             self._lines += self._dialect.opening(bool(self._margins))
         for run in self._zeros:

@@ -15,8 +15,7 @@ from kanegen.c.function_body import statements
 from kanegen.c.interface import Function
 from kanegen.c.layout import BREAK, wrap
 from kanegen.c.vector_sincos import waves
-from kanegen.program.cut import WORKSPACE
-from kanegen.program.ir import Program
+from kanegen.program.ir import WORKSPACE, Program
 
 
 @dataclass(frozen=True)
@@ -62,8 +61,8 @@ def code(
     if flushes:
         calls.append("    const arithmetic_mode before = flush_to_zero();")
     for number, piece in enumerate(programs, start=1):
-        is_spoilt = any(output.positive for output in piece.outputs)
-        is_judged = any(output.margins for output in piece.outputs) and not dialect.is_scalar
+        is_spoilt = any(output.exists_if_positive for output in piece.outputs)
+        is_judged = any(output.accurate_if_positive for output in piece.outputs) and not dialect.is_scalar
         own = f"{name}_{number}"
         head = f"static APART {dialect.status if is_spoilt else 'void'} {own}"
         arguments = _arguments(piece, dialect, function.shared)
@@ -86,6 +85,6 @@ def _arguments(piece: Program, dialect: Dialect, shared: Collection[str]) -> dic
 
     def declared(name: str) -> str:
         alone = dialect.is_scalar or name in shared
-        return f"{dialect.formats.of(name).type if alone else dialect.number} *{name}"
+        return f"{dialect.formats.of(name).c_type if alone else dialect.number} *{name}"
 
     return {**{name: f"const {declared(name)}" for name in read}, **{name: declared(name) for name in filled}}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kanegen.program.cut import cut, workspace
+from kanegen.program.cut import cut, workspace_size
 from kanegen.program.ir import EVALUATE, Array, Condition, Module, Program
 
 PREPARE = "prepare"
@@ -159,7 +159,7 @@ def signatures(module: Module) -> dict[Function, tuple[Program, ...]]:
         if len(arrays) > 1:
             doc = f"{_listed([array.name for array in arrays])} together, every intermediate shared."
         pieces = cut(program)
-        between = workspace(pieces)
+        between = workspace_size(pieces)
         watched = _spoilt(program), between, _judged(program)
         found[Function(name, doc, program.inputs, arrays, shared, *watched)] = pieces
     return found
@@ -175,11 +175,11 @@ def _outputs(program: Program) -> tuple[Array, ...]:
 
 
 def _spoilt(program: Program) -> tuple[str, ...]:
-    return tuple(output.array.name for output in program.outputs if output.positive)
+    return tuple(output.array.name for output in program.outputs if output.exists_if_positive)
 
 
 def _judged(program: Program) -> tuple[str, ...]:
-    return tuple(output.array.name for output in program.outputs if output.margins)
+    return tuple(output.array.name for output in program.outputs if output.accurate_if_positive)
 
 
 def _listed(names: list[str]) -> str:

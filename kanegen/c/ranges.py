@@ -44,7 +44,7 @@ def _require_constants(program: Program, precision: Precision, what: str) -> Non
     if refused:
         number = float(program.instructions[min(refused)].number)
         raise ModelError(
-            f"{what}: {number!r} is 0 in {precision.words} precision, "
+            f"{what}: {number!r} is 0 in {precision.label} precision, "
             "but something is divided by it; choose units nearer to 1, or double precision."
         )
 
@@ -61,4 +61,4 @@ def _not_zero(program: Program) -> Iterator[int]:
         if instruction.op is Op.DIVIDE:
             yield instruction.operands[1]
     for output in program.outputs:
-        yield from output.positive
+        yield from output.exists_if_positive

@@ -94,6 +94,6 @@ def _files(draft: Draft, variables: Context) -> dict[str, str]:
     files = {}
     for pattern, template in FILES.items():
         if template not in NEEDED or variables[NEEDED[template]] is not None:
-            name = pattern.format(name=draft.model.name, f=draft.precision.suffix)
+            name = pattern.format(name=draft.model.name, f=draft.precision.libm_suffix)
             files[name] = stamped(name, fill(template, **variables))
     return files

@@ -27,7 +27,7 @@ class Lanes:
     @property
     def header(self) -> str:
         """Name of the header, without .h; both precisions may be used side by side."""
-        return f"kanegen_lanes{self.precision.suffix}"
+        return f"kanegen_lanes{self.precision.libm_suffix}"
 
     @property
     def size(self) -> int:

@@ -56,7 +56,7 @@ class Sincos:
     @property
     def header(self) -> str:
         """Name of the C function for one angle, and of its header without .h."""
-        return f"kanegen_sincos{self.precision.suffix}"
+        return f"kanegen_sincos{self.precision.libm_suffix}"
 
     @property
     def degree(self) -> int:
@@ -71,12 +71,12 @@ class Sincos:
     @property
     def shift(self) -> float:
         """A number that leaves no bits after the point when it is added."""
-        return 1.5 * 2.0 ** (self.precision.digits - 1)
+        return 1.5 * 2.0 ** (self.precision.significand_bits - 1)
 
     @property
     def exponent_bits(self) -> int:
         """Bits of the exponent of a number."""
-        return 8 * self.precision.bytes - self.precision.digits
+        return 8 * self.precision.bytes - self.precision.significand_bits
 
     @property
     def bias(self) -> int:
@@ -90,7 +90,7 @@ class Sincos:
         The angle is m 2^(exponent - bias - digits + 1), the table 2/pi 2^-AHEAD. Bits whose products are
         multiples of 4 turn the angle by whole turns.
         """
-        return self.bias + self.precision.digits - 1 - AHEAD + 2
+        return self.bias + self.precision.significand_bits - 1 - AHEAD + 2
 
     @property
     def two_over_pi(self) -> list[str]:

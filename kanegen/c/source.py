@@ -43,7 +43,7 @@ class Source:
     @property
     def storage(self) -> str:
         """The precision of states, loads and results, likewise."""
-        return precisions.storage(self.variant.precision, self.variant.storage).name
+        return precisions.storage_precision(self.variant.precision, self.variant.storage).name
 
     def write(self, folder: str | Path, force: bool = False) -> Path:
         """Write every file into `folder`, which is made where it is missing.

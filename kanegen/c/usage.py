@@ -8,7 +8,7 @@ from itertools import groupby
 from math import prod
 
 from kanegen.program.ir import Array, Op, Program
-from kanegen.program.selection import needed
+from kanegen.program.selection import dependencies
 
 LOOPED = 8
 """Neighbouring zeros from which a loop, of a few wide stores, beats one store each."""
@@ -26,7 +26,7 @@ def element(array: Array, index: int) -> str:
 
 def live(program: Program) -> list[int]:
     """Instructions that an output needs, in order."""
-    return needed(program, program.results())
+    return dependencies(program, program.results())
 
 
 def places(program: Program, filled: Iterable[Run] = ()) -> dict[int, list[tuple[str, str]]]:
@@ -87,7 +87,7 @@ def conditions(program: Program) -> dict[int, int]:
     """
     found: dict[int, int] = {}
     for output in program.outputs:
-        for place, value in enumerate(output.positive, start=1):
+        for place, value in enumerate(output.exists_if_positive, start=1):
             if not program.instructions[value].number > 0.0:
                 found.setdefault(value, place)
     return found
@@ -97,7 +97,7 @@ def margins(program: Program) -> dict[int, int]:
     """For every value that accuracy needs to be positive its place, from 1; the first of several."""
     found: dict[int, int] = {}
     for output in program.outputs:
-        for place, value in enumerate(output.margins, start=1):
+        for place, value in enumerate(output.accurate_if_positive, start=1):
             found.setdefault(value, place)
     return found
 

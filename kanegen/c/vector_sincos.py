@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kanegen.c.usage import live
-from kanegen.program.cut import WORKSPACE
-from kanegen.program.ir import Op, Program
+from kanegen.program.ir import WORKSPACE, Op, Program
 
 FEWEST = 6
 """Angles from which it pays."""

@@ -16,7 +16,7 @@ from rich.markup import escape
 from kanegen.c.folder import require_room
 from kanegen.cli.terminal import print_plain, screen
 from kanegen.model.system import System
-from kanegen.program.precision import named
+from kanegen.program.precision import precision_named
 from kanegen.studies.budget.certification import Certified, file_names, find, words
 from kanegen.studies.budget.confidence import quantile_level
 from kanegen.studies.budget.region import read_domain
@@ -71,7 +71,7 @@ class BudgetOptions:
 
     def admits(self, candidate: Candidate) -> bool:
         """Return whether --precision and --reproducible allow a variant."""
-        right = self.precision is None or candidate.variant.precision == named(self.precision).name
+        right = self.precision is None or candidate.variant.precision == precision_named(self.precision).name
         return right and (is_reproducible(candidate) or not self.reproducible)
 
 

@@ -17,7 +17,7 @@ from kanegen.model.arguments import ARGUMENTS, FURTHER, Floats, Values
 from kanegen.model.load_arguments import Given
 from kanegen.model.numbers import finite
 from kanegen.program.ir import EVALUATE
-from kanegen.program.precision import named
+from kanegen.program.precision import precision_named
 
 
 class Compiled:
@@ -138,7 +138,7 @@ class Compiled:
                 raise ModelError(f"unknown parameter {name!r}. {did_you_mean(name, self._parameters)}")
         checked = {name: finite(value, f"parameter {name!r}") for name, value in values.items()}
         for name, value in checked.items():
-            named(self.precision).rounded(value, f"parameter {name!r}")
+            precision_named(self.precision).rounded(value, f"parameter {name!r}")
         return type(self)(self._native, {**self._parameters, **checked})
 
     def evaluate(

@@ -16,7 +16,7 @@ from kanegen.program import precision as precisions
 from kanegen.program.constants import Constants
 from kanegen.program.count import operations
 from kanegen.program.ir import Module, Program
-from kanegen.program.split import hoisted, restricted
+from kanegen.program.split import hoist, restrict
 from kanegen.recursion import Methods, RecursiveForm, methods, recursive_form
 from kanegen.recursion.outputs import (
     EQUATIONS,
@@ -71,7 +71,7 @@ def compile_module(
     if regular:
         require_usable(system)
     require_available(system, names)
-    constants = precisions.named(variant.precision).constants
+    constants = precisions.precision_named(variant.precision).constants
     choices = decisions(system, methods(system, prerequisites(names), variant.solver), variant)
     ways = [_compiled(system, names, choice, variant.without, progress, constants) for choice in choices]
     return min(ways, key=lambda compiled: sum(compiled.operations.values()) - compiled.operations["prepare"])
@@ -91,9 +91,9 @@ def _compiled(
     progress("lowering")
     program = _lowered(system, names, form, constants)
     progress("optimising")
-    program, together = passes.run(program, passes.all_but(without, passes.SHARED))
-    programs = restricted(program, functions(system, names))
-    module, apart = _module(programs, passes.all_but(without, passes.OWN))
+    program, together = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
+    programs = restrict(program, functions(system, names))
+    module, apart = _module(programs, passes.all_but(without, passes.ON_EACH_FUNCTION))
     taken = {name: choice.methods.get(name, Derivative.method) for name in names}
     return Compiled(module, taken, (*together, *apart), choice.words)
 
@@ -112,7 +112,7 @@ def _module(
     """The functions, each after passes of its own, and what these did to that of all outputs together."""
     finished = {name: passes.run(alone, own) for name, alone in programs.items()}
     *_, (_, (_, *stages)) = finished.values()  # of all outputs together, which come last
-    module = hoisted({name: alone for name, (alone, _) in finished.items()})
+    module = hoist({name: alone for name, (alone, _) in finished.items()})
     if module.prepare:
         module = replace(module, prepare=passes.run(module.prepare, own)[0])
     return module, tuple(stages)

@@ -73,7 +73,7 @@ def decisions(system: System, ways: Sequence[Methods], variant: Variant) -> tupl
     """
     if "forward_dynamics" not in ways[0]:
         return tuple(Decision(way, UNREFINED, str(variant.refinement)) for way in ways)
-    precision = precisions.named(variant.precision)
+    precision = precisions.precision_named(variant.precision)
     if variant.refinement != AUTO:
         refinement = refined(system, int(variant.refinement), precision)
         return tuple(Decision(way, refinement, str(variant.refinement)) for way in ways)

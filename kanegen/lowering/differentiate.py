@@ -75,14 +75,14 @@ class _Differentiation:
         self._columns = self._derivative.columns_of(system)
         self._n = len(system.freedoms)
         self._carriers = carriers(system)
-        self._zero = builder.constant(constants.number(0, 1))
-        self._one = builder.constant(constants.number(1, 1))
+        self._zero = builder.constant(constants.quotient(0, 1))
+        self._one = builder.constant(constants.quotient(1, 1))
 
     def output(self) -> Output:
         """Return the output, added to the builder."""
         if "forward_dynamics" in self._derivative.needs:
             rows = self._rows_of_solution()
-            positive = self._outputs["forward_dynamics"].renumbered(self._moved).positive
+            positive = self._outputs["forward_dynamics"].renumbered(self._moved).exists_if_positive
         else:
             (base,) = self._derivative.needs
             rows, positive = self._rows(self._outputs[base], self._moved), ()

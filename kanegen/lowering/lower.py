@@ -10,7 +10,7 @@ from sympy import Basic, Expr, Symbol
 
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
-from kanegen.program.constants import DOUBLES, Constants
+from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.program.ir import Array, Op, Output, Program
 from kanegen.recursion.derived import Derived
 from kanegen.symbolic.definitions import Definition
@@ -22,7 +22,7 @@ def lower(
     inputs: Mapping[Array, Sequence[tuple[Symbol, str]]],
     definitions: Sequence[Definition],
     outputs: Mapping[Array, Derived],
-    constants: Constants = DOUBLES,
+    constants: Constants = DOUBLE_CONSTANTS,
 ) -> Program:
     """A program that evaluates `definitions` and stores `outputs`.
 
@@ -45,7 +45,7 @@ def lower(
             array,
             lowering.all(derived.entries),
             lowering.all(derived.positive),
-            margins=lowering.all(derived.margins),
+            accurate_if_positive=lowering.all(derived.margins),
         )
         for array, derived in outputs.items()
     ]
@@ -68,7 +68,7 @@ class _Lowering:
         if known is not None:
             return known
         if expression.is_Rational:
-            return self.builder.constant(self.constants.number(expression.p, expression.q))
+            return self.builder.constant(self.constants.quotient(expression.p, expression.q))
         if expression.is_Float:
             return self.builder.constant(float(expression))
         arguments = expression.args
@@ -90,7 +90,7 @@ class _Lowering:
     def _power(self, base: int, halves: int) -> int:
         """A power whose exponent is a number of halves, by squaring."""
         if halves < 0:
-            one = self.builder.constant(self.constants.number(1, 1))
+            one = self.builder.constant(self.constants.quotient(1, 1))
             return self.builder.divide(one, self._power(base, -halves))
         factors = [self.builder.function(Op.SQRT, base)] if halves % 2 else []
         whole = halves // 2

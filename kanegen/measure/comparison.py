@@ -141,9 +141,9 @@ def _batch_errors(
     storage: Precision,
 ) -> dict[str, ReferenceErrors]:
     x, y, force, torque = states.x, states.y, states.force, states.torque
-    given_x, given_y = storage.stored(x), storage.stored(y)
-    given_force, given_torque = (None if f is None else storage.stored(f) for f in (force, torque))
-    given = {name: storage.stored(values) for name, values in states.given.items()}
+    given_x, given_y = storage.from_doubles(x), storage.from_doubles(y)
+    given_force, given_torque = (None if f is None else storage.from_doubles(f) for f in (force, torque))
+    given = {name: storage.from_doubles(values) for name, values in states.given.items()}
     told = states.motion
     bodies = kinematics(arrays, x, y, told)
     reach = reaches(arrays, bodies, y, told)
@@ -154,14 +154,14 @@ def _batch_errors(
     if "mass_matrix" in outputs:
         truth = reference.mass_matrix(arrays, x, told)
         scales = scale[:, :, None] * scale[:, None, :]
-        value = storage.nearest(library.mass_matrix(given_x, **given))
+        value = storage.to_doubles(library.mass_matrix(given_x, **given))
         errors["mass_matrix"] = reference_errors(value, truth, matrix_size, scales, limit)
     if "forcing" in outputs:
         truth = reference.forcing(arrays, x, y, force, torque, **states.given)
         size = forcing_magnitude(arrays, reach, force, torque)
         size = size + element_magnitude(arrays, bodies, x, y, **states.given)
         found = library.forcing(given_x, given_y, force=given_force, torque=given_torque, **given)
-        value = storage.nearest(found)
+        value = storage.to_doubles(found)
         errors["forcing"] = reference_errors(value, truth, size, scale, limit)
     return errors
 
@@ -211,14 +211,14 @@ def _joined(batches: list[ReferenceErrors]) -> ReferenceErrors:
 
 
 def _coarser(a: Precision, b: Precision) -> Precision:
-    return min(a, b, key=lambda precision: precision.digits)
+    return min(a, b, key=lambda precision: precision.significand_bits)
 
 
 def _reason(precision: Precision, storage: Precision) -> str:
     """Where the bound comes from."""
-    reason = BOUND_REASON.format(digits=_coarser(precision, DOUBLE).digits)
+    reason = BOUND_REASON.format(digits=_coarser(precision, DOUBLE).significand_bits)
     if storage.roundoff > precision.roundoff:
-        reason += f" Results are rounded once more, by 2^-{storage.digits}."
+        reason += f" Results are rounded once more, by 2^-{storage.significand_bits}."
     return reason
 
 

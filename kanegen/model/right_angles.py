@@ -12,7 +12,7 @@ from typing import Any
 from kanegen.errors import ModelError, OptionError
 from kanegen.model.numbers import finite
 from kanegen.model.rotations import Square, Triple, cross, normalized
-from kanegen.program.angles import MOST_QUARTER_TURNS
+from kanegen.program.constants import MOST_QUARTER_TURNS
 
 AS_WRITTEN = 0.0
 """The default (rad): a file means the numbers that it holds, and agrees to the last digits with every other

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from kanegen.program.angles import sine_cosine
+from kanegen.program.constants import sine_cosine
 
 Triple = tuple[float, float, float]
 Square = tuple[Triple, Triple, Triple]

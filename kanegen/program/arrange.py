@@ -1,8 +1,8 @@
-"""Order a long program so that what belongs together is computed together.
+"""Reorder a long program so that values are used soon after they are computed.
 
-A derivation goes body by body and carries every column of [A] along. With many columns, more values are then
-waiting than a processor has registers for, and each waits in memory. In the order made here a few rows of a
-matrix are finished, with all they need, before the next begin.
+A derivation goes body by body and carries every column of [A] along. With many columns, more values are alive
+than a processor has registers, and each of them waits in memory. In the order made here a few rows of a
+matrix are finished, with all that they need, before the next rows begin.
 """
 
 from __future__ import annotations
@@ -10,34 +10,34 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from kanegen.program.ir import Program
-from kanegen.program.selection import needed, selected
+from kanegen.program.selection import dependencies, subprogram
 
 LONG = 4000
-"""Instructions from which the order matters; in shorter programs it costs more overlap than it saves."""
+"""Number of instructions from which the order matters; shorter programs lose more overlap than they save."""
 
 ROWS = 6
 """Rows of a matrix that are finished together: enough to overlap, few enough to keep their values near."""
 
 
 def arrange(program: Program) -> Program:
-    """The same instructions, in a long program a few rows of the outputs at a time, the last ones first."""
+    """Reorder a long program to compute a few rows of its outputs at a time, the last rows first."""
     if len(program.instructions) <= LONG:
         return program
     done: set[int] = set()
     order: list[int] = []
     for wanted in _groups(program):
-        missing = needed(program, wanted, done)
+        missing = dependencies(program, wanted, done)
         done.update(missing)
         order += missing
-    return selected(program, order)
+    return subprogram(program, order)
 
 
 def _groups(program: Program) -> Iterator[list[int]]:
-    """Results that are computed together: vectors, rows of matrices up to the diagonal, what is left."""
+    """Yield results that are computed together: vectors, rows of matrices up to the diagonal, the rest."""
     matrices = [output for output in program.outputs if len(output.array.shape) == 2]
     for output in program.outputs:
         if output not in matrices:
-            yield [*output.values, *output.positive, *output.margins]
+            yield [*output.values, *output.exists_if_positive, *output.accurate_if_positive]
     for output in matrices:
         rows, width = output.array.shape
         for last in range(rows, 0, -ROWS):

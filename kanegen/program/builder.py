@@ -1,4 +1,4 @@
-"""Makes a program one instruction at a time, exactly as it is told: what can be saved is left to passes."""
+"""Building a program one instruction at a time; nothing is simplified, which is the work of passes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ from kanegen.program.ir import Array, Instruction, Op, Output, Program
 
 
 class Builder:
-    """Collects instructions; methods take and return numbers of values."""
+    """Collects instructions; its methods take and return numbers of values.
+
+    Args:
+        inputs: Arrays that the instructions may read.
+    """
 
     def __init__(self, inputs: Sequence[Array]) -> None:
         self._inputs = tuple(inputs)
@@ -20,11 +24,11 @@ class Builder:
         self._names: set[str] = set()
 
     def program(self, outputs: Sequence[Output]) -> Program:
-        """What has been built, with these outputs."""
+        """Return the program of all instructions so far with these outputs."""
         return Program(self._inputs, tuple(self._instructions), tuple(outputs))
 
     def name(self, value: int, name: str, note: str = "") -> int:
-        """Name a value, unless it is a number, an input, a sign change or has a name already."""
+        """Name a value, unless it is a number, an input or a sign change, or has a name already."""
         instruction = self._instructions[value]
         nameless = instruction.op in (Op.CONSTANT, Op.INPUT, Op.NEGATE) or instruction.name
         if name and not nameless and name not in self._names:
@@ -33,11 +37,11 @@ class Builder:
         return value
 
     def copy(self, instruction: Instruction, operands: Sequence[int]) -> int:
-        """The same instruction on operands of this builder."""
+        """Append an instruction of another program, applied to operands of this builder."""
         return self._value(replace(instruction, operands=tuple(operands)))
 
     def constant(self, number: Any) -> int:
-        """A number.
+        """Append a number.
 
         Raises:
             ModelError: If it is not finite: the numbers of the model leave the range of double precision.
@@ -47,31 +51,31 @@ class Builder:
         return self._value(Instruction(Op.CONSTANT, number=number + 0.0))
 
     def input(self, array: str, index: int, name: str = "") -> int:
-        """Element `index` of an input array."""
+        """Append the reading of element `index` of an input array."""
         return self._value(Instruction(Op.INPUT, array=array, index=index, name=name))
 
     def add(self, a: int, b: int) -> int:
-        """a + b."""
+        """Append the sum a + b."""
         return self._value(Instruction(Op.ADD, (a, b)))
 
     def subtract(self, a: int, b: int) -> int:
-        """a - b."""
+        """Append the difference a - b."""
         return self._value(Instruction(Op.SUBTRACT, (a, b)))
 
     def multiply(self, a: int, b: int) -> int:
-        """A b."""
+        """Append the product a b."""
         return self._value(Instruction(Op.MULTIPLY, (a, b)))
 
     def divide(self, a: int, b: int) -> int:
-        """A / b."""
+        """Append the quotient a / b."""
         return self._value(Instruction(Op.DIVIDE, (a, b)))
 
     def negate(self, a: int) -> int:
-        """-a."""
+        """Append the sign change -a."""
         return self._value(Instruction(Op.NEGATE, (a,)))
 
     def function(self, op: Op, a: int) -> int:
-        """Square root, sine or cosine of a."""
+        """Append the square root, sine or cosine of a."""
         return self._value(Instruction(op, (a,)))
 
     def _value(self, instruction: Instruction) -> int:

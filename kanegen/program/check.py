@@ -1,4 +1,4 @@
-"""The invariants of a program; every pass keeps them."""
+"""The invariants of a program, which the builder establishes and every pass keeps."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from kanegen.program.ir import ARITY, Op, Program
 
 
 class InvariantError(AssertionError):
-    """A program that breaks an invariant: a defect of kanegen, never of a model."""
+    """An invariant of a program does not hold; this is a defect of kanegen, never of a model."""
 
 
 def check(program: Program) -> Program:
-    """`program` itself, if it is well formed.
+    """Verify the invariants of `program` and return it.
 
-    Invariants: operands are defined before use and as many as the operation takes; constants are finite;
-    inputs read an element of a declared array; names are unique, and so are names of arrays that are read and
-    of those that are filled; every output element is a defined value.
+    Operands are defined before use, and there are as many as the operation takes. Constants are finite.
+    Inputs read an element of a declared array. Names of values are unique, and so are the names of input
+    arrays and those of output arrays. Every output element is a defined value.
 
     Raises:
-        InvariantError: If one of them does not hold.
+        InvariantError: If an invariant does not hold.
     """
     sizes = {array.name: array.size for array in program.inputs}
     arrays = [output.array.name for output in program.outputs]

@@ -1,4 +1,4 @@
-"""Exact operation counts."""
+"""Exact counts of the operations of a program."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ COUNTED = {
     Op.SIN: "sincos",
     Op.COS: "sincos",
 }
+"""The kind under which each operation is counted; all others cost nothing."""
 
 
 def count(program: Program) -> dict[str, int]:
-    """Operations of one evaluation: "add" holds subtractions too, a sign change is free."""
+    """Count the operations of one evaluation by kind; "add" includes subtractions, a sign change is free."""
     found = Counter(COUNTED[i.op] for i in program.instructions if i.op in COUNTED)
     return {kind: found[kind] for kind in ("add", "multiply", "divide", "sqrt", "sincos")}
 
 
 def operations(module: Module) -> dict[str, int]:
-    """What one evaluation of all outputs together costs; "prepare" is the parameter-only step."""
+    """Count the operations of one evaluation of all outputs by kind; "prepare" is the total of `prepare`."""
     prepare = sum(count(module.prepare).values()) if module.prepare else 0
     return {**count(module.together), "prepare": prepare}

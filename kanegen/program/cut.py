@@ -1,7 +1,8 @@
-"""Cut a long program into pieces that run one after the other.
+"""Cut a long program into parts, functions that run one after the other.
 
-A compiler's time grows faster than the function it compiles. Pieces end where the derivation passes from one
-body to the next, if such a place is near; what a later piece needs waits in an array, the workspace.
+A compiler's time grows faster than the length of the function that it compiles. A part ends where the
+derivation passes from one body to the next, if such a place is near. Values that later parts need are left in
+an array, the workspace.
 """
 
 from __future__ import annotations
@@ -11,48 +12,48 @@ from dataclasses import replace
 from itertools import pairwise
 
 from kanegen.program.check import check
-from kanegen.program.ir import Array, Instruction, Op, Output, Program
+from kanegen.program.ir import WORKSPACE, Array, Instruction, Op, Output, Program
 
-WORKSPACE = "w"
-
-LONGEST = 2000
-"""Instructions of a piece: about where gcc's time leaves the straight line, and the code is no slower."""
+LONGEST_PART = 2000
+"""Instructions of a part: about where gcc's time leaves the straight line, and the code is no slower."""
 
 _SOURCES = (Op.INPUT, Op.CONSTANT)
-"""Instructions that every piece has for itself."""
+"""Operations that are repeated in every part that needs their values."""
 
 
-def cut(program: Program, longest: int = LONGEST) -> tuple[Program, ...]:
-    """Programs whose one after the other fill the outputs of `program`.
+def cut(program: Program, longest: int = LONGEST_PART) -> tuple[Program, ...]:
+    """Return the parts of `program`, which together fill its outputs when they run in order.
 
-    Each reads what earlier ones left in the array `WORKSPACE`, and each element of an output is filled by
-    the one that computes it. What is watched is named by the last.
+    Each part reads what earlier ones left in the array `WORKSPACE`, and each element of an output is filled
+    by the part that computes it. The last part holds the conditions of all outputs.
 
     Args:
-        program: Without dead code.
-        longest: Instructions that a piece may have; a program that is no longer stays whole.
+        program: A program without dead code.
+        longest: Instructions that a part may have, inputs and constants not counted; a program that is no
+            longer stays whole.
     """
     computed = [i for i, x in enumerate(program.instructions) if x.op not in _SOURCES]
     if len(computed) <= longest:
         return (program,)
     ranges = _ranges(program, computed, longest)
-    home = {i: piece for piece, values in enumerate(ranges) for i in values}
-    slots = _slots(program, home, len(ranges))
-    between = Array(WORKSPACE, (1 + max(slots.values(), default=0),), "SI", "values between the pieces")
+    part_of = {i: number for number, values in enumerate(ranges) for i in values}
+    slots = _workspace_slots(program, part_of, len(ranges))
+    between = Array(WORKSPACE, (1 + max(slots.values(), default=0),), "SI", "values between the parts")
     return tuple(
-        _Piece(program, home, slots, between, piece).made(values) for piece, values in enumerate(ranges)
+        _Part(program, part_of, slots, between, number).program(values)
+        for number, values in enumerate(ranges)
     )
 
 
-def workspace(pieces: Sequence[Program]) -> int:
-    """Size of the array that `pieces` have in common, 0 without one."""
-    arrays = (array for piece in pieces for array in (*piece.inputs, *(o.array for o in piece.outputs)))
+def workspace_size(parts: Sequence[Program]) -> int:
+    """Return the size of the workspace that `parts` share, 0 without one."""
+    arrays = (array for part in parts for array in (*part.inputs, *(o.array for o in part.outputs)))
     return max((array.size for array in arrays if array.name == WORKSPACE), default=0)
 
 
 def _ranges(program: Program, computed: Sequence[int], longest: int) -> list[Sequence[int]]:
-    """Neighbouring instructions, up to the end of a group with one note where one ends in the second half."""
-    begins = _beginnings(program, computed)
+    """Divide `computed` into ranges, each up to the end of a group where one ends in its second half."""
+    begins = _group_beginnings(program, computed)
     ranges: list[Sequence[int]] = []
     start = 0
     while len(computed) - start > longest:
@@ -63,34 +64,27 @@ def _ranges(program: Program, computed: Sequence[int], longest: int) -> list[Seq
     return [*ranges, computed[start:]]
 
 
-def _beginnings(program: Program, computed: Sequence[int]) -> list[bool]:
-    """Where a group begins; what has no note belongs to the next that has."""
+def _group_beginnings(program: Program, computed: Sequence[int]) -> list[bool]:
+    """Return where groups with one note begin; instructions without a note belong to the next group."""
     notes = [program.instructions[i].note for i in computed]
     for k in range(len(notes) - 2, -1, -1):
         notes[k] = notes[k] or notes[k + 1]
     return [True, *(before != after for before, after in pairwise(notes))]
 
 
-def _slots(program: Program, home: dict[int, int], pieces: int) -> dict[int, int]:
-    """A place in the workspace for every value that leaves its piece, free again after its last use."""
-    last = dict.fromkeys(home, -1)
-    for i, piece in home.items():
-        for j in program.instructions[i].operands:
-            if j in home:
-                last[j] = piece
-    for output in program.outputs:
-        watched = (*output.positive, *output.margins)
-        last.update(dict.fromkeys((i for i in watched if i in home), pieces - 1))
+def _workspace_slots(program: Program, part_of: dict[int, int], parts: int) -> dict[int, int]:
+    """Return a slot of the workspace for every value that later parts read; slots are used again."""
+    last = _last_uses(program, part_of, parts)
     slots: dict[int, int] = {}
     free: list[int] = []
-    released: list[list[int]] = [[] for _ in range(pieces + 1)]
+    released: list[list[int]] = [[] for _ in range(parts + 1)]
     now = used = 0
-    for i, piece in home.items():
-        while now < piece:
-            # What piece `now - 1` was the last to read may be overwritten from piece `now` on.
+    for i, part in part_of.items():
+        while now < part:
+            # What part `now - 1` was the last to read may be overwritten from part `now` on.
             now += 1
             free = sorted(free + released[now], reverse=True)
-        if last[i] > piece:
+        if last[i] > part:
             if not free:
                 free.append(used)
                 used += 1
@@ -99,62 +93,84 @@ def _slots(program: Program, home: dict[int, int], pieces: int) -> dict[int, int
     return slots
 
 
-class _Piece:
-    """One program in the making."""
+def _last_uses(program: Program, part_of: dict[int, int], parts: int) -> dict[int, int]:
+    """Return for every value the last part that reads it, or -1; the last part reads all conditions."""
+    last = dict.fromkeys(part_of, -1)
+    for i, part in part_of.items():
+        for j in program.instructions[i].operands:
+            if j in part_of:
+                last[j] = part
+    for output in program.outputs:
+        conditions = (*output.exists_if_positive, *output.accurate_if_positive)
+        last.update(dict.fromkeys((i for i in conditions if i in part_of), parts - 1))
+    return last
+
+
+class _Part:
+    """Builds the program of one part.
+
+    Args:
+        program: The whole program.
+        part_of: By instruction the number of its part.
+        slots: By value its slot in the workspace.
+        workspace: The array of the workspace.
+        number: The number of this part, from 0.
+    """
 
     def __init__(
         self,
         program: Program,
-        home: dict[int, int],
+        part_of: dict[int, int],
         slots: dict[int, int],
         workspace: Array,
-        piece: int,
+        number: int,
     ) -> None:
         self._program = program
-        self._home = home
+        self._part_of = part_of
         self._slots = slots
         self._workspace = workspace
-        self._piece = piece
+        self._number = number
         self._instructions: list[Instruction] = []
         self._moved: dict[int, int] = {}
 
-    def made(self, values: Sequence[int]) -> Program:
+    def program(self, values: Sequence[int]) -> Program:
+        """Return the program that computes the instructions `values` of the whole program."""
         for i in values:
             instruction = self._program.instructions[i]
             operands = tuple(self._value(j) for j in instruction.operands)
-            self._add(i, replace(instruction, operands=operands))
-        is_last = self._piece == max(self._home.values())
+            self._append(i, replace(instruction, operands=operands))
+        is_last = self._number == max(self._part_of.values())
         outputs = [self._output(output, is_last) for output in self._program.outputs]
         kept = [i for i in values if i in self._slots]
         if kept:
             places = tuple(self._slots[i] for i in kept)
             outputs.append(Output(self._workspace, tuple(self._moved[i] for i in kept), places=places))
-        filled = tuple(output for output in outputs if output.values or output.positive)
+        filled = tuple(output for output in outputs if output.values or output.exists_if_positive)
         read = {instruction.array for instruction in self._instructions}
         arrays = (*self._program.inputs, self._workspace)
         inputs = tuple(array for array in arrays if array.name in read)
         return check(Program(inputs, tuple(self._instructions), filled))
 
     def _output(self, output: Output, is_last: bool) -> Output:
-        """What this piece fills; numbers and inputs are stored by the first."""
-        mine = [(k, i) for k, i in output.elements() if self._home.get(i, 0) == self._piece]
-        values = tuple(self._value(i) for _, i in mine)
-        positive, margins = (
-            tuple(self._value(i) for i in watched) if is_last else ()
-            for watched in (output.positive, output.margins)
+        """Return what this part fills of an output; numbers and inputs are filled by the first part."""
+        own = [(k, i) for k, i in output.elements() if self._part_of.get(i, 0) == self._number]
+        values = tuple(self._value(i) for _, i in own)
+        existence, accuracy = (
+            tuple(self._value(i) for i in conditions) if is_last else ()
+            for conditions in (output.exists_if_positive, output.accurate_if_positive)
         )
-        return Output(output.array, values, positive, tuple(k for k, _ in mine), margins)
+        return Output(output.array, values, existence, tuple(k for k, _ in own), accuracy)
 
     def _value(self, i: int) -> int:
-        """Value i in this piece, brought in where it is not from here."""
+        """Return value i of the whole program in this part, read from the workspace where it must be."""
         if i not in self._moved:
             instruction = self._program.instructions[i]
             if instruction.op not in _SOURCES:
                 name = instruction.name
                 instruction = Instruction(Op.INPUT, array=WORKSPACE, index=self._slots[i], name=name)
-            self._add(i, instruction)
+            self._append(i, instruction)
         return self._moved[i]
 
-    def _add(self, i: int, instruction: Instruction) -> None:
+    def _append(self, i: int, instruction: Instruction) -> None:
         self._moved[i] = len(self._instructions)
         self._instructions.append(instruction)

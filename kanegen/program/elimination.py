@@ -1,6 +1,7 @@
-"""[A]{z} = {b} for many right sides, as instructions: [A] = [L]^T [D] [L] without fill.
+"""The solution of [A]{z} = {b} for many right sides as instructions, by [A] = [L]^T [D] [L] without fill-in.
 
-The same elimination as `recursion.factorisation`, on values of a program; what is the constant 0 stays out.
+The elimination is that of `recursion.factorisation`, applied to values of a program. Entries that are zero by
+structure are left out.
 """
 
 from __future__ import annotations
@@ -10,60 +11,62 @@ from collections.abc import Mapping, Sequence
 from kanegen.program.builder import Builder
 
 Column = dict[int, int]
-"""By row the number of a value; none where it is zero."""
+"""By row the number of a value; rows in which it is zero are absent."""
 
 
 class Elimination:
-    """[L] and [D] of a symmetric positive definite matrix.
+    """The factors [L] and [D] of a symmetric positive definite matrix.
 
     Args:
-        builder: Takes the instructions.
-        matrix: By pair of rows, the larger first, its entries that are not zero.
-        carriers: Row by row in the order of elimination, the rows that its elimination may change.
-        one: The number 1.
+        builder: The builder to which instructions are appended.
+        matrix: Entries that are not zero, by pair of rows, the larger first.
+        changed_rows: By row, in the order of elimination, the rows that its elimination may change.
+        one: The value of the number 1.
     """
 
     def __init__(
         self,
         builder: Builder,
         matrix: Mapping[tuple[int, int], int],
-        carriers: Mapping[int, Sequence[int]],
+        changed_rows: Mapping[int, Sequence[int]],
         one: int,
     ) -> None:
         self._builder = builder
-        self._carriers = carriers
+        self._changed_rows = changed_rows
         self._factors: dict[int, Column] = {}
         self._inverses: Column = {}
         a = dict(matrix)
-        for k, carrying in carriers.items():
-            row = {i: a[_pair(k, i)] for i in carrying if _pair(k, i) in a}
+        for k, changed in changed_rows.items():
+            row = {i: a[_pair(k, i)] for i in changed if _pair(k, i) in a}
             self._inverses[k] = inverse = builder.divide(one, a[k, k])
             self._factors[k] = {i: builder.multiply(value, inverse) for i, value in row.items()}
             for i, factor in self._factors[k].items():
                 for j, entry in row.items():
                     if j <= i:
-                        a[i, j] = self._less(a.get((i, j)), builder.multiply(factor, entry))
+                        a[i, j] = self._subtract(a.get((i, j)), builder.multiply(factor, entry))
 
     def solve(self, right: Column) -> Column:
-        """{z}, none where it is zero."""
+        """Return the solution {z} for the right side {b}."""
         make, b = self._builder, dict(right)
-        for k in self._carriers:
+        for k in self._changed_rows:
             if k in b:
                 for i, factor in self._factors[k].items():
-                    b[i] = self._less(b.get(i), make.multiply(factor, b[k]))
+                    b[i] = self._subtract(b.get(i), make.multiply(factor, b[k]))
         found: Column = {}
-        for k in reversed(list(self._carriers)):
+        for k in reversed(list(self._changed_rows)):
             value = make.multiply(b[k], self._inverses[k]) if k in b else None
             for i, factor in self._factors[k].items():
                 if i in found:
-                    value = self._less(value, make.multiply(factor, found[i]))
+                    value = self._subtract(value, make.multiply(factor, found[i]))
             if value is not None:
                 found[k] = value
         return found
 
-    def _less(self, value: int | None, change: int) -> int:
+    def _subtract(self, value: int | None, change: int) -> int:
+        """Return `value` less `change`, where an absent value is zero."""
         return self._builder.negate(change) if value is None else self._builder.subtract(value, change)
 
 
 def _pair(i: int, j: int) -> tuple[int, int]:
+    """Return the key of entry (i, j) of a symmetric matrix, the larger row first."""
     return max(i, j), min(i, j)

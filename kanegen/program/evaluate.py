@@ -1,4 +1,4 @@
-"""Evaluate a program over any kind of numbers: floats, arrays, SymPy expressions, multiprecision."""
+"""An interpreter of programs over any kind of numbers: floats, arrays, SymPy expressions, multiprecision."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ ARITHMETIC: dict[Op, Callable[..., Any]] = {
     Op.DIVIDE: operator.truediv,
     Op.NEGATE: operator.neg,
 }
+"""Python's functions for the arithmetic operations."""
 
 
 def evaluate(
@@ -23,16 +24,16 @@ def evaluate(
     functions: Any,
     number: Callable[[Any], Any] = float,
 ) -> dict[str, list[Any]]:
-    """Run the instructions one by one.
+    """Run the instructions of a program one by one.
 
     Args:
-        program: What to run.
-        inputs: For every input array its elements, flat.
-        functions: Something with `sin`, `cos` and `sqrt`, such as `numpy`, `sympy` or `mpmath`.
-        number: Turns a constant of the program into the kind of number wanted.
+        program: The program to run.
+        inputs: Elements of every input array, row-major, by name.
+        functions: Module or context with `sin`, `cos` and `sqrt`, such as `numpy`, `sympy` or `mpmath`.
+        number: Converts a constant of the program to the kind of number wanted.
 
     Returns:
-        For every output array its elements, flat.
+        Elements of every output array in the order of `Output.values`, by name.
     """
     values: list[Any] = []
     for instruction in program.instructions:

@@ -1,7 +1,8 @@
 """Straight-line code: a single-assignment list of scalar instructions.
 
-Instruction number i defines value i; operands are numbers of earlier values, so the list is its own
-topological order. Names and notes come from the derivation and go into the C; they carry no meaning here.
+Instruction number i defines value i. Operands are numbers of earlier values, so the list is its own
+topological order. Names and notes come from the derivation and go into the generated code; they carry no
+meaning here.
 """
 
 from __future__ import annotations
@@ -11,6 +12,18 @@ from dataclasses import dataclass
 from enum import StrEnum
 from math import prod
 from typing import Any
+
+PARAMETERS = "parameters"
+"""Name of the input array of the run-time parameters."""
+
+PREPARED = "prepared"
+"""Name of the array of constants that depend on the parameters alone, filled by the function `prepare`."""
+
+WORKSPACE = "w"
+"""Name of the array in which a part of a function leaves values for later parts."""
+
+EVALUATE = "evaluate"
+"""Name of the function that computes every requested output, where there are several."""
 
 
 class Op(StrEnum):
@@ -40,6 +53,7 @@ ARITY = {
     Op.SIN: 1,
     Op.COS: 1,
 }
+"""The number of operands that each operation takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +64,10 @@ class Instruction:
         op: The operation.
         operands: Numbers of earlier values, as many as `ARITY` says.
         number: The value of a `CONSTANT`: a float, or a number of mpmath where C computes in more digits.
-        array: Which input array an `INPUT` reads.
-        index: Which element of it, row-major.
-        name: Name of the quantity, such as `omega_7_x`; empty for a mere part of an expression.
-        note: What a reader should know where this instruction begins a group.
+        array: Name of the input array that an `INPUT` reads.
+        index: Index of the element that an `INPUT` reads, row-major.
+        name: Name of the quantity, such as `omega_7_x`; empty for a part of an expression.
+        note: Comment on the group of quantities that this instruction belongs to.
     """
 
     op: Op
@@ -67,11 +81,11 @@ class Instruction:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """What must be positive, freedom by freedom, for an output to exist.
+    """The condition under which an output exists: one quantity for each freedom must be positive.
 
     Attributes:
-        quantity: In words.
-        failure: What is so where it is not.
+        quantity: Name of the quantity in a sentence, such as "pivot of [A]".
+        failure: Clause that says what is the case where the quantity is not positive.
     """
 
     quantity: str
@@ -79,6 +93,7 @@ class Condition:
 
 
 REGULAR = Condition("pivot of [A]", "[A] is singular")
+"""The condition of every output that solves [A]{ydot} = {f}: the pivots of [A] are positive."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,10 +102,10 @@ class Array:
 
     Attributes:
         name: Name in C, such as `x`.
-        shape: Lengths, row-major; () for a scalar, which C has in an array of one element.
+        shape: Lengths, row-major; () for a scalar, which C stores in an array of one element.
         unit: SI unit or units.
-        doc: One line: what it holds, with its equation.
-        condition: Of an output that does not always exist.
+        doc: One line that says what the array holds, with its equation.
+        condition: When an output exists that does not exist in every state.
     """
 
     name: str
@@ -106,7 +121,7 @@ class Array:
 
     @property
     def row(self) -> int:
-        """Elements along the last axis."""
+        """Number of elements along the last axis."""
         return self.shape[-1] if self.shape else 1
 
 
@@ -116,40 +131,41 @@ class Output:
 
     Attributes:
         array: The array.
-        values: Its elements, row-major.
-        positive: Values that must be positive for the elements to hold, such as the pivots of a
-            factorisation; the function then returns the place, from 1, of the first that is not, or 0.
-        places: Which element each value fills, for a program that fills only some; None for all in order.
-        margins: Values that must be positive for the elements to be accurate; where one is not, the function
-            returns minus the place, from 1, of the least of them.
+        values: Numbers of the values that are its elements, row-major.
+        exists_if_positive: Values that must be positive for the elements to exist, such as the pivots of a
+            factorisation. The generated function returns the place, from 1, of the first that is not, or 0.
+        places: The element that each value fills, for a program that fills only some; None for all in order.
+        accurate_if_positive: Values that must be positive for the elements to be accurate. Where one is not,
+            the generated function returns minus the place, from 1, of the least of them.
     """
 
     array: Array
     values: tuple[int, ...]
-    positive: tuple[int, ...] = ()
+    exists_if_positive: tuple[int, ...] = ()
     places: tuple[int, ...] | None = None
-    margins: tuple[int, ...] = ()
+    accurate_if_positive: tuple[int, ...] = ()
 
     def elements(self) -> Iterator[tuple[int, int]]:
-        """Every element that is filled, and its value."""
+        """Return the index of every element that is filled, and the number of its value."""
         return zip(range(len(self.values)) if self.places is None else self.places, self.values, strict=True)
 
     def renumbered(self, moved: Mapping[int, int] | Sequence[int]) -> Output:
-        """The same output where value i has become value `moved[i]`."""
-        values, positive, margins = (
-            tuple(moved[i] for i in old) for old in (self.values, self.positive, self.margins)
+        """Return the same output of a program in which value i has become value `moved[i]`."""
+        values, existence, accuracy = (
+            tuple(moved[i] for i in old)
+            for old in (self.values, self.exists_if_positive, self.accurate_if_positive)
         )
-        return Output(self.array, values, positive, self.places, margins)
+        return Output(self.array, values, existence, self.places, accuracy)
 
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """Inputs, instructions, outputs; `check` says what must hold.
+    """Input arrays, instructions and output arrays; `check` verifies the invariants.
 
     Attributes:
         inputs: Arrays that instructions may read.
-        instructions: In order of evaluation.
-        outputs: What is computed, in the order of the C arguments.
+        instructions: Assignments in order of evaluation.
+        outputs: Arrays that are filled, in the order of the C arguments.
     """
 
     inputs: tuple[Array, ...]
@@ -157,25 +173,21 @@ class Program:
     outputs: tuple[Output, ...]
 
     def results(self) -> Iterator[int]:
-        """Every value that an output holds or depends on."""
+        """Yield the number of every value that an output holds or that its conditions test."""
         for output in self.outputs:
             yield from output.values
-            yield from output.positive
-            yield from output.margins
-
-
-EVALUATE = "evaluate"
-"""Name of the function that computes every requested output, where there are several."""
+            yield from output.exists_if_positive
+            yield from output.accurate_if_positive
 
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """Programs that become one C file.
+    """The programs that become one C file.
 
     Attributes:
-        prepare: From the parameters to the prepared constants, the one output; None without parameters.
-        functions: By function name: one program for every requested output, and `evaluate`, which
-            computes all of them and shares every intermediate, where there are several.
+        prepare: Computes the array `PREPARED` from the parameters; None for a model without parameters.
+        functions: Programs by function name: one for every requested output and, where there are several,
+            `EVALUATE`, which computes all of them and shares every intermediate.
     """
 
     prepare: Program | None
@@ -183,5 +195,5 @@ class Module:
 
     @property
     def together(self) -> Program:
-        """The program of all requested outputs."""
+        """The program that computes all requested outputs."""
         return self.functions.get(EVALUATE) or next(iter(self.functions.values()))

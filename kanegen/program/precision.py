@@ -1,4 +1,4 @@
-"""The precisions that there are, by name."""
+"""The precisions in which generated code can compute, by name: double, float, long double, double-double."""
 
 from __future__ import annotations
 
@@ -11,122 +11,128 @@ from numpy.typing import NDArray
 
 from kanegen.choices import require_one
 from kanegen.errors import ModelError, OptionError
-from kanegen.program.constants import DOUBLES, WIDE, Constants
+from kanegen.program.constants import DOUBLE_CONSTANTS, MULTIPRECISION, WIDE_CONSTANTS, Constants
 
 
 @dataclass(frozen=True)
 class Precision:
-    """A kind of real numbers in C.
+    """A floating-point format of C and its counterpart in NumPy.
 
     Attributes:
-        name: What users call it.
-        words: What it is called in a sentence.
-        type: Its type in C.
-        suffix: What functions of libm end in.
-        dtype: NumPy's type of a number, or of its parts.
-        bytes: Size of a number.
-        digits: Bits of the significand; the largest relative error of an operation is a few times `roundoff`.
-        decimals: Significant decimals that tell any two numbers apart.
-        storages: Names of the precisions that arrays may have, its own default first.
-        needs: Properties of `selftest.c` without which its operations are wrong.
+        name: Name of the option, such as "double-double".
+        label: Name in a sentence, such as "single" before the word "precision".
+        c_type: Type of a number in C.
+        libm_suffix: Suffix of the functions of libm for this type, such as "f".
+        dtype: NumPy's type of a number, or of each of its parts.
+        bytes: Size of a number in bytes.
+        significand_bits: Bits of the significand; the largest relative error of an operation is a few times
+            `roundoff`.
+        decimal_digits: Significant decimal digits that tell any two numbers apart.
+        storage_names: Names of the precisions that arrays may have, the default first.
+        required_properties: Properties of floating-point arithmetic, see `semantics.PROPERTIES`, without
+            which the operations of this precision are wrong.
     """
 
     name: str
-    words: str
-    type: str
-    suffix: str
+    label: str
+    c_type: str
+    libm_suffix: str
     dtype: np.dtype[Any]
     bytes: int
-    digits: int
-    decimals: int
-    storages: tuple[str, ...] = ("double", "float", "long double")
-    needs: frozenset[str] = frozenset()
+    significand_bits: int
+    decimal_digits: int
+    storage_names: tuple[str, ...] = ("double", "float", "long double")
+    required_properties: frozenset[str] = frozenset()
 
     @property
     def roundoff(self) -> float:
-        """The largest relative error of one rounding, u."""
-        return 2.0**-self.digits
+        """The unit roundoff u, the largest relative error of one rounding."""
+        return 2.0**-self.significand_bits
 
     @property
-    def tail(self) -> tuple[int, ...]:
-        """Further axes of NumPy's arrays."""
+    def trailing_shape(self) -> tuple[int, ...]:
+        """Axes that NumPy's arrays of such numbers have after the axes of the array in C."""
         return ()
 
     @property
-    def has_lanes(self) -> bool:
-        """Whether there are vectors of such numbers."""
+    def has_simd(self) -> bool:
+        """Whether there are SIMD vectors of such numbers."""
         return True
 
     @property
-    def takes_together(self) -> bool:
-        """Whether a function of C gives sine and cosine at once."""
+    def has_sincos(self) -> bool:
+        """Whether a function of C returns sine and cosine together."""
         return False
 
     @property
     def constants(self) -> Constants:
-        """How exact what is computed before any state must be."""
-        return DOUBLES
+        """The arithmetic in which the constants of a program are computed before they are rounded."""
+        return DOUBLE_CONSTANTS
 
-    def function(self, name: str) -> str:
-        """What `sin`, `cos` and `sqrt` are called in C."""
-        return f"{name}{self.suffix}"
+    def c_function(self, name: str) -> str:
+        """Return the name in C of `sin`, `cos` or `sqrt` for this type."""
+        return f"{name}{self.libm_suffix}"
 
     def rounded(self, number: Any, what: str) -> float:
-        """The nearest number of this precision, or of double; below the smallest that is 0.
+        """Return the nearest number of this precision, or of double where it is wider; 0 on underflow.
+
+        Args:
+            number: Any real number.
+            what: Name of the number, used in the error message.
 
         Raises:
-            ModelError: If it is beyond the largest.
+            ModelError: If it is beyond the largest number of this precision.
         """
         with np.errstate(over="ignore", under="ignore"):
             nearest = float(self.dtype.type(float(number)))
         if not math.isfinite(nearest):
             raise ModelError(
-                f"{what}: {float(number)!r} leaves the range of {self.words} precision; choose units nearer "
+                f"{what}: {float(number)!r} leaves the range of {self.label} precision; choose units nearer "
                 "to 1, or double precision."
             )
         return nearest
 
     def literal(self, number: Any) -> str:
-        """A number that is not negative in C: the fewest digits that read back to the nearest."""
+        """Return a C literal of a number >= 0: the fewest digits that read back to the nearest number."""
         with np.errstate(under="ignore"):
             digits = np.format_float_scientific(self.dtype.type(float(number)))
-        return f"{float(digits)!r}{self.suffix}"
+        return f"{float(digits)!r}{self.libm_suffix}"
 
-    def stored(self, values: NDArray[np.float64]) -> NDArray[Any]:
-        """Doubles as an array of this precision, rounded where it has fewer digits."""
+    def from_doubles(self, values: NDArray[np.float64]) -> NDArray[Any]:
+        """Convert doubles to an array of this precision, rounding where it has fewer digits."""
         with np.errstate(over="ignore", under="ignore"):
             return values.astype(self.dtype)
 
-    def nearest(self, values: NDArray[Any]) -> NDArray[np.float64]:
-        """The nearest doubles of an array of this precision."""
+    def to_doubles(self, values: NDArray[Any]) -> NDArray[np.float64]:
+        """Convert an array of this precision to the nearest doubles."""
         return self.parts(values)[0]
 
     def parts(self, values: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
-        """Arrays of doubles whose exact sum an array of this precision is, the sum rounded first."""
+        """Return arrays of doubles whose exact sum is `values`; the first holds the nearest doubles."""
         return (values.astype(np.float64),)
 
 
 @dataclass(frozen=True)
 class LongDouble(Precision):
-    """`long double`, which has at least 64 bits where it is any wider than double."""
+    """`long double`, which has at least 64 bits on machines where it is wider than double."""
 
     @property
-    def has_lanes(self) -> bool:
-        """No."""
+    def has_simd(self) -> bool:
+        """False: no processor has SIMD vectors of `long double`."""
         return False
 
     @property
     def constants(self) -> Constants:
-        """Wide."""
-        return WIDE
+        """The arithmetic of 320 bits, since constants need more digits than doubles have."""
+        return WIDE_CONSTANTS
 
     def literal(self, number: Any) -> str:
-        """As many digits as the widest `long double` needs, or all where they are fewer."""
-        wide = WIDE.functions
-        return f"{wide.nstr(wide.mpf(number), self.decimals, strip_zeros=True)}L"
+        """Return a C literal of a number >= 0, with at most the digits of the widest `long double`."""
+        wide = MULTIPRECISION.mpf(number)
+        return f"{MULTIPRECISION.nstr(wide, self.decimal_digits, strip_zeros=True)}L"
 
     def parts(self, values: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
-        """As `Precision.parts`."""
+        """Return three arrays of doubles whose exact sum is `values`."""
         found, rest = [], np.asarray(values, np.longdouble)
         for _ in range(3):
             found.append(rest.astype(np.float64))
@@ -136,39 +142,39 @@ class LongDouble(Precision):
 
 
 @dataclass(frozen=True)
-class Pairs(LongDouble):
-    """Sums of two doubles; NumPy's arrays have them along a last axis."""
+class DoubleDouble(LongDouble):
+    """Unevaluated sums of two doubles; NumPy's arrays hold the two parts along a last axis."""
 
     @property
-    def tail(self) -> tuple[int, ...]:
-        """The parts."""
+    def trailing_shape(self) -> tuple[int, ...]:
+        """One axis for the high and the low part."""
         return (2,)
 
     @property
-    def takes_together(self) -> bool:
-        """Yes."""
+    def has_sincos(self) -> bool:
+        """True: the header of this type defines such a function."""
         return True
 
-    def function(self, name: str) -> str:
-        """Those of kanegen_pairs.h."""
+    def c_function(self, name: str) -> str:
+        """Return the name of `sin`, `cos` or `sqrt` in the header kanegen_pairs.h."""
         return f"pair_{name}"
 
     def literal(self, number: Any) -> str:
-        """The two parts; one where that is all."""
-        high, low = split(number)
+        """Return a C expression of a number >= 0 from its two parts, or from one if the other is 0."""
+        high, low = double_double_parts(number)
         return f"pair_literal({high!r}, {low!r})" if low else f"pair_of({high!r})"
 
-    def stored(self, values: NDArray[np.float64]) -> NDArray[Any]:
-        """Pairs whose second part is 0."""
+    def from_doubles(self, values: NDArray[np.float64]) -> NDArray[Any]:
+        """Convert doubles to double-doubles whose low part is 0."""
         return np.stack([values, np.zeros_like(values)], axis=-1)
 
     def parts(self, values: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
-        """As `Precision.parts`."""
+        """Return the high and the low parts."""
         return values[..., 0], values[..., 1]
 
 
-def split(number: Any) -> tuple[float, float]:
-    """The pair of doubles nearest to a number, such as a fraction: the nearest one, and that to the rest."""
+def double_double_parts(number: Any) -> tuple[float, float]:
+    """Return the double nearest to a number, such as a fraction, and the double nearest to the rest."""
     high = float(number)
     return high, float(number - type(number)(high))
 
@@ -181,27 +187,27 @@ FLOAT = Precision(
 )
 LONG_DOUBLE = LongDouble(
     name="long double",
-    words="long double",
-    type="long double",
-    suffix="l",
+    label="long double",
+    c_type="long double",
+    libm_suffix="l",
     dtype=np.dtype(np.longdouble),
     bytes=16,
-    digits=64,
-    decimals=36,
-    storages=("long double", "double", "float"),
-    needs=frozenset({"subnormal numbers"}),  # which no mode of its registers gives up
+    significand_bits=64,
+    decimal_digits=36,
+    storage_names=("long double", "double", "float"),
+    required_properties=frozenset({"subnormal numbers"}),  # no mode of its registers flushes them to zero
 )
-DOUBLE_DOUBLE = Pairs(
+DOUBLE_DOUBLE = DoubleDouble(
     name="double-double",
-    words="double-double",
-    type="kanegen_pair",
-    suffix="",
+    label="double-double",
+    c_type="kanegen_pair",
+    libm_suffix="",
     dtype=_DOUBLE,
     bytes=16,
-    digits=106,
-    decimals=33,
-    storages=("double", "double-double"),
-    needs=frozenset(
+    significand_bits=106,
+    decimal_digits=33,
+    storage_names=("double", "double-double"),
+    required_properties=frozenset(
         {
             "subnormal numbers",
             "products rounded by themselves",
@@ -214,11 +220,11 @@ DOUBLE_DOUBLE = Pairs(
 )
 
 PRECISIONS = {precision.name: precision for precision in (DOUBLE, FLOAT, LONG_DOUBLE, DOUBLE_DOUBLE)}
-"""What can be asked for."""
+"""All precisions, by the name of the option."""
 
 
-def named(name: str) -> Precision:
-    """The precision that is called `name`.
+def precision_named(name: str) -> Precision:
+    """Return the precision of that name.
 
     Raises:
         OptionError: If there is none.
@@ -227,16 +233,20 @@ def named(name: str) -> Precision:
     return PRECISIONS[name]
 
 
-def storage(precision: str, name: str = "") -> Precision:
-    """The precision of arrays: `name`, or the own one of `precision` where there is none.
+def storage_precision(precision: str, name: str = "") -> Precision:
+    """Return the precision of arrays for code that computes in `precision`.
+
+    Args:
+        precision: Name of the precision of the arithmetic.
+        name: Name of the precision of arrays; by default the one that belongs to the arithmetic.
 
     Raises:
         OptionError: If there is no such precision, or it does not go with `precision`.
     """
-    own = named(precision).storages
-    found = named(name or own[0])
-    if found.name not in own:
+    allowed = precision_named(precision).storage_names
+    found = precision_named(name or allowed[0])
+    if found.name not in allowed:
         raise OptionError(
-            f"storage {name!r} does not go with precision {precision!r}, which takes {', '.join(own)}."
+            f"storage {name!r} does not go with precision {precision!r}, which takes {', '.join(allowed)}."
         )
     return found

@@ -1,23 +1,20 @@
-"""Some instructions of a program: which are needed, and the program that only they make."""
+"""Selection of instructions of a program: the dependencies of values, and programs of some instructions."""
 
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import replace
 
-from kanegen.program.ir import Op, Program
-
-PARAMETERS = "parameters"
-"""The array of run-time parameters."""
+from kanegen.program.ir import PARAMETERS, Op, Program
 
 
-def needed(program: Program, wanted: Iterable[int], known: Container[int] = ()) -> list[int]:
-    """Instructions that the values `wanted` depend on, themselves included, in order.
+def dependencies(program: Program, wanted: Iterable[int], known: Container[int] = ()) -> list[int]:
+    """Return the instructions that the values `wanted` depend on, themselves included, in order.
 
     Args:
-        program: Where they stand.
+        program: The program in which they stand.
         wanted: Numbers of values.
-        known: Values that are there already; nothing is computed for them.
+        known: Values that are available already; nothing is computed for them.
     """
     found: set[int] = set()
     waiting = list(wanted)
@@ -29,12 +26,12 @@ def needed(program: Program, wanted: Iterable[int], known: Container[int] = ()) 
     return sorted(found)
 
 
-def selected(program: Program, order: Sequence[int]) -> Program:
-    """The program of the instructions `order`, in this order, with the same outputs.
+def subprogram(program: Program, order: Sequence[int]) -> Program:
+    """Return the program of the instructions `order`, in this order, with the same outputs.
 
     Args:
-        program: Where they come from.
-        order: Whatever the outputs need, operands before their users.
+        program: The program from which they come.
+        order: Numbers of all instructions that the outputs need, operands before their users.
     """
     moved = {i: place for place, i in enumerate(order)}
     instructions = (program.instructions[i] for i in order)
@@ -43,7 +40,10 @@ def selected(program: Program, order: Sequence[int]) -> Program:
 
 
 def parameter_only(program: Program) -> list[bool]:
-    """Which instructions need nothing else; a sign change stays with its user, where it is free."""
+    """Return for every instruction whether it depends on nothing but parameters and numbers.
+
+    A sign change does not count: it stays with the instruction that uses it, where it is free.
+    """
     early: list[bool] = []
     for instruction in program.instructions:
         if instruction.op is Op.INPUT:

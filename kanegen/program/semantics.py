@@ -1,7 +1,7 @@
-"""What a compiler may do to floating-point arithmetic, by names of which each stands for its flags.
+"""What a compiler may do to floating-point arithmetic, by names each of which stands for compiler flags.
 
-Strict means that every operation of the program is rounded as IEEE 754 says, in its order: the same bits
-from every compiler at every level of optimisation. Everything looser has to be named.
+Strict semantics mean that every operation of the program is rounded as IEEE 754 says, in the order of the
+program: the same bits from every compiler at every level of optimisation. Every relaxation has a name.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from kanegen.choices import several
 from kanegen.errors import OptionError
 
 STRICT = "strict"
-"""Nothing but what IEEE 754 says."""
+"""Semantics of IEEE 754, without any relaxation."""
 
 CONTRACTED = "contracted"
-"""A product may go into a sum unrounded, by one fused instruction."""
+"""A product may be added without being rounded first, by one fused multiply-add."""
 
 FLUSH = "flush-to-zero"
 """Subnormal numbers count as zero."""
@@ -27,33 +27,37 @@ _SUMS = "order of sums"
 
 
 @dataclass(frozen=True)
-class Licence:
-    """Something that a compiler may do.
+class Relaxation:
+    """A deviation from IEEE 754 that a compiler is allowed.
 
     Attributes:
-        flags: Of gcc and clang.
-        gives_up: Properties of `selftest.c` that need not hold with them.
+        flags: Flags of gcc and clang.
+        lost_properties: The `PROPERTIES` that need not hold with them.
     """
 
     flags: tuple[str, ...] = ()
-    gives_up: frozenset[str] = frozenset()
+    lost_properties: frozenset[str] = frozenset()
 
 
 SEMANTICS = {
-    STRICT: Licence(),
-    CONTRACTED: Licence(("-ffp-contract=fast",), frozenset({"products rounded by themselves"})),
-    "reciprocal": Licence(("-freciprocal-math",), frozenset({"rounding of quotients"})),
-    "no-signed-zeros": Licence(("-fno-signed-zeros",), frozenset({_ZEROS})),
-    "no-traps": Licence(("-fno-trapping-math",)),
-    "no-errno": Licence(("-fno-math-errno",)),
-    "associative": Licence(
+    STRICT: Relaxation(),
+    CONTRACTED: Relaxation(("-ffp-contract=fast",), frozenset({"products rounded by themselves"})),
+    "reciprocal": Relaxation(("-freciprocal-math",), frozenset({"rounding of quotients"})),
+    "no-signed-zeros": Relaxation(("-fno-signed-zeros",), frozenset({_ZEROS})),
+    "no-traps": Relaxation(("-fno-trapping-math",)),
+    "no-errno": Relaxation(("-fno-math-errno",)),
+    "associative": Relaxation(
         ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"), frozenset({_SUMS, _ZEROS})
     ),
-    "finite": Licence(("-ffinite-math-only",), frozenset({"not a number"})),
-    FLUSH: Licence(gives_up=frozenset({_SUBNORMALS})),
+    "finite": Relaxation(("-ffinite-math-only",), frozenset({"not a number"})),
+    FLUSH: Relaxation(lost_properties=frozenset({_SUBNORMALS})),
 }
-"""By name; gcc reorders sums only where neither signed zeros nor traps count. Flushing takes no flag, which
-would change the whole process: every function sets the mode of its thread and puts it back."""
+"""All semantics by name.
+
+"associative" has three flags because gcc reorders sums only where neither signed zeros nor traps count.
+Flushing subnormal numbers has none, because its flag would change the whole process: every generated function
+sets the mode of its thread and restores it.
+"""
 
 PROPERTIES = (
     "not a number",
@@ -65,27 +69,26 @@ PROPERTIES = (
     "rounding of roots",
     "no excess precision",
 )
-"""What strict semantics promise, in the words of `selftest.c`."""
+"""Properties of floating-point arithmetic that hold with strict semantics; the self-test in C tests them."""
 
 NARROWING = "rounding to float"
-"""What is promised beside them where doubles become floats."""
+"""The further property that holds where doubles are converted to floats."""
 
 RELAXED = (CONTRACTED, "reciprocal", "no-signed-zeros", "no-traps", "no-errno")
-"""What leaves NaN, infinity and the order of sums as they are."""
+"""The relaxations that leave NaN, infinity and the order of sums as they are."""
 
 MACHINES: dict[str, tuple[str, ...]] = {"portable": (), "native": ("-march=native",)}
-"""What the code may run on: every machine of the kind, or those with the instructions of this one."""
+"""Flags for the machines on which the code may run: all of the architecture, or those like this one."""
 
 OPTIMISATIONS = (0, 1, 2, 3)
-"""Levels of optimisation; with strict semantics no bit depends on them."""
+"""Levels of optimisation of a compiler; with strict semantics no bit of a result depends on them."""
 
-_WHOLESALE = {"-ffast-math": (), "-funsafe-math-optimizations": (), "-Ofast": ("-O3",)}
-"""Flags at which gcc links code that switches subnormal numbers off for the whole process, and what is left
-of them when linking."""
+_FLAGS_WHEN_LINKING = {"-ffast-math": (), "-funsafe-math-optimizations": (), "-Ofast": ("-O3",)}
+"""Flags at which gcc links code that flushes subnormal numbers in the whole process; what replaces them."""
 
 
-def names(semantics: Iterable[str] | str) -> tuple[str, ...]:
-    """Names of `SEMANTICS` checked, each once, in their order; none is strict.
+def checked_semantics(semantics: Iterable[str] | str) -> tuple[str, ...]:
+    """Return names of `SEMANTICS`, each once, in the order of that table; no name means strict.
 
     Raises:
         OptionError: If there is no such name, or strict stands beside others.
@@ -96,19 +99,19 @@ def names(semantics: Iterable[str] | str) -> tuple[str, ...]:
     return found
 
 
-def flags(semantics: tuple[str, ...], machine: str, optimisation: int) -> tuple[str, ...]:
-    """Flags of gcc and clang for checked names."""
+def compiler_flags(semantics: tuple[str, ...], machine: str, optimisation: int) -> tuple[str, ...]:
+    """Return the flags of gcc and clang for checked names of semantics, a machine and a level."""
     named = [flag for name in semantics for flag in SEMANTICS[name].flags]
     contract = () if CONTRACTED in semantics else ("-ffp-contract=off",)
     return tuple(dict.fromkeys((f"-O{optimisation}", *MACHINES[machine], *contract, *named)))
 
 
-def promised(semantics: tuple[str, ...]) -> tuple[str, ...]:
-    """The `PROPERTIES` that checked names leave."""
-    given_up = frozenset[str]().union(*(SEMANTICS[name].gives_up for name in semantics))
-    return tuple(found for found in PROPERTIES if found not in given_up)
+def guaranteed_properties(semantics: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the `PROPERTIES` that hold with checked names of semantics."""
+    lost = frozenset[str]().union(*(SEMANTICS[name].lost_properties for name in semantics))
+    return tuple(found for found in PROPERTIES if found not in lost)
 
 
-def linking(given: Iterable[str]) -> tuple[str, ...]:
-    """Flags for the linker: without those that would change the process that loads the library."""
-    return tuple(left for flag in given for left in _WHOLESALE.get(flag, (flag,)))
+def linker_flags(flags: Iterable[str]) -> tuple[str, ...]:
+    """Return `flags` without those that would change the process that loads the linked library."""
+    return tuple(left for flag in flags for left in _FLAGS_WHEN_LINKING.get(flag, (flag,)))

@@ -1,6 +1,7 @@
-"""Cut one program for all outputs into the functions of a C file.
+"""Split one program for all outputs into the functions of a C file.
 
-What depends on parameters alone goes into `prepare`, which runs once; the functions read its results.
+What depends on parameters alone goes into the function `prepare`, which runs once for a set of parameters;
+the other functions read its results from the array `PREPARED`.
 """
 
 from __future__ import annotations
@@ -12,51 +13,53 @@ from typing import NamedTuple
 from kanegen.program.arrange import arrange
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
-from kanegen.program.ir import EVALUATE, Array, Instruction, Module, Op, Output, Program
+from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED, Array, Instruction, Module, Op, Output, Program
 from kanegen.program.passes.prune import prune
-from kanegen.program.selection import PARAMETERS, parameter_only
-
-PREPARED = "prepared"
-"""The array of what depends on them alone."""
+from kanegen.program.selection import parameter_only
 
 
 class Signature(NamedTuple):
-    """Names of the arrays that a function reads and fills."""
+    """The arrays of a function.
+
+    Attributes:
+        inputs: Names of the arrays that it reads.
+        outputs: Names of the arrays that it fills.
+    """
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
 
 
-def restricted(program: Program, functions: Mapping[str, Signature]) -> dict[str, Program]:
-    """One program for every function: what it needs, and nothing else.
+def restrict(program: Program, functions: Mapping[str, Signature]) -> dict[str, Program]:
+    """Return a program for every function, with the instructions that it needs and no others.
 
     Args:
-        program: All outputs together.
-        functions: What every function reads and fills; run-time parameters are read by all.
+        program: The program of all outputs.
+        functions: Signatures by name of function; run-time parameters are read by all.
     """
-    return {name: _restrict(program, signature) for name, signature in functions.items()}
+    return {name: _restrict_to(program, signature) for name, signature in functions.items()}
 
 
-def _restrict(program: Program, signature: Signature) -> Program:
+def _restrict_to(program: Program, signature: Signature) -> Program:
     inputs = tuple(array for array in program.inputs if array.name in (PARAMETERS, *signature.inputs))
     outputs = tuple(output for output in program.outputs if output.array.name in signature.outputs)
     return prune(replace(program, inputs=inputs, outputs=outputs))
 
 
-def hoisted(programs: Mapping[str, Program]) -> Module:
-    """The functions of a module, and `prepare` where they read parameters.
+def hoist(programs: Mapping[str, Program]) -> Module:
+    """Return the functions of a module, with the function `prepare` where they read parameters.
 
     What several functions need of the parameters alone is computed once, and all read it as the one array
-    `prepared`.
+    `PREPARED`.
 
     Args:
-        programs: By name of function; all read parameters, or none does.
+        programs: Programs by name of function; all read parameters, or none does.
     """
     sources = {array for program in programs.values() for array in program.inputs if array.name == PARAMETERS}
     if not sources:
         return Module(None, {name: check(arrange(program)) for name, program in programs.items()})
     early = {name: parameter_only(program) for name, program in programs.items()}
-    first, places = _collected(programs, early, tuple(sources))
+    first, places = _collect_parameter_only(programs, early, tuple(sources))
     frontiers = {name: _frontier(program, early[name]) for name, program in programs.items()}
     needed = sorted({places[name][i] for name, frontier in frontiers.items() for i in frontier})
     array = Array(PREPARED, (max(1, len(needed)),), "SI", "constants that depend on parameters alone")
@@ -65,18 +68,27 @@ def hoisted(programs: Mapping[str, Program]) -> Module:
     functions = {}
     for name, program in programs.items():
         read = {i: order[places[name][i]] for i in frontiers[name]}
-        functions[name] = check(arrange(_rest(program, early[name], read, array)))
+        functions[name] = check(arrange(_with_prepared(program, early[name], read, array)))
     return Module(prepare, functions)
 
 
-def _collected(
+def _collect_parameter_only(
     programs: Mapping[str, Program], early: Mapping[str, Sequence[bool]], source: tuple[Array, ...]
 ) -> tuple[Builder, dict[str, dict[int, int]]]:
-    """What needs nothing but parameters, each value once; by function and instruction where it stands."""
+    """Collect all instructions that depend on parameters alone, each value once.
+
+    Args:
+        programs: Programs by name of function.
+        early: For each of them, which instructions depend on parameters alone.
+        source: The array of parameters.
+
+    Returns:
+        The builder of `prepare`, and by function and instruction the value of that builder.
+    """
     first = Builder(source)
     known: dict[Instruction, int] = {}
     places: dict[str, dict[int, int]] = {}
-    for name in sorted(programs, key=lambda name: name != EVALUATE):  # which has the names of everything
+    for name in sorted(programs, key=lambda name: name != EVALUATE):  # first the one with all names
         moved = places[name] = {}
         for i, instruction in enumerate(programs[name].instructions):
             if early[name][i]:
@@ -89,14 +101,14 @@ def _collected(
     return first, places
 
 
-def _rest(program: Program, early: Sequence[bool], read: Mapping[int, int], array: Array) -> Program:
-    """A function that reads `array` where it would compute what needs nothing but parameters.
+def _with_prepared(program: Program, early: Sequence[bool], read: Mapping[int, int], array: Array) -> Program:
+    """Return a function that reads prepared constants instead of computing them.
 
     Args:
         program: The function.
-        early: Which of its instructions that are.
-        read: Places in `array`, by those that the others need.
-        array: What `prepare` fills.
+        early: Which of its instructions depend on parameters alone.
+        read: By instruction of the frontier its place in `array`.
+        array: The array that `prepare` fills.
     """
     rest = Builder((array, *(a for a in program.inputs if a.name != PARAMETERS)))
     moved: dict[int, int] = {}
@@ -113,7 +125,7 @@ def _rest(program: Program, early: Sequence[bool], read: Mapping[int, int], arra
 
 
 def _frontier(program: Program, early: Sequence[bool]) -> list[int]:
-    """Parameter-only values that the rest or an output reads; numbers stay where they are."""
+    """Return the parameter-only values, numbers excepted, that other instructions or outputs read."""
     read = {j for i, x in enumerate(program.instructions) if not early[i] for j in x.operands}
     read.update(program.results())
     return sorted(j for j in read if early[j] and program.instructions[j].op is not Op.CONSTANT)

@@ -1,8 +1,8 @@
-"""Derivatives of a program by its inputs, instruction by instruction, forward.
+"""Derivatives of a program with respect to its inputs, instruction by instruction, in forward mode.
 
-Every value carries its derivatives by those inputs that it depends on, and no others: what is zero is never
-written down (Griewank and Walther 2008, chapters 3 and 7). They are values like all others, so that later
-passes share, fold and factor them.
+Every value carries its derivatives in the directions that it depends on, and no others: derivatives that are
+zero are never written down (Griewank and Walther 2008, chapters 3 and 7). Derivatives are values like all
+others, so later passes share, fold and factor them.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from kanegen.program.builder import Builder
 from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
-from kanegen.program.selection import needed
+from kanegen.program.selection import dependencies
 
 Tangent = dict[int, int]
-"""By direction the number of the value that is the derivative; none where it is zero."""
+"""By direction, the number of the value that is the derivative; directions in which it is zero are absent."""
 
 
 def tangents(
@@ -26,33 +26,33 @@ def tangents(
     wanted: Iterable[int],
     constants: Constants,
 ) -> dict[int, Tangent]:
-    """Derivatives of values.
+    """Append the derivatives of values to a builder.
 
     Args:
-        builder: Takes the instructions; it holds the program already.
-        program: What is differentiated.
-        moved: Where the builder has the program's values.
-        directions: By instruction of the program the direction in which it changes by 1.
+        builder: The builder; it holds the instructions of the program already.
+        program: The program to differentiate.
+        moved: By instruction of the program its value in the builder.
+        directions: By instruction of the program the direction in which its derivative is 1.
         wanted: Instructions of the program whose derivatives are asked for.
-        constants: How exact numbers are.
+        constants: The arithmetic of constants.
 
     Returns:
-        By instruction, for all that the wanted ones need.
+        Tangents by instruction, for all instructions that the wanted ones depend on.
     """
     rules = _Rules(builder, constants)
     found: dict[int, Tangent] = {}
-    for i in needed(program, wanted):
+    for i in dependencies(program, wanted):
         instruction = program.instructions[i]
         if i in directions:
             found[i] = {directions[i]: rules.one}
             continue
-        own = [found[j] for j in instruction.operands]
+        inner = [found[j] for j in instruction.operands]
         values = [moved[j] for j in instruction.operands]
-        active = dict.fromkeys(direction for tangent in own for direction in tangent)
+        active = dict.fromkeys(direction for tangent in inner for direction in tangent)
         found[i] = {
             direction: _named(
                 builder,
-                rules.derivative(instruction.op, moved[i], values, [t.get(direction) for t in own]),
+                rules.derivative(instruction.op, moved[i], values, [t.get(direction) for t in inner]),
                 instruction,
                 direction,
             )
@@ -62,31 +62,37 @@ def tangents(
 
 
 def _named(builder: Builder, value: int, instruction: Instruction, direction: int) -> int:
+    """Name the derivative of a named instruction after it, with the direction at the end."""
     if not instruction.name:
         return value
     return builder.name(value, f"{instruction.name}_d{direction}", f"Derivatives. {instruction.note}")
 
 
 class _Rules:
-    """The derivative of an operation from those of its operands, None where these are zero."""
+    """Appends the derivative of an operation, given those of its operands; None stands for a zero.
+
+    Args:
+        builder: The builder to which instructions are appended.
+        constants: The arithmetic of constants.
+    """
 
     def __init__(self, builder: Builder, constants: Constants) -> None:
         self._builder = builder
-        self.one = builder.constant(constants.number(1, 1))
-        self._half = builder.constant(constants.number(1, 2))
+        self.one = builder.constant(constants.quotient(1, 1))
+        self._half = builder.constant(constants.quotient(1, 2))
 
-    def derivative(self, op: Op, value: int, operands: Sequence[int], own: Sequence[int | None]) -> int:
-        """At least one operand changes.
+    def derivative(self, op: Op, value: int, operands: Sequence[int], inner: Sequence[int | None]) -> int:
+        """Return the derivative of one operation; at least one operand has a derivative.
 
         Args:
             op: The operation.
             value: Its result.
             operands: Its operands.
-            own: Their derivatives.
+            inner: The derivatives of its operands.
         """
         make = self._builder
         a, *more = operands
-        da, db = (own[0], own[1]) if more else (own[0], None)
+        da, db = (inner[0], inner[1]) if more else (inner[0], None)
         if op is Op.ADD:
             return self._sum(da, db)
         if op is Op.SUBTRACT:
@@ -109,6 +115,7 @@ class _Rules:
         return make.negate(make.multiply(make.function(Op.SIN, a), da))
 
     def _sum(self, a: int | None, b: int | None) -> int:
+        """Return a + b, of which at most one is zero."""
         if a is None or b is None:
             only = b if a is None else a
             assert only is not None
@@ -116,6 +123,7 @@ class _Rules:
         return self._builder.add(a, b)
 
     def _difference(self, a: int | None, b: int | None) -> int:
+        """Return a - b, of which at most one is zero."""
         if b is None:
             assert a is not None
             return a

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.model.system import System
-from kanegen.program.constants import DOUBLES, Constants
+from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.recursion import factorisation
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.forward_dynamics import ArticulatedBodies
@@ -71,7 +71,10 @@ def _solvers(system: System, solver: str) -> tuple[str, ...]:
 
 
 def recursive_form(
-    system: System, methods: Methods, constants: Constants = DOUBLES, refinement: Refinement = UNREFINED
+    system: System,
+    methods: Methods,
+    constants: Constants = DOUBLE_CONSTANTS,
+    refinement: Refinement = UNREFINED,
 ) -> RecursiveForm:
     """Derive outputs together, sharing every intermediate.
 

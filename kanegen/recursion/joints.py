@@ -11,12 +11,20 @@ from kanegen.model.body import Body
 from kanegen.model.coordinates import Freedom
 from kanegen.model.numbers import Number, Parameter
 from kanegen.model.system import System
+from kanegen.recursion.constants import constant_rotation, constant_sine_cosine
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Slide, Spin, Step, down
 from kanegen.recursion.orientations import by_quaternion, constant_turns, planar, whole
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import acceleration, coordinate, quaternion, speed, spin, spin_rate
+from kanegen.symbolic.symbols import (
+    acceleration,
+    coordinate,
+    quaternion,
+    relative_angular_velocity,
+    relative_angular_velocity_rate,
+    speed,
+)
 
 
 def exact(value: Number) -> Expr:
@@ -54,7 +62,15 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     turning = _changing(fixed), _changing(angles)
     motion = JointMotion(k, body.lower, arm, directions, offset, ZERO, slides, *turning, drives=drives)
     if body.joint.spins:
-        spins = [Spin(number[Freedom(k, i)], i, spin(k, i), spin_rate(k, i)) for i in range(3)]
+        spins = [
+            Spin(
+                number[Freedom(k, i)],
+                i,
+                relative_angular_velocity(k, i),
+                relative_angular_velocity_rate(k, i),
+            )
+            for i in range(3)
+        ]
         motion = _spinning(replace(motion, spins=tuple(spins)), definitions)
     return _with_origin(motion, body, definitions)
 
@@ -122,7 +138,7 @@ def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ..
             _locked_turn(f"{k}_c{i + 1}", i, angle, definitions) for i, angle in enumerate(orientation)
         )
     rows = [[exact(entry) for entry in row] for row in orientation]
-    return constant_turns(definitions.constants.rotation(rows))
+    return constant_turns(constant_rotation(rows, definitions.constants))
 
 
 def _angle_step(system: System, freedom: Freedom, definitions: Definitions) -> Step:
@@ -145,7 +161,7 @@ def _locked_turn(name: str, axis: int, angle: Number, definitions: Definitions) 
         symbol = exact(angle)
         sine = definitions.define(f"S_{name}", sympy.sin(symbol))
         return planar(axis, sine, definitions.define(f"C_{name}", sympy.cos(symbol)))
-    sine, cosine = definitions.constants.sine_cosine(angle)
+    sine, cosine = constant_sine_cosine(angle, definitions.constants)
     return planar(axis, sine, cosine)
 
 

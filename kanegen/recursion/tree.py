@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from sympy import S
 
 from kanegen.model.system import System
-from kanegen.program.constants import DOUBLES, Constants
+from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.recursion.bodies import NOTHING, Inertia, body_inertia
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joints import joint_motion
@@ -52,7 +52,7 @@ class Tree:
         self.definitions.about(f"Body {k} ({self.system.bodies[k - 1].name}): {what}")
 
 
-def tree(system: System, constants: Constants = DOUBLES) -> Tree:
+def tree(system: System, constants: Constants = DOUBLE_CONSTANTS) -> Tree:
     """The tree of `system`, with new definitions."""
     definitions = Definitions([parameter.name for parameter in system.parameters], constants)
     motions: list[JointMotion] = []

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import sympy
 from sympy import Expr, Symbol
 
-from kanegen.program.constants import DOUBLES, Constants
+from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 
 AXES = "xyz"
 
@@ -55,7 +55,7 @@ class Definitions:
         constants: How exact sines of constant angles are.
     """
 
-    def __init__(self, taken: Iterable[str] = (), constants: Constants = DOUBLES) -> None:
+    def __init__(self, taken: Iterable[str] = (), constants: Constants = DOUBLE_CONSTANTS) -> None:
         self.constants = constants
         self._list: list[Definition] = []
         self._names = set(taken)

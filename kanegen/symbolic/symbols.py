@@ -56,25 +56,28 @@ def acceleration(body: int, index: int) -> Symbol:
     return _freedom("thetaddot", "sddot", body, index)
 
 
-def spin(body: int, axis: int) -> Symbol:
+def relative_angular_velocity(body: int, axis: int) -> Symbol:
     """Component `axis` (0 to 2) of the relative angular velocity of Eq. (8), in the body (rad/s)."""
     return real(f"omegahat_{body}_{axis + 1}")
 
 
-def spin_rate(body: int, axis: int) -> Symbol:
-    """Time derivative of `spin(body, axis)` (rad/s^2)."""
+def relative_angular_velocity_rate(body: int, axis: int) -> Symbol:
+    """Time derivative of `relative_angular_velocity(body, axis)` (rad/s^2)."""
     return real(f"omegahatdot_{body}_{axis + 1}")
 
 
 def speeds(system: System) -> tuple[Symbol, ...]:
     """The generalized speeds {y}."""
-    return tuple(spin(f.body, f.axis) if system.spins(f) else speed(f.body, f.index) for f in system.freedoms)
+    return tuple(
+        relative_angular_velocity(f.body, f.axis) if system.spins(f) else speed(f.body, f.index)
+        for f in system.freedoms
+    )
 
 
 def accelerations(system: System) -> tuple[Symbol, ...]:
     """Their time derivatives {ydot}."""
     return tuple(
-        spin_rate(f.body, f.axis) if system.spins(f) else acceleration(f.body, f.index)
+        relative_angular_velocity_rate(f.body, f.axis) if system.spins(f) else acceleration(f.body, f.index)
         for f in system.freedoms
     )
 

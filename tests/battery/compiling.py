@@ -24,8 +24,8 @@ def selftest(size: Size) -> Iterator[Row]:
         for name in semantics.SEMANTICS:
             for machine in machines:
                 for level in levels:
-                    kept = properties(compiler, semantics.flags((name,), machine, level))
-                    broken += sorted(set(semantics.promised((name,))) - kept)
+                    kept = properties(compiler, semantics.compiler_flags((name,), machine, level))
+                    broken += sorted(set(semantics.guaranteed_properties((name,))) - kept)
                     tried += 1
         short = command.split()[-2] if "ziglang" in command else command
         amount = f"{tried} sets of flags, {len(semantics.PROPERTIES)} properties"

@@ -11,7 +11,7 @@ from scipy.special import ellipj, ellipk, ellipkm1
 
 import kanegen as kg
 from kanegen.library.simulation import simulate
-from kanegen.program.precision import named
+from kanegen.program.precision import precision_named
 from tests.battery import scenes
 from tests.battery.measuring import Floats, built, worst
 from tests.battery.rows import Point, Row, Size, subject
@@ -61,7 +61,7 @@ LIMITS = {"RK4, step 5 ms, float": 1e-1}
 
 def _pendulum(case: str, precision: str, seconds: float, options: dict[str, Any]) -> Row:
     times = np.linspace(0.0, seconds, max(21, round(2 * seconds) + 1))
-    path = simulate(built(pendulum(), named(precision)), [0.0], [0.0], times, **options)
+    path = simulate(built(pendulum(), precision_named(precision)), [0.0], [0.0], times, **options)
     apart = 2 * np.abs(np.sin((path.x[:, 0].astype(np.float64) - swing(times)) / 2))
     limit = LIMITS.get(case, 1e-3)
     pairs = zip(times[1:].tolist(), np.maximum.accumulate(apart)[1:].tolist(), strict=True)

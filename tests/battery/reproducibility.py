@@ -14,7 +14,7 @@ import numpy as np
 
 import kanegen as kg
 from kanegen.extras import is_installed
-from kanegen.program.precision import Precision, named
+from kanegen.program.precision import Precision, precision_named
 from kanegen.reference.states import random_states
 from tests.battery import scenes
 from tests.battery.measuring import PRECISIONS, bits, efforts, rounded
@@ -125,8 +125,8 @@ def _threaded(precision: Precision, threads: int) -> str:
 
 def print_threaded(precision: str) -> None:
     """Print the hash of the batch computed by as many threads as OMP_NUM_THREADS says."""
-    library = _library(_mixed(), named(precision), threads=True)
-    print(_together(library, _inputs(_mixed(), named(precision))))
+    library = _library(_mixed(), precision_named(precision), threads=True)
+    print(_together(library, _inputs(_mixed(), precision_named(precision))))
 
 
 def machine() -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 import kanegen as kg
 from kanegen.measure.truth import Measurement, measure
-from kanegen.program.precision import named
+from kanegen.program.precision import precision_named
 from kanegen.reference.states import States, random_states
 from tests.battery import scenes
 from tests.battery.measuring import FLAGS, FORWARD, PROMISE, Floats, efforts, worst
@@ -57,4 +57,4 @@ def _measured(system: kg.System, precision: str, states: States, tau: Floats) ->
     """Errors of results that are stored with all their digits."""
     tier = kg.Variant(precision=precision, storage=precision)
     library = kg.build(system, FORWARD, tier=tier, flags=FLAGS)
-    return measure(system, library, states.rounded(named("double")), tau)["forward_dynamics"]
+    return measure(system, library, states.rounded(precision_named("double")), tau)["forward_dynamics"]

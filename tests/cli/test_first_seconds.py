@@ -57,7 +57,7 @@ def help_of(command: str, name: str) -> str:
     ("command", "name", "known"),
     [
         ("generate", "output", OUTPUTS),
-        ("generate", "without", passes.NAMES),
+        ("generate", "without", passes.PASS_NAMES),
         ("generate", "precision", precision.PRECISIONS),
         ("generate", "tier", options.TIERS),
         ("generate", "speeds", SPEEDS),

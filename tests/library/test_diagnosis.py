@@ -14,7 +14,7 @@ from kanegen.library import Library
 from kanegen.library.native import cache
 from kanegen.measure.truth import conditioning, truth
 from kanegen.options import Variant
-from kanegen.program.precision import DOUBLE, named
+from kanegen.program.precision import DOUBLE, precision_named
 from kanegen.reference import equations as reference
 from kanegen.reference.matrices import length
 from kanegen.reference.states import random_states
@@ -48,7 +48,7 @@ def test_the_estimate_is_the_error(ratio: float, precision: str, solver: str) ->
     """Within a factor of three, where the error is more than rounding and forces do not cancel."""
     system = rods(ratio)
     library = built(system, precision=precision, solver=solver, refinement=0)
-    kind = named(precision)
+    kind = precision_named(precision)
     states = random_states(system, 40, 3).rounded(kind)
     found = library.forward_dynamics(states.x, states.y).astype(float)
     estimates = library.error_estimate(states.x, states.y).astype(float)

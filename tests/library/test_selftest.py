@@ -46,7 +46,7 @@ def test_strict_flags_keep_what_is_promised(command, level):
 def test_a_licence_gives_up_no_more_than_it_says(command, name):
     variant = Variant(semantics=name, machine="native", optimisation=3)
     found = selftest.properties(compilers.find(command), variant.flags)
-    assert set(semantics.promised(variant.semantics)) <= found
+    assert set(semantics.guaranteed_properties(variant.semantics)) <= found
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_no_library_switches_subnormal_numbers_off(tmp_path, monkeypatch):
 def test_loading_what_others_have_linked_is_undone_and_refused(tmp_path, monkeypatch):
     """A library with the code that gcc links for -ffast-math: a constructor that sets two bits."""
     monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
-    monkeypatch.setattr(semantics, "linking", tuple)
+    monkeypatch.setattr(semantics, "linker_flags", tuple)
     constructor = tmp_path / "gcc"
     text = (
         "#include <xmmintrin.h>\n__attribute__((constructor)) static void f(void) { _mm_setcsr(0x9fc0); }\n"

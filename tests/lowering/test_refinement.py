@@ -17,7 +17,7 @@ from kanegen.lowering.conditioning import PROMISED
 from kanegen.measure.truth import truth
 from kanegen.options import Variant
 from kanegen.program.evaluate import evaluate
-from kanegen.program.precision import DOUBLE, FLOAT, Precision, named
+from kanegen.program.precision import DOUBLE, FLOAT, Precision, precision_named
 from kanegen.reference import equations as reference
 from kanegen.reference.matrices import length
 from kanegen.reference.states import States, random_states
@@ -87,7 +87,7 @@ def exactly(
 
 def judged(library: Library, system: kg.System, count: int, seed: int = 1) -> list[tuple[float, str]]:
     """Normwise error and message of every state."""
-    precision = named(library.precision)
+    precision = precision_named(library.precision)
     states, tau = sample(system, count, seed, precision)
     found = []
     for i in range(count):
@@ -102,7 +102,7 @@ def judged(library: Library, system: kg.System, count: int, seed: int = 1) -> li
 def test_growing_masses_are_accurate_or_it_says_so(ratio: float, precision: str) -> None:
     system = rods(ratio)
     found = judged(built(system, precision=precision), system, 60)
-    limit = PROMISED * named(precision).roundoff
+    limit = PROMISED * precision_named(precision).roundoff
     assert all(error <= limit for error, message in found if not message)
     assert any(not message for _, message in found) or (ratio, precision) == (1000.0, "float")
     if precision == "double":
@@ -120,7 +120,7 @@ def test_a_factorisation_says_where_it_fails(ratio: float, precision: str) -> No
     found = judged(
         built(rods(ratio), precision=precision, solver="factorisation", refinement=1), rods(ratio), 40
     )
-    limit = PROMISED * named(precision).roundoff
+    limit = PROMISED * precision_named(precision).roundoff
     assert all(error <= limit for error, message in found if not message)
     said = [message for error, message in found if error > limit]
     assert said

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from kanegen.compiler import compile_module
-from kanegen.program.cut import WORKSPACE, cut
+from kanegen.program.cut import cut
 from kanegen.program.evaluate import evaluate
-from kanegen.program.ir import Op, Program
+from kanegen.program.ir import WORKSPACE, Op, Program
 from tests.support.systems import random_system
 
 OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
@@ -96,9 +96,9 @@ def test_no_piece_overwrites_what_it_reads() -> None:
 def test_the_last_piece_names_what_must_be_positive() -> None:
     whole = _whole(5, 5)
     *earlier, last = cut(whole, 200)
-    assert all(not output.positive for piece in earlier for output in piece.outputs)
-    (pivots,) = [output.positive for output in whole.outputs if output.positive]
-    (named,) = [output.positive for output in last.outputs if output.positive]
+    assert all(not output.exists_if_positive for piece in earlier for output in piece.outputs)
+    (pivots,) = [output.exists_if_positive for output in whole.outputs if output.exists_if_positive]
+    (named,) = [output.exists_if_positive for output in last.outputs if output.exists_if_positive]
     assert len(named) == len(pivots)
 
 

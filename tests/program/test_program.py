@@ -12,7 +12,7 @@ from kanegen.program.check import InvariantError, check
 from kanegen.program.count import operations
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Array, Instruction, Op, Output, Program
-from kanegen.program.split import Signature, hoisted, restricted
+from kanegen.program.split import Signature, hoist, restrict
 
 X = Array("x", (4,), "m", "numbers")
 P = Array("parameters", (3,), "m", "more numbers")
@@ -42,7 +42,7 @@ def test_parameter_only_work_moves_to_prepare() -> None:
     second = builder.add(builder.multiply(weight, x), builder.constant(2.0))
     arrays = [Output(Array(n, (1,), "", ""), (v,)) for n, v in (("A", first), ("f", second))]
     program = builder.program(arrays)
-    alone = restricted(
+    alone = restrict(
         program,
         {
             "a": Signature(("x",), ("A",)),
@@ -50,7 +50,7 @@ def test_parameter_only_work_moves_to_prepare() -> None:
             "evaluate": Signature(("x",), ("A", "f")),
         },
     )
-    module = hoisted(alone)
+    module = hoist(alone)
     assert module.prepare is not None
     parameters, state = [2.0, 3.0, 9.81], [0.4, 0.0, 0.0, 0.0]
     prepared = evaluate(module.prepare, {"parameters": parameters}, math)["prepared"]
@@ -67,7 +67,7 @@ def test_parameter_only_work_moves_to_prepare() -> None:
 
 def test_without_parameters_there_is_no_prepare(builder: Builder) -> None:
     program = builder.program(outputs(builder.input("x", 0)))
-    assert hoisted(restricted(program, {"out": Signature(("x",), ("out",))})).prepare is None
+    assert hoist(restrict(program, {"out": Signature(("x",), ("out",))})).prepare is None
 
 
 BROKEN = {

@@ -20,14 +20,14 @@ def inputs(model: ModelFacts, functions: Sequence[Function], formats: Formats) -
             if array.name not in function.shared:
                 held = formats.of(array.name)
                 lines = _initializer(_elements(model, function, array), held)
-                found[f"{held.type} {declarator(array)}"] = lines
+                found[f"{held.c_type} {declarator(array)}"] = lines
     return list(found.items())
 
 
 def results(functions: Sequence[Function], formats: Formats) -> list[str]:
     """Declarations of the arrays that the example fills."""
     arrays = (array for function in functions for array in function.outputs)
-    return list(dict.fromkeys(f"{formats.of(array.name).type} {declarator(array)}" for array in arrays))
+    return list(dict.fromkeys(f"{formats.of(array.name).c_type} {declarator(array)}" for array in arrays))
 
 
 def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple[float, str]]:
@@ -62,7 +62,7 @@ def _initializer(elements: Sequence[tuple[float, str]], precision: Precision) ->
 
 def _initial(value: float, precision: Precision) -> str:
     """A number as C has it in an initialiser, where there are no calls."""
-    if precision.tail:
+    if precision.trailing_shape:
         return f"{{{value!r}, 0.0}}"
     return f"{'-' if value < 0 else ''}{precision.literal(abs(value))}"
 
@@ -93,10 +93,10 @@ def printers(functions: Sequence[Function], formats: Formats) -> dict[str, Print
 
 
 def _printer(precision: Precision, ending: str) -> Printer:
-    digits, element = f"%.{precision.decimals}", "values[i]"
-    if precision.tail:
-        return Printer(f"print{ending}", precision.type, "%.17g + %.17g", f"{element}.high, {element}.low")
+    digits, element = f"%.{precision.decimal_digits}", "values[i]"
+    if precision.trailing_shape:
+        return Printer(f"print{ending}", precision.c_type, "%.17g + %.17g", f"{element}.high, {element}.low")
     if precision.bytes > DOUBLE.bytes:
-        return Printer(f"print{ending}", precision.type, f"{digits}Lg", element)
+        return Printer(f"print{ending}", precision.c_type, f"{digits}Lg", element)
     narrow = "(double)" if precision.bytes < DOUBLE.bytes else ""
-    return Printer(f"print{ending}", precision.type, f"{digits}g", narrow + element)
+    return Printer(f"print{ending}", precision.c_type, f"{digits}g", narrow + element)

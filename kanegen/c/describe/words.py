@@ -57,8 +57,8 @@ def arithmetic(formats: Formats, has_parameters: bool) -> str:
         )
     if formats == uniform(DOUBLE):
         return ""
-    kinds = f"States, loads and results are of type {formats.storage.type}"
-    kinds += f", parameters of type {formats.parameters.type}." if has_parameters else "."
+    kinds = f"States, loads and results are of type {formats.storage.c_type}"
+    kinds += f", parameters of type {formats.parameters.c_type}." if has_parameters else "."
     return f"{_ARITHMETICS[formats.arithmetic]} {kinds} {_NAMES}"
 
 

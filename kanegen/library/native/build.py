@@ -91,7 +91,7 @@ def build(
     found = compilers.find(compiler)
     chosen = selftest.sound_flags(found, source) if flags is None else _split(flags)
     _require_long_double(source)
-    selftest.require(found, chosen, precisions.named(source.precision).needs)
+    selftest.require(found, chosen, precisions.precision_named(source.precision).required_properties)
     if threads:
         chosen += _openmp_flags(found)
     command = (*found.command, *_LIBRARY_FLAGS, *chosen)
@@ -100,7 +100,7 @@ def build(
         name=f"lib{source.model.name}{_SUFFIX}",
         files=files,
         compile={file: command for file in files if file.endswith(".c")},
-        link=(*semantics.linking(command), "-shared"),
+        link=(*semantics.linker_flags(command), "-shared"),
         link_arguments=("-lm",),
         fingerprints=(found.fingerprint,),
     )
@@ -198,9 +198,9 @@ def _require_long_double(source: Source) -> None:
         BuildError: If it has no more bits than double on this platform.
     """
     for name in (source.precision, source.storage):
-        precision = precisions.named(name)
+        precision = precisions.precision_named(name)
         digits = significand_bits(precision.dtype)
-        if name == LONG_DOUBLE.name and digits < precision.digits:
+        if name == LONG_DOUBLE.name and digits < precision.significand_bits:
             raise BuildError(
                 f"precision {name!r}: long double has {digits} bits on this platform, no more than double. "
                 "Use double-double."

@@ -60,7 +60,7 @@ class Native:
         held = formats(source.variant)
         # The function behind `ffi.from_buffer`, which takes twice as long.
         pointers = {
-            precision: partial(_cffi_backend.from_buffer, ffi.typeof(f"{precision.type}[]"))
+            precision: partial(_cffi_backend.from_buffer, ffi.typeof(f"{precision.c_type}[]"))
             for precision in held.every
         }
         self._prepared = pointers[held.arithmetic]
@@ -106,8 +106,10 @@ class Call:
         self._dtype, self._result_dtype = taken.dtype, given.dtype
         places = {n: k for k, n in enumerate(ARGUMENTS)}
         own = [array for array in f.inputs if array.name not in f.shared]
-        self._inputs = [(array.name, places.get(array.name, 0), array.shape + taken.tail) for array in own]
-        self._outputs = [array.shape + given.tail for array in f.outputs]
+        self._inputs = [
+            (array.name, places.get(array.name, 0), array.shape + taken.trailing_shape) for array in own
+        ]
+        self._outputs = [array.shape + given.trailing_shape for array in f.outputs]
         told = model.prescribed_names
         words = {"count": len(told), "prescribed": ", ".join(told)}
         self._further = {n: what.format(**words) for n, what in FURTHER.items()}

@@ -15,7 +15,7 @@ from kanegen.c import Source
 from kanegen.c.templates import fill
 from kanegen.errors import BuildError
 from kanegen.library.native import cache, commands, compilers
-from kanegen.program.semantics import NARROWING, promised
+from kanegen.program.semantics import NARROWING, guaranteed_properties
 
 REMEDIES: dict[str, tuple[str, ...]] = {NARROWING: ("-fno-tree-slp-vectorize",)}
 """For some properties the compiler flags that restore them where they are missing."""
@@ -37,7 +37,7 @@ def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]
         BuildError: If there are none.
     """
     flags = source.variant.flags
-    wanted = set(promised(source.variant.semantics))
+    wanted = set(guaranteed_properties(source.variant.semantics))
     if any("(float)" in text for file, text in source.files.items() if file.endswith(".c")):
         wanted.add(NARROWING)
     missing = wanted - properties(compiler, flags)

@@ -162,7 +162,7 @@ def _check_prescribed(library: Library, prescribed: Told | None) -> None:
 
 
 def _state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
-    dtype = precisions.named(library.storage).dtype
+    dtype = precisions.precision_named(library.storage).dtype
     first = arguments.state("x", x, (len(library.coordinate_names),), dtype)
     second = arguments.companion("y", y, (library.n,), first.shape[:-1], dtype, "x")
     for name, array in (("x", first), ("y", second)):

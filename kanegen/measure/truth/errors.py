@@ -101,7 +101,7 @@ def errors(value: NDArray[Any], truth: Enclosure, scale: Floats, unit_roundoff: 
     scaled = np.abs(truth.value) * scale
     floor = unit_roundoff * scaled.max()
     precision = precision_of(value, truth.shape)
-    wide = precision.digits > DOUBLE.digits
+    wide = precision.significand_bits > DOUBLE.significand_bits
     lost = places_lost(distance, truth.value, precision) if wide else bits_lost(value, truth.value)
     one, factors = distance[np.newaxis], scale[np.newaxis]
     return StateErrors(
@@ -124,7 +124,7 @@ def bits_lost(value: NDArray[Any], truth: Floats) -> Floats:
 
 def places_lost(distance: Floats, truth: Floats, precision: Precision) -> Floats:
     """Return log2(1 + `distance` in last places of `truth`), at most the bits of the precision."""
-    place = np.ldexp(np.spacing(np.abs(truth)), DOUBLE.digits - precision.digits)
+    place = np.ldexp(np.spacing(np.abs(truth)), DOUBLE.significand_bits - precision.significand_bits)
     place = np.maximum(place, SUBNORMAL)
     with np.errstate(over="ignore"):
         lost: Floats = np.log2(1 + distance / place)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kanegen.errors import ArrayError, KanegenWarning
 from kanegen.model.arrays import Floats
-from kanegen.program.precision import Precision, named
+from kanegen.program.precision import Precision, precision_named
 from kanegen.reference.states import States
 
 
@@ -64,10 +64,10 @@ def companion(value: ArrayLike | None, y: Floats, precision: Precision, what: st
 
 def values(library: JudgedLibrary, name: str, states: States, tau: Floats, ydot: Floats) -> NDArray[Any]:
     """(B, ...) what the library computes as output `name`; NaN where it refuses."""
-    held = named(library.storage)
-    x, y, tau, ydot = (held.stored(given) for given in (states.x, states.y, tau, ydot))
+    held = precision_named(library.storage)
+    x, y, tau, ydot = (held.from_doubles(given) for given in (states.x, states.y, tau, ydot))
     given = {"force": states.force, "torque": states.torque}
-    loads = {what: None if load is None else held.stored(load) for what, load in given.items()}
+    loads = {what: None if load is None else held.from_doubles(load) for what, load in given.items()}
     if name == "mass_matrix":
         return library.mass_matrix(x)
     if name == "forcing":

@@ -21,7 +21,7 @@ from kanegen.measure.truth.judged import JudgedLibrary, companion, values
 from kanegen.measure.truth.outputs import measurable_outputs
 from kanegen.model.arrays import Flags, Floats
 from kanegen.model.system import System
-from kanegen.program.precision import named
+from kanegen.program.precision import precision_named
 from kanegen.reference.states import States
 
 
@@ -168,9 +168,9 @@ def measure(
     Raises:
         ArrayError, OptionError, SingularError: As `truth`.
     """
-    precision, held = named(library.precision), named(library.storage)
+    precision, held = precision_named(library.precision), precision_named(library.storage)
     names = measurable_outputs(library.outputs, outputs, ydot is not None)
-    coarser = min(precision, held, key=lambda precision: precision.digits)
+    coarser = min(precision, held, key=lambda precision: precision.significand_bits)
     states = states.rounded(coarser)
     forces = companion(tau, states.y, coarser, "tau")
     accelerations = companion(ydot, states.y, coarser, "ydot")

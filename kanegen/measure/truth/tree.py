@@ -20,7 +20,7 @@ from kanegen.model.joint import Joint
 from kanegen.model.numbers import Number, Parameter, map_numbers, value_of
 from kanegen.model.sequences import NOTES, SEQUENCES, Axes
 from kanegen.model.system import System
-from kanegen.program.angles import quarter_turns
+from kanegen.program.constants import quarter_turns
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,8 @@
-"""Passes: each takes a program and returns one with the same values and fewer operations.
+"""Passes: each takes a program and returns one with the same outputs and fewer operations.
 
-`run` applies them in order and reports the operations left after each, so that what a pass saves is seen.
+A pass is one function in a module of its own, named by its verb; `PASSES` lists them in the order in which
+they run. `run` applies them and records the operations left after each, so that what each pass saves is
+known.
 """
 
 from __future__ import annotations
@@ -20,50 +22,56 @@ from kanegen.program.passes.prune import prune
 
 Pass = Callable[[Program], Program]
 
-SHARED: tuple[Pass, ...] = (fold, prune)
-"""Those that run on all outputs together, so that these share what is equal."""
+ON_ALL_OUTPUTS: tuple[Pass, ...] = (fold, prune)
+"""Passes that run on the program of all outputs, so that outputs share equal values."""
 
-OWN: tuple[Pass, ...] = (factor, fold)
-"""Those that run on every function by itself, so that none costs more because of another.
+ON_EACH_FUNCTION: tuple[Pass, ...] = (factor, fold)
+"""Passes that run on every function by itself, so that no function costs more because of others.
 
-Sums that have been factored may be equal, so folding comes twice.
+Factored sums may be equal, so folding comes a second time.
 """
 
-PASSES = (*SHARED, *OWN)
-"""The order in which they run."""
+PASSES = (*ON_ALL_OUTPUTS, *ON_EACH_FUNCTION)
+"""All passes in the order in which they run."""
 
-NAMES = tuple(dict.fromkeys(apply.__name__ for apply in PASSES))
+PASS_NAMES = tuple(dict.fromkeys(apply.__name__ for apply in PASSES))
+"""Names of the passes, each once."""
 
 
 @dataclass(frozen=True)
 class Stage:
-    """What a program costs after a pass; `name` is the pass, or "lower" for the beginning."""
+    """The cost of a program after a pass.
+
+    Attributes:
+        name: Name of the pass, or "lower" before the first.
+        operations: Operations by kind, as `count` returns them.
+    """
 
     name: str
     operations: dict[str, int]
 
 
-def names(without: Iterable[str] | str = ()) -> tuple[str, ...]:
-    """Names of passes checked, each once, in the order of `NAMES`.
+def checked_names(without: Iterable[str] | str = ()) -> tuple[str, ...]:
+    """Return names of passes, each once, in the order of `PASS_NAMES`.
 
     Raises:
         OptionError: If there is no pass of such a name.
     """
-    return several("without", "pass", without, NAMES)
+    return several("without", "pass", without, PASS_NAMES)
 
 
 def all_but(without: Iterable[str] | str = (), among: Sequence[Pass] = PASSES) -> tuple[Pass, ...]:
-    """The passes `among` these less those of some names.
+    """Return the passes `among` without those that are named.
 
     Raises:
         OptionError: If there is no pass of such a name.
     """
-    left_out = names(without)
+    left_out = checked_names(without)
     return tuple(apply for apply in among if apply.__name__ not in left_out)
 
 
 def run(program: Program, passes: Sequence[Pass] = PASSES) -> tuple[Program, tuple[Stage, ...]]:
-    """Apply `passes` in order, checking the invariants after each."""
+    """Apply `passes` in order and verify the invariants after each."""
     stages = [Stage("lower", count(program))]
     for apply in passes:
         program = check(apply(program))
@@ -72,7 +80,7 @@ def run(program: Program, passes: Sequence[Pass] = PASSES) -> tuple[Program, tup
 
 
 def savings(stages: Sequence[Stage]) -> dict[str, int]:
-    """By pass how many operations it has taken out, in all its turns."""
+    """Return by name of pass how many operations it has saved, over all its runs."""
     saved: Counter[str] = Counter()
     for before, after in pairwise(stages):
         saved[after.name] += sum(before.operations.values()) - sum(after.operations.values())

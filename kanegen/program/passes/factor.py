@@ -1,24 +1,25 @@
-"""Take common factors out of sums: a b + a c becomes a (b + c), one multiplication less."""
+"""The pass that takes common factors out of sums: a b + a c becomes a (b + c), one multiplication less."""
 
 from __future__ import annotations
 
 from collections import Counter
 
 from kanegen.program.builder import Builder
-from kanegen.program.ir import Instruction, Op, Program
-from kanegen.program.selection import PARAMETERS, parameter_only
+from kanegen.program.ir import PARAMETERS, Instruction, Op, Program
+from kanegen.program.selection import parameter_only
 
 
 def factor(program: Program) -> Program:
     """Factor every sum of two products that share a factor and are used nowhere else.
 
-    A function leaves what depends on parameters alone as it is: that goes into `prepare`, which serves all.
+    Sums that depend on parameters alone are left as they are: they go into `prepare`, which other functions
+    share.
     """
     uses = Counter(operand for i in program.instructions for operand in i.operands)
     uses.update(program.results())
-    elsewhere = _prepared(program)
+    prepared = _goes_into_prepare(program)
     factors = {
-        i: None if elsewhere[i] else _shared_factor(program, x, uses)
+        i: None if prepared[i] else _shared_factor(program, x, uses)
         for i, x in enumerate(program.instructions)
     }
     absorbed = {j for i, shared in factors.items() if shared for j in program.instructions[i].operands}
@@ -36,8 +37,8 @@ def factor(program: Program) -> Program:
     return builder.program([output.renumbered(moved) for output in program.outputs])
 
 
-def _prepared(program: Program) -> list[bool]:
-    """Which instructions go into `prepare`; none of its own."""
+def _goes_into_prepare(program: Program) -> list[bool]:
+    """Return which instructions will move into `prepare`; in `prepare` itself, none."""
     if all(array.name == PARAMETERS for array in program.inputs):
         return [False] * len(program.instructions)
     return parameter_only(program)
@@ -46,7 +47,7 @@ def _prepared(program: Program) -> list[bool]:
 def _shared_factor(
     program: Program, instruction: Instruction, uses: Counter[int]
 ) -> tuple[int, int, int] | None:
-    """(a, b, c) where the instruction is a b +- a c and nothing else needs the products."""
+    """Return (a, b, c) where an instruction is a b +- a c and nothing else uses the two products."""
     if instruction.op not in (Op.ADD, Op.SUBTRACT):
         return None
     products = [program.instructions[j] for j in instruction.operands]

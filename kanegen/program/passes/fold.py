@@ -1,9 +1,9 @@
-"""Compute what is exact at once and nothing twice.
+"""The pass that folds constants and shares common subexpressions.
 
-Folded: operations on numbers, products with 0 and 1 and -1, sums with 0, differences of equal values, double
-signs. A sign costs nothing, so signs are moved outward through products and into sums, where they merge. An
-operation on the same operands as an earlier one is that one. Numbers fold in the arithmetic that they are of:
-floats in double precision, those of mpmath with the digits of their context.
+It evaluates operations on numbers, products with 0, 1 and -1, sums with 0, differences of equal values and
+double sign changes. A sign change costs nothing, so signs are moved outward through products and into sums,
+where they merge. An operation on the same operands as an earlier one is replaced by the earlier one. Floats
+fold in double precision, numbers of mpmath with the digits of their context.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from kanegen.program.ir import Array, Instruction, Op, Program
 
 
 def fold(program: Program) -> Program:
-    """The same values, numbers folded and common subexpressions shared."""
+    """Return the same outputs with numbers folded and common subexpressions shared."""
     builder = FoldingBuilder(program.inputs)
     moved: list[int] = []
     for instruction in program.instructions:
@@ -33,7 +33,7 @@ class FoldingBuilder(Builder):
         self._known: dict[tuple[object, ...], int] = {}
 
     def copy(self, instruction: Instruction, operands: Sequence[int]) -> int:
-        """The same operation on operands of this builder, folded anew."""
+        """Append an instruction of another program, applied to operands of this builder, folded again."""
         value = self._copied(instruction, operands)
         return self.name(value, instruction.name, instruction.note)
 
@@ -57,7 +57,7 @@ class FoldingBuilder(Builder):
                 return self.function(instruction.op, *operands)
 
     def add(self, a: int, b: int) -> int:
-        """a + b."""
+        """Return the sum a + b."""
         inner = self._negated(b)
         if inner is not None:
             return self.subtract(a, inner)
@@ -74,7 +74,7 @@ class FoldingBuilder(Builder):
         return self._value(Instruction(Op.ADD, (min(a, b), max(a, b))))
 
     def subtract(self, a: int, b: int) -> int:
-        """a - b."""
+        """Return the difference a - b."""
         inner = self._negated(b)
         if inner is not None:
             return self.add(a, inner)
@@ -95,7 +95,7 @@ class FoldingBuilder(Builder):
         return self._value(Instruction(Op.SUBTRACT, (a, b)))
 
     def multiply(self, a: int, b: int) -> int:
-        """A b."""
+        """Return the product a b."""
         inner = self._negated(a)
         if inner is not None:
             return self.negate(self.multiply(inner, b))
@@ -118,7 +118,7 @@ class FoldingBuilder(Builder):
         return self._value(Instruction(Op.MULTIPLY, (min(a, b), max(a, b))))
 
     def divide(self, a: int, b: int) -> int:
-        """A / b."""
+        """Return the quotient a / b."""
         x, y = self._number(a), self._number(b)
         if x is not None and y:
             return self.constant(x / y)
@@ -133,7 +133,7 @@ class FoldingBuilder(Builder):
         return self._value(Instruction(Op.DIVIDE, (a, b)))
 
     def negate(self, a: int) -> int:
-        """-a."""
+        """Return the sign change -a."""
         inner = self._negated(a)
         if inner is not None:
             return inner
@@ -143,7 +143,7 @@ class FoldingBuilder(Builder):
         return self._value(Instruction(Op.NEGATE, (a,)))
 
     def function(self, op: Op, a: int) -> int:
-        """Square root, sine or cosine of a."""
+        """Return the square root, sine or cosine of a."""
         inner = self._negated(a)
         if inner is not None and op is Op.SIN:
             return self.negate(self.function(op, inner))
@@ -155,10 +155,12 @@ class FoldingBuilder(Builder):
         return self._value(Instruction(op, (a,)))
 
     def _number(self, value: int) -> Any:
+        """Return the number that a value is, or None."""
         instruction = self._instructions[value]
         return instruction.number if instruction.op is Op.CONSTANT else None
 
     def _negated(self, value: int) -> int | None:
+        """Return the value of which a value is the sign change, or None."""
         instruction = self._instructions[value]
         return instruction.operands[0] if instruction.op is Op.NEGATE else None
 

@@ -8,8 +8,7 @@ from itertools import chain, product
 from sympy import Symbol
 
 from kanegen.model.system import System
-from kanegen.program.ir import Array
-from kanegen.program.selection import PARAMETERS
+from kanegen.program.ir import PARAMETERS, Array
 from kanegen.symbolic import symbols
 
 Elements = tuple[tuple[Symbol, str], ...]

@@ -13,7 +13,7 @@ from kanegen.library.native import compilers
 from kanegen.model.system import System
 from kanegen.options import STRICT
 from kanegen.program.count import count
-from kanegen.program.split import PREPARED
+from kanegen.program.ir import PREPARED
 from kanegen.recursion.outputs import EQUATIONS, chosen
 from kanegen.studies.explain.compiling import seconds_to_compile
 from kanegen.studies.explain.costs import by_body

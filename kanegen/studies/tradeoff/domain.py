@@ -201,5 +201,7 @@ def _loads(largest: Ranges, effort: float) -> list[Floats]:
 def rounded(values: Floats, precision: Precision = GRID) -> Floats:
     """The nearest numbers with as many digits; beyond the range of `precision` its variants are refused."""
     fraction, exponent = np.frexp(values)
-    whole: Floats = np.ldexp(np.rint(np.ldexp(fraction, precision.digits)), exponent - precision.digits)
+    whole: Floats = np.ldexp(
+        np.rint(np.ldexp(fraction, precision.significand_bits)), exponent - precision.significand_bits
+    )
     return whole

@@ -80,11 +80,11 @@ def computed(library: Library, sample: Sample, objective: str) -> NDArray[Any]:
     """(B, n) {ydot} of a library, NaN where it has none; by its function for one state, or for batches."""
     states, storage = sample.states, formats(library.source.variant).storage
     loads = [load for load in (states.force, states.torque) if load is not None]
-    arrays = [storage.stored(array) for array in (states.x, states.y, sample.tau, *loads)]
+    arrays = [storage.from_doubles(array) for array in (states.x, states.y, sample.tau, *loads)]
     with warnings.catch_warnings(action="ignore", category=KanegenWarning):
         if objective == BATCH:
             return library.forward_dynamics(*arrays)
-        nothing = storage.stored(np.full(sample.tau.shape[1], np.nan))
+        nothing = storage.from_doubles(np.full(sample.tau.shape[1], np.nan))
         return np.array([_alone(library, row, nothing) for row in zip(*arrays, strict=True)])
 
 

@@ -60,7 +60,7 @@ def _contestant(built: CompiledVariant, sample: Sample, file: Path) -> Contestan
     library = built.library
     states = States(sample.states.x, sample.states.y, sample.tau).write(file)
     real = formats(library.source.variant).storage
-    kind = "-DPAIRS" if real.tail else f"-DREAL={real.type}"
+    kind = "-DPAIRS" if real.trailing_shape else f"-DREAL={real.c_type}"
     files = {"driver.c": driver("variant.c")}
     program = compiled("variant", files, (*_FLAGS, kind), ("-lm", "-ldl"))
     setting = Setting(built.candidate.label, library.source.variant.flags)

@@ -24,7 +24,7 @@ from kanegen.model.force_elements.names import Place, variable_places
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.model.numbers import Number
 from kanegen.model.system import System
-from kanegen.symbolic.symbols import coordinate, quaternion, speed, spin, time
+from kanegen.symbolic.symbols import coordinate, quaternion, relative_angular_velocity, speed, time
 
 _OPERATIONS: dict[str, Callable[..., Expr]] = {
     "+": operator.add,
@@ -116,7 +116,7 @@ class Variables:
         joint = self.system.bodies[k - 1].joint
         if not joint.moving[index]:
             return S.Zero
-        return spin(k, index) if joint.spins and index < 3 else speed(k, index)
+        return relative_angular_velocity(k, index) if joint.spins and index < 3 else speed(k, index)
 
 
 def _existing(value: Expr, expression: Expression) -> Expr:

@@ -27,9 +27,9 @@ from kanegen.symbolic.symbols import (
     expression,
     matrix,
     quaternion,
+    relative_angular_velocity,
     speed,
     speeds,
-    spin,
 )
 
 
@@ -111,7 +111,7 @@ class JointEquations:
     @property
     def _turning_speeds(self) -> ImmutableMatrix:
         if self.body.joint.spins:
-            return ImmutableMatrix([spin(self.number, axis) for axis in range(3)])
+            return ImmutableMatrix([relative_angular_velocity(self.number, axis) for axis in range(3)])
         return ImmutableMatrix([self._rate(index) for index in range(3)])
 
     @property

@@ -15,7 +15,7 @@ from sympy import Expr, ImmutableMatrix
 
 from kanegen.model.numbers import Number, Parameter
 from kanegen.model.sequences import Axes
-from kanegen.program.angles import sine_cosine
+from kanegen.program.constants import sine_cosine
 from kanegen.symbolic.symbols import expression, parameter
 
 

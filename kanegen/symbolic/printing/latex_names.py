@@ -14,9 +14,9 @@ from kanegen.symbolic.symbols import (
     parameter,
     quaternion,
     quaternion_rate,
+    relative_angular_velocity,
+    relative_angular_velocity_rate,
     speed,
-    spin,
-    spin_rate,
     torque,
 )
 
@@ -35,8 +35,8 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
         letter, place = r"\theta" if freedom.is_angle else "s", f"_{{{k},{freedom.axis + 1}}}"
         names[coordinate(k, index)] = letter + place
         if equations.system.spins(freedom):
-            names[spin(k, index)] = rf"{{\hat{{\omega}}'}}{place}"
-            names[spin_rate(k, index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
+            names[relative_angular_velocity(k, index)] = rf"{{\hat{{\omega}}'}}{place}"
+            names[relative_angular_velocity_rate(k, index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
         names[speed(k, index)] = rf"\dot{{{letter}}}" + place
         names[acceleration(k, index)] = rf"\ddot{{{letter}}}" + place
     for body in equations.bodies:

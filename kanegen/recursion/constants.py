@@ -1,0 +1,49 @@
+"""Constants of a model as exact SymPy numbers: what is irrational is computed to the digits that C needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy
+from mpmath.libmp import to_rational
+from sympy import Expr, Rational
+
+from kanegen.program.constants import MULTIPRECISION, Constants, sine_cosine
+
+Rows = Sequence[Sequence[Expr]]
+"""A matrix, row by row."""
+
+_NEWTON_STEPS = 4
+"""Newton steps to a rotation: each doubles the correct bits, of which a matrix of doubles has 50 or more."""
+
+
+def constant_sine_cosine(angle: float, constants: Constants) -> tuple[Expr, Expr]:
+    """Return sine and cosine of a constant angle (rad), exact at right angles."""
+    sine, cosine = sine_cosine(angle, constants.functions)
+    return rational(sine), rational(cosine)
+
+
+def constant_rotation(matrix: Rows, constants: Constants) -> Rows:
+    """Return the rotation that a matrix of doubles stands for: itself, or the nearest rotation.
+
+    [C] <- [C] (3 [1] - [C]^T [C]) / 2, the Newton iteration for the polar factor (Higham, Functions of
+    Matrices, section 8.3), keeps exact zeros and planar turns.
+    """
+    if not constants.is_wide or any(entry.free_symbols for row in matrix for entry in row):
+        return matrix
+    turned = sympy.Matrix(matrix)
+    for _ in range(_NEWTON_STEPS):
+        turned = (turned * (3 * sympy.eye(3) - turned.T * turned) / 2).applyfunc(_rounded)
+    rows: Rows = turned.tolist()
+    return rows
+
+
+def rational(number: Any) -> Rational:
+    """Return a float or a number of mpmath as the fraction that it is."""
+    return Rational(number) if isinstance(number, float) else Rational(*to_rational(number._mpf_))
+
+
+def _rounded(entry: Rational) -> Rational:
+    """Round a fraction to the digits of wide constants; a number of so few digits stays exact."""
+    return rational(MULTIPRECISION.mpf(entry.p) / entry.q)
