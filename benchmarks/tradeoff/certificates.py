@@ -12,8 +12,8 @@ import kanegen as kg
 from kanegen.errors import BudgetError
 from kanegen.files import write_whole
 from kanegen.studies.budget.certificate import SUFFIX
-from kanegen.studies.budget.certification import Certified, find
-from kanegen.studies.budget.region import region
+from kanegen.studies.budget.certification import CertifiedSource, certify_variant
+from kanegen.studies.budget.region import region_from_table
 from kanegen.studies.budget.request import Request
 
 CLEARANCE = 0.05
@@ -45,9 +45,9 @@ class Line:
 
 def made(system: kg.System, budget: float, folder: Path, progress: Callable[[str], None]) -> Line:
     """The certificate of the fastest variant that keeps a budget, written into a folder."""
-    domain = region(system, {"exclude": {"clearance": CLEARANCE}})
+    domain = region_from_table(system, {"exclude": {"clearance": CLEARANCE}})
     try:
-        found = find(system, domain, Request(error=budget, attempts=1), progress=progress)
+        found = certify_variant(system, domain, Request(error=budget, attempts=1), progress=progress)
     except BudgetError as error:
         return Line(system.name, budget, (str(error), *("-",) * 6))
     name = f"{system.name}{SUFFIX}"
@@ -55,7 +55,7 @@ def made(system: kg.System, budget: float, folder: Path, progress: Callable[[str
     return Line(system.name, budget, _cells(found))
 
 
-def _cells(found: Certified) -> tuple[str, ...]:
+def _cells(found: CertifiedSource) -> tuple[str, ...]:
     choice, errors = found.choice, found.choice.validation.errors
     return (
         choice.candidate.label,
@@ -63,7 +63,7 @@ def _cells(found: Certified) -> tuple[str, ...]:
         f"{choice.validation.limit:.2g}",
         f"{np.median(errors):.1e}",
         f"{errors.max():.1e}",
-        f"{max(attack.error for attack in choice.attacks):.1e}",
+        f"{max(search.error for search in choice.searches):.1e}",
         f"{choice.times.median:.4g}",
     )
 

@@ -17,11 +17,16 @@ from kanegen.c.folder import require_room
 from kanegen.cli.terminal import print_plain, screen
 from kanegen.model.system import System
 from kanegen.program.precision import precision_named
-from kanegen.studies.budget.certification import Certified, file_names, find, words
+from kanegen.studies.budget.certification import (
+    CertifiedSource,
+    certified_file_names,
+    certify_variant,
+    claim_sentence,
+)
 from kanegen.studies.budget.confidence import quantile_level
-from kanegen.studies.budget.region import read_domain
+from kanegen.studies.budget.region import read_region
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
-from kanegen.studies.budget.variant_evaluator import field_of, is_reproducible
+from kanegen.studies.budget.variant_evaluator import allowed_candidates, is_reproducible
 from kanegen.studies.budget.verification import Verification, verify
 from kanegen.studies.tradeoff.variants import Candidate
 
@@ -66,7 +71,7 @@ class BudgetOptions:
             quantile=quantile_level(self.quantile),
             confidence=self.confidence,
             attempts=self.attempts,
-            effort=Effort(select=self.states, attack=self.search),
+            effort=Effort(select=self.states, search=self.search),
         )
 
     def admits(self, candidate: Candidate) -> bool:
@@ -77,7 +82,7 @@ class BudgetOptions:
 
 def generate(
     system: System, terms: BudgetOptions, folder: Path, force: bool, progress: Callable[[str], None]
-) -> Certified:
+) -> CertifiedSource:
     """Find the C that keeps the budget and certify it, after checking that `folder` can take the files.
 
     Raises:
@@ -87,15 +92,15 @@ def generate(
         WriteError: If the folder cannot take the files.
     """
     request = terms.request
-    region = read_domain(terms.domain, system)
-    require_room(file_names(system), folder, force)
-    return find(system, region, request, field_of(terms.admits), terms.seed, progress)
+    region = read_region(terms.domain, system)
+    require_room(certified_file_names(system), folder, force)
+    return certify_variant(system, region, request, allowed_candidates(terms.admits), terms.seed, progress)
 
 
-def show(found: Certified) -> None:
+def show(found: CertifiedSource) -> None:
     """Print the variant that was chosen, what its certificate claims, and its time."""
     print_plain(f"variant: {found.choice.candidate.label}")
-    print_plain(words(found.request, found.choice))
+    print_plain(claim_sentence(found.request, found.choice))
     print_plain(_time(found))
 
 
@@ -107,7 +112,7 @@ def show_verification(path: Path, found: Verification) -> None:
     print_plain(f"{path}: {verdict}")
 
 
-def _time(found: Certified) -> str:
+def _time(found: CertifiedSource) -> str:
     """The time of the variant beside that of the fastest one that is as accurate as the default."""
     choice, objective = found.choice, found.request.objective
     said = f"time: {choice.times.median:.4g} ns for {objective} on this machine"

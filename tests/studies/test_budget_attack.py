@@ -8,9 +8,13 @@ from numpy.typing import NDArray
 
 import kanegen as kg
 from kanegen.errors import CertificateError
-from kanegen.studies.budget.counterexample import attacked, conditioning_ranges, explain_difficulty
-from kanegen.studies.budget.region import Region, read_domain
-from kanegen.studies.budget.sampling import drawn, sample_from_table, state_table, stream
+from kanegen.studies.budget.counterexample import (
+    conditioning_ranges,
+    explain_difficulty,
+    search_counterexample,
+)
+from kanegen.studies.budget.region import Region, read_region
+from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region, state_table
 from kanegen.studies.tradeoff.judge import Judge
 from kanegen.studies.tradeoff.samples import Sample
 from tests.support.paths import MODELS
@@ -32,18 +36,18 @@ class Hump:
 
 
 def setting(words: str) -> tuple[Region, Judge, Sample]:
-    region = read_domain(words, PENDULUM)
+    region = read_region(words, PENDULUM)
     judge = Judge(region.system)
-    return region, judge, drawn(region, judge, 12, stream(0, "select", 0))
+    return region, judge, sample_region(region, judge, 12, random_stream(0, "select", 0))
 
 
 @pytest.mark.parametrize("hard", [True, False])
 def test_it_climbs_and_counts(hard: bool) -> None:
     region, judge, sample = setting("x.q1 = [-1, 1]")
     hump = Hump()
-    found = attacked(region, judge, hump, sample, evaluations=200, seed=1, hard=hard)
+    found = search_counterexample(region, judge, hump, sample, evaluations=200, seed=1, hard=hard)
     assert found.error > 10 * hump(sample).max()
-    worst = sample_from_table(region.domain, found.where)
+    worst = sample_from_table(region.domain, found.state)
     assert region.domain.contains(worst)
     assert hump(worst)[0] == found.error
     starts = 4 + len(sample)
@@ -54,8 +58,8 @@ def test_it_climbs_and_counts(hard: bool) -> None:
 def test_it_stays_in_the_region() -> None:
     """The top of the hump is outside the box; states that cancel are outside the region."""
     region, judge, sample = setting("x.q1 = [-1, 0.5]; exclude.cancellation = 2")
-    found = attacked(region, judge, Hump(), sample, evaluations=100, seed=1, hard=True)
-    worst = sample_from_table(region.domain, found.where)
+    found = search_counterexample(region, judge, Hump(), sample, evaluations=100, seed=1, hard=True)
+    worst = sample_from_table(region.domain, found.state)
     assert worst.states.x[0, 0] <= 0.5
     assert judge.truths(worst)[0].conditioning.chi <= 2
 
@@ -63,10 +67,11 @@ def test_it_stays_in_the_region() -> None:
 def test_the_same_seed_finds_the_same_state() -> None:
     region, judge, sample = setting("")
     first, second, other = (
-        attacked(region, judge, Hump(), sample, evaluations=60, seed=seed, hard=True) for seed in (1, 1, 2)
+        search_counterexample(region, judge, Hump(), sample, evaluations=60, seed=seed, hard=True)
+        for seed in (1, 1, 2)
     )
     assert first == second
-    assert first.where != other.where
+    assert first.state != other.state
 
 
 def test_a_state_in_words_is_exact() -> None:
@@ -87,9 +92,9 @@ def test_causes() -> None:
     assert "exclude.cancellation" in explain_difficulty(judge, region.domain.states(held), sample)
     assert explain_difficulty(judge, sample[:1], sample[:1]) == "Nothing about the state is unusual."
 
-    body = read_domain("exclude.clearance = 1e-4", kg.load(MODELS / "free_body.toml"))
+    body = read_region("exclude.clearance = 1e-4", kg.load(MODELS / "free_body.toml"))
     judge = Judge(body.system)
-    usual = drawn(body, judge, 5, stream(0, "select", 0))
+    usual = sample_region(body, judge, 5, random_stream(0, "select", 0))
     locked = usual[:1].flat().copy()
     locked[0, 1] = np.pi / 2 - 1e-3
     assert "exclude.clearance" in explain_difficulty(judge, body.domain.states(locked), usual)

@@ -11,8 +11,8 @@ import pytest
 
 import kanegen as kg
 from kanegen.errors import OptionError, ReadError
-from kanegen.studies.budget.region import Region, read_domain, region, require_clear
-from kanegen.studies.budget.sampling import drawn, stream, within
+from kanegen.studies.budget.region import Region, read_region, region_from_table, require_no_gimbal_lock
+from kanegen.studies.budget.sampling import in_region, random_stream, sample_region
 from kanegen.studies.tradeoff.judge import Judge
 from tests.support import systems
 from tests.support.paths import MODELS
@@ -50,32 +50,32 @@ def test_a_file_with_everything(tmp_path: Path, pendulum: kg.System) -> None:
         cancellation = 1e4
         """
     )
-    found = read_domain(str(file), pendulum)
+    found = read_region(str(file), pendulum)
     assert range_of(found, "x", "q1") == [-1.0, 1.0]
     assert range_of(found, "x", "q2") == [0.25, 0.5]
     assert range_of(found, "y", "q1") == [0.0, 0.0]
     assert found.cancellation == 1e4
     assert {p.name: p.value for p in found.system.parameters}["m1"] == 3.0
-    default = read_domain(None, pendulum)
+    default = read_region(None, pendulum)
     assert range_of(found, "y", "q2") == range_of(default, "y", "q2")
     assert range_of(default, "x", "q1") == pytest.approx([-math.pi, math.pi])
 
 
 def test_words_on_the_command_line(pendulum: kg.System) -> None:
-    found = read_domain("x.q1 = [0, 1]; exclude.cancellation = 100", pendulum)
+    found = read_region("x.q1 = [0, 1]; exclude.cancellation = 100", pendulum)
     assert range_of(found, "x", "q1") == [0.0, 1.0]
     assert found.cancellation == 100.0
 
 
 def test_ranges_of_loads(loaded: kg.System) -> None:
     table = {"force": {"all": [-1.0, 1.0], "body2": [[-1.0, 0.0], 2.0, [0.0, 3.0]]}}
-    found = region(loaded, table).as_table()
+    found = region_from_table(loaded, table).as_table()
     assert found["force"] == {
         "body1": [[-1.0, 1.0]] * 3,
         "body2": [[-1.0, 0.0], [2.0, 2.0], [0.0, 3.0]],
     }
-    assert region(loaded, {}).as_table()["torque"] == found["torque"]
-    only = region(loaded, {"x": {"translations": [-0.5, 0.5]}}).as_table()["x"]
+    assert region_from_table(loaded, {}).as_table()["torque"] == found["torque"]
+    only = region_from_table(loaded, {"x": {"translations": [-0.5, 0.5]}}).as_table()["x"]
     assert [name for name, ends in only.items() if ends == [-0.5, 0.5]] == ["body1.s1", "body2.s1"]
 
 
@@ -85,8 +85,8 @@ def test_a_table_makes_the_same_region_again(pendulum: kg.System, loaded: kg.Sys
         loaded.name: {"exclude": {"cancellation": 10.0}, "torque": {"body1": [-0.1, 0.3]}},
     }
     for system in (pendulum, loaded):
-        first = region(system, tables[system.name])
-        again = region(system, first.as_table())
+        first = region_from_table(system, tables[system.name])
+        again = region_from_table(system, first.as_table())
         assert again.as_table() == first.as_table()
         assert again.system == first.system
         assert (again.domain.low == first.domain.low).all()
@@ -122,38 +122,38 @@ def test_a_table_makes_the_same_region_again(pendulum: kg.System, loaded: kg.Sys
 )
 def test_what_is_no_domain(words: str, message: str, pendulum: kg.System) -> None:
     with pytest.raises((OptionError, ReadError), match=message) as error:
-        read_domain(words, pendulum)
+        read_region(words, pendulum)
     assert str(error.value).startswith("--domain")
 
 
 def test_errors_name_the_file(tmp_path: Path, pendulum: kg.System) -> None:
     file = tmp_path / "box.toml"
     with pytest.raises(ReadError, match=r"box\.toml: there is no such file"):
-        read_domain(str(file), pendulum)
+        read_region(str(file), pendulum)
     file.write_text("[x]\nq1 = [3, 1]\n")
     with pytest.raises(OptionError, match=r"box\.toml: x\.q1: the range"):
-        read_domain(str(file), pendulum)
+        read_region(str(file), pendulum)
     file.write_text("[x]\nq1 = = 1\n")
     with pytest.raises(ReadError, match=r"box\.toml:2: not valid TOML"):
-        read_domain(str(file), pendulum)
+        read_region(str(file), pendulum)
     file.write_bytes(b"\xff")
     with pytest.raises(ReadError, match=r"box\.toml:1: byte 0xff"):
-        read_domain(str(file), pendulum)
+        read_region(str(file), pendulum)
     file.write_text("x = " + "[" * 5000 + "]" * 5000)
     with pytest.raises(ReadError, match=r"box\.toml.*(nested|not valid)"):
-        read_domain(str(file), pendulum)
+        read_region(str(file), pendulum)
 
 
 def test_gimbal_lock_must_be_excluded_or_regular() -> None:
     body = kg.load(MODELS / "free_body.toml")
     name = body.freedom_names[1]
     with pytest.raises(OptionError, match=rf"cos\({name}\) = 0.*exclude\.clearance.*angular_velocity"):
-        require_clear(region(body, {}))
-    require_clear(region(body, {"exclude": {"clearance": 0.01}}))
-    require_clear(region(body, {"x": {name: [-1.5, 1.5]}}))
+        require_no_gimbal_lock(region_from_table(body, {}))
+    require_no_gimbal_lock(region_from_table(body, {"exclude": {"clearance": 0.01}}))
+    require_no_gimbal_lock(region_from_table(body, {"x": {name: [-1.5, 1.5]}}))
     with pytest.raises(OptionError, match=r"4\.5 to 5 meets"):
-        require_clear(region(body, {"x": {name: [4.5, 5.0]}}))
-    require_clear(region(body.with_speeds("angular_velocity"), {}))
+        require_no_gimbal_lock(region_from_table(body, {"x": {name: [4.5, 5.0]}}))
+    require_no_gimbal_lock(region_from_table(body.with_speeds("angular_velocity"), {}))
 
 
 def test_gimbal_lock_of_a_sequence_that_ends_as_it_begins() -> None:
@@ -163,32 +163,34 @@ def test_gimbal_lock_of_a_sequence_that_ends_as_it_begins() -> None:
     )
     name = euler.freedom_names[1]
     with pytest.raises(OptionError, match=rf"sin\({name}\) = 0"):
-        require_clear(region(euler, {"x": {name: [-1.0, 1.0]}}))
-    require_clear(region(euler, {"x": {name: [0.5, 2.5]}}))
+        require_no_gimbal_lock(region_from_table(euler, {"x": {name: [-1.0, 1.0]}}))
+    require_no_gimbal_lock(region_from_table(euler, {"x": {name: [0.5, 2.5]}}))
 
 
 def test_a_clearance_leaves_something() -> None:
     body = kg.load(MODELS / "free_body.toml")
     name = body.freedom_names[1]
     with pytest.raises(OptionError, match="nothing of the box is left"):
-        region(body, {"x": {name: [1.5, 1.6]}, "exclude": {"clearance": 0.5}})
+        region_from_table(body, {"x": {name: [1.5, 1.6]}, "exclude": {"clearance": 0.5}})
 
 
 def test_states_that_cancel_are_not_drawn(pendulum: kg.System) -> None:
-    found = read_domain("exclude.cancellation = 1.5", pendulum)
+    found = read_region("exclude.cancellation = 1.5", pendulum)
     judge = Judge(found.system)
-    sample = drawn(found, judge, 12, stream(0, "select", 0))
+    sample = sample_region(found, judge, 12, random_stream(0, "select", 0))
     assert len(sample) == 12
     assert max(exact.conditioning.chi for exact in judge.truths(sample)) <= 1.5
-    free = drawn(read_domain(None, pendulum), judge, 30, stream(0, "select", 0))
-    assert 0 < sum(within(found, judge, free)) < 30
+    free = sample_region(read_region(None, pendulum), judge, 30, random_stream(0, "select", 0))
+    assert 0 < sum(in_region(found, judge, free)) < 30
     with pytest.raises(OptionError, match=r"cancel less than 0\.5. Raise exclude\.cancellation"):
-        drawn(read_domain("exclude.cancellation = 0.5", pendulum), judge, 4, stream(0, "select", 0))
+        sample_region(
+            read_region("exclude.cancellation = 0.5", pendulum), judge, 4, random_stream(0, "select", 0)
+        )
 
 
 def test_streams_differ() -> None:
     draws = {
-        (seed, what, k): stream(seed, what, k).random()
+        (seed, what, k): random_stream(seed, what, k).random()
         for seed in (0, 1)
         for what in ("select", "validate", "verify")
         for k in (0, 1)

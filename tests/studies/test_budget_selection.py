@@ -1,4 +1,4 @@
-"""The choice of a variant against planted candidates, whose errors and times are given as numbers."""
+"""The choice of a variant among planted candidates, whose errors and times are given as numbers."""
 
 from __future__ import annotations
 
@@ -14,58 +14,68 @@ from numpy.typing import NDArray
 from kanegen.errors import BudgetError
 from kanegen.measure.errors import quantile
 from kanegen.measure.timing import Times
-from kanegen.studies.budget.evaluator import SELECT, VALIDATE, Attack, Draw
+from kanegen.studies.budget.evaluator import SELECT, VALIDATE, SampleSpec, SearchResult
 from kanegen.studies.budget.request import Effort, Request
 from kanegen.studies.budget.selection import Choice, choose
 
 Floats = NDArray[np.float64]
-SMALL = Effort(select=50, attack=10)
+SMALL = Effort(select=50, search=10)
 
 
 @dataclass(frozen=True)
 class Planted:
-    """A candidate of a known error and time."""
+    """A candidate of a known error and time (ns)."""
 
     label: str
     error: float
     time: float
-    floor: float = 0.0
+    least_error: float = 0.0
     refused: str = ""
     program: str = ""
-    long: bool = False
+    is_long: bool = False
 
 
-def spread(candidate: Planted, draw: Draw, rng: np.random.Generator) -> Floats:
-    """Errors up to that of the candidate."""
-    return candidate.error * rng.uniform(0.5, 1.0, draw.count)
+def spread(candidate: Planted, sample: SampleSpec, rng: np.random.Generator) -> Floats:
+    """Return errors between half the error of the candidate and this error."""
+    return candidate.error * rng.uniform(0.5, 1.0, sample.count)
 
 
 @dataclass
-class Fake:
-    """A laboratory in which everything is known."""
+class PlantedEvaluator:
+    """An evaluator of planted candidates that records which samples and times it was asked for.
 
-    field: Sequence[Planted]
-    drawn: Callable[[Planted, Draw, np.random.Generator], Floats] = spread
-    attacked: Mapping[str, float] = field(default_factory=dict)
+    Attributes:
+        candidates: The candidates to choose from.
+        sampled: Function that returns the errors of a candidate in a sample.
+        found: Largest error that a search finds, by label; by default the error of the candidate.
+        noise: Largest relative increase of the time of a round.
+        seed: Seed of errors and times.
+        samples: Label and sample of every call of `errors`.
+        timed: Result of every call of `times`.
+    """
+
+    candidates: Sequence[Planted]
+    sampled: Callable[[Planted, SampleSpec, np.random.Generator], Floats] = spread
+    found: Mapping[str, float] = field(default_factory=dict)
     noise: float = 0.0
     seed: int = 0
-    draws: list[tuple[str, Draw]] = field(default_factory=list)
+    samples: list[tuple[str, SampleSpec]] = field(default_factory=list)
     timed: list[dict[Planted, Times]] = field(default_factory=list)
 
-    def floor(self, candidate: Planted) -> float:
-        return candidate.floor
+    def least_error(self, candidate: Planted) -> float:
+        return candidate.least_error
 
     def is_costlier(self, candidate: Planted) -> bool:
-        return candidate.long
+        return candidate.is_long
 
     def build(self, candidates: Sequence[Planted]) -> tuple[dict[Planted, str], dict[Planted, str]]:
         refused = {c: c.refused for c in candidates if c.refused}
         return {c: c.program or c.label for c in candidates if not c.refused}, refused
 
-    def errors(self, candidate: Planted, draw: Draw) -> Floats:
-        self.draws.append((candidate.label, draw))
-        place = [SELECT, VALIDATE].index(draw.purpose)
-        return self.drawn(candidate, draw, np.random.default_rng([self.seed, place, draw.number]))
+    def errors(self, candidate: Planted, sample: SampleSpec) -> Floats:
+        self.samples.append((candidate.label, sample))
+        place = [SELECT, VALIDATE].index(sample.purpose)
+        return self.sampled(candidate, sample, np.random.default_rng([self.seed, place, sample.number]))
 
     def times(self, candidates: Sequence[Planted]) -> dict[Planted, Times]:
         rng = np.random.default_rng([self.seed, len(self.timed)])
@@ -73,24 +83,24 @@ class Fake:
         self.timed.append({c: Times(tuple(c.time * row)) for c, row in zip(candidates, rounds, strict=True)})
         return self.timed[-1]
 
-    def attack(self, candidate: Planted, draw: Draw, number: int) -> Attack:
-        error = self.attacked.get(candidate.label, candidate.error)
-        return Attack(error, 10, {"x": ["0x1p+0"]}, "Exclude something.")
+    def search(self, candidate: Planted, sample: SampleSpec, number: int) -> SearchResult:
+        error = self.found.get(candidate.label, candidate.error)
+        return SearchResult(error, 10, {"x": ["0x1p+0"]}, "Exclude something.")
 
 
 STRICT = Planted("strict", 1e-15, 100.0)
 ROUGH = Planted("rough", 1e-5, 50.0)
 SINGLE = Planted("single", 1e-7, 60.0)
 FAST = Planted("fast", 2e-15, 80.0)
-FIELD = (STRICT, ROUGH, SINGLE, FAST)
+CANDIDATES = (STRICT, ROUGH, SINGLE, FAST)
 
 
-def chosen(field: Sequence[Planted], **terms: object) -> str:
-    return choice(field, **terms).candidate.label
+def chosen(candidates: Sequence[Planted], **terms: object) -> str:
+    return choice(candidates, **terms).candidate.label
 
 
-def choice(field: Sequence[Planted], **terms: object) -> Choice[Planted]:
-    return choose(Fake(field), Request(**{"effort": SMALL, **terms}))
+def choice(candidates: Sequence[Planted], **terms: object) -> Choice[Planted]:
+    return choose(PlantedEvaluator(candidates), Request(**{"effort": SMALL, **terms}))
 
 
 @pytest.mark.parametrize(
@@ -105,41 +115,41 @@ def choice(field: Sequence[Planted], **terms: object) -> Choice[Planted]:
     ],
 )
 def test_the_fastest_that_keeps_the_error_is_chosen(budget: float, label: str) -> None:
-    assert chosen(FIELD, error=budget) == label
-    assert chosen(FIELD[::-1], error=budget) == label
+    assert chosen(CANDIDATES, error=budget) == label
+    assert chosen(CANDIDATES[::-1], error=budget) == label
 
 
 @pytest.mark.parametrize(
     ("budget", "label"), [(200.0, "strict"), (90.0, "fast"), (70.0, "single"), (55.0, "rough")]
 )
 def test_the_most_accurate_that_keeps_the_time_is_chosen(budget: float, label: str) -> None:
-    assert chosen(FIELD, time=budget) == label
+    assert chosen(CANDIDATES, time=budget) == label
 
 
 def test_the_claim_under_a_budget_of_time_is_the_largest_error_seen_anywhere() -> None:
-    for attacked in (1e-12, 1e-20):
-        lab = Fake(FIELD, attacked={"strict": attacked})
-        found = choose(lab, Request(time=200.0, effort=SMALL))
-        assert found.validation.claim == max(attacked, found.validation.errors.max())
+    for largest in (1e-12, 1e-20):
+        evaluator = PlantedEvaluator(CANDIDATES, found={"strict": largest})
+        found = choose(evaluator, Request(time=200.0, effort=SMALL))
+        assert found.validation.claim == max(largest, found.validation.errors.max())
         assert found.validation.exceeded == 0
         assert found.validation.limit <= 0.001
 
 
 def test_impossible_budgets_say_what_is_reachable() -> None:
     with pytest.raises(BudgetError, match=r"error of 1e-18.*'strict' with 1\.0e-15.*budget of 4\.0e-15"):
-        chosen(FIELD, error=1e-18)
+        chosen(CANDIDATES, error=1e-18)
     with pytest.raises(BudgetError, match=r"time of 10 ns.*'rough' with 50 ns and an error of 1\.0e-05"):
-        chosen(FIELD, time=10.0)
+        chosen(CANDIDATES, time=10.0)
 
 
 def test_what_roundoff_forbids_is_not_built_but_the_most_precise_is_always_tried() -> None:
-    coarse = replace(SINGLE, floor=1e-8)
-    lab = Fake([STRICT, coarse])
-    found = choose(lab, Request(error=1e-9, effort=SMALL))
-    assert {label for label, _ in lab.draws} == {"strict"}
+    coarse = replace(SINGLE, least_error=1e-8)
+    evaluator = PlantedEvaluator([STRICT, coarse])
+    found = choose(evaluator, Request(error=1e-9, effort=SMALL))
+    assert {label for label, _ in evaluator.samples} == {"strict"}
     assert found.verdicts["single"].startswith("not built")
     with pytest.raises(BudgetError, match=r"'single' with 1\.0e-07"):
-        choose(Fake([coarse]), Request(error=1e-9, effort=SMALL))
+        choose(PlantedEvaluator([coarse]), Request(error=1e-9, effort=SMALL))
 
 
 def test_what_cannot_be_built_is_named_and_does_not_stop_the_others() -> None:
@@ -150,7 +160,7 @@ def test_what_cannot_be_built_is_named_and_does_not_stop_the_others() -> None:
 
 
 def test_more_digits_than_are_needed_are_not_built() -> None:
-    long = Planted("long", 1e-19, 10.0, long=True)
+    long = Planted("long", 1e-19, 10.0, is_long=True)
     found = choice([STRICT, long], error=1e-9)
     assert found.candidate is STRICT
     assert found.verdicts["long"] == "not built: strict is accurate enough, and faster"
@@ -159,19 +169,21 @@ def test_more_digits_than_are_needed_are_not_built() -> None:
 
 
 def test_the_same_program_is_measured_once() -> None:
-    lab = Fake([STRICT, replace(FAST, program="p"), replace(ROUGH, error=1e-15, program="p")])
-    found = choose(lab, Request(error=1e-9, effort=SMALL))
+    evaluator = PlantedEvaluator(
+        [STRICT, replace(FAST, program="p"), replace(ROUGH, error=1e-15, program="p")]
+    )
+    found = choose(evaluator, Request(error=1e-9, effort=SMALL))
     assert found.verdicts["rough"] == "the same program as fast"
-    assert "rough" not in {label for label, _ in lab.draws}
+    assert "rough" not in {label for label, _ in evaluator.samples}
 
 
 def test_failures_are_counted_not_dropped() -> None:
-    def with_failures(candidate: Planted, draw: Draw, rng: np.random.Generator) -> Floats:
-        errors = spread(candidate, draw, rng)
+    def with_failures(candidate: Planted, sample: SampleSpec, rng: np.random.Generator) -> Floats:
+        errors = spread(candidate, sample, rng)
         errors[0] = math.nan if candidate is ROUGH else errors[0]
         return errors
 
-    found = choose(Fake(FIELD, with_failures), Request(error=1e-4, effort=SMALL))
+    found = choose(PlantedEvaluator(CANDIDATES, with_failures), Request(error=1e-4, effort=SMALL))
     assert found.candidate is SINGLE
     assert found.verdicts["rough"] == "error inf"
 
@@ -179,11 +191,13 @@ def test_failures_are_counted_not_dropped() -> None:
 def test_a_smaller_budget_never_gets_a_faster_variant() -> None:
     rng = np.random.default_rng(5)
     for _ in range(12):
-        field = [Planted(f"v{k}", 10.0 ** -rng.uniform(4, 16), rng.uniform(10.0, 100.0)) for k in range(12)]
+        candidates = [
+            Planted(f"v{k}", 10.0 ** -rng.uniform(4, 16), rng.uniform(10.0, 100.0)) for k in range(12)
+        ]
         fastest = 0.0
         for budget in 10.0 ** -np.arange(2.0, 16.0, 0.5):
             try:
-                time = choice(field, error=budget).times.median
+                time = choice(candidates, error=budget).times.median
             except BudgetError:
                 break
             assert time >= fastest / 1.02
@@ -193,17 +207,17 @@ def test_a_smaller_budget_never_gets_a_faster_variant() -> None:
 def test_regret_on_every_small_grid() -> None:
     errors, times = (1e-15, 1e-9, 1e-6), (100.0, 101.0, 104.0, 150.0)
     for row in itertools.combinations(itertools.product(errors, times), 3):
-        field = [Planted(f"v{k}", *pair) for k, pair in enumerate(row)]
-        feasible = [c.time for c in field if c.error <= 1e-8 / 4]
+        candidates = [Planted(f"v{k}", *pair) for k, pair in enumerate(row)]
+        feasible = [c.time for c in candidates if c.error <= 1e-8 / 4]
         if feasible:
-            assert choice(field, error=1e-8).times.median <= 1.05 * min(feasible)
+            assert choice(candidates, error=1e-8).times.median <= 1.05 * min(feasible)
 
 
 def test_the_best_are_timed_once_more_and_only_that_is_told() -> None:
     many = [Planted(f"v{k}", 1e-15, 100.0 + k) for k in range(20)]
-    lab = Fake(many, noise=0.5, seed=3)
-    found = choose(lab, Request(error=1e-9, effort=SMALL))
-    everybody, finalists = lab.timed
+    evaluator = PlantedEvaluator(many, noise=0.5, seed=3)
+    found = choose(evaluator, Request(error=1e-9, effort=SMALL))
+    everybody, finalists = evaluator.timed
     assert len(everybody) == 20
     assert {c.label for c in finalists} == {
         c.label for c in sorted(many, key=lambda c: everybody[c].median)[: len(finalists)]
@@ -214,16 +228,16 @@ def test_the_best_are_timed_once_more_and_only_that_is_told() -> None:
 def test_who_is_too_slow_in_the_final_is_out() -> None:
     """Times of the final are half as long again; what was just fast enough no longer is."""
 
-    class Slower(Fake):
+    class Slower(PlantedEvaluator):
         def times(self, candidates: Sequence[Planted]) -> dict[Planted, Times]:
             factor = 1.5 if self.timed else 1.0
             return {
                 c: Times(tuple(factor * t for t in v.rounds)) for c, v in super().times(candidates).items()
             }
 
-    assert choose(Slower(FIELD), Request(time=130.0, effort=SMALL)).candidate is FAST
+    assert choose(Slower(CANDIDATES), Request(time=130.0, effort=SMALL)).candidate is FAST
     with pytest.raises(BudgetError, match=r"'rough' with 75 ns"):
-        choose(Slower(FIELD), Request(time=70.0, effort=SMALL))
+        choose(Slower(CANDIDATES), Request(time=70.0, effort=SMALL))
 
 
 def test_ties_of_time_go_to_the_more_accurate() -> None:
@@ -237,17 +251,17 @@ def test_identical_variants_show_no_gain() -> None:
     twins = [Planted("one", 1e-15, 100.0), Planted("two", 1e-15, 100.0)]
     for seed in range(50):
         for both in (twins, twins[::-1]):
-            found = choose(Fake(both, noise=0.3, seed=seed), Request(error=1e-9, effort=SMALL))
+            found = choose(PlantedEvaluator(both, noise=0.3, seed=seed), Request(error=1e-9, effort=SMALL))
             assert found.gain is None
 
 
 def test_gain_is_over_the_fastest_that_is_as_accurate_as_the_default() -> None:
-    found = choice(FIELD, error=1e-3)
+    found = choice(CANDIDATES, error=1e-3)
     assert found.candidate is ROUGH
     assert found.reference is FAST
     assert found.gain is not None
     assert found.gain.median == pytest.approx(80.0 / 50.0)
-    assert choice(FIELD, error=1e-9).gain is None
+    assert choice(CANDIDATES, error=1e-9).gain is None
 
 
 def test_quantile_of_errors_is_one_of_them() -> None:

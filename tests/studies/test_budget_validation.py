@@ -1,4 +1,4 @@
-"""The judgement on a chosen variant: fresh states used once, attempts paid for, claims that hold."""
+"""The validation of a chosen variant: fresh states used once, attempts paid for, claims that hold."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from scipy import stats
 
 from kanegen.errors import BudgetError, OptionError
 from kanegen.measure.timing import Times, speedup
-from kanegen.studies.budget import confidence as odds
-from kanegen.studies.budget.confidence import judged, quantile_level
-from kanegen.studies.budget.evaluator import SELECT, VALIDATE, Draw
+from kanegen.studies.budget import confidence
+from kanegen.studies.budget.confidence import quantile_level, validate
+from kanegen.studies.budget.evaluator import SELECT, VALIDATE, SampleSpec
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
 from kanegen.studies.budget.selection import choose
-from tests.studies.test_budget_selection import FIELD, SMALL, STRICT, Fake, Planted
+from tests.studies.test_budget_selection import CANDIDATES, SMALL, STRICT, Planted, PlantedEvaluator
 
 Floats = NDArray[np.float64]
 SLOW = Planted("slow", 1e-15, 100.0)
@@ -28,33 +28,35 @@ MIDDLE = Planted("middle", 1e-15, 70.0)
 def heavy(share: float, *labels: str):
     """Errors that exceed 1e-9 in a share of all states, for the candidates of these labels."""
 
-    def drawn(candidate: Planted, draw: Draw, rng: np.random.Generator) -> Floats:
-        rare = rng.random(draw.count) < (share if candidate.label in labels else 0.0)
-        seen = draw.purpose == VALIDATE
+    def sampled(candidate: Planted, sample: SampleSpec, rng: np.random.Generator) -> Floats:
+        rare = rng.random(sample.count) < (share if candidate.label in labels else 0.0)
+        seen = sample.purpose == VALIDATE
         return np.where(rare & seen, 1e-6, candidate.error)
 
-    return drawn
+    return sampled
 
 
 def test_the_numbers_of_wilks() -> None:
-    assert odds.draws_needed(1e-3, 0.05) == 2995
-    assert odds.draws_needed(1e-4, 0.05) == 29956
+    assert confidence.states_needed(1e-3, 0.05) == 2995
+    assert confidence.states_needed(1e-4, 0.05) == 29956
     for share, alpha in ((1e-3, 0.05), (0.1, 0.1), (0.01, 0.003)):
-        n = odds.draws_needed(share, alpha)
-        assert odds.exceedance_limit(0, n, alpha) <= share < odds.exceedance_limit(0, n - 1, alpha)
+        n = confidence.states_needed(share, alpha)
+        assert (
+            confidence.exceedance_limit(0, n, alpha) <= share < confidence.exceedance_limit(0, n - 1, alpha)
+        )
         assert (1 - share) ** n <= alpha < (1 - share) ** (n - 1)
 
 
 @pytest.mark.parametrize(("exceeded", "count"), [(0, 2995), (1, 2995), (3, 50), (49, 50)])
 def test_the_limit_is_that_of_clopper_and_pearson(exceeded: int, count: int) -> None:
-    limit = odds.exceedance_limit(exceeded, count, 0.05)
+    limit = confidence.exceedance_limit(exceeded, count, 0.05)
     assert limit == pytest.approx(stats.beta.ppf(0.95, exceeded + 1, count - exceeded), rel=1e-12)
     assert stats.binom.cdf(exceeded, count, limit) == pytest.approx(0.05, rel=1e-9)
 
 
 def test_where_all_exceed_nothing_is_shown() -> None:
-    assert odds.exceedance_limit(7, 7, 0.05) == 1.0
-    assert judged(np.full(7, math.nan), 1.0, 0.05, 1).exceeded == 7
+    assert confidence.exceedance_limit(7, 7, 0.05) == 1.0
+    assert validate(np.full(7, math.nan), 1.0, 0.05, 1).exceeded == 7
 
 
 def test_the_limit_covers_the_truth_as_often_as_it_says() -> None:
@@ -62,81 +64,89 @@ def test_the_limit_covers_the_truth_as_often_as_it_says() -> None:
     rng = np.random.default_rng(3)
     for share in (0.003, 0.05, 0.4):
         counts = rng.binomial(200, share, 4000)
-        low = sum(odds.exceedance_limit(k, 200, 0.05) < share for k in counts.tolist())
+        low = sum(confidence.exceedance_limit(k, 200, 0.05) < share for k in counts.tolist())
         assert low / 4000 <= 0.05 + 4 * math.sqrt(0.05 * 0.95 / 4000)
 
 
 def test_the_fresh_sample_is_drawn_once_and_for_one_candidate() -> None:
-    lab = Fake(FIELD)
-    choose(lab, Request(error=1e-9, effort=SMALL))
-    fresh = [(label, draw) for label, draw in lab.draws if draw.purpose == VALIDATE]
-    assert fresh == [("fast", Draw(VALIDATE, 1, 3688))]
-    assert [draw for _, draw in lab.draws if draw.purpose == SELECT] == [Draw(SELECT, 0, 50)] * len(FIELD)
+    evaluator = PlantedEvaluator(CANDIDATES)
+    choose(evaluator, Request(error=1e-9, effort=SMALL))
+    fresh = [(label, sample) for label, sample in evaluator.samples if sample.purpose == VALIDATE]
+    assert fresh == [("fast", SampleSpec(VALIDATE, 1, 3688))]
+    assert [sample for _, sample in evaluator.samples if sample.purpose == SELECT] == [
+        SampleSpec(SELECT, 0, 50)
+    ] * len(CANDIDATES)
 
 
 def test_every_further_attempt_has_a_sample_of_its_own_and_its_part_of_alpha() -> None:
-    lab = Fake([SLOW, QUICK, MIDDLE], heavy(0.1, "quick"))
+    evaluator = PlantedEvaluator([SLOW, QUICK, MIDDLE], heavy(0.1, "quick"))
     request = Request(error=1e-9, attempts=3, effort=SMALL)
-    found = choose(lab, request)
+    found = choose(evaluator, request)
     assert found.candidate is MIDDLE
     assert found.validation.attempt == 2
     assert found.verdicts["quick"].endswith("fresh states exceed 1.0e-09")
-    fresh = [draw for _, draw in lab.draws if draw.purpose == VALIDATE]
-    assert [draw.number for draw in fresh] == [1, 2]
+    fresh = [sample for _, sample in evaluator.samples if sample.purpose == VALIDATE]
+    assert [sample.number for sample in fresh] == [1, 2]
     assert request.alpha == pytest.approx(0.05 / 3)
-    assert {draw.count for draw in fresh} == {odds.draws_needed(1e-3, 0.05 / 3)}
+    assert {sample.count for sample in fresh} == {confidence.states_needed(1e-3, 0.05 / 3)}
     assert found.validation.limit <= 1e-3
 
 
 def test_attempts_end() -> None:
-    field = [SLOW, QUICK, MIDDLE]
+    candidates = [SLOW, QUICK, MIDDLE]
     with pytest.raises(BudgetError, match=r"No further attempt.*quick.*failed validation 1"):
-        choose(Fake(field, heavy(0.1, "quick")), Request(error=1e-9, attempts=1, effort=SMALL))
+        choose(
+            PlantedEvaluator(candidates, heavy(0.1, "quick")), Request(error=1e-9, attempts=1, effort=SMALL)
+        )
     with pytest.raises(BudgetError, match="borne out"):
         choose(
-            Fake(field, heavy(0.1, "slow", "quick", "middle")), Request(error=1e-9, attempts=9, effort=SMALL)
+            PlantedEvaluator(candidates, heavy(0.1, "slow", "quick", "middle")),
+            Request(error=1e-9, attempts=9, effort=SMALL),
         )
 
 
 def test_an_attempt_is_not_spent_on_what_an_attack_refutes_first() -> None:
-    lab = Fake([SLOW, QUICK, MIDDLE], attacked={"quick": 1e-6, "middle": math.inf})
-    found = choose(lab, Request(error=1e-9, attempts=1, effort=SMALL))
+    evaluator = PlantedEvaluator([SLOW, QUICK, MIDDLE], found={"quick": 1e-6, "middle": math.inf})
+    found = choose(evaluator, Request(error=1e-9, attempts=1, effort=SMALL))
     assert found.candidate is SLOW
     assert found.validation.attempt == 1
     assert "refuted in 10 evaluations: error 1.0e-06. Exclude something" in found.verdicts["quick"]
     with pytest.raises(BudgetError, match="Exclude something"):
-        choose(Fake([SLOW], attacked={"slow": 1e-8}), Request(error=1e-9, effort=SMALL))
+        choose(PlantedEvaluator([SLOW], found={"slow": 1e-8}), Request(error=1e-9, effort=SMALL))
 
 
 def test_more_digits_are_tried_where_all_others_are_refuted() -> None:
-    long = Planted("long", 1e-18, 900.0, long=True)
-    lab = Fake([SLOW, QUICK, long], attacked={"slow": 1e-8, "quick": 1e-8})
-    found = choose(lab, Request(error=1e-9, attempts=1, effort=SMALL))
+    long = Planted("long", 1e-18, 900.0, is_long=True)
+    evaluator = PlantedEvaluator([SLOW, QUICK, long], found={"slow": 1e-8, "quick": 1e-8})
+    found = choose(evaluator, Request(error=1e-9, attempts=1, effort=SMALL))
     assert found.candidate is long
     assert set(found.verdicts) == {"slow", "quick", "long"}
     assert "refuted" in found.verdicts["quick"]
     assert "not built" not in found.verdicts["long"]
-    sound = Fake([SLOW, QUICK, long])
+    sound = PlantedEvaluator([SLOW, QUICK, long])
     assert choose(sound, Request(error=1e-9, effort=SMALL)).candidate is QUICK
-    assert "long" not in [label for label, _ in sound.draws]
+    assert "long" not in [label for label, _ in sound.samples]
 
 
 def test_a_defeat_names_three_and_counts_the_others() -> None:
-    field = [Planted(f"v{k}", 1e-15, 100.0 + k) for k in range(7)]
+    candidates = [Planted(f"v{k}", 1e-15, 100.0 + k) for k in range(7)]
     with pytest.raises(BudgetError, match=r"v2: .* And 4 more\.$") as caught:
-        choose(Fake(field, attacked={one.label: 1e-8 for one in field}), Request(error=1e-9, effort=SMALL))
+        choose(
+            PlantedEvaluator(candidates, found={one.label: 1e-8 for one in candidates}),
+            Request(error=1e-9, effort=SMALL),
+        )
     assert "v3" not in str(caught.value)
 
 
 def test_a_quantile_admits_a_few() -> None:
     """Of 3000 states a share of 0.3 % may exceed where 1 % may, but not where 0.1 % may."""
-    lab = Fake([SLOW, QUICK], heavy(0.003, "quick"), attacked={"quick": 1e-6})
+    evaluator = PlantedEvaluator([SLOW, QUICK], heavy(0.003, "quick"), found={"quick": 1e-6})
     effort = replace(SMALL, validate=4000)
-    found = choose(lab, Request(error=1e-9, quantile=0.99, effort=effort))
+    found = choose(evaluator, Request(error=1e-9, quantile=0.99, effort=effort))
     assert found.candidate is QUICK
     assert found.validation.exceeded > 0
     assert found.validation.limit <= 0.01
-    assert choose(lab, Request(error=1e-9, quantile=0.999, effort=effort)).candidate is SLOW
+    assert choose(evaluator, Request(error=1e-9, quantile=0.999, effort=effort)).candidate is SLOW
 
 
 def test_wrong_claims_are_as_rare_as_the_confidence_says() -> None:
@@ -144,13 +154,15 @@ def test_wrong_claims_are_as_rare_as_the_confidence_says() -> None:
 
     At 90 % and with two attempts, at most one search in ten may end with a claim, up to 4 sigma.
     """
-    effort = replace(SMALL, attack=1)
+    effort = replace(SMALL, search=1)
     request = Request(error=1e-9, quantile=0.95, confidence=0.9, effort=effort)
     wrong, searches = 0, 1500
     for seed in range(searches):
-        lab = Fake([SLOW, QUICK, MIDDLE], heavy(0.0502, "slow", "quick", "middle"), seed=seed)
+        evaluator = PlantedEvaluator(
+            [SLOW, QUICK, MIDDLE], heavy(0.0502, "slow", "quick", "middle"), seed=seed
+        )
         try:
-            choose(lab, request)
+            choose(evaluator, request)
             wrong += 1
         except BudgetError:
             pass
@@ -160,13 +172,13 @@ def test_wrong_claims_are_as_rare_as_the_confidence_says() -> None:
 def test_what_is_claimed_under_a_budget_of_time_covers_fresh_states() -> None:
     """The largest of n errors is exceeded with a probability below the limit in at least 95 % of searches."""
 
-    def tail(candidate: Planted, draw: Draw, rng: np.random.Generator) -> Floats:
-        return candidate.error * rng.pareto(1.0, draw.count)
+    def tail(candidate: Planted, sample: SampleSpec, rng: np.random.Generator) -> Floats:
+        return candidate.error * rng.pareto(1.0, sample.count)
 
     missed = 0
     request = Request(time=200.0, quantile=0.9, attempts=1, effort=SMALL)
     for seed in range(400):
-        found = choose(Fake([STRICT], tail, attacked={"strict": 0.0}, seed=seed), request)
+        found = choose(PlantedEvaluator([STRICT], tail, found={"strict": 0.0}, seed=seed), request)
         beyond = (1 + found.validation.claim / STRICT.error) ** -1.0
         missed += beyond > 0.1
     assert missed / 400 <= 0.05 + 4 * math.sqrt(0.05 * 0.95 / 400)

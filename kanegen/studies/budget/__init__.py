@@ -1,5 +1,8 @@
-"""The fastest variant under a budget of error, or the most accurate one under a budget of time.
+"""The fastest variant that keeps a budget of error, or the most accurate one that keeps a budget of time.
 
-`finding.find` chooses it and certifies what was found, `verification.verify` looks whether that still holds.
-This needs the extra `truth`, so only the commands that use it import it.
+`certification.certify_variant` finds the variant by measuring and writes its certificate beside the C;
+`verification.verify` checks whether a certificate still holds. What lives here: requests, regions of states,
+the selection with its statistics, and certificates. The selection does not depend on C or on bodies; it is
+given an `evaluator.Evaluator`. Variants, samples and their errors come from `studies.tradeoff`. The package
+needs the extra `study`, so only the commands that use it import it.
 """

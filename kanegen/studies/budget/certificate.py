@@ -1,6 +1,9 @@
-"""The record that goes beside the C: what was asked, what was found, and all that it takes to find it again.
+"""The certificate beside the C: the request, what was found, and all that is needed to find it again.
 
-It is a JSON file. Its first line is the stamp of a generated file (`c.stamp`), so an edited one is known.
+A certificate is a JSON file. Its first line has the provenance of a generated file (`c.provenance`), so that
+an edited file is recognised. `Certificate` is the content of a file; `CertificateFields` are the parts that a
+verification reads, with their types. The fingerprints at the end identify the model, the C files, the
+compiler and the results of a variant, so that they are recognised when they are made anew.
 """
 
 from __future__ import annotations
@@ -28,39 +31,43 @@ from kanegen.options import Variant
 from kanegen.readers.text import read_text
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.request import SHARE
-from kanegen.studies.budget.sampling import stream
+from kanegen.studies.budget.sampling import random_stream
 from kanegen.studies.tradeoff.judge import computed
 from kanegen.studies.tradeoff.samples import Sample
 from kanegen.studies.tradeoff.variants import Candidate
 
 KIND = "error and time of one variant of one model"
+"""The kind of a certificate file, by which it is told from other JSON files."""
+
 FORMAT = 1
+"""Version of the format of a certificate file."""
 
 SUFFIX = "_certificate.json"
-"""What the name of the file ends in, after that of the model."""
+"""End of the name of a certificate file, after the name of the model."""
 
-Table = Mapping[str, Any]
+DIGEST_STATES = 1000
+"""Number of states whose results are part of the fingerprint of the results."""
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """What a certificate file holds; `content` is all of it as plain data.
+    """The content of a certificate file.
 
     Attributes:
-        content: By section, see `certified.certified`.
+        content: The sections as plain data, in the form that `certification` writes.
     """
 
-    content: Table
+    content: Mapping[str, Any]
 
     def text(self, name: str) -> str:
-        """The file of this name."""
+        """Return the text of the certificate file of this name."""
         return stamped(name, json.dumps(self.content, indent=2, allow_nan=False).removeprefix("{\n") + "\n")
 
     def section(self, name: str) -> Any:
-        """One section.
+        """Return the section of this name.
 
         Raises:
-            CertificateError: If it is missing.
+            CertificateError: If the certificate has no such section.
         """
         if name not in self.content:
             raise CertificateError(f"it has no section {name!r}. Generate the model anew.")
@@ -71,7 +78,7 @@ class Certificate:
         """The variant that was chosen.
 
         Raises:
-            CertificateError: If this version knows no such variant.
+            CertificateError: If this version of kanegen has no such variant.
         """
         choices = self.section("variant")
         try:
@@ -81,17 +88,13 @@ class Certificate:
             raise CertificateError(f"its variant is none: {error}") from None
 
 
-def variant_table(variant: Variant) -> dict[str, Any]:
-    """A variant as `Certificate.candidate` reads it."""
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in vars(variant).items()}
-
-
-def read(path: Path) -> Certificate:
-    """The certificate in a file.
+def read_certificate(path: Path) -> Certificate:
+    """Return the certificate in a file.
 
     Raises:
-        CertificateError: If it is none, was edited, or comes from another version; names the file.
-        ReadError: If there is no such file, or it is not text.
+        CertificateError: If the file is no certificate, was edited, or comes from another version of kanegen;
+            names the file.
+        ReadError: If the file does not exist or is not text.
     """
     text = read_text(path)
     try:
@@ -111,24 +114,39 @@ def read(path: Path) -> Certificate:
 
 
 @dataclass(frozen=True)
-class Evidence:
-    """Parts of a certificate, with the types that they must have.
+class WorstState:
+    """The state with the largest error that one part of a certification found.
 
     Attributes:
-        model_text: The model file.
-        domain: Table of the region.
-        source: SHA-256 of the C by the name of the file.
+        part: Name of this part, "validation" or "search".
+        error: The error in the state.
+        state: The state, in the form of `sampling.state_table`.
+    """
+
+    part: str
+    error: float
+    state: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class CertificateFields:
+    """The fields of a certificate that a verification needs, with the types that they must have.
+
+    Attributes:
+        model_text: Content of the model file.
+        domain: Table of the region (`budget.region`).
+        source: SHA-256 of every C file, by its name.
         built_with: Compiler, flags and machine.
-        objective: What was timed and judged.
-        error: That is claimed.
-        is_strict: Whether it was asked for in every state that is tried.
-        share: Of the domain that may exceed it.
-        alpha: Of the attempt that succeeded.
-        states: By which it was validated.
-        seed: Of all samples.
-        bits: Digest of results.
-        worst: The worst states: of what, with what error, and their numbers.
-        time: Median, ns.
+        objective: The time that was measured, one of `OBJECTIVES`.
+        error: The error that is claimed.
+        is_strict: Whether no tried state may exceed it.
+        share: Share of the domain that may exceed it.
+        alpha: Probability of a wrong claim that the successful attempt may have.
+        states: Number of states by which it was validated.
+        seed: Seed of all samples.
+        results_digest: Fingerprint of the results.
+        worst: The worst states that the validation and the search found.
+        time: Median time of one evaluation (ns).
     """
 
     model_text: str
@@ -142,59 +160,60 @@ class Evidence:
     alpha: float
     states: int
     seed: int
-    bits: str
-    worst: tuple[tuple[str, float, Mapping[str, Any]], ...]
+    results_digest: str
+    worst: tuple[WorstState, ...]
     time: float
 
 
-def evidence(certificate: Certificate) -> Evidence:
-    """The parts of a certificate.
+def certificate_fields(certificate: Certificate) -> CertificateFields:
+    """Return the fields of a certificate that a verification needs.
 
     Raises:
-        CertificateError: If one is missing or of another type.
+        CertificateError: If a field is missing, has another type, or is out of range.
     """
     section = certificate.section
     try:
         claim, validation, search = section("claim"), section("validation"), section("search")
-        everywhere = claim["quantile"] == "max"
-        found = Evidence(
+        holds_everywhere = claim["quantile"] == "max"
+        fields = CertificateFields(
             model_text=str(section("model")["text"]),
             domain=dict(section("domain")),
             source=dict(section("source")),
             built_with=dict(section("built_with")),
             objective=claim["objective"],
             error=float(claim["error"]),
-            is_strict=everywhere and section("request")["error"] is not None,
-            share=SHARE if everywhere else 1 - float(claim["quantile"]),
+            is_strict=holds_everywhere and section("request")["error"] is not None,
+            share=SHARE if holds_everywhere else 1 - float(claim["quantile"]),
             alpha=float(validation["alpha"]),
             states=int(validation["states"]),
             seed=int(section("request")["seed"]),
-            bits=str(section("bits")["sha256"]),
+            results_digest=str(section("bits")["sha256"]),
             worst=tuple(
-                (what, float(part["worst"]["error"]), dict(part["worst"]["state"]))
-                for what, part in (("validation", validation), ("search", search))
+                WorstState(name, float(part["worst"]["error"]), dict(part["worst"]["state"]))
+                for name, part in (("validation", validation), ("search", search))
             ),
             time=float(section("times")["median"]),
         )
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise CertificateError(f"not a certificate of this version: {error!r}.") from None
-    numbers = found.objective in OBJECTIVES and found.seed >= 0 and found.states > 0 and found.error > 0
-    if not numbers or any(Path(name).name != name for name in found.source):
-        raise CertificateError("not a certificate of this version: something in it makes no sense.")
-    return found
+    in_range = fields.objective in OBJECTIVES and fields.seed >= 0 and fields.states > 0 and fields.error > 0
+    if not in_range or any(Path(name).name != name for name in fields.source):
+        raise CertificateError("not a certificate of this version: a value is out of range.")
+    return fields
 
 
-BITS = 1000
-"""States whose results are hashed."""
+def variant_table(variant: Variant) -> dict[str, Any]:
+    """Return a variant as the table from which `Certificate.candidate` reads it."""
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in vars(variant).items()}
 
 
 def model_text(model: System) -> str:
-    """A model as a model file has it."""
+    """Return the content of the model file of a system, the fingerprint of the model."""
     return toml_text(model.as_table())
 
 
-def hashes(source: Source) -> dict[str, str]:
-    """SHA-256 of every file that is compiled or included, by name."""
+def source_digests(source: Source) -> dict[str, str]:
+    """Return the SHA-256 of every C file and header, by its name."""
     return {
         name: hashlib.sha256(text.encode()).hexdigest()
         for name, text in sorted(source.files.items())
@@ -203,7 +222,7 @@ def hashes(source: Source) -> dict[str, str]:
 
 
 def built_with(source: Source) -> dict[str, Any]:
-    """Compiler, flags and processor."""
+    """Return the compiler, its flags, the processor and the C library of this machine, by name."""
     processor, compiler, *_ = machine.description()
     return {
         "compiler": compiler,
@@ -213,14 +232,17 @@ def built_with(source: Source) -> dict[str, Any]:
     }
 
 
-def bits(region: Region, library: Library, objective: str, seed: int) -> str:
-    """The digest of results in fixed states of the box; what is excluded from it does not matter here."""
-    sample = region.domain.states(region.domain.uniform(BITS, stream(seed, "bits", 0)))
-    return result_digest(library, sample, objective)
+def results_digest(region: Region, library: Library, objective: str, seed: int) -> str:
+    """Return the fingerprint of the results in fixed states of the box of a region.
+
+    The states that a region excludes from its box do not matter here.
+    """
+    rows = region.domain.uniform(DIGEST_STATES, random_stream(seed, "bits", 0))
+    return _digest_of_results(library, region.domain.states(rows), objective)
 
 
-def result_digest(library: Library, sample: Sample, objective: str) -> str:
-    """A digest of the results to the last bit; all NaN count as one.
+def _digest_of_results(library: Library, sample: Sample, objective: str) -> str:
+    """Return the SHA-256 of the bits of all results; all NaN count as one number.
 
     Numbers longer than a double count as the nearest double and the rest, because their bytes have gaps.
     """

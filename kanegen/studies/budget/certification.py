@@ -1,4 +1,4 @@
-"""The outcome of a search as C with its certificate."""
+"""From a request to C with its certificate: find the variant, then write down what was found."""
 
 from __future__ import annotations
 
@@ -15,40 +15,41 @@ from kanegen.measure.errors import QUANTILES, quantile
 from kanegen.model.system import System
 from kanegen.options import STRICT, TIERS
 from kanegen.studies.budget.certificate import (
-    BITS,
+    DIGEST_STATES,
     FORMAT,
     KIND,
     SUFFIX,
     Certificate,
-    bits,
     built_with,
-    hashes,
     model_text,
+    results_digest,
+    source_digests,
     variant_table,
 )
 from kanegen.studies.budget.counterexample import conditioning_ranges
-from kanegen.studies.budget.evaluator import VALIDATE, Draw
-from kanegen.studies.budget.region import Region, require_clear
+from kanegen.studies.budget.evaluator import VALIDATE, SampleSpec
+from kanegen.studies.budget.region import Region, require_no_gimbal_lock
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.sampling import state_table
 from kanegen.studies.budget.selection import Choice, choose
-from kanegen.studies.budget.variant_evaluator import Workbench, field_of
+from kanegen.studies.budget.variant_evaluator import VariantEvaluator, allowed_candidates
 from kanegen.studies.tradeoff.compilation import generate_variant
 from kanegen.studies.tradeoff.judge import OUTPUT
 from kanegen.studies.tradeoff.variants import Candidate
 
 METRIC = "normwise relative error of {ydot} after unit scaling, against certified truth"
+"""The error that a certificate speaks of, in words."""
 
 
 @dataclass(frozen=True)
-class Certified:
-    """C and its certificate.
+class CertifiedSource:
+    """C that keeps a budget, and its certificate.
 
     Attributes:
-        source: The C, the certificate among its files.
-        certificate: The same as data.
-        request: What was asked for.
-        choice: What was found.
+        source: The C, with the certificate among its files.
+        certificate: The certificate as data.
+        request: The request of the user.
+        choice: The chosen variant and what was measured of it.
     """
 
     source: Source
@@ -57,50 +58,114 @@ class Certified:
     choice: Choice[Candidate]
 
 
-def certified(
-    model: System, bench: Workbench, request: Request, choice: Choice[Candidate], seed: int
-) -> Certified:
-    """The C of the chosen variant, and its certificate.
+def certify_variant(
+    model: System,
+    region: Region,
+    request: Request,
+    candidates: Iterable[Candidate] | None = None,
+    seed: int = 0,
+    progress: Progress = quiet,
+) -> CertifiedSource:
+    """Return C for the forward dynamics of a model that keeps a budget, with a certificate.
 
     Args:
-        model: The system as it was given, before values of parameters were put in.
-        bench: Where the choice was made.
-        request: What was asked for.
-        choice: The outcome.
-        seed: Of all samples.
+        model: The model, before values of run-time parameters are put in.
+        region: The states of this model for which the budget is kept.
+        request: The budget and its conditions.
+        candidates: The variants to choose from, the default first; by default those of `tradeoff.variants`.
+        seed: Seed of all samples; the same seed gives the same states.
+        progress: Function that is called with the name of each stage.
+
+    Raises:
+        BudgetError: If no variant keeps the budget; says which comes nearest to it.
+        BuildError: If there is no C compiler.
+        OptionError: If [A] is singular somewhere in the region; names the range to exclude.
+
+    Example:
+        >>> region = read_region("x.angles = [-1, 1]", system)
+        >>> found = certify_variant(system, region, Request(error=1e-9))
+        >>> found.source.write("build/")
     """
-    library = bench.library(choice.candidate)
+    require_no_gimbal_lock(region)
+    allowed = tuple(candidates or allowed_candidates())
+    evaluator = VariantEvaluator(region, request, allowed, seed, progress)
+    choice = choose(evaluator, request)
+    progress("writing the certificate")
+    return _certified_source(model, evaluator, request, choice, seed)
+
+
+def certified_file_names(model: System) -> set[str]:
+    """Return the names of the files that `certify_variant` makes, to check a folder before the search.
+
+    Raises:
+        ModelError, SingularError: As `kanegen.generate`.
+    """
+    return {*generate_variant(model, Candidate(STRICT)).files, f"{model.name}{SUFFIX}"}
+
+
+def claim_sentence(request: Request, choice: Choice[Candidate]) -> str:
+    """Return the claim of a certificate as a sentence."""
+    validation, count = choice.validation, len(choice.validation.errors)
+    tried = sum(search.evaluations for search in choice.searches)
+    largest = max(search.error for search in choice.searches)
+    found = "no counterexample" if largest <= validation.claim else f"an error of {largest:.3g}"
+    return (
+        f"error at most {validation.claim:.3g}: exceeded in {validation.exceeded} of {count} fresh states, "
+        f"so in less than {100 * validation.limit:.2g} % of the domain with {100 * request.confidence:g} % "
+        f"confidence; {found} found in {tried} evaluations of a search"
+    )
+
+
+def _certified_source(
+    model: System, evaluator: VariantEvaluator, request: Request, choice: Choice[Candidate], seed: int
+) -> CertifiedSource:
+    """Return the C of the chosen variant with its certificate."""
+    library = evaluator.library(choice.candidate)
     source = library.source
     content = {
         "kind": KIND,
         "format": FORMAT,
         "generator": __version__,
         "claim": _claim(request, choice),
-        "not_claimed": not_claimed(choice.candidate),
+        "not_claimed": _not_claimed(choice.candidate),
         "request": _request(request, seed),
         "model": {"name": model.name, "text": model_text(model)},
-        "domain": bench.region.as_table(),
+        "domain": evaluator.region.as_table(),
         "output": OUTPUT,
         "variant": variant_table(source.variant),
-        "source": hashes(source),
+        "source": source_digests(source),
         "built_with": built_with(source),
-        "validation": _validation(bench, request, choice),
+        "validation": _validation(evaluator, request, choice),
         "search": _search(choice),
         "times": _times(request, choice),
         "bits": {
-            "states": BITS,
-            "sha256": bits(bench.region, library, request.objective, seed),
+            "states": DIGEST_STATES,
+            "sha256": results_digest(evaluator.region, library, request.objective, seed),
         },
         "candidates": choice.verdicts,
     }
     certificate = Certificate(content)
     name = f"{model.name}{SUFFIX}"
     files = {**source.files, name: certificate.text(name)}
-    return Certified(replace(source, files=files), certificate, request, choice)
+    return CertifiedSource(replace(source, files=files), certificate, request, choice)
 
 
-def not_claimed(candidate: Candidate) -> list[str]:
-    """What a reader may not take from a certificate."""
+def _claim(request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
+    """Return the section "claim" of a certificate."""
+    validation = choice.validation
+    return {
+        "error": validation.claim,
+        "metric": METRIC,
+        "objective": request.objective,
+        "quantile": "max" if request.is_strict else request.quantile,
+        "exceeded_by_less_than": validation.limit,
+        "confidence": request.confidence,
+        "words": claim_sentence(request, choice),
+    }
+
+
+def _not_claimed(candidate: Candidate) -> list[str]:
+    """Return the section "not_claimed": statements that a reader must not infer from a certificate."""
     others = [name for name, variant in TIERS.items() if variant != candidate.variant]
     beyond = [
         "an upper bound on the error in every state of the domain",
@@ -112,63 +177,42 @@ def not_claimed(candidate: Candidate) -> list[str]:
     return [*beyond, *(f"the promise of the tier {name!r}" for name in others)]
 
 
-def _claim(request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
-    seen = choice.validation
-    return {
-        "error": seen.claim,
-        "metric": METRIC,
-        "objective": request.objective,
-        "quantile": "max" if request.is_strict else request.quantile,
-        "exceeded_by_less_than": seen.limit,
-        "confidence": request.confidence,
-        "words": words(request, choice),
-    }
-
-
-def words(request: Request, choice: Choice[Candidate]) -> str:
-    """What is claimed, in a sentence."""
-    seen, count = choice.validation, len(choice.validation.errors)
-    tried = sum(attack.evaluations for attack in choice.attacks)
-    largest = max(attack.error for attack in choice.attacks)
-    found = "no counterexample" if largest <= seen.claim else f"an error of {largest:.3g}"
-    return (
-        f"error at most {seen.claim:.3g}: exceeded in {seen.exceeded} of {count} fresh states, so in less "
-        f"than {100 * seen.limit:.2g} % of the domain with {100 * request.confidence:g} % confidence; "
-        f"{found} found in {tried} evaluations of a search"
-    )
-
-
 def _request(request: Request, seed: int) -> dict[str, Any]:
-    return {**asdict(request), "seed": seed}
+    """Return the section "request" of a certificate; the searches have the key "attack" there."""
+    table = asdict(request)
+    effort = {"attack" if name == "search" else name: value for name, value in table["effort"].items()}
+    return {**table, "effort": effort, "seed": seed}
 
 
-def _validation(bench: Workbench, request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
-    seen = choice.validation
-    sample = bench.sample(Draw(VALIDATE, seen.attempt, request.draws))
-    place = int(np.argmax(seen.errors))
+def _validation(evaluator: VariantEvaluator, request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
+    """Return the section "validation" of a certificate."""
+    found = choice.validation
+    sample = evaluator.sample(SampleSpec(VALIDATE, found.attempt, request.fresh_states))
+    place = int(np.argmax(found.errors))
     return {
-        "states": len(seen.errors),
+        "states": len(found.errors),
         "alpha": request.alpha,
-        "attempts": {"made": seen.attempt, "allowed": request.attempts},
-        "exceeded": seen.exceeded,
-        "errors": {name: quantile(seen.errors, share) for name, share in QUANTILES.items()},
-        "worst": {"error": float(seen.errors[place]), "state": state_table(sample[place : place + 1])},
-        **conditioning_ranges(bench.judge, sample),
+        "attempts": {"made": found.attempt, "allowed": request.attempts},
+        "exceeded": found.exceeded,
+        "errors": {name: quantile(found.errors, share) for name, share in QUANTILES.items()},
+        "worst": {"error": float(found.errors[place]), "state": state_table(sample[place : place + 1])},
+        **conditioning_ranges(evaluator.judge, sample),
         "states_to_choose_by": {"states": request.effort.select, "error": choice.error},
     }
 
 
 def _search(choice: Choice[Candidate]) -> dict[str, Any]:
-    top = max(choice.attacks, key=lambda attack: attack.error)
+    """Return the section "search" of a certificate."""
+    worst = max(choice.searches, key=lambda search: search.error)
     return {
-        "evaluations": sum(attack.evaluations for attack in choice.attacks),
-        "worst": {"error": top.error, "state": dict(top.where)},
-        "about_it": top.cause,
+        "evaluations": sum(search.evaluations for search in choice.searches),
+        "worst": {"error": worst.error, "state": dict(worst.state)},
+        "about_it": worst.explanation,
     }
 
 
 def _times(request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
-    gain = choice.gain
+    """Return the section "times" of a certificate."""
     return {
         "objective": request.objective,
         "unit": "ns",
@@ -176,44 +220,5 @@ def _times(request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
         "least": choice.times.least,
         "rounds": list(choice.times.rounds),
         "compared_with": choice.reference.label,
-        "times_as_fast": None if gain is None else asdict(gain),
+        "times_as_fast": None if choice.gain is None else asdict(choice.gain),
     }
-
-
-def find(
-    model: System,
-    region: Region,
-    request: Request,
-    field: Iterable[Candidate] | None = None,
-    seed: int = 0,
-    progress: Progress = quiet,
-) -> Certified:
-    """C for the forward dynamics of a model that keeps a budget, with a certificate.
-
-    Args:
-        model: The tree.
-        region: The states that count, of this model.
-        request: The budget and its terms.
-        field: Candidates, the default first; by default those of the study.
-        seed: Of all samples; the same one gives the same states.
-        progress: Told the name of each stage.
-
-    Raises:
-        BudgetError: If no variant keeps the budget; says how far one gets and with which.
-        BuildError: If there is no C compiler.
-        OptionError: If [A] is singular somewhere in the region; names what to exclude.
-    """
-    require_clear(region)
-    bench = Workbench(region, request, tuple(field or field_of()), seed, progress)
-    choice = choose(bench, request)
-    progress("writing the certificate")
-    return certified(model, bench, request, choice, seed)
-
-
-def file_names(model: System) -> set[str]:
-    """Names of the files that come of a search, by which a folder can be tried beforehand.
-
-    Raises:
-        ModelError, SingularError: As `kanegen.generate`.
-    """
-    return {*generate_variant(model, Candidate(STRICT)).files, f"{model.name}{SUFFIX}"}

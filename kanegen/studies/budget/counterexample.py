@@ -1,7 +1,8 @@
-"""A search for a state of the region in which a variant errs most.
+"""A search for the state of a region in which a variant has its largest error.
 
-It begins with the worst states of a sample and, the first time, with states where arithmetic is hard
-(`study.strata`); from the worst of all it climbs (`study.search`). It can refute a claim, never prove one.
+The search begins with the worst states of a sample and, the first time, with states where arithmetic is hard
+(`tradeoff.hard_states`). From the worst of all it climbs to larger errors. A search can refute a claim but
+never prove one.
 """
 
 from __future__ import annotations
@@ -12,88 +13,23 @@ import numpy as np
 
 from kanegen.measure.truth.measurement import ExactState
 from kanegen.model.arrays import Floats
-from kanegen.studies.budget.evaluator import Attack
+from kanegen.studies.budget.evaluator import SearchResult
 from kanegen.studies.budget.region import Region
-from kanegen.studies.budget.sampling import state_table, within
+from kanegen.studies.budget.sampling import in_region, state_table
 from kanegen.studies.tradeoff.hard_states import climb, hard_states
 from kanegen.studies.tradeoff.judge import Judge
 from kanegen.studies.tradeoff.samples import Sample, joined
 
 CLIMBS = 4
-"""States from which it is climbed."""
+"""Number of states from which a search climbs."""
 
-_STRATA = 3
-"""Of all evaluations one in so many goes to the states of the strata."""
+_HARD_SHARE = 3
+"""One of so many evaluations of a search is spent on hard states."""
 
+_KINDS_OF_HARD_STATES = 3
 
-def attacked(
-    region: Region,
-    judge: Judge,
-    error: Callable[[Sample], Floats],
-    sample: Sample,
-    evaluations: int,
-    seed: int,
-    hard: bool,
-) -> Attack:
-    """The outcome of a search.
-
-    Args:
-        region: Not to be left.
-        judge: Of its system.
-        error: (B,) of a sample.
-        sample: Where to begin.
-        evaluations: States that may be tried.
-        seed: Of the search.
-        hard: Whether the strata are tried as well.
-    """
-    inside = _only_inside(region, judge, error)
-    begun = _beginnings(region, judge, sample, evaluations // _STRATA if hard else 0, seed)
-    heights = error(begun)
-    tried = len(begun) - len(sample)
-    order = np.argsort(-heights, kind="stable")[:CLIMBS]
-    each = max(1, (evaluations - tried) // len(order))
-    found = [
-        climb(region.domain, begun[k : k + 1], inside, each, seed + rank) for rank, k in enumerate(order)
-    ]
-    worst, height = max(found, key=lambda pair: pair[1])
-    return Attack(
-        height, tried + each * len(order), state_table(worst), explain_difficulty(judge, worst, sample)
-    )
-
-
-def _beginnings(region: Region, judge: Judge, sample: Sample, evaluations: int, seed: int) -> Sample:
-    """The sample, and hard states of about so many evaluations that lie in the region."""
-    hard = hard_states(region.domain, evaluations // 3, seed) if evaluations >= 3 else None
-    if hard is None:
-        return sample
-    kept = [hard[k : k + 1] for k, fits in enumerate(within(region, judge, hard)) if fits]
-    return joined([sample, *kept])
-
-
-def _only_inside(
-    region: Region, judge: Judge, error: Callable[[Sample], Floats]
-) -> Callable[[Sample], Floats]:
-    """The error, zero where a state is not part of the region."""
-
-    def limited(sample: Sample) -> Floats:
-        return np.where(within(region, judge, sample), error(sample), 0.0)
-
-    return limited
-
-
-def explain_difficulty(judge: Judge, worst: Sample, ordinary: Sample) -> str:
-    """A sentence that says what makes a state hard, beside ordinary ones, and how to exclude it."""
-    (exact,) = judge.truths(worst)
-    usual = judge.truths(ordinary)
-    factors = {what: _of(exact, what) / float(np.median([_of(e, what) for e in usual])) for what in _REMEDIES}
-    hardest = max(factors, key=factors.__getitem__)
-    if not factors[hardest] > _NOTABLE:
-        return "Nothing about the state is unusual."
-    return _REMEDIES[hardest].format(_of(exact, hardest))
-
-
-_NOTABLE = 10.0
-"""Times the usual value, at which it is named."""
+_NOTABLE_RATIO = 10.0
+"""Ratio to the usual value from which on a condition number explains a large error."""
 
 _REMEDIES = {
     "chi": "There accelerations cancel, chi = {0:.1e}: exclude it by exclude.cancellation in the domain.",
@@ -103,15 +39,92 @@ _REMEDIES = {
     ),
     "formation": "There terms of [A] or {{f}} cancel, {0:.1e}: exclude it by narrower ranges in the domain.",
 }
+"""What makes a state hard and how to exclude it, by the condition number that is large there."""
 
 
-def _of(exact: ExactState, what: str) -> float:
-    value: float = getattr(exact.conditioning, what)
-    return min(value, 1e300)
+def search_counterexample(
+    region: Region,
+    judge: Judge,
+    error: Callable[[Sample], Floats],
+    sample: Sample,
+    evaluations: int,
+    seed: int,
+    hard: bool,
+) -> SearchResult:
+    """Search a region for the state with the largest error.
+
+    Args:
+        region: The states to search.
+        judge: Evaluator of errors of the system of the region; it knows how hard a state is.
+        error: Function that returns the (B,) errors of a variant in a sample of B states.
+        sample: States from whose worst ones the search climbs.
+        evaluations: Number of states that may be tried.
+        seed: Seed of the search.
+        hard: Whether hard states are tried as well.
+    """
+    inside = _error_inside(region, judge, error)
+    starts = _with_hard_states(region, judge, sample, evaluations // _HARD_SHARE if hard else 0, seed)
+    errors = error(starts)
+    tried = len(starts) - len(sample)
+    order = np.argsort(-errors, kind="stable")[:CLIMBS]
+    each = max(1, (evaluations - tried) // len(order))
+    found = [
+        climb(region.domain, starts[k : k + 1], inside, each, seed + rank) for rank, k in enumerate(order)
+    ]
+    worst, largest = max(found, key=lambda pair: pair[1])
+    explanation = explain_difficulty(judge, worst, sample)
+    return SearchResult(largest, tried + each * len(order), state_table(worst), explanation)
+
+
+def explain_difficulty(judge: Judge, worst: Sample, ordinary: Sample) -> str:
+    """Return a sentence on what makes a state harder than ordinary ones and how to exclude it.
+
+    Args:
+        judge: Evaluator of errors of the system.
+        worst: The state, as a sample of one state.
+        ordinary: States to compare it with.
+    """
+    (exact,) = judge.truths(worst)
+    usual = judge.truths(ordinary)
+    ratios = {
+        name: _condition_number(exact, name) / float(np.median([_condition_number(e, name) for e in usual]))
+        for name in _REMEDIES
+    }
+    hardest = max(ratios, key=ratios.__getitem__)
+    if not ratios[hardest] > _NOTABLE_RATIO:
+        return "Nothing about the state is unusual."
+    return _REMEDIES[hardest].format(_condition_number(exact, hardest))
 
 
 def conditioning_ranges(judge: Judge, sample: Sample) -> dict[str, list[float]]:
-    """The least and the largest kappa_s, chi and formation over a sample."""
+    """Return the least and the largest kappa_s, chi and formation over the states of a sample, by name."""
     exacts = judge.truths(sample)
-    values: dict[str, Floats] = {what: np.array([_of(e, what) for e in exacts]) for what in _REMEDIES}
-    return {what: [float(v.min()), float(v.max())] for what, v in values.items()}
+    values = {name: [_condition_number(exact, name) for exact in exacts] for name in _REMEDIES}
+    return {name: [min(numbers), max(numbers)] for name, numbers in values.items()}
+
+
+def _condition_number(exact: ExactState, name: str) -> float:
+    """Return kappa_s, chi or formation of a state, at most 1e300 so that ratios stay finite."""
+    value: float = getattr(exact.conditioning, name)
+    return min(value, 1e300)
+
+
+def _with_hard_states(region: Region, judge: Judge, sample: Sample, evaluations: int, seed: int) -> Sample:
+    """Return a sample together with about `evaluations` hard states, those that lie in the region."""
+    count = evaluations // _KINDS_OF_HARD_STATES
+    hard = hard_states(region.domain, count, seed) if count else None
+    if hard is None:
+        return sample
+    kept = [hard[k : k + 1] for k, inside in enumerate(in_region(region, judge, hard)) if inside]
+    return joined([sample, *kept])
+
+
+def _error_inside(
+    region: Region, judge: Judge, error: Callable[[Sample], Floats]
+) -> Callable[[Sample], Floats]:
+    """Return `error` changed to be zero in states outside a region."""
+
+    def limited(sample: Sample) -> Floats:
+        return np.where(in_region(region, judge, sample), error(sample), 0.0)
+
+    return limited

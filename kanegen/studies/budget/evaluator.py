@@ -1,7 +1,7 @@
-"""What a search needs to know about candidates, from whoever can measure them.
+"""What the selection of a variant needs to know about candidates, from an evaluator that can measure them.
 
-The protocol of the search is in `selection`; it knows neither C nor bodies. Who measures is told which sample
-to draw, so that it is plain which states were used for what.
+The selection (`budget.selection`) knows neither C nor bodies; it calls an `Evaluator`. Each measurement names
+the sample of states to use, so the code of the selection shows which states serve for what.
 """
 
 from __future__ import annotations
@@ -14,26 +14,35 @@ from kanegen.measure.timing import Times
 from kanegen.model.arrays import Floats
 
 SELECT = "select"
+"""Purpose of the sample by which a candidate is chosen."""
+
 VALIDATE = "validate"
+"""Purpose of the fresh samples by which a chosen candidate is validated."""
 
 
-class Named(Protocol):
-    """A candidate: anything that is hashable and has a label."""
+class Labelled(Protocol):
+    """A candidate: any hashable object with a label."""
 
     @property
     def label(self) -> str:
-        """Its choices in a few words."""
+        """The choices of the candidate in a few words."""
 
     def __hash__(self) -> int:
-        """As equality has it."""
+        """Return a hash that agrees with equality."""
 
 
-C = TypeVar("C", bound=Named)
+C = TypeVar("C", bound=Labelled)
 
 
 @dataclass(frozen=True)
-class Draw:
-    """A sample: what it is for, which one of its kind it is, and how many states it has."""
+class SampleSpec:
+    """The specification of a random sample.
+
+    Attributes:
+        purpose: Purpose of the sample, `SELECT` or `VALIDATE`.
+        number: Number of the sample among those of its purpose.
+        count: Number of states.
+    """
 
     purpose: str
     number: int
@@ -41,49 +50,54 @@ class Draw:
 
 
 @dataclass(frozen=True)
-class Attack:
-    """A search for a state with a large error.
+class SearchResult:
+    """The outcome of a search for the state with the largest error.
 
     Attributes:
-        error: The largest that was found; infinite where a result was not finite.
-        evaluations: How many states were tried.
-        where: The worst of them, in the words of a certificate.
-        cause: What to exclude from the domain to be rid of it, a sentence.
+        error: The largest error that was found; infinite where a result was not finite.
+        evaluations: Number of states that were tried.
+        state: The state of this error, in the form of `sampling.state_table`.
+        explanation: A sentence on what makes this state hard and how to exclude it from the domain.
     """
 
     error: float
     evaluations: int
-    where: Mapping[str, object]
-    cause: str
+    state: Mapping[str, object]
+    explanation: str
 
 
-class Laboratory(Protocol[C]):
-    """Builds candidates, draws states and measures."""
+class Evaluator(Protocol[C]):
+    """Builds candidates and measures their errors and times."""
 
     @property
-    def field(self) -> Sequence[C]:
-        """The candidates; the others are compared with the first one, the default if it may be chosen."""
+    def candidates(self) -> Sequence[C]:
+        """The candidates; the others are compared with the first, the default variant if it is allowed."""
 
-    def floor(self, candidate: C) -> float:
-        """An error that it cannot stay below, known without building it; 0 where nothing is known."""
+    def least_error(self, candidate: C) -> float:
+        """Return a lower limit on the error of a candidate, known without building it; 0 if none is known."""
 
     def is_costlier(self, candidate: C) -> bool:
-        """Whether it can only be slower than the first one, known without building it."""
+        """Return whether a candidate is surely slower than the first one, known without building it."""
 
     def build(self, candidates: Sequence[C]) -> tuple[Mapping[C, Hashable], Mapping[C, str]]:
-        """What each is as a program, equal where they are the same one; and why the others cannot be had."""
+        """Build candidates.
 
-    def errors(self, candidate: C, draw: Draw) -> Floats:
-        """(count,) errors in the states of a sample; infinite where a result is not finite."""
+        Returns:
+            The program of each candidate that can be built, equal for candidates with the same machine code;
+            and for each other candidate the reason.
+        """
+
+    def errors(self, candidate: C, sample: SampleSpec) -> Floats:
+        """Return the (count,) errors in the states of a sample; infinite where a result is not finite."""
 
     def times(self, candidates: Sequence[C]) -> Mapping[C, Times]:
-        """Times of all in the same rounds."""
+        """Return the times of candidates, measured in the same rounds."""
 
-    def attack(self, candidate: C, draw: Draw, number: int) -> Attack:
-        """Search for a large error, from the worst states of a sample and from singular ones.
+    def search(self, candidate: C, sample: SampleSpec, number: int) -> SearchResult:
+        """Search for a state with a large error.
 
         Args:
-            candidate: Whose.
-            draw: A sample that has been drawn for it.
-            number: Of the search.
+            candidate: The candidate whose error is searched.
+            sample: Sample from whose worst states the search begins.
+            number: Number of the search of this candidate; the first one also tries hard states.
         """

@@ -1,20 +1,22 @@
-"""The part of a domain that a request is about, as a table of plain data and back.
+"""The states for which a budget is kept, read from a table of plain data and written as one.
+
+A region is a box of states without the states that the user excludes. Its table has the form of a TOML file:
 
     [x]                             # coordinates, rad and m
     angles = [-3.0, 3.0]            # all angles; "translations" and "quaternions" likewise
     elbow = [0.1, 2.5]              # one freedom, by its name; a single number fixes it
     [y]                             # generalized speeds, rad/s and m/s
     [tau]                           # generalized forces, N m and N
-    [force]                         # loads by body, or of "all": one range, or one for each component
+    [force]                         # loads of a body, or of "all": one range, or one for each component
     hand = [-10.0, 10.0]
     [torque]
     [parameters]                    # values of run-time parameters
     load = 12.5
     [exclude]
-    clearance = 0.05                # states in which |cos(theta2)| of a joint with three free angles is less
-    cancellation = 1e6              # states whose accelerations cancel more than this
+    clearance = 0.05                # states where |cos(theta2)| of a joint with three free angles is smaller
+    cancellation = 1e6              # states where the cancellation chi of the accelerations is larger
 
-What is left out keeps the range of `study.domain.default_domain`.
+A key that is left out keeps the range of `tradeoff.domain.default_domain`.
 """
 
 from __future__ import annotations
@@ -35,26 +37,33 @@ from kanegen.readers.text import read_text
 from kanegen.readers.toml import parsed
 from kanegen.studies.tradeoff.domain import GRID, Domain, default_domain
 
-KINDS = {"angles": "rad", "translations": "m", "quaternions": "1"}
-"""Names for all coordinates of a kind, and their unit."""
+OPTION = "--domain"
+"""The command-line option that describes a region, named in error messages."""
 
-STATE = ("x", "y", "tau")
-LOADS = ("force", "torque")
-EXCLUDED = ("clearance", "cancellation")
-TABLES = (*STATE, *LOADS, "parameters", "exclude")
+UNITS_OF_KINDS = {"angles": "rad", "translations": "m", "quaternions": "1"}
+"""Keys that set the range of all coordinates of one kind, with the unit of this kind."""
 
-ALL = "all"
-"""Name for all bodies that take loads."""
+STATE_TABLES = ("x", "y", "tau")
+LOAD_TABLES = ("force", "torque")
+EXCLUSIONS = ("clearance", "cancellation")
+TABLES = (*STATE_TABLES, *LOAD_TABLES, "parameters", "exclude")
+
+ALL_BODIES = "all"
+"""Key that sets the loads of all bodies that take loads."""
+
+_LARGEST = float(np.finfo(GRID.dtype).max)
 
 
 @dataclass(frozen=True)
 class Region:
-    """A box of states, and what is excluded from it.
+    """A box of states without the excluded ones.
 
     Attributes:
-        domain: The box, clear of gimbal lock; its system has the values of the parameters.
-        cancellation: States with a larger chi (`check.truth.conditioning`) are not part of it.
-        parameters: The values that were given.
+        domain: The box and its distance from gimbal lock. The parameters of its system have the values of
+            this region.
+        cancellation: Largest cancellation chi of the accelerations (`measure.truth.conditioning`) of a state
+            that belongs to the region; infinite if no state is excluded by it.
+        parameters: Values of run-time parameters that the table sets, by name.
     """
 
     domain: Domain
@@ -63,15 +72,15 @@ class Region:
 
     @property
     def system(self) -> System:
-        """The tree, parameters at their values here."""
+        """The system whose parameters have the values of this region."""
         return self.domain.system
 
     def as_table(self) -> dict[str, Any]:
-        """What `region` makes an equal one of."""
+        """Return the table from which `region_from_table` makes an equal region."""
         ranges = self.domain.as_dict()
         loaded = [body.name for body in self.system.bodies if body.loads]
-        table: dict[str, Any] = {name: ranges[name] for name in STATE}
-        table |= {name: {body: ranges[name][body] for body in loaded} for name in LOADS if loaded}
+        table: dict[str, Any] = {name: ranges[name] for name in STATE_TABLES}
+        table |= {name: {body: ranges[name][body] for body in loaded} for name in LOAD_TABLES if loaded}
         table["parameters"] = dict(self.parameters)
         table["exclude"] = {"clearance": self.domain.clearance}
         if self.cancellation < math.inf:
@@ -79,94 +88,179 @@ class Region:
         return table
 
 
-def region(system: System, table: Mapping[str, Any], where: str = "domain") -> Region:
-    """The region that a table describes.
+def read_region(text: str | None, system: System) -> Region:
+    """Return the region that the option `--domain` describes.
 
     Args:
-        system: The tree.
-        table: As above.
-        where: What error messages begin with, such as the name of a file.
+        text: Path of a file that ends in .toml, or the content of such a file with ";" for the ends of
+            lines; None for the default region.
+        system: The system whose states the region holds.
+
+    Raises:
+        OptionError: If the text describes no region of this system; names the file and the key.
+        ReadError: If the file does not exist, or the text is not valid TOML.
+    """
+    if text is None:
+        return region_from_table(system, {})
+    if text.lower().endswith(".toml"):
+        return region_from_table(system, parsed(read_text(Path(text)), text), text)
+    return region_from_table(system, parsed(text.replace(";", "\n"), OPTION), OPTION)
+
+
+def region_from_table(system: System, table: Mapping[str, Any], where: str = "domain") -> Region:
+    """Return the region that a table describes.
+
+    Args:
+        system: The system whose states the region holds.
+        table: Ranges, parameters and exclusions in the form of the module docstring.
+        where: Beginning of error messages, such as the name of a file.
 
     Raises:
         OptionError: If a name is unknown or a value is no range; names the key.
     """
-    _known(where, table, TABLES)
-    tables = {name: _table(where, name, table.get(name, {})) for name in TABLES}
-    parameters = {name: number(f"{where}: parameters.{name}", v) for name, v in tables["parameters"].items()}
+    _require_known_keys(where, table, TABLES)
+    tables = {name: _require_table(where, name, table.get(name, {})) for name in TABLES}
+    parameters = {
+        name: _number(f"{where}: parameters.{name}", value) for name, value in tables["parameters"].items()
+    }
     try:
         system = system.with_parameters(parameters)
     except KanegenError as error:
         raise OptionError(f"{where}: parameters: {error}") from None
-    excluded = _excluded(f"{where}: exclude", tables["exclude"])
-    box = default_domain(system, clearance=excluded.get("clearance", 0.0))
+    exclusions = _exclusions(f"{where}: exclude", tables["exclude"])
+    box = default_domain(system, clearance=exclusions.get("clearance", 0.0))
     low, high = box.low.copy(), box.high.copy()
     for name, first in box.first.items():
         place = f"{where}: {name}"
-        if name in LOADS:
-            _bodies(place, system, tables[name], low[first:], high[first:])
+        if name in LOAD_TABLES:
+            _set_load_ranges(place, system, tables[name], low[first:], high[first:])
         else:
-            _elements(place, system, box.elements[name], tables[name], low[first:], high[first:])
+            _set_ranges(place, system, box.elements[name], tables[name], low[first:], high[first:])
     try:
         domain = replace(box, low=low, high=high)
         domain.uniform(1, np.random.default_rng(0))
     except OptionError as error:
         raise OptionError(f"{where}: {error}") from None
-    return Region(domain, excluded.get("cancellation", math.inf), parameters)
+    return Region(domain, exclusions.get("cancellation", math.inf), parameters)
 
 
-def _excluded(where: str, table: Mapping[str, Any]) -> dict[str, float]:
-    _known(where, table, EXCLUDED)
-    excluded = {name: positive(f"{where}.{name}", value) for name, value in table.items()}
-    if excluded.get("clearance", 0.0) >= 1:
-        raise OptionError(f"{where}.clearance: {excluded['clearance']!r} is not below 1.")
-    return excluded
+def require_no_gimbal_lock(region: Region) -> None:
+    """Require that [A] is regular in the whole region as far as gimbal lock is concerned.
+
+    Joints whose speeds are the relative angular velocity are regular at gimbal lock; joints whose speeds are
+    rates of angles are singular there.
+
+    Raises:
+        OptionError: If the region holds states at gimbal lock where [A] is singular; names the range to
+            exclude.
+    """
+    domain, system = region.domain, region.system
+    if domain.clearance > 0:
+        return
+    for place, lock in domain.locking.items():
+        body = system.bodies[system.coordinates[place].body - 1]
+        if not body.joint.spins and _range_meets(lock, domain.low[place], domain.high[place]):
+            name = system.coordinate_names[place]
+            raise OptionError(
+                f"domain: [A] is singular where {'cos' if lock else 'sin'}({name}) = 0, which x.{name} from "
+                f"{domain.low[place]:.4g} to {domain.high[place]:.4g} meets. Exclude that, such as by "
+                f"exclude.clearance = 0.05, or give the joint of {body.name!r} the speeds angular_velocity, "
+                "which are regular there."
+            )
 
 
-def _elements(
+def _range_meets(lock: float, low: float, high: float) -> bool:
+    """Return whether the range from `low` to `high` holds `lock` plus a whole number of half turns (rad)."""
+    return math.floor((high - lock) / math.pi) >= math.ceil((low - lock) / math.pi)
+
+
+def _exclusions(where: str, table: Mapping[str, Any]) -> dict[str, float]:
+    """Return the numbers of the table [exclude] by name.
+
+    Raises:
+        OptionError: If a key is unknown or a value out of range.
+    """
+    _require_known_keys(where, table, EXCLUSIONS)
+    found = {name: _non_negative(f"{where}.{name}", value) for name, value in table.items()}
+    if found.get("clearance", 0.0) >= 1:
+        raise OptionError(f"{where}.clearance: {found['clearance']!r} is not below 1.")
+    return found
+
+
+def _set_ranges(
     where: str, system: System, units: Mapping[str, str], table: Mapping[str, Any], low: Floats, high: Floats
 ) -> None:
-    """Put the ranges of elements, whose units are given by name, into the ends of a box; kinds first."""
-    _known(where, table, (*units, *KINDS))
-    for kind, unit in KINDS.items():
+    """Write the ranges of a table of x, y or tau into the ends of a box.
+
+    Ranges of a kind, such as "angles", come first, so that the range of a single element overrides them.
+
+    Args:
+        where: Beginning of error messages.
+        system: The system, named in error messages.
+        units: Unit of every element, by its name.
+        table: Ranges by the name of an element or of a kind.
+        low: Lower ends of the box from the first element on; changed in place.
+        high: Upper ends of the box, likewise.
+
+    Raises:
+        OptionError: If a key is unknown or a value is no range.
+    """
+    _require_known_keys(where, table, (*units, *UNITS_OF_KINDS))
+    for kind, unit in UNITS_OF_KINDS.items():
         if kind in table and kind not in units:
-            lowest, highest = ends(f"{where}.{kind}", table[kind])
+            lowest, highest = _range(f"{where}.{kind}", table[kind])
             places = [place for place, own in enumerate(units.values()) if own == unit]
             if not places:
                 raise OptionError(f"{where}.{kind}: system {system.name!r} has no {kind}.")
             low[places], high[places] = lowest, highest
     for place, name in enumerate(units):
         if name in table:
-            low[place], high[place] = ends(f"{where}.{name}", table[name])
+            low[place], high[place] = _range(f"{where}.{name}", table[name])
 
 
-def _bodies(where: str, system: System, table: Mapping[str, Any], low: Floats, high: Floats) -> None:
-    """Put the ranges of loads into the ends of a box; those of all bodies first."""
+def _set_load_ranges(where: str, system: System, table: Mapping[str, Any], low: Floats, high: Floats) -> None:
+    """Write the ranges of a table of forces or torques into the ends of a box.
+
+    The range of "all" comes first, so that the range of a single body overrides it. Arguments and errors are
+    those of `_set_ranges`.
+    """
     loaded = [body.name for body in system.bodies if body.loads]
-    _known(where, table, (*loaded, *((ALL,) if loaded else ())))
-    for name in sorted(table, key=lambda name: name != ALL):
+    _require_known_keys(where, table, (*loaded, *((ALL_BODIES,) if loaded else ())))
+    for name in sorted(table, key=lambda name: name != ALL_BODIES):
         for k, body in enumerate(system.bodies):
-            if body.loads and (name == body.name or (name == ALL and ALL not in loaded)):
+            if body.loads and (name == body.name or (name == ALL_BODIES and ALL_BODIES not in loaded)):
                 own = slice(3 * k, 3 * k + 3)
-                low[own], high[own] = ends_of_three(f"{where}.{name}", table[name]).T
+                low[own], high[own] = _three_ranges(f"{where}.{name}", table[name]).T
 
 
-def _table(where: str, name: str, value: Any) -> Mapping[str, Any]:
+def _require_table(where: str, name: str, value: Any) -> Mapping[str, Any]:
+    """Return `value` if it is a table.
+
+    Raises:
+        OptionError: If it is anything else.
+    """
     if not isinstance(value, Mapping):
         raise OptionError(f"{where}: {name}: write a table [{name}], or keys such as {name}.angles.")
     return value
 
 
-def _known(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
+def _require_known_keys(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
+    """Require that every key of a table is known.
+
+    Raises:
+        OptionError: If a key is unknown; names the key and the most similar known one.
+    """
     for key in table:
         if key not in known:
             raise OptionError(f"{where}: unknown key {key!r}. {did_you_mean(key, known)}")
 
 
-_LARGEST = float(np.finfo(GRID.dtype).max)
+def _number(where: str, value: Any) -> float:
+    """Return `value` as a finite number.
 
-
-def number(where: str, value: Any) -> float:
-    """A finite number."""
+    Raises:
+        OptionError: If it is none.
+    """
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise OptionError(f"{where}: {value!r} is not a number.")
     try:
@@ -178,87 +272,55 @@ def number(where: str, value: Any) -> float:
     return found
 
 
-def positive(where: str, value: Any) -> float:
-    """A finite number that is not negative."""
-    found = number(where, value)
+def _non_negative(where: str, value: Any) -> float:
+    """Return `value` as a finite number that is not negative.
+
+    Raises:
+        OptionError: If it is none.
+    """
+    found = _number(where, value)
     if found < 0:
         raise OptionError(f"{where}: {found!r} is negative.")
     return found
 
 
-def ends(where: str, value: Any) -> tuple[float, float]:
-    """The ends of a range, which for a single number are the same."""
+def _range(where: str, value: Any) -> tuple[float, float]:
+    """Return the ends of a range [low, high]; both ends of a single number are this number.
+
+    Raises:
+        OptionError: If the value is neither, or an end exceeds single precision.
+    """
     if not isinstance(value, list):
-        fixed = _held(where, value)
+        fixed = _number_of_state(where, value)
         return fixed, fixed
     if len(value) != 2:
         raise OptionError(f"{where}: a range is [low, high], or one number that stays fixed; got {value!r}.")
-    low, high = (_held(where, end) for end in value)
+    low, high = (_number_of_state(where, end) for end in value)
     if low > high:
         raise OptionError(f"{where}: the range [{low!r}, {high!r}] is inverted. Write [{high!r}, {low!r}].")
     return low, high
 
 
-def ends_of_three(where: str, value: Any) -> Floats:
-    """(3, 2) those of the ranges of components, from one range or three."""
+def _three_ranges(where: str, value: Any) -> Floats:
+    """Return the (3, 2) ends of the ranges of three components, from one range or from three.
+
+    Raises:
+        OptionError: If the value is neither.
+    """
     if isinstance(value, list) and any(isinstance(item, list) for item in value):
         if len(value) != 3:
             raise OptionError(f"{where}: expected one range or three, got {len(value)}.")
-        return np.array([ends(f"{where}[{k}]", item) for k, item in enumerate(value)])
-    return np.array([ends(where, value)] * 3)
+        return np.array([_range(f"{where}[{k}]", item) for k, item in enumerate(value)])
+    return np.array([_range(where, value)] * 3)
 
 
-def _held(where: str, value: Any) -> float:
-    """A number that a state can hold."""
-    found = number(where, value)
+def _number_of_state(where: str, value: Any) -> float:
+    """Return `value` as a finite number that single precision holds.
+
+    Raises:
+        OptionError: If it is none.
+    """
+    found = _number(where, value)
     if abs(found) > _LARGEST:
         raise OptionError(f"{where}: {found!r} is beyond single precision, which all states have.")
     return found
-
-
-OPTION = "--domain"
-
-
-def read_domain(given: str | None, system: System) -> Region:
-    """The region that an option `--domain` names.
-
-    Args:
-        given: A file that ends in .toml, or TOML as it would stand in one, with ";" instead of the ends of
-            lines; None for the default.
-        system: The tree.
-
-    Raises:
-        OptionError: If it describes no region of this system; names the file and the key.
-        ReadError: If there is no such file, or it is no TOML.
-    """
-    if given is None:
-        return region(system, {})
-    if given.lower().endswith(".toml"):
-        return region(system, parsed(read_text(Path(given)), given), given)
-    return region(system, parsed(given.replace(";", "\n"), OPTION), OPTION)
-
-
-def require_clear(region: Region) -> None:
-    """Make sure that no state of a region stands at gimbal lock where that matters.
-
-    Raises:
-        OptionError: If one does; names what to exclude.
-    """
-    domain, system = region.domain, region.system
-    if domain.clearance > 0:
-        return
-    for place, lock in domain.locking.items():
-        body = system.bodies[system.coordinates[place].body - 1]
-        if not body.joint.spins and _meets(lock, domain.low[place], domain.high[place]):
-            name = system.coordinate_names[place]
-            raise OptionError(
-                f"domain: [A] is singular where {'cos' if lock else 'sin'}({name}) = 0, which x.{name} from "
-                f"{domain.low[place]:.4g} to {domain.high[place]:.4g} meets. Exclude that, such as by "
-                f"exclude.clearance = 0.05, or give the joint of {body.name!r} the speeds angular_velocity, "
-                "which are regular there."
-            )
-
-
-def _meets(lock: float, low: float, high: float) -> bool:
-    """Whether an angle between these ends can be `lock`, or half turns away from it."""
-    return math.floor((high - lock) / math.pi) >= math.ceil((low - lock) / math.pi)

@@ -1,4 +1,4 @@
-"""What is asked for: a budget of error or of time, and how surely it is to be kept."""
+"""The request of a user: a budget of error or of time, and the confidence with which it is to be kept."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from dataclasses import dataclass
 from kanegen.choices import did_you_mean, require_one
 from kanegen.errors import OptionError
 from kanegen.measure.timing import OBJECTIVES
-from kanegen.studies.budget.confidence import corrected, draws_needed, probability
+from kanegen.studies.budget.confidence import alpha_of_attempt, probability, states_needed
 
 SAFETY = 4.0
-"""The error on the sample by which a candidate is chosen must stay below the budget by this factor."""
+"""Factor by which the error in the sample for selection must stay below the budget."""
 
 SHARE = 0.001
-"""Of the domain that may exceed the budget unseen, where no state that is tried may."""
+"""Share of the domain that may exceed a budget of which no tried state may exceed it."""
 
 UNITS = {"ns": 1.0, "us": 1e3, "µs": 1e3, "μs": 1e3, "ms": 1e6, "s": 1e9}
-"""Of a budget of time, in ns."""
+"""Units of a budget of time, in ns."""
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is spent on a search.
+    """The effort of a selection.
 
     Attributes:
-        select: States by which candidates are chosen.
-        validate: Fresh states by which the chosen one is judged; by default as many as the request needs when
-            none exceeds the budget.
-        attack: Evaluations of each of the two searches for a counterexample.
-        rounds: In which the candidates take turns to be timed.
-        seconds: Of each of them in every round.
+        select: Number of states by which a candidate is chosen.
+        validate: Number of fresh states by which the chosen candidate is validated; None for the smallest
+            number that can show what the request asks.
+        search: Number of states that each of the two searches for a counterexample tries.
+        rounds: Number of rounds in which the candidates take turns to be timed.
+        seconds: Duration of the timing of one candidate in one round (s).
     """
 
     select: int = 512
     validate: int | None = None
-    attack: int = 512
+    search: int = 512
     rounds: int = 9
     seconds: float = 0.02
 
@@ -44,9 +44,9 @@ class Effort:
         """Check every number.
 
         Raises:
-            OptionError: If one is too small.
+            OptionError: If a number is too small.
         """
-        counts = {"select": self.select, "attack": self.attack, "rounds": self.rounds}
+        counts = {"select": self.select, "search": self.search, "rounds": self.rounds}
         if self.validate is not None:
             counts["validate"] = self.validate
         for name, count in counts.items():
@@ -58,17 +58,17 @@ class Effort:
 
 @dataclass(frozen=True)
 class Request:
-    """A budget and its terms.
+    """A budget and the conditions under which it is kept.
 
     Attributes:
-        error: Budget of the normwise error; None where time has the budget.
-        time: Budget of an evaluation (ns); None where the error has it.
-        objective: What is timed, one of `OBJECTIVES`.
-        quantile: Share of the domain that is to keep the error; 1.0 means that no state that is tried may
-            exceed it, and that at most `SHARE` of the domain would.
-        confidence: With which this is to be shown.
-        attempts: How many candidates may be validated at most, one after the other.
-        effort: What is spent on it.
+        error: Budget of the normwise relative error of {ydot}; None under a budget of time.
+        time: Budget of the time of one evaluation (ns); None under a budget of error.
+        objective: The time that is measured, one of `OBJECTIVES`.
+        quantile: Share of the domain in which the error must keep the budget. 1.0 means that no tried state
+            may exceed it, and that at most a share `SHARE` of the domain exceeds it.
+        confidence: Confidence with which this is to be shown.
+        attempts: Largest number of candidates that are validated one after the other.
+        effort: The effort of the selection.
     """
 
     error: float | None = None
@@ -80,10 +80,10 @@ class Request:
     effort: Effort = Effort()
 
     def __post_init__(self) -> None:
-        """Check everything that can be wrong without a model.
+        """Check everything that does not depend on the model.
 
         Raises:
-            OptionError: If something is.
+            OptionError: If a value is out of range, or the values contradict each other.
         """
         if (self.error is None) == (self.time is None):
             raise OptionError("give a budget of error or a budget of time: one of them, not both.")
@@ -96,44 +96,44 @@ class Request:
         probability(self.confidence, "confidence")
         if isinstance(self.attempts, bool) or not isinstance(self.attempts, int) or self.attempts < 1:
             raise OptionError(f"attempts is {self.attempts!r}; it must be a whole number, at least 1.")
-        if self.draws < self.needed:
+        if self.fresh_states < self.least_fresh_states:
             raise OptionError(
-                f"validate is {self.draws}, but {self.needed} states are needed to show that at most "
-                f"{self.share:g} of the domain exceeds a budget, at {100 * self.confidence:g} % and in "
-                f"{self.attempts} attempts."
+                f"validate is {self.fresh_states}, but {self.least_fresh_states} states are needed to show "
+                f"that at most {self.share:g} of the domain exceeds a budget, at "
+                f"{100 * self.confidence:g} % and in {self.attempts} attempts."
             )
 
     @property
     def alpha(self) -> float:
-        """Of one attempt."""
-        return corrected(1 - self.confidence, self.attempts)
+        """Probability of a wrong claim that one attempt may have."""
+        return alpha_of_attempt(1 - self.confidence, self.attempts)
 
     @property
     def share(self) -> float:
-        """Of the domain that may exceed the budget."""
+        """Share of the domain that may exceed the budget."""
         return SHARE if self.is_strict else 1 - self.quantile
 
     @property
     def is_strict(self) -> bool:
-        """Whether a single state that exceeds the budget is too much."""
+        """Whether no tried state may exceed the budget."""
         return self.quantile == 1.0
 
     @property
-    def needed(self) -> int:
-        """Fresh states of an attempt at least."""
-        return draws_needed(self.share, self.alpha)
+    def least_fresh_states(self) -> int:
+        """Smallest number of fresh states that can show what the request asks."""
+        return states_needed(self.share, self.alpha)
 
     @property
-    def draws(self) -> int:
-        """Fresh states of an attempt."""
-        return self.needed if self.effort.validate is None else self.effort.validate
+    def fresh_states(self) -> int:
+        """Number of fresh states of each attempt."""
+        return self.least_fresh_states if self.effort.validate is None else self.effort.validate
 
 
 def error_budget(text: float | str) -> float:
-    """The number in an option `--error`.
+    """Return the number in the text of the option `--error`.
 
     Raises:
-        OptionError: If it is no number.
+        OptionError: If the text is no number.
     """
     try:
         return float(text)
@@ -142,10 +142,10 @@ def error_budget(text: float | str) -> float:
 
 
 def time_budget(text: str) -> float:
-    """Nanoseconds from words such as "200ns" or "1.5 us".
+    """Return the nanoseconds of a text such as "200ns" or "1.5 us".
 
     Raises:
-        OptionError: If there is no number, or the unit is missing or unknown.
+        OptionError: If the text has no number, or its unit is missing or unknown.
     """
     match = re.fullmatch(r"\s*([-+]?[\d.]+(?:e[-+]?\d+)?|nan|[-+]?inf)\s*([^\d\s.]*)\s*", text, re.IGNORECASE)
     if match is None:

@@ -1,4 +1,7 @@
-"""Samples of a region, each from a stream of random numbers of its own."""
+"""Random samples of a region, and single states as plain data.
+
+Each sample has a stream of random numbers of its own, so that no two samples share a state.
+"""
 
 from __future__ import annotations
 
@@ -14,23 +17,35 @@ from kanegen.studies.tradeoff.domain import Domain
 from kanegen.studies.tradeoff.judge import Judge
 from kanegen.studies.tradeoff.samples import Sample, joined
 
-STREAMS = ("select", "validate", "verify", "attack", "bits", "time")
-"""What samples are drawn for; no two of them share a stream."""
+PURPOSES = ("select", "validate", "verify", "search", "bits", "time")
+"""The purposes of samples; the place of a purpose is part of the seed, so no two purposes share a stream."""
 
 _LEAST_SHARE = 0.01
-"""Of a box that must be left after what is excluded, so that drawing from it comes to an end."""
+"""Smallest share of a box that may be left by the exclusions, so that rejection sampling ends."""
 
 
-def stream(seed: int, purpose: str, number: int) -> np.random.Generator:
-    """The random numbers of one sample."""
-    return np.random.default_rng([seed, STREAMS.index(purpose), number])
+def random_stream(seed: int, purpose: str, number: int) -> np.random.Generator:
+    """Return the generator of the random numbers of one sample.
+
+    Args:
+        seed: Seed of all samples of a request.
+        purpose: Purpose of the sample, one of `PURPOSES`.
+        number: Number of the sample among those of its purpose.
+    """
+    return np.random.default_rng([seed, PURPOSES.index(purpose), number])
 
 
-def drawn(region: Region, judge: Judge, count: int, rng: np.random.Generator) -> Sample:
-    """`count` states, uniform over the region.
+def sample_region(region: Region, judge: Judge, count: int, rng: np.random.Generator) -> Sample:
+    """Return `count` random states that are uniformly distributed over a region.
+
+    Args:
+        region: The states to choose from.
+        judge: Evaluator of errors of the system of the region; it knows the cancellation of a state.
+        count: Number of states.
+        rng: Generator of the random numbers.
 
     Raises:
-        OptionError: If next to nothing of the box cancels as little as is allowed.
+        OptionError: If less than a hundredth of the box belongs to the region.
     """
     if region.cancellation == math.inf:
         return region.domain.states(region.domain.uniform(count, rng))
@@ -38,7 +53,7 @@ def drawn(region: Region, judge: Judge, count: int, rng: np.random.Generator) ->
     tried = 0
     while len(kept) < count:
         sample = region.domain.states(region.domain.uniform(count, rng))
-        kept += [sample[k : k + 1] for k, fits in enumerate(within(region, judge, sample)) if fits]
+        kept += [sample[k : k + 1] for k, inside in enumerate(in_region(region, judge, sample)) if inside]
         tried += count
         if len(kept) < _LEAST_SHARE * tried:
             raise OptionError(
@@ -48,8 +63,8 @@ def drawn(region: Region, judge: Judge, count: int, rng: np.random.Generator) ->
     return joined(kept[:count])
 
 
-def within(region: Region, judge: Judge, sample: Sample) -> list[bool]:
-    """For every state of a sample whether it is part of the region."""
+def in_region(region: Region, judge: Judge, sample: Sample) -> list[bool]:
+    """Return for each state of a sample whether it belongs to the region."""
     if region.cancellation == math.inf:
         return [region.domain.contains(sample[k : k + 1]) for k in range(len(sample))]
     return [
@@ -59,7 +74,7 @@ def within(region: Region, judge: Judge, sample: Sample) -> list[bool]:
 
 
 def state_table(sample: Sample) -> dict[str, Any]:
-    """One state, its numbers in hexadecimal: exactly, and the same on every machine."""
+    """Return a sample of one state as a table of hexadecimal numbers, which are exact on every machine."""
     (row,) = sample.flat()
     m, n = sample.states.x.shape[1], sample.tau.shape[1]
     loads = (len(row) - m - 2 * n) // 2
@@ -69,14 +84,14 @@ def state_table(sample: Sample) -> dict[str, Any]:
     return {name: [float(value).hex() for value in values] for name, values in parts if len(values)}
 
 
-def sample_from_table(domain: Domain, words: Mapping[str, Any]) -> Sample:
-    """The state that `state` put into words.
+def sample_from_table(domain: Domain, table: Mapping[str, Any]) -> Sample:
+    """Return the state that `state_table` wrote, as a sample of one state.
 
     Raises:
-        CertificateError: If it is none of this domain's system.
+        CertificateError: If the table holds no state of the system of the domain.
     """
     try:
-        row = [float.fromhex(value) for name in words for value in words[name]]
+        row = [float.fromhex(value) for name in table for value in table[name]]
     except (TypeError, ValueError, OverflowError):
         row = []
     if len(row) != domain.size:

@@ -1,15 +1,17 @@
-"""How a variant is chosen, and how it is judged afterwards.
+"""The choice of a variant under a budget, and its validation.
 
-1. Who cannot keep the budget by its roundoff alone is left out unbuilt, and who has more digits than are
-   needed; the others are built and measured in the states of one sample, which serves for choosing only. A
-   state without a result counts as an infinite error.
-2. An error must stay below the budget by a factor, a time below it, on this machine, all taking turns.
-3. The best of these are timed once more, and one is chosen. It is attacked: a search for a counterexample,
-   which may use what is known of the sample.
-4. Who survives is validated once, in states that nobody has seen, and attacked again from the worst ones.
-5. Who fails is out, and the next one gets a new sample. How often this may happen is fixed beforehand and
-   paid for by the confidence of each attempt (`odds`).
-6. Where all are refuted, those with more digits than the sample needed are built after all.
+1. Candidates that cannot keep the budget by their roundoff alone are not built; neither are candidates with
+   more digits than are needed. The others are built and measured in the states of one sample, which serves
+   for selection only. A state without a result counts as an infinite error.
+2. The error of a candidate must stay below the budget by a factor, its time below a budget of time. Times are
+   measured on this machine, and all candidates take turns.
+3. The best candidates are timed once more, and one of them is chosen. A search for a counterexample tries to
+   refute it; this search may use what is known of the sample.
+4. A candidate that is not refuted is validated once, in fresh states, and searched again from the worst of
+   them.
+5. A candidate that fails is dropped, and the next one gets a new sample. The number of such attempts is fixed
+   beforehand and paid for by the confidence of each attempt (`budget.confidence`).
+6. If all candidates are refuted, those with more digits than the sample needed are built after all.
 """
 
 from __future__ import annotations
@@ -22,127 +24,142 @@ import numpy as np
 
 from kanegen.errors import BudgetError
 from kanegen.measure.timing import Speedup, Times, speedup
-from kanegen.studies.budget.confidence import Validation, judged
-from kanegen.studies.budget.evaluator import VALIDATE, Attack, C, Draw, Laboratory
+from kanegen.studies.budget.confidence import Validation, validate
+from kanegen.studies.budget.evaluator import VALIDATE, C, Evaluator, SampleSpec, SearchResult
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.screening import Screening
 
 SHOWN = 3
-"""Candidates that are named where all fail."""
+"""Number of candidates that an error message names if all fail."""
 
 
 @dataclass(frozen=True)
 class Choice(Generic[C]):
-    """The outcome of a search.
+    """The chosen candidate and what was measured of it.
 
     Attributes:
-        candidate: The chosen one.
-        error: Of it, on the sample by which it was chosen, at the quantile.
-        times: Of it.
-        validation: Of it.
-        attacks: On it, before and after the validation.
-        standard: The first one of the field.
-        reference: The fastest candidate that is as accurate as that.
-        gain: How many times as fast the chosen one is; None where this is not certain.
-        verdicts: What became of every candidate, by label, in the order of the field.
+        candidate: The chosen candidate.
+        error: Its error in the sample for selection, at the quantile of the request.
+        times: Its times, measured together with those of the other finalists.
+        validation: Its errors in fresh states.
+        searches: The searches for a counterexample before and after the validation.
+        standard: The first of all candidates, with whose accuracy the others are compared.
+        reference: The fastest candidate that is as accurate as `standard`.
+        gain: How many times as fast the candidate is as `reference`; None where the difference is not
+            certain.
+        verdicts: What became of every candidate, by label, in the order of the candidates.
     """
 
     candidate: C
     error: float
     times: Times
     validation: Validation
-    attacks: tuple[Attack, ...]
+    searches: tuple[SearchResult, ...]
     standard: C
     reference: C
     gain: Speedup | None
     verdicts: dict[str, str]
 
 
-def choose(laboratory: Laboratory[C], request: Request) -> Choice[C]:
-    """The variant that a request asks for.
+def choose(evaluator: Evaluator[C], request: Request) -> Choice[C]:
+    """Return the candidate that a request asks for.
 
     Raises:
-        BudgetError: If none keeps the budget; says how far one gets and which.
+        BudgetError: If no candidate keeps the budget; says which comes nearest to it.
     """
-    return _Search(Screening(laboratory, request)).run()
+    return _Selection(Screening(evaluator, request)).run()
 
 
 @dataclass(frozen=True)
-class _Search(Generic[C]):
-    """One search."""
+class _Selection(Generic[C]):
+    """One run of the selection."""
 
     screening: Screening[C]
 
     def run(self) -> Choice[C]:
-        """See `choose`."""
-        remaining, allowed = self.screening.affordable(), self.screening.request.attempts
+        """Return the candidate that the request asks for.
+
+        Raises:
+            BudgetError: If no candidate keeps the budget.
+        """
+        remaining, allowed = self.screening.eligible(), self.screening.request.attempts
         attempt = 0
         while attempt < allowed:
-            best = self.screening.best(remaining)
+            best = self.screening.take_best(remaining)
             if best is None:
-                remaining = self.screening.widened()
+                remaining = self.screening.eligible_deferred()
                 if not remaining:
                     break
                 continue
-            first = self._attack(best, self.screening.sample, 1)
+            first = self._search(best, self.screening.sample, 1)
             if first is None:
                 continue
             attempt += 1
             chosen = self._validated(best, first, attempt)
             if chosen is not None:
                 return chosen
-        raise BudgetError(self._defeat(attempt < allowed))
+        raise BudgetError(self._failure(attempt < allowed))
 
-    def _attack(self, candidate: C, draw: Draw, number: int) -> Attack | None:
-        """The outcome of an attack that the candidate survives."""
-        known = self.screening
-        attack = known.laboratory.attack(candidate, draw, number)
-        if attack.error < math.inf and (attack.error <= known.budget or not known.request.is_strict):
-            return attack
-        refuted = f"; refuted in {attack.evaluations} evaluations: error {attack.error:.1e}. {attack.cause}"
-        known.say(candidate, refuted.rstrip("."))
+    def _search(self, candidate: C, sample: SampleSpec, number: int) -> SearchResult | None:
+        """Return the result of a search for a counterexample; None if it refutes the candidate."""
+        screening = self.screening
+        found = screening.evaluator.search(candidate, sample, number)
+        is_kept = found.error <= screening.error_budget or not screening.request.is_strict
+        if found.error < math.inf and is_kept:
+            return found
+        refuted = (
+            f"; refuted in {found.evaluations} evaluations: error {found.error:.1e}. {found.explanation}"
+        )
+        screening.note(candidate, refuted.rstrip("."))
         return None
 
-    def _validated(self, candidate: C, first: Attack, attempt: int) -> Choice[C] | None:
-        """The choice, if a fresh sample and a second attack bear it out."""
-        known, request = self.screening, self.screening.request
-        draw = Draw(VALIDATE, attempt, request.draws)
-        errors = known.laboratory.errors(candidate, draw)
+    def _validated(self, candidate: C, first: SearchResult, attempt: int) -> Choice[C] | None:
+        """Return the choice of a candidate; None if a fresh sample or a second search refutes it."""
+        screening, request = self.screening, self.screening.request
+        sample = SampleSpec(VALIDATE, attempt, request.fresh_states)
+        errors = screening.evaluator.errors(candidate, sample)
         claim = float(np.max([*errors, first.error])) if request.error is None else request.error
-        validation = judged(errors, claim, request.alpha, attempt)
+        validation = validate(errors, claim, request.alpha, attempt)
         allowed = 0 if request.is_strict else len(errors)
         if validation.exceeded > allowed or validation.limit > request.share or claim == math.inf:
             count = f"{validation.exceeded} of {len(errors)} fresh states exceed {claim:.1e}"
-            known.say(candidate, f"; failed validation {attempt}: {count}")
+            screening.note(candidate, f"; failed validation {attempt}: {count}")
             return None
-        second = self._attack(candidate, draw, 2)
+        second = self._search(candidate, sample, 2)
         if second is None:
             return None
         if request.error is None:
-            validation = judged(errors, max(claim, second.error), request.alpha, attempt)
+            validation = validate(errors, max(claim, second.error), request.alpha, attempt)
         return self._choice(candidate, validation, (first, second))
 
-    def _choice(self, candidate: C, validation: Validation, attacks: tuple[Attack, ...]) -> Choice[C]:
-        known = self.screening
-        known.say(candidate, "; chosen")
-        reference = known.reference(known.finals) or candidate
-        gain = speedup(known.finals[reference], known.finals[candidate])
+    def _choice(self, candidate: C, validation: Validation, searches: tuple[SearchResult, ...]) -> Choice[C]:
+        """Return the choice of a candidate that no check has refuted."""
+        screening = self.screening
+        screening.note(candidate, "; chosen")
+        times = screening.final_times
+        reference = screening.reference(times) or candidate
+        gain = speedup(times[reference], times[candidate])
         return Choice(
             candidate=candidate,
-            error=known.found[candidate],
-            times=known.finals[candidate],
+            error=screening.errors[candidate],
+            times=times[candidate],
             validation=validation,
-            attacks=attacks,
-            standard=known.laboratory.field[0],
+            searches=searches,
+            standard=screening.evaluator.candidates[0],
             reference=reference,
             gain=gain if gain.is_real else None,
-            verdicts=known.verdicts,
+            verdicts=screening.verdicts,
         )
 
-    def _defeat(self, all_tried: bool) -> str:
-        if not any(";" in words for words in self.screening.verdicts.values()):
-            return self.screening.best_time()
-        tried = [f"{label}: {words}." for label, words in self.screening.verdicts.items() if ";" in words]
+    def _failure(self, all_tried: bool) -> str:
+        """Return the message that no candidate was validated.
+
+        Args:
+            all_tried: Whether no candidate is left; otherwise the allowed attempts were used up.
+        """
+        if not any(";" in text for text in self.screening.verdicts.values()):
+            return self.screening.time_budget_failure()
+        tried = [f"{label}: {text}." for label, text in self.screening.verdicts.items() if ";" in text]
         more = "" if all_tried else " No further attempt was allowed; see attempts."
         others = f" And {len(tried) - SHOWN} more." if len(tried) > SHOWN else ""
         return (

@@ -1,10 +1,10 @@
-"""The laboratory in which the variants of a model are built, judged by certified truth, and timed."""
+"""The evaluator of a budget study: it builds variants of a model, measures their errors and times them."""
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,11 +19,11 @@ from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import STRICT
 from kanegen.studies.bench.states import plain
-from kanegen.studies.budget.counterexample import attacked
-from kanegen.studies.budget.evaluator import Attack, Draw
+from kanegen.studies.budget.counterexample import search_counterexample
+from kanegen.studies.budget.evaluator import SampleSpec, SearchResult
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.request import Request
-from kanegen.studies.budget.sampling import drawn, sample_from_table, stream
+from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.domain import Domain
 from kanegen.studies.tradeoff.judge import Judge
@@ -32,47 +32,59 @@ from kanegen.studies.tradeoff.times import timed
 from kanegen.studies.tradeoff.variants import Candidate, candidates
 
 TIMED_STATES = 256
-"""Independent states that are computed in turn while the clock runs."""
+"""Number of independent states that are computed in turn while the time is measured."""
 
-ROUNDED_RESULT = 8.0
-"""A rounded result errs by a roundoff over this in at least one of the states of a sample."""
+LEAST_ROUNDING = 1 / 8
+"""Error, in units of roundoff, that a rounded result has in at least one state of a sample."""
 
 
-def field_of(
-    keep: Callable[[Candidate], bool] = lambda candidate: True, among: Iterable[Candidate] | None = None
+def allowed_candidates(
+    is_allowed: Callable[[Candidate], bool] = lambda candidate: True,
 ) -> tuple[Candidate, ...]:
-    """The default variant and those of the study, with the speeds of the model, as far as they are kept.
+    """Return the candidates of a budget study, the default variant first.
+
+    These are the variants of `tradeoff.variants` that keep the generalized speeds and coordinates of the
+    model.
 
     Args:
-        keep: Which may be chosen.
-        among: Instead of those of the study.
+        is_allowed: Whether a candidate may be chosen.
 
     Raises:
-        OptionError: If none is left.
+        OptionError: If no candidate may be chosen.
     """
-    known = candidates()[0] if among is None else among
-    own = [Candidate(STRICT), *(candidate for candidate in known if not candidate.changes_system)]
-    kept = tuple(candidate for candidate in dict.fromkeys(own) if keep(candidate))
-    if not kept:
+    known = (candidate for candidate in candidates()[0] if not candidate.changes_system)
+    allowed = tuple(
+        candidate for candidate in dict.fromkeys([Candidate(STRICT), *known]) if is_allowed(candidate)
+    )
+    if not allowed:
         raise OptionError("no variant is left to choose from: ask for less, such as another precision.")
-    return kept
+    return allowed
 
 
 def is_reproducible(candidate: Candidate) -> bool:
-    """Whether it has the same bits from every compiler and on every machine."""
+    """Return whether a candidate has the same bits from every compiler and on every machine."""
     variant = candidate.variant
     return variant.semantics == STRICT.semantics and variant.machine == STRICT.machine
 
 
-class Workbench:
-    """A `Laboratory` of `Candidate` for the forward dynamics of one system.
+def normwise_errors(judge: Judge, library: Library, sample: Sample, objective: str) -> Floats:
+    """Return the (B,) normwise errors of {ydot} of a library in a sample of B states.
+
+    The error is infinite where a result is not finite or does not solve the equations at all.
+    """
+    found = judge.errors(library, sample, objective)
+    return np.where(found.wrong | ~np.isfinite(found.normwise), np.inf, found.normwise)
+
+
+class VariantEvaluator:
+    """An `Evaluator` of variants of the forward dynamics of one system.
 
     Args:
-        region: The states that count.
-        request: What is asked for.
-        field: Who may be chosen; the others are compared with the first.
-        seed: Of all samples.
-        progress: Told the name of each stage.
+        region: The states for which the budget is kept.
+        request: The budget and its conditions.
+        candidates: The variants to choose from; the others are compared with the first.
+        seed: Seed of all samples.
+        progress: Function that is called with the name of each stage.
 
     Raises:
         BuildError: If there is no C compiler.
@@ -82,44 +94,35 @@ class Workbench:
         self,
         region: Region,
         request: Request,
-        field: Sequence[Candidate],
+        candidates: Sequence[Candidate],
         seed: int = 0,
         progress: Progress = quiet,
     ) -> None:
         compilers.find()
         self.region = region
-        self.field = field
+        self.candidates = candidates
         self.judge = Judge(region.system)
         self._request = request
         self._seed = seed
         self._progress = progress
-        self._samples: dict[Draw, Sample] = {}
+        self._samples: dict[SampleSpec, Sample] = {}
         self._built: dict[Candidate, CompiledVariant] = {}
-        self._refutations: list[Attack] = []
+        self._refutations: list[SearchResult] = []
 
-    def floor(self, candidate: Candidate) -> float:
-        """What the rounding of the result alone brings."""
-        held = formats(candidate.variant)
-        return max(held.arithmetic.roundoff, held.storage.roundoff) / ROUNDED_RESULT
-
-    def sample(self, draw: Draw) -> Sample:
-        """The states of a draw, in which truth is known once for all candidates."""
-        if draw not in self._samples:
-            rng = stream(self._seed, draw.purpose, draw.number)
-            self._progress(f"exact results in {draw.count} states to {draw.purpose}")
-            self._samples[draw] = drawn(self.region, self.judge, draw.count, rng)
-            self.judge.truths(self._samples[draw])
-        return self._samples[draw]
+    def least_error(self, candidate: Candidate) -> float:
+        """Return the error that rounding the result alone brings."""
+        used = formats(candidate.variant)
+        return max(used.arithmetic.roundoff, used.storage.roundoff) * LEAST_ROUNDING
 
     def is_costlier(self, candidate: Candidate) -> bool:
-        """Whether its arithmetic has more digits than that of the first candidate."""
-        first = formats(self.field[0].variant).arithmetic.roundoff
+        """Return whether the arithmetic of a candidate has more digits than that of the first one."""
+        first = formats(self.candidates[0].variant).arithmetic.roundoff
         return formats(candidate.variant).arithmetic.roundoff < first
 
     def build(
         self, candidates: Sequence[Candidate]
     ) -> tuple[Mapping[Candidate, Hashable], Mapping[Candidate, str]]:
-        """Compiled for this machine."""
+        """Compile candidates for this machine; see `Evaluator.build`."""
         built, refused = compile_variants(self.region.system, candidates, self._progress)
         self._built |= {one.candidate: one for one in built}
         reasons = {refusal.label: refusal.reason for refusal in refused}
@@ -127,15 +130,28 @@ class Workbench:
         return {one.candidate: one.fingerprint for one in built}, {c: reasons[c.label] for c in missing}
 
     def library(self, candidate: Candidate) -> Library:
-        """What was built."""
+        """Return the compiled library of a candidate that was built."""
         return self._built[candidate].library
 
-    def errors(self, candidate: Candidate, draw: Draw) -> Floats:
-        """(count,) errors; see `normwise_errors`."""
-        return self._error(self.library(candidate), self.sample(draw))
+    def sample(self, spec: SampleSpec) -> Sample:
+        """Return the states of a sample; the exact results in them are computed once for all candidates."""
+        if spec not in self._samples:
+            rng = random_stream(self._seed, spec.purpose, spec.number)
+            self._progress(f"exact results in {spec.count} states to {spec.purpose}")
+            self._samples[spec] = sample_region(self.region, self.judge, spec.count, rng)
+            self.judge.truths(self._samples[spec])
+        return self._samples[spec]
+
+    def errors(self, candidate: Candidate, sample: SampleSpec) -> Floats:
+        """Return the (count,) errors of a candidate in the states of a sample; see `normwise_errors`."""
+        return self._errors(self.library(candidate), self.sample(sample))
 
     def times(self, candidates: Sequence[Candidate]) -> dict[Candidate, Times]:
-        """Of the objective, without loads and with parameters folded: the timing driver has neither."""
+        """Return the times of candidates for the objective of the request.
+
+        They are times of the system without loads and with constant parameters, because the timing driver
+        has neither.
+        """
         system, _ = plain(self.region.system)
         built = [self._built[candidate] for candidate in candidates]
         if system != self.region.system:
@@ -145,41 +161,43 @@ class Workbench:
         found = timed(dict.fromkeys(built, sample), rounds, self._progress)
         return {one.candidate: found[one][self._request.objective] for one in built}
 
-    def attack(self, candidate: Candidate, draw: Draw, number: int) -> Attack:
-        """A search for a counterexample; the first one also tries the strata.
+    def search(self, candidate: Candidate, sample: SampleSpec, number: int) -> SearchResult:
+        """Search for a state with a large error; see `Evaluator.search`.
 
-        It begins with those that refuted other candidates: what is hard for one is hard for many.
+        The search begins with the states that refuted other candidates, because a state that is hard for one
+        is often hard for others.
         """
         self._progress(f"searching for a counterexample: {candidate.label}")
-        error = functools.partial(self._error, self.library(candidate))
+        errors = functools.partial(self._errors, self.library(candidate))
         for tried, refutation in enumerate(self._refutations, start=1):
-            height = float(error(sample_from_table(self.region.domain, refutation.where))[0])
-            if height > self._budget:
-                return replace(refutation, error=height, evaluations=tried)
-        seed = int(stream(self._seed, "attack", number).integers(2**31))
-        effort = self._request.effort.attack
-        found = attacked(self.region, self.judge, error, self.sample(draw), effort, seed, hard=number == 1)
-        if found.error > self._budget:
+            error = float(errors(sample_from_table(self.region.domain, refutation.state))[0])
+            if error > self._error_budget:
+                return replace(refutation, error=error, evaluations=tried)
+        found = search_counterexample(
+            self.region,
+            self.judge,
+            errors,
+            self.sample(sample),
+            evaluations=self._request.effort.search,
+            seed=int(random_stream(self._seed, "search", number).integers(2**31)),
+            hard=number == 1,
+        )
+        if found.error > self._error_budget:
             self._refutations.append(found)
         return found
 
     @property
-    def _budget(self) -> float:
-        """Of the error in every state; infinite where some may exceed it, or time has the budget."""
+    def _error_budget(self) -> float:
+        """The error that no tried state may exceed; infinite under a budget of time or a quantile below 1."""
         return self._request.error if self._request.error and self._request.is_strict else math.inf
 
-    def _error(self, library: Library, sample: Sample) -> Floats:
+    def _errors(self, library: Library, sample: Sample) -> Floats:
+        """Return the (B,) normwise errors of a library in a sample of B states."""
         return normwise_errors(self.judge, library, sample, self._request.objective)
 
     def _timed_sample(self, system: System) -> Sample:
-        """States of the region, without loads."""
-        own = self.region.domain
-        size = own.first["force"]
-        rows = own.uniform(TIMED_STATES, stream(self._seed, "time", 0))
-        return Domain(system, own.low[:size], own.high[:size]).states(rows[:, :size])
-
-
-def normwise_errors(judge: Judge, library: Library, sample: Sample, objective: str) -> Floats:
-    """(B,) normwise errors of {ydot}; infinite where it is not finite, or not a solution at all."""
-    found = judge.errors(library, sample, objective)
-    return np.where(found.wrong | ~np.isfinite(found.normwise), np.inf, found.normwise)
+        """Return states of the region without their loads, as states of a system without loads."""
+        domain = self.region.domain
+        size = domain.first["force"]
+        rows = domain.uniform(TIMED_STATES, random_stream(self._seed, "time", 0))
+        return Domain(system, domain.low[:size], domain.high[:size]).states(rows[:, :size])

@@ -1,7 +1,7 @@
 """Whether a certificate still holds: everything in it but the times is made and measured anew.
 
-What was edited, or belongs to another model or version, is an error. What can be compared but differs is a
-finding that does not hold.
+A certificate that was edited, or that belongs to another model or version, is an error. A statement of the
+certificate that can be checked and turns out different is a finding that does not hold.
 """
 
 from __future__ import annotations
@@ -19,35 +19,59 @@ from kanegen.compiler import Progress, quiet
 from kanegen.errors import BuildError, CertificateError, KanegenError
 from kanegen.library import Library, load
 from kanegen.measure.truth.certify import WIDTH
+from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.readers import load as load_model
 from kanegen.studies.budget.certificate import (
-    BITS,
-    Evidence,
-    bits,
+    DIGEST_STATES,
+    CertificateFields,
     built_with,
-    evidence,
-    hashes,
+    certificate_fields,
     model_text,
-    read,
+    read_certificate,
+    results_digest,
+    source_digests,
 )
 from kanegen.studies.budget.confidence import exceedance_floor
-from kanegen.studies.budget.region import Region, region
-from kanegen.studies.budget.sampling import drawn, sample_from_table, stream
+from kanegen.studies.budget.region import Region, region_from_table
+from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region
 from kanegen.studies.budget.variant_evaluator import is_reproducible, normwise_errors
 from kanegen.studies.tradeoff.compilation import generate_variant
 from kanegen.studies.tradeoff.judge import Judge, unit
+from kanegen.studies.tradeoff.samples import Sample
+
+MACHINE = ("processor", "compiler", "libc")
+"""What the times depend on and, for a variant that is not reproducible, the results."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The outcome of checking one statement of a certificate.
+
+    Attributes:
+        what: Subject of the statement.
+        holds: Whether it still holds; None where it was not checked or cannot be checked.
+        words: What was found.
+    """
+
+    what: str
+    holds: bool | None
+    words: str
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What became of a certificate."""
+    """The outcome of checking a certificate.
+
+    Attributes:
+        findings: One finding for each statement of the certificate.
+    """
 
     findings: tuple[Finding, ...]
 
     @property
     def passed(self) -> bool:
-        """Whether nothing that was looked at has failed."""
+        """Whether no statement that was checked has failed."""
         return all(finding.holds is not False for finding in self.findings)
 
 
@@ -58,149 +82,153 @@ def verify(
     seed: int = 1,
     progress: Progress = quiet,
 ) -> Verification:
-    """Make and measure anew what a certificate says.
+    """Check a certificate: make the C anew and measure again what the certificate says.
 
     Args:
-        path: The certificate; C that lies beside it is looked at as well.
-        model: What it should be of; by default the model that it holds is believed.
-        states: Fresh ones; by default as many as it was validated by.
-        seed: Of the fresh states.
-        progress: Told the name of each stage.
+        path: The certificate file. C files that lie beside it are checked as well.
+        model: The model to which the certificate must belong; None for the model that it holds.
+        states: Number of fresh states; None for as many as the certificate was validated by.
+        seed: Seed of the fresh states.
+        progress: Function that is called with the name of each stage.
 
     Raises:
-        BuildError: If there is no C compiler, or it fails.
-        CertificateError: If the file is no certificate, was edited, or is of another model or version.
-        ReadError: If it cannot be read.
+        BuildError: If there is no C compiler, or the compiler fails.
+        CertificateError: If the file is no certificate, was edited, or belongs to another model or version.
+        ReadError: If the file cannot be read.
+
+    Example:
+        >>> found = verify(Path("build/panda_certificate.json"))
+        >>> found.passed
+        True
     """
-    certificate = read(path)
+    certificate = read_certificate(path)
     progress("generating and building")
     try:
-        said = evidence(certificate)
-        if model is not None and model_text(model) != said.model_text:
+        fields = certificate_fields(certificate)
+        if model is not None and model_text(model) != fields.model_text:
             raise CertificateError(f"of another model than {model.name!r} as it is now. Generate it anew.")
-        box = region(_model(said.model_text), said.domain)
-        library = load(generate_variant(box.system, certificate.candidate))
+        region = region_from_table(_model_from_text(fields.model_text), fields.domain)
+        library = load(generate_variant(region.system, certificate.candidate))
     except BuildError:
         raise
     except KanegenError as error:
         raise CertificateError(f"{path}: {error}") from None
-    checks = Checks(path.parent, said, box, library, is_reproducible(certificate.candidate))
+    checks = _Checks(path.parent, fields, region, library, is_reproducible(certificate.candidate))
     progress("exact results in fresh states")
-    return Verification(tuple(checks.findings(states or said.states, seed)))
+    return Verification(tuple(checks.findings(states or fields.states, seed)))
 
 
-def _model(text: str) -> System:
-    """The system in the text of a model file."""
+def _model_from_text(text: str) -> System:
+    """Return the system that the content of a model file describes."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "model.toml"
         file.write_text(text, encoding="utf-8")
         return load_model(file)
 
 
-MACHINE = ("processor", "compiler", "libc")
-"""What the times depend on and, for what is not strict, the results."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One thing that a certificate says.
-
-    Attributes:
-        what: Of what it speaks.
-        holds: Whether it still does; None where that was not, or cannot be, looked at.
-        words: What was found.
-    """
-
-    what: str
-    holds: bool | None
-    words: str
-
-
-class Checks:
-    """The findings about one certificate.
+class _Checks:
+    """The checks of one certificate.
 
     Args:
-        folder: Where it lies.
-        said: What it says.
-        region: Its states.
+        folder: Folder of the certificate file.
+        fields: What the certificate says.
+        region: The states for which it claims an error.
         library: Its variant, generated and built anew.
-        reproducible: Whether this has the same bits from every compiler and on every machine.
+        reproducible: Whether the variant has the same bits from every compiler and on every machine.
     """
 
     def __init__(
-        self, folder: Path, said: Evidence, region: Region, library: Library, reproducible: bool
+        self, folder: Path, fields: CertificateFields, region: Region, library: Library, reproducible: bool
     ) -> None:
-        self._folder, self._said = folder, said
+        self._folder, self._fields = folder, fields
         self._region, self._library = region, library
         self._reproducible = reproducible
         self._roundoff = unit(library.source.variant)
         self._judge = Judge(region.system)
 
     def findings(self, states: int, seed: int) -> Iterator[Finding]:
-        """All of them.
+        """Yield the findings of all checks.
 
         Args:
-            states: Fresh ones.
-            seed: Of these.
+            states: Number of fresh states.
+            seed: Seed of the fresh states.
         """
         yield self._source()
-        yield from self._beside()
-        yield self._bits()
-        yield from self._worst()
-        yield self._fresh(states, seed)
+        yield from self._files_beside()
+        yield self._results()
+        yield from self._worst_states()
+        yield self._fresh_states(states, seed)
         yield self._times()
 
     @cached_property
-    def _elsewhere(self) -> str:
-        """What differs from where the certificate was made."""
-        now, then = built_with(self._library.source), self._said.built_with
-        return ", ".join(f"another {what}" for what in MACHINE if now[what] != then.get(what))
+    def _differences(self) -> str:
+        """What differs between this machine and that of the certificate, in words; empty if nothing does."""
+        now, then = built_with(self._library.source), self._fields.built_with
+        return ", ".join(f"another {name}" for name in MACHINE if now[name] != then.get(name))
+
+    @property
+    def _may_differ(self) -> bool:
+        """Whether other bits than those of the certificate are to be expected on this machine."""
+        return bool(self._differences) and not self._reproducible
 
     def _source(self) -> Finding:
-        now, then = hashes(self._library.source), self._said.source
+        """Compare the C that is generated now with that of the certificate."""
+        now, then = source_digests(self._library.source), self._fields.source
         changed = sorted(name for name in {**now, **then} if now.get(name) != then.get(name))
         if changed:
             return Finding("source", False, f"generated anew, {', '.join(changed)} differs")
         return Finding("source", True, f"generated anew, {len(now)} files are the same to the last byte")
 
-    def _beside(self) -> Iterator[Finding]:
-        """The C in the folder of the certificate, where there is any."""
-        for name, digest in self._said.source.items():
+    def _files_beside(self) -> Iterator[Finding]:
+        """Compare each C file in the folder of the certificate with the certificate."""
+        for name, digest in self._fields.source.items():
             file = self._folder / name
             if file.is_file():
                 same = hashlib.sha256(file.read_bytes()).hexdigest() == digest
-                yield Finding(
-                    name, same, f"beside the certificate, {'unchanged' if same else 'changed since'}"
-                )
+                state = "unchanged" if same else "changed since"
+                yield Finding(name, same, f"beside the certificate, {state}")
 
-    def _bits(self) -> Finding:
-        if bits(self._region, self._library, self._said.objective, self._said.seed) == self._said.bits:
-            return Finding("results", True, f"the same bits in {BITS} states")
-        if self._elsewhere and not self._reproducible:
-            return Finding("results", None, f"other bits in {BITS} states, as it may be: {self._elsewhere}")
-        return Finding("results", False, f"other bits in {BITS} states")
+    def _results(self) -> Finding:
+        """Compare the bits of the results with those of the certificate."""
+        fields = self._fields
+        digest = results_digest(self._region, self._library, fields.objective, fields.seed)
+        if digest == fields.results_digest:
+            return Finding("results", True, f"the same bits in {DIGEST_STATES} states")
+        different = f"other bits in {DIGEST_STATES} states"
+        if self._may_differ:
+            return Finding("results", None, f"{different}, as it may be: {self._differences}")
+        return Finding("results", False, different)
 
-    def _worst(self) -> Iterator[Finding]:
-        """The errors in the worst states that the certificate knows."""
-        for what, error, state in self._said.worst:
-            sample = sample_from_table(self._region.domain, state)
-            found = float(normwise_errors(self._judge, self._library, sample, self._said.objective)[0])
-            same = abs(found - error) <= 2 * WIDTH * self._roundoff + 1e-9 * error
-            may_differ = bool(self._elsewhere) and not self._reproducible and found <= self._said.error
-            words = f"error {found:.3g}, was {error:.3g}"
-            yield Finding(f"worst state of the {what}", same or may_differ, words)
+    def _worst_states(self) -> Iterator[Finding]:
+        """Compare the errors in the worst states of the certificate with those that it names."""
+        for worst in self._fields.worst:
+            sample = sample_from_table(self._region.domain, worst.state)
+            error = float(self._errors(sample)[0])
+            tolerance = 2 * WIDTH * self._roundoff + 1e-9 * worst.error
+            is_same = abs(error - worst.error) <= tolerance
+            is_kept = self._may_differ and error <= self._fields.error
+            words = f"error {error:.3g}, was {worst.error:.3g}"
+            yield Finding(f"worst state of the {worst.part}", is_same or is_kept, words)
 
-    def _fresh(self, states: int, seed: int) -> Finding:
-        sample = drawn(self._region, self._judge, states, stream(seed, "verify", 0))
-        errors = normwise_errors(self._judge, self._library, sample, self._said.objective)
-        exceeded = int(np.sum(~(errors <= self._said.error)))
-        refuted = exceedance_floor(exceeded, states, self._said.alpha) > self._said.share
-        holds = not exceeded if self._said.is_strict else not refuted
-        words = f"{exceeded} of {states} fresh states exceed {self._said.error:.3g}, the largest error is"
+    def _fresh_states(self, states: int, seed: int) -> Finding:
+        """Compare the errors in fresh states with the claim."""
+        fields = self._fields
+        errors = self._errors(
+            sample_region(self._region, self._judge, states, random_stream(seed, "verify", 0))
+        )
+        exceeded = int(np.sum(~(errors <= fields.error)))
+        is_refuted = exceedance_floor(exceeded, states, fields.alpha) > fields.share
+        holds = not exceeded if fields.is_strict else not is_refuted
+        words = f"{exceeded} of {states} fresh states exceed {fields.error:.3g}, the largest error is"
         return Finding("error", holds, f"{words} {errors.max():.3g}")
 
     def _times(self) -> Finding:
-        said = f"{self._said.time:.4g} ns for {self._said.objective}"
-        if self._elsewhere:
-            return Finding("times", None, f"{said} says nothing here: {self._elsewhere}")
-        return Finding("times", None, f"{said}, not measured again; processor and compiler are the same")
+        """Return what the times of the certificate are worth on this machine; they are not measured again."""
+        claim = f"{self._fields.time:.4g} ns for {self._fields.objective}"
+        if self._differences:
+            return Finding("times", None, f"{claim} says nothing here: {self._differences}")
+        return Finding("times", None, f"{claim}, not measured again; processor and compiler are the same")
+
+    def _errors(self, sample: Sample) -> Floats:
+        """Return the (B,) normwise errors of the variant in a sample of B states."""
+        return normwise_errors(self._judge, self._library, sample, self._fields.objective)
