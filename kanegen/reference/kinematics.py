@@ -23,13 +23,13 @@ from kanegen.reference.matrices import (
     angle_rate_matrix,
     angle_rate_matrix_dot,
     apply,
+    renaming,
     rotation_123,
     rotation_by_quaternion,
     sines_cosines,
     skew,
     transposed,
 )
-from kanegen.reference.sequences import renaming
 
 
 @dataclass(frozen=True)

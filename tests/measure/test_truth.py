@@ -12,7 +12,7 @@ import kanegen as kg
 from kanegen.measure import truth
 from kanegen.measure.truth import certify, kane, newton_euler
 from kanegen.measure.truth.balls import arb, ctx
-from kanegen.measure.truth.inputs import checked_state
+from kanegen.measure.truth.certify import checked_state
 from kanegen.measure.truth.tree import tree
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states

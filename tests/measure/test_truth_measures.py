@@ -12,12 +12,10 @@ import pytest
 
 import kanegen as kg
 from kanegen.measure import truth
-from kanegen.measure.truth.balls import arb, arb_mat, ctx
+from kanegen.measure.truth.balls import arb, arb_mat, ctx, inverse
 from kanegen.measure.truth.conditioning import scaled_condition
 from kanegen.measure.truth.enclosure import Enclosure
-from kanegen.measure.truth.errors import bits_lost
-from kanegen.measure.truth.solve import inverse
-from kanegen.measure.truth.units import units
+from kanegen.measure.truth.errors import bits_lost, units
 from kanegen.reference.states import States
 from tests.support import systems
 
@@ -183,7 +181,8 @@ MISUSES = {
     r"force: expected real numbers of shape \(1, 3\)": {"force": [0, 0, 0]},
     "inverse_dynamics needs ydot": {"outputs": "inverse_dynamics"},
     "no exact result for 'body_poses', only for mass_matrix": {"outputs": "body_poses"},
-    "unknown output 'forces'": {"outputs": "forces"},
+    "no exact result for 'forces', only for mass_matrix": {"outputs": "forces"},
+    "no output is asked for": {"outputs": ()},
     "unit_roundoff is 0; it must lie between 0 and 1": {"unit_roundoff": 0},
     "unknown parameter 'm'": {"parameters": {"m": 1.0}},
 }

@@ -23,8 +23,7 @@ from kanegen.model.force_elements.expression import (
 )
 from kanegen.model.force_elements.grammar import LARGEST_POWER, LONGEST, parse
 from kanegen.model.numbers import Parameter
-from kanegen.reference.arithmetics import Dual, Rounded
-from kanegen.reference.expressions import evaluate
+from kanegen.reference.expressions import Dual, Rounded, evaluate
 
 K = Parameter("k", 2.5)
 VALUES = {"x.arm.theta1": 0.7, "y.arm.s2": -1.3, "t": 0.2}

@@ -13,8 +13,7 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.errors import ArrayError, OptionError
 from kanegen.measure.truth.balls import column
-from kanegen.measure.truth.tree import _orientation
-from kanegen.measure.truth.turns import turned
+from kanegen.measure.truth.tree import _orientation, turned
 from kanegen.model.body import Body
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.model.joint import Joint

@@ -14,8 +14,7 @@ import kanegen as kg
 from kanegen.errors import SingularError
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.reference import equations as reference
-from kanegen.reference.moving import inertia_axes
-from kanegen.reference.regularity import require_regular
+from kanegen.reference.regularity import inertia_axes, require_regular
 from kanegen.reference.states import random_states
 from tests.support import systems
 

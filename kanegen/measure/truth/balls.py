@@ -126,3 +126,13 @@ def _where_any(value: arb, first: arb_mat, second: arb_mat) -> arb_mat:
 
 def _entries(values: Iterable[float | arb]) -> list[arb]:
     return [value if isinstance(value, arb) else arb(float(value)) for value in values]
+
+
+def solution(matrix: arb_mat, right: arb_mat) -> arb_mat:
+    """Enclosures of the solutions for every column of `right`; NaN where `matrix` may be singular."""
+    return matrix.solve(right, nonstop=True)
+
+
+def inverse(matrix: arb_mat) -> arb_mat:
+    """Enclosure of the inverse; NaN where `matrix` may be singular."""
+    return solution(matrix, diagonal(matrix.nrows()))

@@ -11,8 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from kanegen.measure.truth.bounds import Fit, fit
-from kanegen.measure.truth.judged import JudgedLibrary
-from kanegen.measure.truth.measurement import Measurement, measure
+from kanegen.measure.truth.measurement import JudgedLibrary, Measurement, measure
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.reference import equations as reference

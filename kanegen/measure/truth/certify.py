@@ -10,18 +10,18 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen.errors import KanegenError, OptionError, SingularError
+from kanegen.errors import ArrayError, KanegenError, OptionError, SingularError
 from kanegen.measure.truth import kane, newton_euler
-from kanegen.measure.truth.balls import arb_mat, ctx
+from kanegen.measure.truth.balls import arb_mat, ctx, solution
 from kanegen.measure.truth.enclosure import Enclosure, enclosure
-from kanegen.measure.truth.inputs import checked_state
+from kanegen.measure.truth.errors import Units, units
 from kanegen.measure.truth.kane import Equations
-from kanegen.measure.truth.outputs import exact_outputs
-from kanegen.measure.truth.solve import solution
 from kanegen.measure.truth.tree import State, Tree, tree
-from kanegen.measure.truth.units import Units, units
+from kanegen.model.arrays import Floats
+from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
 
 WIDTH = 2.0**-20
@@ -157,3 +157,98 @@ def _require_overlap(name: str, first: Enclosure, second: Enclosure) -> None:
             f"{name}: partial velocities and Newton-Euler equations give enclosures that do not overlap, so "
             "kanegen.measure.truth has a defect. Please report it."
         )
+
+
+def checked_state(
+    system: System,
+    x: ArrayLike,
+    y: ArrayLike,
+    tau: ArrayLike | None,
+    force: ArrayLike | None,
+    torque: ArrayLike | None,
+    ydot: ArrayLike | None,
+) -> State:
+    """One state of `system`; what is None is zero.
+
+    Raises:
+        ArrayError: If an array has another shape than it must, or is not finite.
+        OptionError: If the system has force elements or loads on points, or a freedom is prescribed.
+    """
+    require_unprescribed(system, "truth")
+    loaded = [point.name for _, point in system.points if point.loads]
+    if system.force_elements or loaded:
+        what = "force elements" if system.force_elements else f"loads on points ({', '.join(loaded)})"
+        raise OptionError(
+            f"system {system.name!r} has {what}, of which no exact results are known. Leave them out of the "
+            "model that is measured."
+        )
+    n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
+    coordinates = (len(system.coordinates),)
+    return State(
+        x=_floats(x, coordinates, "x"),
+        y=_floats(y, n, "y"),
+        force=_floats(force, loads, "force"),
+        torque=_floats(torque, loads, "torque"),
+        tau=_floats(tau, n, "tau"),
+        ydot=_floats(ydot, n, "ydot"),
+    )
+
+
+def _floats(value: ArrayLike | None, shape: tuple[int, ...], what: str) -> Floats:
+    if value is None:
+        return np.zeros(shape)
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf" or array.shape != shape:
+        found = f"{array.dtype} of shape {array.shape}"
+        raise ArrayError(f"{what}: expected real numbers of shape {shape}, got {found}.")
+    if not np.isfinite(array).all():
+        raise ArrayError(f"{what}: every number must be finite.")
+    return array.astype(np.float64)
+
+
+EXACT = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
+"""[A], {f}, and what follows from both."""
+
+
+def exact_outputs(outputs: Iterable[str], has_ydot: bool) -> tuple[str, ...]:
+    """`outputs` checked, each once.
+
+    Args:
+        outputs: Names.
+        has_ydot: Whether there are accelerations, which inverse dynamics needs.
+
+    Raises:
+        ArrayError: If it has none.
+        OptionError: If a name is unknown, or has no exact result.
+    """
+    asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    for name in asked:
+        if name not in EXACT:
+            raise OptionError(f"there is no exact result for {name!r}, only for {', '.join(EXACT)}.")
+    if not asked:
+        raise OptionError(f"no output is asked for. There are exact results for {', '.join(EXACT)}.")
+    names = tuple(name for name in EXACT if name in asked)
+    if "inverse_dynamics" in names and not has_ydot:
+        raise ArrayError("inverse_dynamics needs ydot, the accelerations.")
+    return names
+
+
+def measurable_outputs(
+    available: tuple[str, ...], outputs: Iterable[str] | None, has_ydot: bool
+) -> tuple[str, ...]:
+    """`outputs` checked as `exact_outputs` does; by default all of `available` that can be measured.
+
+    Raises:
+        ArrayError: If inverse dynamics is asked for by name, but there are no accelerations.
+        OptionError: If one is not available, or there is nothing to measure.
+    """
+    if outputs is None:
+        usable = [name for name in available if name in EXACT and (has_ydot or name != "inverse_dynamics")]
+        if not usable:
+            raise OptionError(f"nothing to measure: of {', '.join(available)} no exact result is known.")
+        return tuple(usable)
+    names = exact_outputs(outputs, has_ydot)
+    for name in names:
+        if name not in available:
+            raise OptionError(f"the library has no {name!r}. It has {', '.join(available)}.")
+    return names

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from kanegen.measure.errors import quotient, scaled_norm
 from kanegen.measure.truth.enclosure import SUBNORMAL, Enclosure, precision_of
-from kanegen.model.arrays import Floats
+from kanegen.model.arrays import Flags, Floats
+from kanegen.model.system import System
 from kanegen.program.precision import DOUBLE, Precision
 
 GATE = 10.0
@@ -136,3 +137,33 @@ def _ordinals(values: NDArray[Any]) -> list[int]:
     integers = np.ascontiguousarray(values).ravel().view(f"i{values.dtype.itemsize}").tolist()
     least = -(2 ** (8 * values.dtype.itemsize - 1))
     return [least - number if number < 0 else number for number in integers]
+
+
+@dataclass(frozen=True)
+class Units:
+    """(n,) factors: `acceleration` gives m/s^2 for all, `force` N, and its products with itself kg."""
+
+    acceleration: Floats
+
+    @property
+    def force(self) -> Floats:
+        """Of generalized forces."""
+        return 1 / self.acceleration
+
+    def of(self, output: str) -> Floats:
+        """Of an output, in its shape."""
+        if output == "mass_matrix":
+            return np.outer(self.force, self.force)
+        return self.acceleration if output == "forward_dynamics" else self.force
+
+
+def units(system: System, diagonal: Floats) -> Units:
+    """The factors where [A] has this `diagonal` (n,)."""
+    angles = np.array([freedom.is_angle for freedom in system.freedoms])
+    length = np.sqrt(_mean(diagonal, angles) / _mean(diagonal, ~angles))
+    return Units(np.where(angles, length if 0 < length < np.inf else 1.0, 1.0))
+
+
+def _mean(values: Floats, chosen: Flags) -> float:
+    """Mean of the `chosen`; 1 where there is none."""
+    return float(np.mean(values[chosen])) if chosen.any() else 1.0

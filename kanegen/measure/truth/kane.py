@@ -11,8 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kanegen.measure.truth.balls import arb_mat, beside, cross, diagonal, stacked, unit, zeros
-from kanegen.measure.truth.tree import Link, Tree
-from kanegen.measure.truth.turns import turned, turned_at_once
+from kanegen.measure.truth.tree import Link, Tree, turned, turned_at_once
 
 
 @dataclass(frozen=True)

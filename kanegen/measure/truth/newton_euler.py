@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from kanegen.measure.truth.balls import arb, arb_mat, column, cross, diagonal, skew, square, stacked, zeros
 from kanegen.measure.truth.tree import Link, Tree
-from kanegen.reference.sequences import renaming
+from kanegen.reference.matrices import renaming
 
 
 @dataclass(frozen=True)
