@@ -132,7 +132,7 @@ def _library(system: kg.System, outputs: tuple[str, ...]) -> kg.Library:
     """Compiled; the general program may have an [A] that is singular in every state."""
     made = compiler.compile_module(system, outputs, variant=FAST, regular=False)
     words = {"refinement": made.refinement}
-    return load(render(compiler.facts(system), made.module, made.operations, FAST, words))
+    return load(render(compiler.description(system), made.module, made.operations, FAST, words))
 
 
 if __name__ == "__main__":

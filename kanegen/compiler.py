@@ -26,14 +26,12 @@ from collections.abc import Iterable, Sequence
 from kanegen import library as libraries
 from kanegen import options as variants
 from kanegen import symbolic
-from kanegen.artifacts.reanchoring import with_anchors
-from kanegen.c import Source, render
-from kanegen.c.model_facts import facts
+from kanegen.artifacts import with_artifacts
+from kanegen.c import Source, description, render
 from kanegen.lowering.compiling import Compiled, compile_module
 from kanegen.lowering.request import described, require_usable
 from kanegen.measure.comparison import Report
 from kanegen.measure.comparison import compare as compare_with_reference
-from kanegen.model.reanchorable import anchors
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, Variant, quiet
 from kanegen.program import precision as precisions
@@ -47,7 +45,7 @@ __all__ = [
     "compile_module",
     "derive",
     "described",
-    "facts",
+    "description",
     "generate",
     "quiet",
 ]
@@ -114,8 +112,8 @@ def generate(
     compiled = compile_module(system, outputs, progress, variant)
     progress("printing")
     decided = {"refinement": compiled.refinement}
-    source = render(facts(system), compiled.module, compiled.operations, variant, decided)
-    return with_anchors(source, anchors(system)) if reanchoring else source
+    source = render(description(system), compiled.module, compiled.operations, variant, decided)
+    return with_artifacts(source, ["reanchoring"] if reanchoring else [])
 
 
 def build(

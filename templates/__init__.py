@@ -1,1 +1,1 @@
-"""Jinja templates of the generated files, installed as `kanegen.templates`."""
+"""Jinja templates, one folder for each target and one for artifacts, installed as `kanegen.templates`."""

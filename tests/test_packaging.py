@@ -54,7 +54,9 @@ def test_the_wheel_holds_exactly_the_tree(wheel):
         members = {name for name in file.namelist() if ".dist-info/" not in name}
     tree = {str(path.relative_to(ROOT)) for path in (ROOT / "kanegen").rglob("*.py")}
     templates = {
-        f"kanegen/templates/{path.name}" for path in (ROOT / "templates").iterdir() if path.is_file()
+        f"kanegen/templates/{path.relative_to(ROOT / 'templates')}"
+        for path in (ROOT / "templates").rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
     }
     drivers = {
         str(path.relative_to(ROOT))
@@ -62,7 +64,7 @@ def test_the_wheel_holds_exactly_the_tree(wheel):
         if path.suffix in {".c", ".cpp", ".h"}
     }
     assert members == tree | templates | drivers | {"kanegen/py.typed"}
-    assert {"kanegen/templates/model.c.jinja", "kanegen/studies/bench/drivers/kanegen.c"} <= members
+    assert {"kanegen/templates/c99/model.c.jinja", "kanegen/studies/bench/drivers/kanegen.c"} <= members
 
 
 def test_the_installed_wheel_generates(wheel, tmp_path):

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 import kanegen as kg
+from kanegen.artifacts.certificate import SUFFIX
 from kanegen.errors import BudgetError
 from kanegen.files import write_whole
-from kanegen.studies.budget.certificate import SUFFIX
 from kanegen.studies.budget.certification import CertifiedSource, certify_variant
 from kanegen.studies.budget.region import region_from_table
 from kanegen.studies.budget.request import Request

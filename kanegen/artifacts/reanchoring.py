@@ -1,29 +1,46 @@
-"""A header that moves joints away from the singularity of their angles, at run time, in C."""
+"""The artifact "reanchoring": a header that re-anchors joints at run time, away from their gimbal lock."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-
-from kanegen.c.provenance import stamped
+from kanegen.c.description import ModelDescription
 from kanegen.c.source import Source
 from kanegen.c.templates import fill
 from kanegen.errors import OptionError
-from kanegen.model.reanchorable import Anchor
 
 
-def with_anchors(source: Source, anchors: Sequence[Anchor]) -> Source:
-    """The files of `source` with the header `<model>_reanchor.h`.
-
-    Raises:
-        OptionError: If the arrays of `source` are not of doubles.
-    """
+def reanchoring(source: Source) -> dict[str, str]:
+    """Return the header `<model>_reanchor.h`."""
     model = source.model
+    text = fill(
+        "artifacts/model_reanchor.h", model=model, prefix=model.name.upper(), anchors=model.reanchorable
+    )
+    return {f"{model.name}_reanchor.h": text}
+
+
+def refusal(source: Source) -> str:
+    """Return why `source` cannot have the header, "" if it can."""
     if {source.precision, source.storage} != {"double"}:
-        raise OptionError(
+        return (
             "re-anchoring in C is for arrays and arithmetic of double precision, not for "
             f"{source.precision} in arrays of {source.storage}. Leave out one or the other."
         )
-    name = f"{model.name}_reanchor.h"
-    text = fill("model_reanchor.h", model=model, prefix=model.name.upper(), anchors=anchors)
-    return replace(source, files={**source.files, name: stamped(name, text)})
+    return _without_joints(source.model)
+
+
+def require_reanchorable(model: ModelDescription) -> None:
+    """Check that the model has a joint that can be re-anchored, before the long work that prints it.
+
+    Raises:
+        OptionError: If it has none.
+    """
+    if reason := _without_joints(model):
+        raise OptionError(reason)
+
+
+def _without_joints(model: ModelDescription) -> str:
+    if model.reanchorable:
+        return ""
+    return (
+        f"system {model.name!r} has nothing to re-anchor in C: no body has three free angles and three "
+        "parameters of its own as the orientation of its joint. Give orientation_angles three parameters."
+    )

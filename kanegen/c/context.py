@@ -1,108 +1,188 @@
-"""The variables of the templates: whatever has to be computed is here before a template is filled."""
+"""The variables that headers, sources and documentation share: whatever has to be computed for a template.
+
+Templates hold C and prose. A table, a sentence with a condition or a number is made here.
+"""
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from kanegen import __version__
-from kanegen.c.describe import example, sizes, tables, words
-from kanegen.c.double_double import PAIRS
-from kanegen.c.function_text import texts
+from kanegen.c import declarations
+from kanegen.c.description import ModelDescription
+from kanegen.c.double_double import DOUBLE_DOUBLE_HEADER
+from kanegen.c.formats import Formats, formats, uniform
+from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import WIDTH
-from kanegen.c.render_input import Draft
-from kanegen.c.vector_sincos import FEW
-from kanegen.program.precision import DOUBLE_DOUBLE
+from kanegen.c.simd import SIMD, Simd
+from kanegen.c.sincos import Sincos, sincos_named
+from kanegen.options import Variant
+from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
 
 Context = dict[str, Any]
-"""Variables by name: text, numbers and what has more to say."""
+"""Variables of a template by name."""
+
+OPERATIONS = {
+    "add": "additions and subtractions",
+    "multiply": "multiplications",
+    "divide": "divisions",
+    "sqrt": "square roots",
+    "sincos": "sines and cosines",
+    "prepare": "operations of the parameter-only step",
+}
+"""What the counts of `Source.operations` count."""
+
+_NAMES = (
+    "The functions have the names of those in double precision, so a program can use only one of the two."
+)
+
+_ARITHMETICS = {
+    DOUBLE: "All is computed in double precision.",
+    FLOAT: "All is computed in single precision.",
+    LONG_DOUBLE: "All is computed in long double, which has 64 bits or more; platforms where it is no wider "
+    "than double are refused.",
+    DOUBLE_DOUBLE: "All is computed in pairs of doubles, about 32 digits (kanegen_pairs.h); what is stored "
+    "as double is rounded once. Angles beyond 1e6 rad give NaN, and so does what overflows.",
+}
 
 
-def context(draft: Draft) -> Context:
-    """All variables but `declarations`, which is a template of its own."""
+def context(
+    model: ModelDescription,
+    functions: Sequence[Function],
+    outputs: Sequence[str],
+    operations: Mapping[str, int],
+    variant: Variant,
+) -> Context:
+    """Return the variables that depend on what is computed and how, but not on the code itself.
+
+    Args:
+        model: Names and sizes of the model.
+        functions: Every generated function.
+        outputs: Names of the outputs that were asked for.
+        operations: Operation counts of one evaluation of all outputs.
+        variant: The choices that shape the code.
+    """
+    held = formats(variant)
     return {
         "version": __version__,
-        "model": draft.model,
-        "prefix": draft.model.name.upper(),
-        "outputs": draft.outputs,
-        **_choices(draft),
-        **_functions(draft),
-        **_sizes(draft),
-        **_tables(draft),
-        **_words(draft),
-        **_example(draft),
+        "model": model,
+        "prefix": model.name.upper(),
+        "outputs": outputs,
+        "operations": _operations(operations),
+        **_arithmetic(model, variant, held),
+        **_status(model, functions),
+        **_tables(model, outputs),
+        "sizes": declarations.sizes(model, functions),
+        "parameter_places": declarations.parameter_places(model),
+        "stack": _batch_stack(functions, SIMD.get(held.arithmetic), held),
     }
 
 
-def _choices(draft: Draft) -> Context:
-    variant = draft.variant
+def _arithmetic(model: ModelDescription, variant: Variant, held: Formats) -> Context:
+    """Return precisions, sine and cosine, and what the compiler may do."""
+    sincos = sincos_named(variant.sincos, held.arithmetic)
     return {
-        "precision": draft.precision,
-        "formats": draft.formats,
-        "pairs": PAIRS if draft.precision is DOUBLE_DOUBLE else None,
-        "lanes": draft.lanes,
-        "sincos": draft.sincos,
-        "choices": variant.described(draft.decided),
+        "precision": held.arithmetic,
+        "formats": held,
+        "double_double": DOUBLE_DOUBLE_HEADER if held.arithmetic is DOUBLE_DOUBLE else None,
+        "simd": SIMD.get(held.arithmetic),
+        "sincos": sincos,
         "flags": variant.flags,
         "flushes": variant.flushes,
         "is_strict": variant.is_strict,
+        "arithmetic": _wrapped(_about_arithmetic(held, bool(model.parameters))),
+        "sines": _wrapped(_about_sines(sincos, held.arithmetic)),
     }
 
 
-def _functions(draft: Draft) -> Context:
-    written = texts(draft)
-    functions, name = draft.functions, draft.model.name
+def _status(model: ModelDescription, functions: Sequence[Function]) -> Context:
+    """Return which functions return a status, and the conditions that it is about."""
+    name = model.name
     return {
-        "functions": written,
-        "waves": max(text.code.waves for text in written),
-        "has_sines": any(text.code.has_sines for text in written),
-        "few": FEW,
-        "spoilt": [f"`{name}_{function.name}`" for function in functions if function.spoilt],
-        "judged": [f"`{name}_{function.name}`" for function in functions if function.judged],
+        "may_fail": [f"`{name}_{f.name}`" for f in functions if f.may_fail],
+        "may_be_inaccurate": [f"`{name}_{f.name}`" for f in functions if f.may_be_inaccurate],
         "conditions": list(dict.fromkeys(c for function in functions for c in function.conditions)),
     }
 
 
-def _sizes(draft: Draft) -> Context:
-    model, functions, lanes = draft.model, draft.functions, draft.lanes
+def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
+    """Return what stands at which place of every array."""
+    freedoms = zip(model.freedom_names, model.freedom_units, model.speeds, strict=True)
+    coordinates = zip(model.coordinate_names, model.coordinate_units, strict=True)
+    points = [name for name, _ in model.points]
     return {
-        "sizes": sizes.enumeration(sizes.sizes(model, functions)),
-        "parameter_indices": sizes.enumeration(sizes.parameter_indices(model)),
-        "stack": sizes.batch_stack(functions, lanes, draft.formats) if lanes else 0,
+        "freedoms": [(place, *row) for place, row in enumerate(freedoms)],
+        "coordinates": [(place, *row) for place, row in enumerate(coordinates)] * model.has_quaternions,
+        "poses": declarations.poses(model, outputs),
+        "reactions": declarations.reactions(model, outputs),
+        "loads": _loaded_rows(model.body_names, model.loaded),
+        "point_loads": _loaded_rows(points, model.loaded_points),
+        "force_elements": _force_elements(model),
     }
 
 
-def _tables(draft: Draft) -> Context:
-    model, outputs = draft.model, draft.outputs
-    return {
-        "freedoms": tables.freedoms(model),
-        "coordinates": tables.coordinates(model),
-        "poses": tables.poses(model, outputs),
-        "reactions": tables.reactions(model, outputs),
-        "loads": tables.loads(model),
-        "point_loads": tables.point_loads(model),
-    }
+def _loaded_rows(names: Sequence[str], loaded: Sequence[bool]) -> list[tuple[int, str]]:
+    """Return row and name of every body or point that takes loads."""
+    rows = enumerate(zip(names, loaded, strict=True))
+    return [(row, name) for row, (name, is_loaded) in rows if is_loaded]
 
 
-def _words(draft: Draft) -> Context:
-    model = draft.model
-    return {
-        "operations": words.operations(draft.operations),
-        "force_elements": words.force_elements(model),
-        "sines": _lines(words.sines(draft.sincos, draft.precision)),
-        "arithmetic": _lines(words.arithmetic(draft.formats, bool(model.parameters))),
-    }
+def _operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:
+    """Return what is counted, in words, and how often it occurs."""
+    return [(OPERATIONS[kind], number) for kind, number in counts.items() if number or kind != PREPARE]
 
 
-def _example(draft: Draft) -> Context:
-    model, functions, held = draft.model, draft.functions, draft.formats
-    return {
-        "inputs": example.inputs(model, functions, held),
-        "results": example.results(functions, held),
-        "printers": example.printers(functions, held),
-    }
+def _force_elements(model: ModelDescription) -> list[str]:
+    """Return comment lines that describe the force elements."""
+    width = WIDTH - len(" *     ")
+    lines = [textwrap.wrap(words, width, subsequent_indent="    ") for words in model.force_elements]
+    return [line for wrapped in lines for line in wrapped]
 
 
-def _lines(text: str) -> list[str]:
-    """Of a comment."""
+def _about_arithmetic(held: Formats, has_parameters: bool) -> str:
+    """Return what a user has to know of the precisions; "" where all is double."""
+    if held == uniform(FLOAT):
+        prepared = ", by _prepare too" if has_parameters else ""
+        return (
+            "Single precision: all numbers are of type float. Constants are computed in double and rounded "
+            f"once{prepared}; below 1.2e-38 they lose digits or become 0. {_NAMES}"
+        )
+    if held == uniform(DOUBLE):
+        return ""
+    kinds = f"States, loads and results are of type {held.storage.c_type}"
+    kinds += f", parameters of type {held.parameters.c_type}." if has_parameters else "."
+    return f"{_ARITHMETICS[held.arithmetic]} {kinds} {_NAMES}"
+
+
+def _about_sines(sincos: Sincos | None, arithmetic: Precision) -> str:
+    """Return where sine and cosine come from, and their errors."""
+    if sincos is None:
+        where = "kanegen_pairs.h" if arithmetic is DOUBLE_DOUBLE else "the C library"
+        return f"Sine and cosine are those of {where}, for one state and in batches."
+    if sincos.plain:
+        degrees = f"{sincos.degree} and {sincos.degree + 1}"
+        return (
+            f"Sine and cosine are polynomials of degree {degrees} ({sincos.header}.h), for angles of every "
+            f"size. Their largest errors are {sincos.error}."
+        )
+    return (
+        f"Sine and cosine are kanegen's own ({sincos.header}.h), for angles of every size, and off by at "
+        f"most {sincos.error}. Compiled with -ffp-contract=off and without -ffast-math they have the same "
+        "bits everywhere, whatever the C library."
+    )
+
+
+def _batch_stack(functions: Sequence[Function], simd: Simd | None, held: Formats) -> int:
+    """Return the most KiB that a batch function keeps on the stack, with the widest vectors."""
+    if simd is None:
+        return 0
+    numbers = max((f.numbers for f in functions if f.has_batch and f.fits_simd), default=0)
+    copies = 2 if held.is_mixed else 1
+    return -(-copies * numbers * simd.widths[-1] * simd.precision.bytes // 1024)
+
+
+def _wrapped(text: str) -> list[str]:
+    """Return `text` as lines of a block comment."""
     return textwrap.wrap(text, WIDTH - len(" * "))

@@ -1,104 +1,107 @@
-"""Prototypes of the C functions and the comments that document them."""
+"""What the header declares: prototypes, documentation of arguments, and enumerations of sizes and places."""
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 
+from kanegen.c.description import ModelDescription
 from kanegen.c.formats import Formats
-from kanegen.c.interface import Function
+from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
 from kanegen.program.ir import Array
 
 
 def prototype(model: str, function: Function, formats: Formats) -> list[str]:
-    """`void model_forcing(const double x[2], ..., double f[2])`, without a semicolon; int with a status."""
+    """Return `void model_forcing(const double x[2], ..., double f[2])`, or with int for a status."""
     arguments = [f"const {formats.of(array.name).c_type} {declarator(array)}" for array in function.inputs]
     arguments += [f"{formats.of(array.name).c_type} {declarator(array)}" for array in function.outputs]
-    return _prototype("int" if function.spoilt else "void", f"{model}_{function.name}", arguments)
+    return _prototype("int" if function.may_fail else "void", f"{model}_{function.name}", arguments)
 
 
 def batch_prototype(model: str, function: Function, formats: Formats) -> list[str]:
-    """`void model_forcing_batch(size_t count, const double *x, ..., double *f)`, without a semicolon."""
+    """Return `void model_forcing_batch(size_t count, const double *x, ..., double *f)`."""
     arguments = ["size_t count"]
     arguments += [f"const {formats.of(array.name).c_type} *{array.name}" for array in function.inputs]
     arguments += [f"{formats.of(array.name).c_type} *{array.name}" for array in function.outputs]
-    return _prototype("size_t" if function.spoilt else "void", f"{model}_{function.name}_batch", arguments)
+    return _prototype("size_t" if function.may_fail else "void", f"{model}_{function.name}_batch", arguments)
 
 
-def lanes_prototype(model: str, function: Function, formats: Formats) -> list[str]:
-    """`static void model_forcing_lanes(const lanes *x, ..., lanes *f)`, without a semicolon."""
+def simd_prototype(model: str, function: Function, formats: Formats) -> list[str]:
+    """Return `static void model_forcing_lanes(const lanes *x, ..., lanes *f)`."""
     arguments = [
         f"const {formats.of(array.name).c_type if array.name in function.shared else 'lanes'} *{array.name}"
         for array in function.inputs
     ]
     arguments += [f"lanes *{array.name}" for array in function.outputs]
-    arguments += ["lanes_bits *accurate"] if function.judged else []
-    kind = "static lanes_bits" if function.spoilt else "static void"
+    arguments += ["lanes_bits *accurate"] if function.may_be_inaccurate else []
+    kind = "static lanes_bits" if function.may_fail else "static void"
     return _prototype(kind, f"{model}_{function.name}_lanes", arguments)
 
 
-def lanes_call(model: str, function: Function) -> list[str]:
-    """The call for the states of all lanes, one level deeper than a function body."""
+def simd_call(model: str, function: Function) -> list[str]:
+    """Return the call of the SIMD form, indented for the loop over a batch."""
     arguments = [
         array.name if array.name in function.shared else f"{array.name}_lanes"
         for array in (*function.inputs, *function.outputs)
     ]
-    arguments += ["&accurate"] if function.judged else []
+    arguments += ["&accurate"] if function.may_be_inaccurate else []
     text = f"{model}_{function.name}_lanes({f',{BREAK}'.join(arguments)});"
-    if function.spoilt:
+    if function.may_fail:
         text = f"const lanes_bits good = {text}"
     return wrap(text, indent=" " * 8, hanging=" " * 12)
 
 
 def row_call(model: str, function: Function) -> list[str]:
-    """The call for row `i` of a batch, one level deeper than a function body."""
+    """Return the call of the form for one state with row `i` of a batch, indented for its loop."""
     arguments = [
         array.name if array.name in function.shared else f"{array.name} + {array.size}*i"
         for array in (*function.inputs, *function.outputs)
     ]
     text = f"{model}_{function.name}({f',{BREAK}'.join(arguments)})"
-    text = f"failed += {text} != 0;" if function.spoilt else f"{text};"
+    text = f"failed += {text} != 0;" if function.may_fail else f"{text};"
     return wrap(text, indent=" " * 8, hanging=" " * 12)
 
 
 def argument_list(function: Function) -> list[str]:
-    """Doxygen lines for the arguments: direction, name, lengths, meaning and unit."""
+    """Return Doxygen lines for arguments and status: direction, name, lengths, meaning and unit."""
     rows = [_argument("[in]", array) for array in function.inputs]
     rows += [_argument("[out]", array) for array in function.outputs]
     lines = columns(rows, width=WIDTH - len(" * "))
-    if function.spoilt:
+    if function.may_fail:
         quantity = " or ".join(condition.quantity for condition in function.conditions)
         status = (
             f"@return 0, or the place in x, from 1, of a freedom whose {quantity} is not positive or NaN;"
         )
         lines += textwrap.wrap(status, WIDTH - len(" * "), subsequent_indent="    ")
-        lines.append(f"    {' and '.join(function.spoilt)} then {_holds(function)} NaN")
-    if function.judged:
+        lines.append(f"    {' and '.join(function.may_fail)} then {_holds(function)} NaN")
+    if function.may_be_inaccurate:
+        names = " and ".join(function.may_be_inaccurate)
         lines += [
             "    -1 and below: minus such a place where nothing failed, but the error may be large, with the",
-            f"    largest correction at that freedom; {' and '.join(function.judged)} is filled all the same",
+            f"    largest correction at that freedom; {names} is filled all the same",
         ]
     return lines
 
 
 def batch_notes(function: Function) -> list[str]:
-    """Doxygen lines for what a batch does otherwise."""
+    """Return Doxygen lines for what the batch form does otherwise."""
     lines = [f"All states have the one array `{name}` in common." for name in function.shared]
-    if function.spoilt:
-        names = " and ".join(function.spoilt)
+    if function.may_fail:
+        names = " and ".join(function.may_fail)
         lines += ["", f"@return how many states failed; their rows of {names} hold NaN"]
-    if function.judged:
+    if function.may_be_inaccurate:
         lines[-1] = f"@return how many states failed, their rows of {names} hold NaN, or are not accurate"
     return lines
 
 
 def declarator(array: Array) -> str:
-    """An array as C declares it, `A[2 * 2]`."""
+    """Return an array as C declares it, `A[2 * 2]`."""
     return f"{array.name}{_lengths(array)}"
 
 
 def _holds(function: Function) -> str:
-    return "holds" if len(function.spoilt) == 1 else "hold"
+    return "holds" if len(function.may_fail) == 1 else "hold"
 
 
 def _lengths(array: Array) -> str:
@@ -111,3 +114,68 @@ def _argument(direction: str, array: Array) -> tuple[str, str, str, str]:
 
 def _prototype(kind: str, name: str, arguments: list[str]) -> list[str]:
     return wrap(f"{kind} {name}({f',{BREAK}'.join(arguments)})", indent="", hanging="    ")
+
+
+def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
+    """Return the lines of the enumeration of array sizes."""
+    prefix = model.name.upper()
+    rows = [
+        (f"{prefix}_COORDINATES", len(model.coordinate_names), "elements of x"),
+        (f"{prefix}_FREEDOMS", len(model.freedom_names), "n, elements of y"),
+        (f"{prefix}_BODIES", len(model.body_names), "N"),
+    ]
+    if model.points:
+        rows.append((f"{prefix}_POINTS", len(model.points), "points of the bodies"))
+    asked = [function.name for function in functions]
+    if rows_of_poses := poses(model, asked):
+        rows.append((f"{prefix}_POSES", len(rows_of_poses), "bodies with poses"))
+    if places := reactions(model, asked):
+        rows.append((f"{prefix}_REACTIONS", len(places), "locked directions with reaction loads"))
+    if model.prescribed:
+        rows.append((f"{prefix}_PRESCRIBED", len(model.prescribed), "p, prescribed freedoms"))
+    for function in functions:
+        if function.name == PREPARE:
+            rows += [
+                (f"{prefix}_{array.name.upper()}", array.size, array.doc)
+                for array in (*function.inputs, *function.outputs)
+            ]
+    return _enumeration(rows)
+
+
+def parameter_places(model: ModelDescription) -> list[str]:
+    """Return the lines of the enumeration of places in the array of parameters."""
+    prefix = model.name.upper()
+    return _enumeration(
+        [
+            (f"{prefix}_P_{name}", index, f"default {default!r}")
+            for index, (name, default) in enumerate(model.parameters)
+        ]
+    )
+
+
+def _enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
+    """Return the lines between the braces of an enum; C++98 allows no comma after the last.
+
+    Args:
+        rows: Name, value and meaning of each enumerator.
+    """
+    last = len(rows) - 1
+    return columns(
+        [
+            (name, f"= {value}{',' if i < last else ''}", f"/* {text} */")
+            for i, (name, value, text) in enumerate(rows)
+        ],
+        gap=" ",
+    )
+
+
+def poses(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str]]:
+    """Return row and body of `body_poses` if it is computed, and not of all bodies in their order."""
+    some = "body_poses" in outputs and model.poses != model.body_names
+    return list(enumerate(model.poses)) if some else []
+
+
+def reactions(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str, str]]:
+    """Return place, locked direction and unit of every reaction load, if they are computed."""
+    asked = "reaction_loads" in outputs
+    return [(place, *names) for place, names in enumerate(model.reactions)] if asked else []

@@ -1,7 +1,7 @@
-"""How C functions differ: for one state or for several side by side, and in their precision.
+"""How the statements of a function are written: for one state, or for several states in SIMD lanes.
 
-The statements are the same; types, literals, functions, and how a value that must be positive is watched are
-not.
+A function body consists of the same operations in every dialect. What differs is here: types, literals, names
+of functions, how a local is declared, and how a value that must be positive is watched.
 """
 
 from __future__ import annotations
@@ -16,33 +16,38 @@ from kanegen.program.ir import Array, Op
 from kanegen.program.precision import DOUBLE, Precision
 
 FUNCTIONS = (Op.SIN, Op.COS, Op.SQRT)
-"""Operations that are functions in C."""
+"""Operations that are function calls."""
+
+_RESERVED = frozenset({"failed", "doubtful", "least", "i", "sines", "cosines", "lanes_waves"})
+"""Names in the body of a function for one state that no local may take."""
+
+_RESERVED_SIMD = frozenset({"lanes", "good", "fine", "accurate"})
+"""Further names in the body of a function for several states."""
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """Words of the C functions of one kind.
+    """Functions for one state in C; other dialects derive from it.
 
     Attributes:
-        formats: Precision of the arrays.
-        arithmetic: Precision of everything between.
-        number: Type of a value that differs between states.
-        prefix: Start of the names of functions of such values.
-        reserved: Names that no local may take.
-        own: Whether sine and cosine are those of kanegen_sincos.h, else those of libm.
+        formats: Precisions of the arrays.
+        arithmetic: Precision of everything that is computed.
+        kanegen_sincos: Whether sine and cosine are those of kanegen_sincos.h, else those of libm.
     """
 
     formats: Formats
     arithmetic: Precision
-    number: str
-    prefix: str
-    reserved: frozenset[str]
-    own: bool = False
+    kanegen_sincos: bool = False
 
     @property
     def is_scalar(self) -> bool:
-        """Whether it is for one state."""
-        return not self.prefix
+        """Whether the function is for one state."""
+        return True
+
+    @property
+    def number(self) -> str:
+        """Type of a value that differs between states."""
+        return self.arithmetic.c_type
 
     @property
     def common(self) -> str:
@@ -50,100 +55,109 @@ class Dialect:
         return self.arithmetic.c_type
 
     @property
+    def reserved(self) -> frozenset[str]:
+        """Names that no local may take."""
+        return _RESERVED | {self.arithmetic.c_function(op.value) for op in FUNCTIONS}
+
+    @property
     def notation(self) -> Notation:
         """How operations are written."""
         return notation(self.arithmetic)
 
     @property
-    def has_waves(self) -> bool:
-        """Whether the angles of one state may be taken side by side."""
-        alike = self.formats.every == (self.arithmetic,)
-        return self.own and self.is_scalar and alike
+    def has_vector_sincos(self) -> bool:
+        """Whether sines and cosines of many coordinates may be computed in SIMD lanes."""
+        return self.kanegen_sincos and self.formats.every == (self.arithmetic,)
 
     @property
-    def has_pairs(self) -> bool:
-        """Whether sine and cosine of an angle come from one call."""
-        return self.own or self.arithmetic.has_sincos or not self.is_scalar
+    def has_sincos(self) -> bool:
+        """Whether one call gives sine and cosine of an angle."""
+        return self.kanegen_sincos or self.arithmetic.has_sincos
 
     @property
     def status(self) -> str:
-        """What a function returns that watches values."""
-        return "int" if self.is_scalar else "lanes_bits"
+        """Type that a function returns if its outputs may fail."""
+        return "int"
+
+    def local(self, kind: str, name: str, text: str) -> str:
+        """Return the statement that defines the constant local `name` of type `kind`."""
+        return f"const {kind} {name} = {text};"
+
+    def ignored(self, name: str) -> str:
+        """Return the statement that marks an unused argument."""
+        return f"(void){name};"
 
     def function(self, op: Op, everywhere: bool) -> str:
-        """Name of the function for `op`, of values that are the same everywhere or of those that differ."""
-        if self.own and op is not Op.SQRT and (self.is_scalar or everywhere):
-            return f"kanegen_{op.value}{self.arithmetic.libm_suffix}"
-        if self.is_scalar or everywhere:
-            return self.arithmetic.c_function(op.value)
-        return f"{self.prefix}{op.value}"
+        """Return the name of the function for `op`.
 
-    def pair(self, angle: str, sine: str, cosine: str) -> str:
-        """A call that sets both of the angle, the name of a local."""
-        if self.own and self.is_scalar:
+        Args:
+            op: One of `FUNCTIONS`.
+            everywhere: Whether its argument is the same in all states.
+        """
+        if self.kanegen_sincos and op is not Op.SQRT:
+            return f"kanegen_{op.value}{self.arithmetic.libm_suffix}"
+        return self.arithmetic.c_function(op.value)
+
+    def sincos(self, angle: str, sine: str, cosine: str) -> str:
+        """Return the call that sets the locals `sine` and `cosine` to those of the local `angle`."""
+        if self.kanegen_sincos:
             return f"kanegen_sincos{self.arithmetic.libm_suffix}({angle}, &{sine}, &{cosine});"
-        name = self.arithmetic.c_function("sincos") if self.is_scalar else f"{self.prefix}sincos"
-        return f"{name}(&{angle}, &{sine}, &{cosine});"
+        return f"{self.arithmetic.c_function('sincos')}(&{angle}, &{sine}, &{cosine});"
 
     def read(self, array: str, element: str) -> Expression:
-        """An element of an input array, for computing with it."""
+        """Return an element of an input array, converted to the arithmetic."""
         return converted(Expression(element), self.formats.of(array), self.arithmetic)
 
     def written(self, array: str, expression: Expression) -> Expression:
-        """A value as an output array holds it."""
-        held = self.formats.of(array)
-        return notation(held).whole(converted(expression, self.arithmetic, held))
+        """Return a value converted to the precision of an output array."""
+        stored = self.formats.of(array)
+        return notation(stored).whole(converted(expression, self.arithmetic, stored))
 
     def number_in(self, array: str, number: Any) -> str:
-        """A number as an output array holds it, rounded once: as the arithmetic has it, if that has less."""
-        held = self.formats.of(array)
-        coarser = min(self.arithmetic, held, key=lambda precision: precision.significand_bits)
-        text = notation(held).text(converted(literal(number, coarser), coarser, held))
+        """Return a constant as an output array holds it, rounded once to the coarser precision."""
+        stored = self.formats.of(array)
+        coarser = min(self.arithmetic, stored, key=lambda precision: precision.significand_bits)
+        text = notation(stored).text(converted(literal(number, coarser), coarser, stored))
         return self.everywhere(text)
 
     def everywhere(self, text: str) -> str:
-        """An expression that is the same in all states, as one of type `number`."""
-        return text if self.is_scalar else f"{self.prefix}of({text})"
+        """Return an expression that is the same in all states as one of type `number`."""
+        return text
 
     def condition(self, text: str, place: int) -> str:
-        """Watch the value `text`; the first to be computed that is not positive decides."""
-        if self.is_scalar:
-            return f"if (!failed && !({self.notation.positive(text)})) failed = {place};"
-        return f"good &= {self.prefix}positive({text});"
+        """Return the statement that watches a value; the first that is not positive sets the status."""
+        return f"if (!failed && !({self.notation.positive(text)})) failed = {place};"
 
     def margin(self, value: Expression, place: int) -> str:
-        """Watch a value that must be positive for accuracy; the least of them decides, or the first NaN."""
-        if not self.is_scalar:
-            return f"fine &= {self.prefix}positive({value});"
+        """Return the statement that watches a value that accuracy needs positive; the least decides."""
         rounded = converted(value, self.arithmetic, self.arithmetic if self._is_ordered else DOUBLE)
         return f"if (!({rounded} > least) && least == least) least = {rounded}, doubtful = -{place};"
 
     @property
     def _is_ordered(self) -> bool:
-        """Whether < is an operator on its numbers."""
+        """Whether < is an operator on numbers of the arithmetic."""
         return type(self.notation) is Notation
 
     def opening(self, has_margins: bool) -> list[str]:
-        """Begin a function that watches values, also such that accuracy needs if `has_margins`."""
-        if not self.is_scalar:
-            lines = ["    lanes_bits good = ~(lanes_bits){0};"]
-            return [*lines, "    lanes_bits fine = ~(lanes_bits){0};"] if has_margins else lines
+        """Return the first lines of a function that watches values.
+
+        Args:
+            has_margins: Whether it also watches values that accuracy needs positive.
+        """
         if not has_margins:
             return ["    int failed = 0;"]
         kind = self.arithmetic if self._is_ordered else DOUBLE
         return ["    int failed = 0, doubtful = 0;", f"    {kind.c_type} least = {kind.literal(0.0)};"]
 
-    def closing(self, spoilt: Sequence[Array], has_margins: bool) -> list[str]:
-        """End a function that watches values.
+    def closing(self, may_fail: Sequence[Array], has_margins: bool) -> list[str]:
+        """Return the last lines of a function that watches values: NaN where it failed, and the status.
 
         Args:
-            spoilt: The outputs that may not hold.
+            may_fail: Outputs that hold NaN where a condition fails.
             has_margins: As for `opening`.
         """
-        if not self.is_scalar:
-            return [*(["    *accurate = fine;"] if has_margins else []), "    return good;"]
         lines = []
-        for array in spoilt:
+        for array in may_fail:
             lines += [
                 f"    for (int i = 0; failed && i < {array.size}; ++i) {{",
                 f"        {array.name}[i] = {notation(self.formats.of(array.name)).nothing};",
@@ -152,30 +166,83 @@ class Dialect:
         return [*lines, f"    return {'failed ? failed : doubtful' if has_margins else 'failed'};"]
 
 
-def scalar(formats: Formats, arithmetic: Precision | None = None, own: bool = False) -> Dialect:
-    """One state: numbers of C; computes in the arithmetic of `formats` unless told otherwise."""
-    inner = arithmetic or formats.arithmetic
-    reserved = {inner.c_function(op.value) for op in FUNCTIONS} | {
-        "failed",
-        "doubtful",
-        "least",
-        "i",
-        "sines",
-        "cosines",
-        "lanes_waves",
-    }
-    return Dialect(formats, inner, inner.c_type, "", frozenset(reserved), own)
+@dataclass(frozen=True)
+class SimdDialect(Dialect):
+    """Functions for several states in SIMD lanes, with the types and functions of kanegen_lanes.h."""
+
+    @property
+    def is_scalar(self) -> bool:
+        """False: every value of type `number` holds one number for each of several states."""
+        return False
+
+    @property
+    def number(self) -> str:
+        """Type of a value that differs between states."""
+        return "lanes"
+
+    @property
+    def reserved(self) -> frozenset[str]:
+        """Names that no local may take."""
+        functions = {f"lanes_{name}" for name in (*FUNCTIONS, "sincos", "of", "positive")}
+        return super().reserved | functions | _RESERVED_SIMD
+
+    @property
+    def has_vector_sincos(self) -> bool:
+        """False: the lanes hold several states already."""
+        return False
+
+    @property
+    def has_sincos(self) -> bool:
+        """True: one call gives sine and cosine in all lanes."""
+        return True
+
+    @property
+    def status(self) -> str:
+        """Type that a function returns if its outputs may fail: one bit pattern a lane."""
+        return "lanes_bits"
+
+    def function(self, op: Op, everywhere: bool) -> str:
+        """Return the name of the function for `op`; a value that is the same everywhere needs no lanes."""
+        return super().function(op, everywhere) if everywhere else f"lanes_{op.value}"
+
+    def sincos(self, angle: str, sine: str, cosine: str) -> str:
+        """Return the call that sets `sine` and `cosine` to those of `angle` in all lanes."""
+        return f"lanes_sincos(&{angle}, &{sine}, &{cosine});"
+
+    def everywhere(self, text: str) -> str:
+        """Return an expression that is the same in all states as one of type `number`."""
+        return f"lanes_of({text})"
+
+    def condition(self, text: str, place: int) -> str:
+        """Return the statement that watches a value in every lane."""
+        return f"good &= lanes_positive({text});"
+
+    def margin(self, value: Expression, place: int) -> str:
+        """Return the statement that watches a value that accuracy needs positive in every lane."""
+        return f"fine &= lanes_positive({value});"
+
+    def opening(self, has_margins: bool) -> list[str]:
+        """Return the first lines of a function that watches values."""
+        lines = ["    lanes_bits good = ~(lanes_bits){0};"]
+        return [*lines, "    lanes_bits fine = ~(lanes_bits){0};"] if has_margins else lines
+
+    def closing(self, may_fail: Sequence[Array], has_margins: bool) -> list[str]:
+        """Return the last lines of a function that watches values; its caller writes NaN."""
+        return [*(["    *accurate = fine;"] if has_margins else []), "    return good;"]
 
 
-def lanes(precision: Precision = DOUBLE, own: bool = False) -> Dialect:
-    """Several states: the types and functions of kanegen_lanes.h."""
-    functions = {f"lanes_{name}" for name in (*FUNCTIONS, "sincos", "of", "positive")}
-    reserved = scalar(uniform(precision)).reserved | functions | {"lanes", "good", "fine", "accurate"}
-    return Dialect(uniform(precision), precision, "lanes", "lanes_", reserved, own)
-
-
-SCALAR = scalar(uniform(DOUBLE))
+SCALAR = Dialect(Formats(), DOUBLE)
 """One state in double precision."""
 
-LANES = lanes()
+SIMD = SimdDialect(Formats(), DOUBLE)
 """Several states in double precision."""
+
+
+def scalar(formats: Formats, arithmetic: Precision | None = None, kanegen_sincos: bool = False) -> Dialect:
+    """Return the dialect for one state, which computes in the arithmetic of `formats` by default."""
+    return Dialect(formats, arithmetic or formats.arithmetic, kanegen_sincos)
+
+
+def simd(precision: Precision = DOUBLE, kanegen_sincos: bool = False) -> SimdDialect:
+    """Return the dialect for several states in SIMD lanes of one precision."""
+    return SimdDialect(uniform(precision), precision, kanegen_sincos)

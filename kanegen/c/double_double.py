@@ -1,9 +1,12 @@
-"""What the header of pairs of doubles says: pi/2 in parts, and the series of sine and cosine.
+"""Double-double arithmetic: the constants of the header kanegen_pairs.h.
+
+A double-double number is the exact sum of two doubles. Its sine and cosine need pi/2 in parts and power
+series.
 
 The parts of pi/2 before the last have 33 bits, so that n times them is exact for n of 20 bits, which is
 what angles up to 1e6 rad need. With seven parts, n pi/2 is known to 2^-230, which leaves 100 bits of the
-smallest angle that a pair below 1e6 can have beside a multiple of pi/2. The series go so far that what is
-left out is below 2^-118 for angles up to pi/4; terms that are below 2^-58 of the sum are kept as doubles.
+smallest difference between a double-double number below 1e6 and a multiple of pi/2. The series go so far that
+what is left out is below 2^-118 for angles up to pi/4; terms below 2^-58 of the sum are kept as doubles.
 """
 
 from __future__ import annotations
@@ -26,7 +29,7 @@ typedef struct {
     double low;
 } kanegen_pair;
 #endif"""
-"""The type; several headers may declare it."""
+"""Declaration of the type in C; several headers may contain it."""
 
 _PARTS = 7
 _PART_BITS = 33
@@ -34,18 +37,23 @@ _PART_BITS = 33
 
 @dataclass(frozen=True)
 class Series:
-    """Coefficients of a power series, highest first: `tail` in doubles, then `head` in pairs."""
+    """Coefficients of a power series, highest order first.
+
+    Attributes:
+        tail: Coefficients of the high orders, as literals of doubles.
+        head: Coefficients of the low orders that follow, each as the literals of two doubles.
+    """
 
     tail: tuple[str, ...]
     head: tuple[tuple[str, str], ...]
 
 
-def _series(orders: Sequence[int], in_pairs: int) -> Series:
-    """Reciprocal factorials with alternating signs, for terms that begin at -1 / orders[0]!."""
+def _series(orders: Sequence[int], exact_count: int) -> Series:
+    """Return alternating reciprocal factorials of `orders`, the last `exact_count` as two doubles each."""
     exact = [Fraction((-1) ** (k + 1), factorial(order)) for k, order in enumerate(orders)][::-1]
-    heads = (double_double_parts(coefficient) for coefficient in exact[-in_pairs:])
+    heads = (double_double_parts(coefficient) for coefficient in exact[-exact_count:])
     return Series(
-        tuple(repr(float(coefficient)) for coefficient in exact[:-in_pairs]),
+        tuple(repr(float(coefficient)) for coefficient in exact[:-exact_count]),
         tuple((repr(high), repr(low)) for high, low in heads),
     )
 
@@ -63,8 +71,16 @@ def _half_pi_parts() -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Pairs:
-    """The constants of kanegen_pairs.h, as C reads them."""
+class DoubleDoubleHeader:
+    """The constants of kanegen_pairs.h as C literals.
+
+    Attributes:
+        declaration: Declaration of the type.
+        limit: Largest angle whose sine and cosine are computed, rad.
+        reciprocal: 2/pi.
+        parts: pi/2 as a sum, largest part first.
+        series: Series of sine and cosine in z = r^2, by the name of the variable in C.
+    """
 
     declaration: str = DECLARATION
     limit: str = "1e6"
@@ -77,9 +93,10 @@ class Pairs:
 
     @property
     def declared(self) -> str:
-        """The type for cffi, which reads no preprocessor lines."""
+        """The declaration of the type for cffi, which reads no preprocessor lines."""
         lines = self.declaration.splitlines(keepends=True)
         return "".join(line for line in lines if not line.startswith("#"))
 
 
-PAIRS = Pairs()
+DOUBLE_DOUBLE_HEADER = DoubleDoubleHeader()
+"""What the header of double-double arithmetic says."""

@@ -1,4 +1,4 @@
-"""Expressions of C that compute exactly the operations they are made of, in the same order.
+"""Expressions that compute exactly the operations they are made of, in the same order.
 
 C groups `a + b - c` and `a*b/c` from the left, so only other groupings get brackets. A sign is kept apart
 until it is printed: it passes outward through products and quotients, and into the operator of a sum. In
@@ -32,9 +32,9 @@ class Expression:
 
     Attributes:
         text: The expression without its sign.
-        level: Its outermost operator.
-        negative: Whether a minus belongs in front.
-        operations: How many operations it holds; a sign counts nothing.
+        level: How tightly its outermost operator binds.
+        negative: Whether a minus belongs in front of the text.
+        operations: Number of operations in the text; a sign is none.
     """
 
     text: str
@@ -50,17 +50,17 @@ class Expression:
 
 
 def literal(number: Any, precision: Precision = DOUBLE) -> Expression:
-    """A finite number; reading it back gives the same bits, or the nearest of a lower precision."""
+    """Return a finite number as a literal that reads back to the nearest number of `precision`."""
     return Expression(precision.literal(abs(number)), negative=math.copysign(1.0, number) < 0)
 
 
 def cast(kind: str, expression: Expression) -> Expression:
-    """`expression` converted to the type `kind`."""
+    """Return `expression` converted to the type `kind`."""
     return Expression(f"({kind}){_bracketed(expression, Level.ATOM)}", negative=expression.negative)
 
 
 def converted(expression: Expression, source: Precision, target: Precision) -> Expression:
-    """`expression` from one precision to another."""
+    """Return `expression` converted from one precision to another."""
     if source is target:
         return expression
     if target is DOUBLE_DOUBLE:
@@ -71,35 +71,35 @@ def converted(expression: Expression, source: Precision, target: Precision) -> E
 
 
 class Notation:
-    """How C writes operations on its own numbers: with operators."""
+    """Operations on the numbers of C, written with operators."""
 
     def __init__(self, precision: Precision) -> None:
         self._precision = precision
 
     @property
     def nothing(self) -> str:
-        """NaN."""
+        """The expression of NaN."""
         return f"({self._precision.c_type})NAN"
 
     def text(self, expression: Expression) -> str:
-        """With its sign."""
+        """Return the text of an expression with its sign."""
         return str(self.whole(expression))
 
     def whole(self, expression: Expression) -> Expression:
-        """With a sign that C can read."""
+        """Return an expression whose sign, if any, an operator can write."""
         return expression
 
     def positive(self, text: str) -> str:
-        """The condition that a value is positive."""
+        """Return the condition that a value is positive."""
         return f"{text} > {self._precision.literal(0.0)}"
 
     def sum(self, a: Expression, b: Expression) -> Expression:
-        """a + b, where a has a sign only if b has one."""
+        """Return a + b, where a may be negative only if b is."""
         text = f"{a}{BREAK}{'-' if b.negative else '+'} {_bracketed(b, Level.PRODUCT)}"
         return Expression(text, Level.SUM, operations=a.operations + b.operations + 1)
 
     def product(self, op: Op, a: Expression, b: Expression) -> Expression:
-        """A b or a / b."""
+        """Return the product or the quotient of a and b."""
         operator = "*" if op is Op.MULTIPLY else "/"
         return Expression(
             f"{_bracketed(a, Level.PRODUCT)}{HINGE}{operator}{_bracketed(b, Level.ATOM)}",
@@ -109,32 +109,32 @@ class Notation:
         )
 
 
-class Calls(Notation):
-    """How operations on pairs of doubles are written: as calls of kanegen_pairs.h."""
+class DoubleDoubleNotation(Notation):
+    """Operations on double-double numbers, written as calls of kanegen_pairs.h."""
 
     @property
     def nothing(self) -> str:
-        """NaN."""
+        """The expression of NaN."""
         return "pair_of((double)NAN)"
 
     def whole(self, expression: Expression) -> Expression:
-        """With a sign that C can read."""
+        """Return an expression without a sign, which becomes a call."""
         if not expression.negative:
             return expression
         return replace(expression, text=f"pair_negate({expression.text})", negative=False)
 
     def positive(self, text: str) -> str:
-        """The condition that a value is positive."""
+        """Return the condition that a value is positive."""
         return f"pair_positive({text})"
 
     def sum(self, a: Expression, b: Expression) -> Expression:
-        """a + b, where a has a sign only if b has one."""
+        """Return a + b, where a may be negative only if b is."""
         if a.negative:
             return -self.sum(-a, -b)
         return self._call("subtract" if b.negative else "add", a, b)
 
     def product(self, op: Op, a: Expression, b: Expression) -> Expression:
-        """A b or a / b."""
+        """Return the product or the quotient of a and b."""
         return replace(self._call(op.value, a, b), negative=a.negative != b.negative)
 
     def _call(self, name: str, a: Expression, b: Expression) -> Expression:
@@ -144,20 +144,20 @@ class Calls(Notation):
 
 @functools.cache
 def notation(precision: Precision) -> Notation:
-    """How operations in a precision are written."""
-    return Calls(precision) if precision is DOUBLE_DOUBLE else Notation(precision)
+    """Return how operations in `precision` are written."""
+    return DoubleDoubleNotation(precision) if precision is DOUBLE_DOUBLE else Notation(precision)
 
 
 def apply(
     op: Op, operands: tuple[Expression, ...], function: str = "", written: Notation | None = None
 ) -> Expression:
-    """The operation `op`, any but an input or a constant, on `operands`.
+    """Return the expression of an operation on `operands`.
 
     Args:
-        op: What to compute.
-        operands: As many as it takes.
-        function: Name of the C function for it, where it is one.
-        written: How; with operators unless told otherwise.
+        op: The operation, any but an input or a constant.
+        operands: Its operands, as many as `ARITY` says.
+        function: Name of the C function for the operation, where it is a call.
+        written: How operations are written; by default with the operators of double precision.
     """
     written = written or notation(DOUBLE)
     match op, operands:
@@ -179,5 +179,5 @@ def _sum(a: Expression, b: Expression, written: Notation) -> Expression:
 
 
 def _bracketed(expression: Expression, level: Level) -> str:
-    """The text without sign, in brackets where it binds more loosely than `level`."""
+    """Return the text without sign, in brackets where it binds more loosely than `level`."""
     return expression.text if expression.level >= level else f"({expression.text})"

@@ -1,27 +1,35 @@
-"""Which array has which precision.
+"""The precision of every array, and whether it can hold the numbers of a model.
 
-States, loads and results have the precision that was chosen for storage. What stands for numbers of the model
-does not: parameters have the own type of the arithmetic, and what is prepared from them, or left by one piece
-of a function for the next, is not rounded at all.
+States, loads and results have the precision that was chosen for storage. Numbers of the model have others:
+parameters have the own storage type of the arithmetic, and what is prepared from them, or left by one part of
+a function for the next, keeps the precision of the arithmetic and is not rounded.
+
+Constants are folded in double precision or more and rounded once. A constant that is too large is refused.
+One that is too small becomes 0 or loses digits, which is harmless in a sum: `cos(pi/2)` leaves such constants
+in a model of ordinary numbers. But 0 is refused as a divisor, and where a value must be positive.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from kanegen.c.description import ModelDescription
+from kanegen.c.interface import PREPARE, Function
+from kanegen.errors import ModelError
 from kanegen.options import Variant
 from kanegen.program import precision as precisions
-from kanegen.program.ir import PARAMETERS, PREPARED, WORKSPACE
+from kanegen.program.ir import PARAMETERS, PREPARED, WORKSPACE, Op, Program
 from kanegen.program.precision import DOUBLE, Precision
 
 
 @dataclass(frozen=True)
 class Formats:
-    """The precisions of one model.
+    """The precisions of the arrays and of the arithmetic of one model.
 
     Attributes:
-        arithmetic: Of everything that is computed from a state.
-        storage: Of states, loads and results.
+        arithmetic: Precision of everything that is computed from a state.
+        storage: Precision of states, loads and results.
     """
 
     arithmetic: Precision = DOUBLE
@@ -29,33 +37,33 @@ class Formats:
 
     @property
     def parameters(self) -> Precision:
-        """Of run-time parameters."""
+        """Precision of run-time parameters."""
         return precisions.storage_precision(self.arithmetic.name)
 
     @property
     def preparing(self) -> Precision:
-        """Of what is computed from parameters alone: at least double."""
+        """Precision in which parameter-only values are computed: at least double."""
         return max(DOUBLE, self.arithmetic, key=lambda precision: precision.significand_bits)
 
     @property
     def is_mixed(self) -> bool:
-        """Whether states and results are converted."""
+        """Whether states and results are converted before and after the arithmetic."""
         return self.arithmetic is not self.storage
 
     @property
     def every(self) -> tuple[Precision, ...]:
-        """All of them, each once."""
+        """All precisions that occur, each once."""
         return tuple(dict.fromkeys((self.storage, self.parameters, self.arithmetic)))
 
     def of(self, array: str) -> Precision:
-        """That of the array of this name."""
+        """Return the precision of the array of this name."""
         if array == PARAMETERS:
             return self.parameters
         return self.arithmetic if array in (PREPARED, WORKSPACE) else self.storage
 
 
 def formats(variant: Variant) -> Formats:
-    """What a variant asks for."""
+    """Return the precisions that `variant` asks for."""
     return Formats(
         precisions.precision_named(variant.precision),
         precisions.storage_precision(variant.precision, variant.storage),
@@ -63,5 +71,52 @@ def formats(variant: Variant) -> Formats:
 
 
 def uniform(precision: Precision) -> Formats:
-    """One precision for all."""
+    """Return one precision for all arrays and the arithmetic."""
     return Formats(precision, precision)
+
+
+def require_range(
+    model: ModelDescription, programs: Mapping[Function, Sequence[Program]], formats: Formats
+) -> None:
+    """Refuse numbers that the precisions cannot hold; `prepare` computes at least in double precision.
+
+    Raises:
+        ModelError: If a parameter or a constant is too large, or a divisor too small.
+    """
+    for name, default in model.parameters:
+        formats.parameters.rounded(default, f"system {model.name!r}: parameter {name!r}")
+    for function, parts in programs.items():
+        for part in parts if function.name != PREPARE else ():
+            _require_constants(part, formats.arithmetic, f"system {model.name!r}: a constant")
+            _require_results(part, formats.storage, f"system {model.name!r}: a result")
+
+
+def _require_constants(program: Program, precision: Precision, what: str) -> None:
+    vanished = set()
+    for i, instruction in enumerate(program.instructions):
+        if instruction.op is Op.CONSTANT:
+            number = float(instruction.number)
+            if precision.rounded(number, what) == 0.0 and number != 0.0:
+                vanished.add(i)
+    refused = vanished.intersection(_not_zero(program))
+    if refused:
+        number = float(program.instructions[min(refused)].number)
+        raise ModelError(
+            f"{what}: {number!r} is 0 in {precision.label} precision, "
+            "but something is divided by it; choose units nearer to 1, or double precision."
+        )
+
+
+def _require_results(program: Program, precision: Precision, what: str) -> None:
+    for value in program.results():
+        if program.instructions[value].op is Op.CONSTANT:
+            precision.rounded(program.instructions[value].number, what)
+
+
+def _not_zero(program: Program) -> Iterator[int]:
+    """Yield the values that something is divided by or that must be positive."""
+    for instruction in program.instructions:
+        if instruction.op is Op.DIVIDE:
+            yield instruction.operands[1]
+    for output in program.outputs:
+        yield from output.exists_if_positive

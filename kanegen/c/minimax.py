@@ -1,10 +1,10 @@
-"""Polynomials for sine and cosine up to pi/4 whose largest error is the least possible.
+"""Minimax polynomials for sine and cosine up to pi/4.
 
     sin r = r (1 + z S(z)),   cos r = 1 + z C(z),   z = r^2
 
-1 is exact, so that small angles and their cosines are. S makes the largest relative error of the sine the
-least, C the largest error of the cosine, by the exchange algorithm of Remez on a dense grid. It computes with
-40 digits, so that the coefficients, rounded once, are the same on every machine.
+The leading 1 is exact, and so are sines and cosines of small angles. S minimises the largest relative error
+of the sine, C the largest error of the cosine, by the exchange algorithm of Remez on a dense grid. The
+arithmetic has 40 digits, so the coefficients, rounded once, are the same on every machine.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from mpmath import mpf
 from kanegen.program.precision import Precision
 
 GRID = 200
-"""Intervals between the places where errors are looked at."""
+"""Number of grid points at which errors are evaluated."""
 
 ROUNDS = 20
-"""Exchanges at most; the places of the largest errors stop moving after a few."""
+"""Most exchanges of grid points; the points of largest error stop moving after a few."""
 
 _CONTEXT = mpmath.mp.clone()
 _CONTEXT.dps = 40
@@ -32,13 +32,13 @@ _Function = Callable[[mpf], mpf]
 
 @dataclass(frozen=True)
 class Minimax:
-    """A sine and a cosine of the degrees d and d + 1.
+    """Polynomials of degrees d and d + 1 for sine and cosine.
 
     Attributes:
         sine: Coefficients of S, lowest first.
         cosine: Coefficients of C, lowest first.
         sine_error: Largest |polynomial - sin r| for |r| <= pi/4, roundoff aside.
-        cosine_error: Largest |polynomial - cos r|.
+        cosine_error: Largest |polynomial - cos r| for |r| <= pi/4, roundoff aside.
     """
 
     sine: tuple[float, ...]
@@ -48,13 +48,13 @@ class Minimax:
 
     @property
     def error(self) -> float:
-        """The larger of both."""
+        """The larger of the two errors."""
         return max(self.sine_error, self.cosine_error)
 
 
 @functools.cache
 def minimax(degree: int, precision: Precision) -> Minimax:
-    """The polynomials whose sine has an odd `degree` of 3 or more, rounded to `precision`."""
+    """Return the polynomials for a sine of odd `degree`, 3 or more, rounded to `precision`."""
     places = _places()
     sine = _remez(places, _sine, lambda z: z / _sinc(z), (degree - 1) // 2)
     cosine = _remez(places, _cosine, lambda z: z, (degree + 1) // 2)
@@ -68,7 +68,7 @@ def minimax(degree: int, precision: Precision) -> Minimax:
 
 
 def _places() -> list[mpf]:
-    """Values of z from near 0 to (pi/4)^2, denser at both ends, as extrema are."""
+    """Return grid points z from near 0 to (pi/4)^2, denser at both ends like the extrema of the error."""
     angles = [_CONTEXT.pi * i / GRID for i in range(1, GRID + 1)]
     return [(_CONTEXT.pi / 4) ** 2 * (1 - _CONTEXT.cos(angle)) / 2 for angle in angles]
 
@@ -79,12 +79,12 @@ def _sinc(z: mpf) -> mpf:
 
 
 def _sine(z: mpf) -> mpf:
-    """What S approximates."""
+    """Return (sin r / r - 1)/z, the function that S approximates."""
     return (_sinc(z) - 1) / z
 
 
 def _cosine(z: mpf) -> mpf:
-    """What C approximates."""
+    """Return (cos r - 1)/z, the function that C approximates."""
     return (_CONTEXT.cos(_CONTEXT.sqrt(z)) - 1) / z
 
 
@@ -97,7 +97,7 @@ def _largest(places: list[mpf], error: _Function) -> float:
 
 
 def _remez(places: list[mpf], function: _Function, weight: _Function, count: int) -> list[mpf]:
-    """`count` coefficients, lowest first, with the least largest |weight (polynomial - function)|."""
+    """Return `count` coefficients, lowest first, that minimise max |weight (polynomial - function)|."""
     values, weights = [function(z) for z in places], [weight(z) for z in places]
     chosen = [(len(places) - 1) * k // count for k in range(count + 1)]
     for _ in range(ROUNDS):
@@ -115,7 +115,7 @@ def _remez(places: list[mpf], function: _Function, weight: _Function, count: int
 
 
 def _exchanged(errors: list[mpf], count: int) -> list[int]:
-    """The place of the largest error between two changes of sign; `count` of them, neighbours."""
+    """Return `count` neighbouring grid points of alternating sign where the error between is largest."""
     peaks = [0]
     for i, error in enumerate(errors):
         if (error > 0) != (errors[peaks[-1]] > 0):

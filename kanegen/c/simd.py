@@ -1,4 +1,7 @@
-"""What the header of vector numbers says in each precision: widths, bit patterns, and how blocks turn."""
+"""SIMD vectors of one precision: their widths, the bit patterns of their numbers, and transposes of blocks.
+
+The header kanegen_lanes.h is made of these.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +12,14 @@ from kanegen.program.precision import DOUBLE, FLOAT, Precision
 
 
 @dataclass(frozen=True)
-class Lanes:
-    """Numbers of several states side by side in one precision.
+class Simd:
+    """Vectors whose lanes hold the numbers of several states, in one precision.
 
     Attributes:
-        precision: Of each of them.
-        bits: Unsigned integer type of the same size in C.
-        bits_suffix: Of its literals.
-        widths: How many numbers may stand side by side.
+        precision: Precision of the number in each lane.
+        bits: Unsigned integer type in C of the size of a number.
+        bits_suffix: Suffix of literals of that type.
+        widths: Possible numbers of lanes, each a power of two.
     """
 
     precision: Precision
@@ -26,48 +29,49 @@ class Lanes:
 
     @property
     def header(self) -> str:
-        """Name of the header, without .h; both precisions may be used side by side."""
+        """Name of the header without .h, another for each precision, so that both may be included."""
         return f"kanegen_lanes{self.precision.libm_suffix}"
 
     @property
     def size(self) -> int:
-        """Bits of a number."""
+        """Number of bits of a number."""
         return 8 * self.precision.bytes
 
     def pattern(self, bits: int) -> str:
-        """An integer literal."""
+        """Return a bit pattern as an integer literal of the type `bits`."""
         return f"0x{bits:x}{self.bits_suffix}"
 
     def exchanges(self, width: int) -> Iterator[tuple[int, int, int]]:
-        """For the transpose of a block: numbers of two vectors and the size of the groups they exchange."""
+        """Yield the steps of a transpose: two vectors, and the size of the groups that they exchange."""
         for size in self.groups(width):
             yield from ((i, i + size, size) for i in range(width) if not i & size)
 
     def groups(self, width: int) -> list[int]:
-        """Sizes of the groups of lanes that are exchanged."""
+        """Return the sizes of the groups of lanes that a transpose exchanges."""
         return [size for size in self.widths if size < width]
 
     def even(self, width: int, size: int) -> list[int]:
-        """Lanes of two vectors, one after the other, that the first one has after an exchange."""
+        """Return the lanes that the first of two vectors has after an exchange, counted through both."""
         return [width + k - size if k & size else k for k in range(width)]
 
     def odd(self, width: int, size: int) -> list[int]:
-        """Lanes of two vectors that the second one has after an exchange."""
+        """Return the lanes that the second of two vectors has after an exchange."""
         return [k + size for k in self.even(width, size)]
 
 
-_DOUBLE = Lanes(
+_DOUBLE = Simd(
     precision=DOUBLE,
     bits="unsigned long long",
     bits_suffix="ULL",
     widths=(1, 2, 4, 8),
 )
 
-_FLOAT = Lanes(
+_FLOAT = Simd(
     precision=FLOAT,
     bits="uint32_t",
     bits_suffix="U",
     widths=(1, 2, 4, 8, 16),
 )
 
-LANES = {lanes.precision: lanes for lanes in (_DOUBLE, _FLOAT)}
+SIMD = {simd.precision: simd for simd in (_DOUBLE, _FLOAT)}
+"""The SIMD vectors of each precision that has them."""

@@ -1,9 +1,9 @@
 """Sine and cosine in C: kanegen's own, polynomials of a chosen degree, or those of the C library.
 
-An angle up to `limit` less n pi/2 is computed with pi/2 in parts. Those before the last have so few bits that
-n times them is exact: 37 bits for n of 16 bits in double precision, 11 bits for n of 13 bits in single
-precision. What the last difference loses is kept. Larger angles are reduced by integers: as many digits of
-2/pi as matter times the bits of the angle.
+An angle up to `limit` is reduced by n pi/2 with pi/2 in parts. Parts before the last have so few bits that n
+times them is exact: 37 bits for n of 16 bits in double precision, 11 bits for n of 13 bits in single
+precision. What the last difference rounds off is kept. Larger angles are reduced with integers: the digits of
+2/pi that matter, times the bits of the angle.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from kanegen.c.minimax import Minimax, minimax
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
 
 AHEAD = 64
-"""Zeros before 2/pi in the table of its bits, so that small exponents need no case of their own."""
+"""Zero bits before 2/pi in the table of its bits, so that small exponents need no case of their own."""
 
 SHORT = 3
-"""Terms of a polynomial up to which Horner's way, which loses less, is as quick as any."""
+"""Number of terms of a polynomial up to which Horner's scheme, which loses less, is as fast as any."""
 
 DIGITS = 6
-"""Digits of 32 bits that an angle is multiplied by."""
+"""Number of digits of 32 bits of 2/pi that an angle is multiplied by."""
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,14 @@ class Sincos:
     """How sine and cosine are computed in one precision.
 
     Attributes:
-        name: What a `Variant` calls it.
-        precision: Of the angles and of everything between.
-        limit: Largest angle that parts of pi/2 suffice for, rad, as a literal without suffix.
-        parts: pi/2 as a sum, largest first.
-        sine: Coefficients in r^2, lowest first: of (r - sin r)/r^3, or of (sin r - r)/r^3 of `plain`.
-        cosine: The same of (cos r - 1 + r^2/2)/r^4, or of (cos r - 1)/r^2.
-        error: The largest there is, in words.
-        plain: Whether r is one number and not a sum of two.
+        name: Name in `options.SINCOS`.
+        precision: Precision of the angles and of the arithmetic.
+        limit: Largest angle that is reduced with parts of pi/2, rad, as a literal without suffix.
+        parts: pi/2 as a sum, largest part first.
+        sine: Coefficients in r^2, lowest first, of (r - sin r)/r^3; if `plain`, of (sin r - r)/r^3.
+        cosine: Coefficients of (cos r - 1 + r^2/2)/r^4; if `plain`, of (cos r - 1)/r^2.
+        error: The largest error as text.
+        plain: Whether the reduced angle r is one number, not the sum of two.
     """
 
     name: str
@@ -60,32 +60,32 @@ class Sincos:
 
     @property
     def degree(self) -> int:
-        """Of the polynomial for the sine."""
+        """Degree of the polynomial of the sine."""
         return 2 * len(self.sine) + 1
 
     @property
     def takes_squares(self) -> bool:
-        """Whether zz = z z is needed."""
+        """Whether the polynomials use zz = z z."""
         return not self.plain or len(self.cosine) > SHORT
 
     @property
     def shift(self) -> float:
-        """A number that leaves no bits after the point when it is added."""
+        """A number whose addition rounds the other summand to an integer."""
         return 1.5 * 2.0 ** (self.precision.significand_bits - 1)
 
     @property
     def exponent_bits(self) -> int:
-        """Bits of the exponent of a number."""
+        """Number of bits of the exponent of a number."""
         return 8 * self.precision.bytes - self.precision.significand_bits
 
     @property
     def bias(self) -> int:
-        """Exponent of 1."""
+        """The biased exponent of the number 1."""
         return (1 << self.exponent_bits - 1) - 1
 
     @property
     def first_place(self) -> int:
-        """Less this, the exponent of an angle is the first bit of the table that matters.
+        """The offset from the exponent of an angle to the first bit of the table that matters.
 
         The angle is m 2^(exponent - bias - digits + 1), the table 2/pi 2^-AHEAD. Bits whose products are
         multiples of 4 turn the angle by whole turns.
@@ -94,7 +94,7 @@ class Sincos:
 
     @property
     def two_over_pi(self) -> list[str]:
-        """Digits of 32 bits, the first one first: `AHEAD` zeros, then 2/pi."""
+        """Literals of 32 bits each, most significant first: `AHEAD` zero bits, then those of 2/pi."""
         last = 2**self.exponent_bits - 2 - self.first_place
         count = last // 32 + DIGITS + 1
         bits = 32 * count - AHEAD
@@ -104,12 +104,12 @@ class Sincos:
 
     @property
     def limit_pattern(self) -> int:
-        """The bits of `limit`."""
+        """The bit pattern of `limit`."""
         kind = {4: "f", 8: "d"}[self.precision.bytes]
         return int(struct.pack(f">{kind}", float(self.limit)).hex(), 16)
 
     def polynomial(self, target: str, coefficients: Sequence[float]) -> list[str]:
-        """A statement in z and zz = z z. Pairs of terms side by side answer sooner than one by one."""
+        """Return a statement that evaluates a polynomial in z, with many terms in z and zz = z z."""
         size = 2 if len(coefficients) > SHORT else 1
         text = ""
         for k in reversed(range(0, len(coefficients), size)):
@@ -123,7 +123,7 @@ class Sincos:
 
 
 def _product(power: str, factor: str) -> str:
-    """Added to what stands before it."""
+    """Return `power*factor` as a further summand."""
     if BREAK in factor or " " in factor:
         return f"{BREAK}+ {power}*({factor})"
     return f" {'-' if factor.startswith('-') else '+'} {power}*{factor.removeprefix('-')}"
@@ -164,12 +164,12 @@ _FLOAT = Sincos(
 )
 
 SHARED = {sincos.precision: sincos for sincos in (_DOUBLE, _FLOAT)}
-"""The accurate ones. The coefficients are minimax in the relative error of sine and cosine over |r| <= pi/4
-and a little more; in single precision they were rounded one after the other, lowest first."""
+"""The accurate sine and cosine of each precision. The coefficients minimise the largest relative error over
+|r| <= pi/4 and a little more; in single precision they were rounded one after the other, lowest first."""
 
 
-def own(name: str, precision: Precision) -> Sincos | None:
-    """The sine and cosine that a `Variant` calls `name`; None for those of the C library."""
+def sincos_named(name: str, precision: Precision) -> Sincos | None:
+    """Return the sine and cosine called `name` in `options.SINCOS`; None for those of the C library."""
     shared = SHARED.get(precision)
     if name == "shared" or shared is None:
         return shared
@@ -179,7 +179,7 @@ def own(name: str, precision: Precision) -> Sincos | None:
 
 @functools.cache
 def _polynomials(degree: int, shared: Sincos) -> Sincos:
-    """Polynomials of this degree; their errors leave no use for what r has beyond one number."""
+    """Return polynomials of this degree, whose errors exceed what a second number for r would save."""
     found = minimax(degree, shared.precision)
     *exact, last, rest = shared.parts
     return Sincos(
@@ -195,6 +195,6 @@ def _polynomials(degree: int, shared: Sincos) -> Sincos:
 
 
 def _in_words(found: Minimax, precision: Precision) -> str:
-    """The errors; 5% more than they are, so that two digits are not less."""
+    """Return both errors as text, 5% larger than they are, so that two digits do not understate them."""
     sine, cosine = (f"{1.05 * error:.1e}" for error in (found.sine_error, found.cosine_error))
     return f"{sine} (sine) and {cosine} (cosine), beside {2.0 * precision.roundoff:.1e} by roundoff"

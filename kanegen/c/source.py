@@ -1,48 +1,62 @@
-"""The generated files, in memory."""
+"""The generated files of one model, in memory."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+from kanegen.c.description import ModelDescription
 from kanegen.c.folder import write
-from kanegen.c.interface import Function, ModelFacts
+from kanegen.c.interface import Function
 from kanegen.options import STRICT, Variant
 from kanegen.program import precision as precisions
 
 
 @dataclass(frozen=True)
 class Source:
-    """C code of one model and what goes with it.
+    """Code of one model, and the artifacts beside it.
 
     Attributes:
         model: Names and sizes of the model.
-        outputs: What was asked for, such as `("mass_matrix", "forcing")`.
-        functions: Every C function, without its batch form.
+        outputs: Names of the outputs that were asked for, such as `("mass_matrix", "forcing")`.
+        functions: Every generated function; each but `prepare` has a batch form, too.
         operations: What one evaluation of all outputs costs: "add", "multiply", "divide", "sqrt", "sincos",
             and "prepare", the operations of the parameter-only step.
         files: Text of every file by its name: header, source, example, build files, README.
         cdef: The declarations of the header, as cffi reads them.
-        variant: The choices that shaped it.
+        variant: The choices that shaped the code.
+        target: Name of the language.
+        artifacts: Names of the artifacts that can stand beside this source, see `kanegen.artifacts`.
+        certificate: The fields of the certificate of a budget, {} without one.
+
+    Example:
+        >>> source = kg.generate(kg.load("models/double_pendulum.toml"))
+        >>> source.operations["sincos"]
+        4
+        >>> source.write("build/double_pendulum")
     """
 
-    model: ModelFacts
+    model: ModelDescription
     outputs: tuple[str, ...]
     functions: tuple[Function, ...]
     operations: Mapping[str, int]
     files: Mapping[str, str]
     cdef: str
     variant: Variant = STRICT
+    target: str = "c99"
+    artifacts: tuple[str, ...] = ()
+    certificate: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def precision(self) -> str:
-        """The arithmetic, a name of `precision.PRECISIONS`."""
+        """Name of the precision of the arithmetic, in `precision.PRECISIONS`."""
         return self.variant.precision
 
     @property
     def storage(self) -> str:
-        """The precision of states, loads and results, likewise."""
+        """Name of the precision of states, loads and results, in `precision.PRECISIONS`."""
         return precisions.storage_precision(self.variant.precision, self.variant.storage).name
 
     def write(self, folder: str | Path, force: bool = False) -> Path:
@@ -53,12 +67,15 @@ class Source:
 
         Args:
             folder: Where to write.
-            force: Write beside other files too, and over files of the same names.
+            force: Also write beside files of another origin, and over files of the same names.
 
         Returns:
             The folder.
 
         Raises:
             WriteError: If the folder holds anything else, is a file, or cannot be written.
+
+        Example:
+            >>> kg.generate(system).write("build/arm", force=True)
         """
         return write(self.files, Path(folder), force)

@@ -12,7 +12,7 @@ _CHECKOUT = Path(__file__).parents[2] / "templates"
 
 
 def _loader() -> jinja2.BaseLoader:
-    if (_CHECKOUT / "declarations.h.jinja").is_file():
+    if (_CHECKOUT / "c99" / "declarations.h.jinja").is_file():
         return jinja2.FileSystemLoader(_CHECKOUT)
     return jinja2.PackageLoader("kanegen.templates", "")
 

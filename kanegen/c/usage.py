@@ -1,4 +1,4 @@
-"""What a C function needs to know of a program: which values live, where they go, what they are called."""
+"""Properties of a program that its printed function depends on: live values, their places and their names."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from kanegen.program.ir import Array, Op, Program
 from kanegen.program.selection import dependencies
 
 LOOPED = 8
-"""Neighbouring zeros from which a loop, of a few wide stores, beats one store each."""
+"""Number of neighbouring zeros from which a loop of wide stores is faster than one store each."""
 
 
 def element(array: Array, index: int) -> str:
-    """One element of an array in C; in a matrix as `48*row + column`, and so on."""
+    """Return element `index` of an array in C; of a matrix as `A[48*row + column]`."""
     terms: list[str] = []
     for axis in range(1, len(array.shape)):
         stride = prod(array.shape[axis:])
@@ -25,14 +25,16 @@ def element(array: Array, index: int) -> str:
 
 
 def live(program: Program) -> list[int]:
-    """Instructions that an output needs, in order."""
+    """Return the instructions that an output needs, in order."""
     return dependencies(program, program.results())
 
 
 def places(program: Program, filled: Iterable[Run] = ()) -> dict[int, list[tuple[str, str]]]:
-    """For every result the output elements that hold it, without those of the runs `filled`.
+    """Return for every result the output elements that hold it: name of the array, and the element in C.
 
-    Each is the name of its array and the element in C.
+    Args:
+        program: The program.
+        filled: Runs of elements to leave out.
     """
     done = {(run.array, index) for run in filled for index in range(run.start, run.stop)}
     found: dict[int, list[tuple[str, str]]] = {}
@@ -46,14 +48,14 @@ def places(program: Program, filled: Iterable[Run] = ()) -> dict[int, list[tuple
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Elements `start` to before `stop` of a row of an output."""
+    """Elements `start` to before `stop` of one row of an output array."""
 
     array: Array
     start: int
     stop: int
 
     def loop(self, value: str) -> str:
-        """A C loop that fills them."""
+        """Return a C loop that stores `value` in the elements."""
         width = self.array.row
         row, start = divmod(self.start, width)
         stop = start + self.stop - self.start
@@ -62,7 +64,7 @@ class Run:
 
 
 def zero_runs(program: Program) -> list[Run]:
-    """Neighbouring zeros in a row of an output, where they are enough to make a loop worth it."""
+    """Return the runs of at least `LOOPED` neighbouring zeros in the rows of the outputs."""
     runs: list[Run] = []
     for output in program.outputs:
         width = output.array.row
@@ -81,9 +83,9 @@ def _is_zero(program: Program, value: int) -> bool:
 
 
 def conditions(program: Program) -> dict[int, int]:
-    """For every value that must be positive its place, from 1; the first where it has several.
+    """Return for every value that must be positive its place, from 1; the first of several.
 
-    A positive number needs no watching and is left out.
+    A positive constant needs no watching and is left out.
     """
     found: dict[int, int] = {}
     for output in program.outputs:
@@ -94,7 +96,7 @@ def conditions(program: Program) -> dict[int, int]:
 
 
 def margins(program: Program) -> dict[int, int]:
-    """For every value that accuracy needs to be positive its place, from 1; the first of several."""
+    """Return for every value that accuracy needs positive its place, from 1; the first of several."""
     found: dict[int, int] = {}
     for output in program.outputs:
         for place, value in enumerate(output.accurate_if_positive, start=1):
@@ -103,7 +105,7 @@ def margins(program: Program) -> dict[int, int]:
 
 
 def uniform(program: Program, shared: Iterable[str]) -> frozenset[int]:
-    """Values that are the same in every state: numbers, elements of `shared` arrays, and what follows."""
+    """Return the values that are the same in every state: functions of constants and of `shared` arrays."""
     common = set(shared)
     found: set[int] = set()
     for i, instruction in enumerate(program.instructions):
@@ -114,23 +116,23 @@ def uniform(program: Program, shared: Iterable[str]) -> frozenset[int]:
 
 
 def partners(program: Program) -> dict[int, int]:
-    """For every live sine the live cosine of the same angle, and the other way round."""
-    waves = {
+    """Return for every live sine the live cosine of the same angle, and for every cosine the sine."""
+    known = {
         (instruction.op, instruction.operands): i
         for i in live(program)
         if (instruction := program.instructions[i]).op in (Op.SIN, Op.COS)
     }
     other = {Op.SIN: Op.COS, Op.COS: Op.SIN}
-    return {i: waves[key] for (op, angle), i in waves.items() if (key := (other[op], angle)) in waves}
+    return {i: known[key] for (op, angle), i in known.items() if (key := (other[op], angle)) in known}
 
 
 def has_sines(program: Program) -> bool:
-    """Whether an output needs a sine or a cosine."""
+    """Return whether an output needs a sine or a cosine."""
     return any(program.instructions[i].op in (Op.SIN, Op.COS) for i in live(program))
 
 
 def names(program: Program, taken: Iterable[str]) -> dict[int, str]:
-    """For every named instruction the name of its local: an underscore more where the name is taken."""
+    """Return the name of the local of every named instruction, with underscores where the name is taken."""
     used = set(taken)
     found: dict[int, str] = {}
     for i, instruction in enumerate(program.instructions):
@@ -144,7 +146,7 @@ def names(program: Program, taken: Iterable[str]) -> dict[int, str]:
 
 
 def arrays(program: Program) -> Iterator[Array]:
-    """Inputs, then outputs."""
+    """Yield the input arrays, then the output arrays."""
     yield from program.inputs
     for output in program.outputs:
         yield output.array

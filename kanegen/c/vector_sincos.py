@@ -1,7 +1,7 @@
-"""Sines and cosines of many coordinates at once.
+"""Sines and cosines of many coordinates of one state, computed in SIMD lanes.
 
-Where a function needs those of many elements of one array, it computes them side by side before anything
-else. One by one they cost as much as a good part of the equations; few of them are as fast that way.
+Where a function needs sine and cosine of many elements of one array, it computes them side by side before
+anything else. One by one they cost as much as a good part of the equations; few of them gain nothing.
 """
 
 from __future__ import annotations
@@ -12,52 +12,62 @@ from kanegen.c.usage import live
 from kanegen.program.ir import WORKSPACE, Op, Program
 
 FEWEST = 6
-"""Angles from which it pays."""
+"""Number of angles from which the vector form is faster."""
 
 FEW = 8
-"""Angles up to which vectors of four answer sooner than wider ones."""
+"""Number of angles up to which vectors of four numbers answer sooner than wider ones."""
 
 NAMES = {Op.SIN: "sines", Op.COS: "cosines"}
-"""The arrays that hold them."""
+"""The local arrays that hold the results."""
 
 
 @dataclass(frozen=True, slots=True)
-class Waves:
-    """Sine and cosine of the elements `start` to before `stop` of `array`."""
+class VectorSincos:
+    """Sine and cosine of the elements `start` to before `stop` of an input array.
+
+    Attributes:
+        array: Name of the input array.
+        start: First element.
+        stop: Element after the last.
+    """
 
     array: str
     start: int
     stop: int
 
+    @property
+    def count(self) -> int:
+        """Number of angles."""
+        return self.stop - self.start
+
     def lines(self, number: str) -> list[str]:
-        """Statements that compute them."""
-        count = self.stop - self.start
+        """Return the statements that compute all of them, with elements of type `number`."""
         angles = f"{self.array} + {self.start}" if self.start else self.array
         sines, cosines = NAMES.values()
         return [
-            f"    {number} {sines}[{count}], {cosines}[{count}];",
-            f"    lanes_waves({count}, {angles}, {sines}, {cosines});",
+            f"    {number} {sines}[{self.count}], {cosines}[{self.count}];",
+            f"    lanes_waves({self.count}, {angles}, {sines}, {cosines});",
         ]
 
     def element(self, op: Op, array: str, index: int) -> str | None:
-        """The sine or cosine of an element, if it is among them."""
+        """Return the place of the sine or cosine of an element, None if it is not among them."""
         if op not in NAMES or array != self.array or not self.start <= index < self.stop:
             return None
         return f"{NAMES[op]}[{index - self.start}]"
 
     def only(self, program: Program) -> frozenset[int]:
-        """Elements of which nothing but their sine and cosine is used."""
+        """Return the elements of which nothing but sine and cosine is used."""
         taken, other = set[int](), set(program.results())
         for i in live(program):
             instruction = program.instructions[i]
             angles = [program.instructions[j] for j in instruction.operands]
-            is_wave = any(self.element(instruction.op, angle.array, angle.index) for angle in angles)
-            (taken if is_wave else other).update(instruction.operands)
+            is_taken = any(self.element(instruction.op, angle.array, angle.index) for angle in angles)
+            (taken if is_taken else other).update(instruction.operands)
         return frozenset(taken - other)
 
 
-def waves(program: Program) -> Waves | None:
-    """What is worth computing at once, if anything."""
+def vector_sincos(program: Program) -> VectorSincos | None:
+    """Return the sines and cosines that are worth computing at once, None if there are too few."""
     angles: dict[str, set[int]] = {}
     for i in live(program):
         instruction = program.instructions[i]
@@ -67,5 +77,5 @@ def waves(program: Program) -> Waves | None:
                 angles.setdefault(angle.array, set()).add(angle.index)
     for array, indices in angles.items():
         if len(indices) >= FEWEST:
-            return Waves(array, min(indices), max(indices) + 1)
+            return VectorSincos(array, min(indices), max(indices) + 1)
     return None

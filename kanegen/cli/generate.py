@@ -93,13 +93,15 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     takes minutes and needs `pip install 'kanegen[study]'`.
     """
     from kanegen import compiler, options
-    from kanegen.artifacts.reanchoring import with_anchors
-    from kanegen.model.reanchorable import anchors
+    from kanegen.artifacts import with_artifacts
+    from kanegen.artifacts.reanchoring import require_reanchorable
+    from kanegen.c import description
 
     keeps_budget = has_budget(context)
     system = load_system(model, floating_base, right_angles, speeds, coordinates)
     system = with_selection(system, output, poses, reactions)
-    wanted = anchors(system) if reanchoring else ()
+    if reanchoring:
+        require_reanchorable(description(system))
     if keeps_budget:
         source = _within_budget(system, context, output_dir, force)
     else:
@@ -108,7 +110,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
                 tier, precision=precision, without=without, storage=storage, sincos=sincos
             )
             source = compiler.generate(system, outputs=output, progress=report, tier=variant)
-    source = with_anchors(source, wanted) if wanted else source
+    source = with_artifacts(source, ["reanchoring"]) if reanchoring else source
     source.write(output_dir, force=force)
     _show(system, source, output_dir)
 

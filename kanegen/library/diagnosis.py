@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kanegen.c.interface import ModelFacts
+from kanegen.c import ModelDescription
 from kanegen.model.arguments import Floats
 
 FUNCTIONS: dict[str, Callable[[Floats], Floats]] = {"cos": np.cos, "sin": np.sin}
@@ -65,7 +65,7 @@ class Diagnosis:
 
 
 def diagnosis(
-    model: ModelFacts, x: Floats, acceleration: Floats, estimate: Floats, regularity: Floats
+    model: ModelDescription, x: Floats, acceleration: Floats, estimate: Floats, regularity: Floats
 ) -> Diagnosis:
     """The worst of what a library has computed.
 
@@ -92,7 +92,7 @@ def diagnosis(
     )
 
 
-def _shares(model: ModelFacts, acceleration: Floats, estimate: Floats) -> Floats:
+def _shares(model: ModelDescription, acceleration: Floats, estimate: Floats) -> Floats:
     largest = np.zeros(estimate.shape)
     for unit in set(model.freedom_units):
         alike = [place for place, other in enumerate(model.freedom_units) if other == unit]
@@ -102,7 +102,7 @@ def _shares(model: ModelFacts, acceleration: Floats, estimate: Floats) -> Floats
     return shares
 
 
-def _worst(model: ModelFacts, values: Floats, places: Sequence[int]) -> Finding:
+def _worst(model: ModelDescription, values: Floats, places: Sequence[int]) -> Finding:
     """The least value, or the first NaN; of negative ones the size is told."""
     least = np.argmin(np.where(np.isnan(values), -np.inf, values))
     state, column = divmod(int(least), values.shape[1])

@@ -117,12 +117,8 @@ def _names(numbers: Any) -> list[str]:
     return names
 
 
-def anchors(system: System) -> tuple[Anchor, ...]:
-    """The joints that C can re-anchor: those whose orientation is three parameters.
-
-    Raises:
-        OptionError: If there is none.
-    """
+def reanchorable(system: System) -> tuple[Anchor, ...]:
+    """Return the joints that C can re-anchor: those whose orientation is three parameters."""
     found = []
     parameters = [parameter.name for parameter in system.parameters]
     for k, body in enumerate(system.bodies, start=1):
@@ -143,9 +139,4 @@ def anchors(system: System) -> tuple[Anchor, ...]:
                     spins=body.joint.spins,
                 )
             )
-    if not found:
-        raise OptionError(
-            f"system {system.name!r} has nothing to re-anchor in C: no body has three free angles and three "
-            "parameters of its own as the orientation of its joint. Give orientation_angles three parameters."
-        )
     return tuple(found)

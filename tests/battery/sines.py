@@ -10,7 +10,7 @@ import numpy as np
 
 import kanegen as kg
 from kanegen.c.minimax import minimax
-from kanegen.c.sincos import SHARED, own
+from kanegen.c.sincos import SHARED, sincos_named
 from kanegen.library.native import commands
 from kanegen.library.native.build import program
 from kanegen.options import SINCOS, Variant
@@ -45,7 +45,7 @@ def sine_and_cosine(size: Size) -> Iterator[Row]:
         ("sine", "cosine"), places(_computed("shared", DOUBLE, angles), angles), strict=True
     ):
         yield Row(f"{name}, double", worst, limit, "units of the last place", over)
-    polynomials = [name for name in SINCOS if own(name, DOUBLE) and name != "shared"]
+    polynomials = [name for name in SINCOS if sincos_named(name, DOUBLE) and name != "shared"]
     for precision in PRECISIONS:
         for name in size.pick(polynomials[:2], polynomials):
             yield _polynomial(name, precision, size.pick(1000, 100_000))

@@ -18,7 +18,7 @@ from kanegen.library.native.build import build
 from kanegen.options import Variant
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
-from tests.support.handmade import Listing, array, bits, evaluate, facts
+from tests.support.handmade import Listing, array, bits, description, evaluate
 
 IN, OUT = array("x", 3), array("f", 1)
 
@@ -189,7 +189,7 @@ def test_lines_break_before_operators_and_within_the_width():
 @pytest.mark.parametrize("name", ["math", "Math", "main", "stddef"])
 def test_a_model_must_not_hide_a_header(name):
     with pytest.raises(ModelError, match=f"system name '{name}': the file {name}.h .* would hide another"):
-        render(facts(name), Module(None, {}), {})
+        render(description(name), Module(None, {}), {})
 
 
 SPECIAL = [0.0, -0.0, 1.0, -2.5, 1e300, -1e-300, 5e-324, math.inf, -math.inf, math.nan]
@@ -223,7 +223,7 @@ def programs(draw, unary=UNARY, numbers=NUMBERS):
 @given(programs(), st.lists(st.tuples(*[st.sampled_from(SPECIAL) | st.floats()] * 3), min_size=4, max_size=4))
 def test_c_computes_the_same_bits_as_the_instructions_one_by_one(program, states):
     libm = Variant(sincos="libm")
-    source = render(facts(parameters=False, loads=False), Module(None, {"forcing": program}), {}, libm)
+    source = render(description(parameters=False, loads=False), Module(None, {"forcing": program}), {}, libm)
     text = source.files["handmade.c"]
     assert "--" not in text.split("*/", 2)[-1]
     ffi = cffi.FFI()

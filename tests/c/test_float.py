@@ -23,7 +23,7 @@ from kanegen.program.precision import DOUBLE, FLOAT
 from tests.c.test_c import programs
 from tests.c.test_lanes import FLAGS, waves, wide
 from tests.c.test_status import BAD, GOOD, forward
-from tests.support.handmade import Listing, array, bits, evaluate, facts, module, source
+from tests.support.handmade import Listing, array, bits, description, evaluate, module, source
 from tests.support.robots import robot_file
 from tests.support.systems import chain, random_system, systems
 
@@ -46,7 +46,10 @@ def library():
 def of_one(program, flags):
     """The function of `program` for one argument x."""
     made = render(
-        facts(parameters=False, loads=False), Module(None, {"mass_matrix": program}), {}, TIERS["single"]
+        description(parameters=False, loads=False),
+        Module(None, {"mass_matrix": program}),
+        {},
+        TIERS["single"],
     )
     return load(made, flags=flags).mass_matrix
 
@@ -124,7 +127,7 @@ def test_numbers_out_of_range():
 )
 def test_one_state_and_a_batch_are_the_instructions_one_by_one(program, width, states):
     made = render(
-        facts(parameters=False, loads=False), Module(None, {"forcing": program}), {}, TIERS["single"]
+        description(parameters=False, loads=False), Module(None, {"forcing": program}), {}, TIERS["single"]
     )
     call = load(made, flags=wide(width))._native.calls["forcing"]
     expected = [evaluate(program, np.float32, x=np.array(state))["f"] for state in states]
@@ -271,7 +274,7 @@ def test_parameters(library):
 @pytest.mark.parametrize("width", WIDTHS)
 def test_status(width):
     made = render(
-        facts(parameters=False, loads=False),
+        description(parameters=False, loads=False),
         Module(None, {"forward_dynamics": forward()}),
         {},
         TIERS["single"],

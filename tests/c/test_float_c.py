@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.artifacts import with_artifacts
 from kanegen.c import render
 from kanegen.errors import WriteError
 from kanegen.library import load
@@ -17,7 +18,7 @@ from tests.c.test_c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed
 from tests.c.test_lanes import FLAGS, wide
 from tests.c.test_status import forward, inverse
 from tests.cli.test_cli import PENDULUM, kanegen
-from tests.support.handmade import bits, evaluate, facts, module, source
+from tests.support.handmade import bits, description, evaluate, module, source
 from tests.support.systems import random_system
 
 ALL = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
@@ -49,7 +50,9 @@ def test_c_is_clean_and_needs_only_libm(compiler, width, tmp_path):
     tree = random_system(np.random.default_rng(4), 2, loads=True)
     sources = [
         source(precision=FLOAT),
-        render(facts(parameters=False, loads=False), Module(None, status), {}, TIERS["single"]),
+        with_artifacts(
+            render(description(parameters=False, loads=False), Module(None, status), {}, TIERS["single"])
+        ),
         *([] if width else [kg.generate(tree, ALL, precision="float")]),
     ]
     for number, made in enumerate(sources):

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kanegen.c import interface, render
-from kanegen.c.dialect import LANES
+from kanegen.c.dialect import SIMD
 from kanegen.c.function_body import statements
 from kanegen.library import load
 from kanegen.library.native import cache
@@ -15,7 +15,7 @@ from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from tests.c.test_c import programs
 from tests.c.test_c_compilers import C
-from tests.support.handmade import Listing, array, bits, evaluate, facts, source
+from tests.support.handmade import Listing, array, bits, description, evaluate, source
 
 FLAGS = ("-O1", "-ffp-contract=off")
 WIDTHS = (1, 2, 4, 8)
@@ -35,7 +35,7 @@ def wide(width, *flags):
 
 def of_one(program, width, compiler=None, flags=()):
     """The function of `program` for one argument x."""
-    made = render(facts(parameters=False, loads=False), Module(None, {"mass_matrix": program}), {})
+    made = render(description(parameters=False, loads=False), Module(None, {"mass_matrix": program}), {})
     return load(made, compiler, wide(width, *flags)).mass_matrix
 
 
@@ -51,7 +51,7 @@ def body(make):
     letters = [code.read("x", i, name) for i, name in enumerate(["a", "b", "c"])]
     values = make(code, *letters)
     return [
-        line.strip() for line in statements(code.program([IN, SHARED], {OUT: values}), LANES, ["prepared"])
+        line.strip() for line in statements(code.program([IN, SHARED], {OUT: values}), SIMD, ["prepared"])
     ]
 
 
@@ -94,7 +94,7 @@ SPECIAL = [0.0, -0.0, 1e300, 5e-324, np.inf, np.nan]
     st.lists(st.tuples(*[st.sampled_from(SPECIAL) | st.floats()] * 3), min_size=1, max_size=11),
 )
 def test_a_batch_computes_the_same_bits_as_the_instructions_one_by_one(program, width, states):
-    made = render(facts(parameters=False, loads=False), Module(None, {"forcing": program}), {})
+    made = render(description(parameters=False, loads=False), Module(None, {"forcing": program}), {})
     library = load(made, flags=wide(width))
     found = library._native.calls["forcing"]._general((), (np.array(states),))[0]
     assert bits(found) == bits([evaluate(program, x=np.array(state))["f"] for state in states])
@@ -165,7 +165,7 @@ def test_place_and_neighbours_do_not_matter(width):
 
 
 def test_arrays_too_large_for_the_stack_go_one_by_one(monkeypatch):
-    monkeypatch.setattr(interface, "LARGEST", 5)
+    monkeypatch.setattr(interface, "LARGEST_BATCH_ROW", 5)
     made = source()
     assert "lanes" not in made.files["handmade_batch.c"].replace("kanegen_lanes.h", "")
     library = load(made)

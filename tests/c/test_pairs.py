@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from kanegen.c.double_double import PAIRS
+from kanegen.c.double_double import DOUBLE_DOUBLE_HEADER
 from kanegen.c.templates import fill
 from tests.c.test_c_compilers import CPP, C, run
 
@@ -33,7 +33,7 @@ def driver():
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("pairs")
-    (path / "kanegen_pairs.h").write_text(fill("kanegen_pairs.h", pairs=PAIRS))
+    (path / "kanegen_pairs.h").write_text(fill("c99/kanegen_pairs.h", double_double=DOUBLE_DOUBLE_HEADER))
     (path / "driver.c").write_text(driver())
     return path
 

@@ -10,7 +10,7 @@ import pytest
 import kanegen as kg
 from kanegen.c import render
 from kanegen.c.minimax import minimax
-from kanegen.c.sincos import own
+from kanegen.c.sincos import sincos_named
 from kanegen.errors import OptionError
 from kanegen.library import load
 from kanegen.library.native import cache
@@ -20,7 +20,7 @@ from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT
 from tests.c.test_c_compilers import C, run
 from tests.cli.test_cli import PENDULUM, kanegen
-from tests.support.handmade import Listing, array, bits, evaluate, facts
+from tests.support.handmade import Listing, array, bits, description, evaluate
 
 STRICT = ("-O1", "-ffp-contract=off")
 POLYNOMIALS = [name for name in SINCOS if name.startswith("polynomial")]
@@ -52,7 +52,7 @@ def program(count):
 
 def source(variant, count=1):
     made = Module(None, {"mass_matrix": program(count)})
-    return render(facts(parameters=False, loads=False), made, {}, variant)
+    return render(description(parameters=False, loads=False), made, {}, variant)
 
 
 def function(variant=None, flags=STRICT, compiler=None, count=1):
@@ -207,8 +207,8 @@ def test_the_error_of_a_polynomial_is_what_the_header_says(name, precision):
         assert error < 1.05 * both + 2 * precision.roundoff + 2.0**-53
         assert error > 0.8 * claimed
     header = source(Variant(precision.name, sincos=name)).files["handmade.h"]
-    assert own(name, precision).error in " ".join(header.replace("\n *", " ").split())
-    assert own(name, precision).error.endswith(f"{2 * precision.roundoff:.1e} by roundoff")
+    assert sincos_named(name, precision).error in " ".join(header.replace("\n *", " ").split())
+    assert sincos_named(name, precision).error.endswith(f"{2 * precision.roundoff:.1e} by roundoff")
 
 
 def test_coefficients_are_the_same_on_every_machine():

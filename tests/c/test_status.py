@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 
+from kanegen.artifacts import with_artifacts
 from kanegen.c import interface, render
 from kanegen.c.function_body import statements
 from kanegen.errors import ArrayError, KanegenWarning, SingularError
@@ -13,7 +14,7 @@ from kanegen.library.native import cache
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op, Output, Program
 from tests.c.test_c_compilers import SANITIZERS, WARNINGS, C, code, run
-from tests.support.handmade import Listing, X, Y, array, bits, evaluate, facts
+from tests.support.handmade import Listing, X, Y, array, bits, description, evaluate
 
 TAU, YDOT = array("tau", 2), array("ydot", 2)
 ACCELERATION, GENERALIZED = array("acceleration", 2), array("generalized_force", 2)
@@ -46,14 +47,14 @@ def inverse():
 
 def source():
     functions = {"inverse_dynamics": inverse(), "forward_dynamics": forward()}
-    return render(facts(parameters=False, loads=False), Module(None, functions), {})
+    return with_artifacts(render(description(parameters=False, loads=False), Module(None, functions), {}))
 
 
 @pytest.fixture(scope="module", params=["in lanes", "one by one"])
 def library(request):
     with pytest.MonkeyPatch.context() as patch:
         if request.param == "one by one":
-            patch.setattr(interface, "LARGEST", 1)
+            patch.setattr(interface, "LARGEST_BATCH_ROW", 1)
         return load(source())
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from kanegen.c.provenance import is_unchanged, stamped
+from kanegen.c.folder import is_unchanged, with_provenance
 from kanegen.errors import WriteError
 from tests.support.handmade import source
 from tests.support.paths import ROOT
@@ -42,7 +42,7 @@ def test_every_file_says_what_made_it(generated):
 
 
 def test_a_stamp_of_an_older_version_still_counts():
-    assert is_unchanged(stamped("a.c", "int a;\n").replace("kanegen 0.1.0", "kanegen 0.0.1"))
+    assert is_unchanged(with_provenance("a.c", "int a;\n").replace("kanegen 0.1.0", "kanegen 0.0.1"))
     assert not is_unchanged("int a;\n")
     assert not is_unchanged("")
 

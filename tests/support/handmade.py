@@ -5,7 +5,8 @@ import struct
 
 import numpy as np
 
-from kanegen.c import ModelFacts, render
+from kanegen.artifacts import with_artifacts
+from kanegen.c import ModelDescription, render
 from kanegen.options import Variant
 from kanegen.program.ir import Array, Instruction, Module, Op, Output, Program
 from kanegen.program.precision import DOUBLE
@@ -98,8 +99,8 @@ def prepare():
     return code.program([PARAMETERS], {PREPARED: [product, code(Op.ADD, product, code.number(1.0))]})
 
 
-def facts(name="handmade", parameters=True, loads=True):
-    return ModelFacts(
+def description(name="handmade", parameters=True, loads=True):
+    return ModelDescription(
         name=name,
         freedom_names=("arm.theta1", "elbow"),
         freedom_units=("rad", "m"),
@@ -121,12 +122,13 @@ def source(
     storage="",
 ):
     operations = {**OPERATIONS, "prepare": 2 if parameters else 0}
-    return render(
-        facts(name, parameters, loads),
+    made = render(
+        description(name, parameters, loads),
         module(outputs, parameters, loads),
         operations,
         Variant(precision.name, sincos=sincos, storage=storage),
     )
+    return with_artifacts(made)
 
 
 def evaluate(program, number=np.float64, **inputs):

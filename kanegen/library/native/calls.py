@@ -12,7 +12,7 @@ import _cffi_backend
 import cffi
 import numpy as np
 
-from kanegen.c import ModelFacts, Source
+from kanegen.c import ModelDescription, Source
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import BuildError
@@ -94,7 +94,7 @@ class Call:
         library: Any,
         pointers: Mapping[Precision, Callable[[Floats], Any]],
         held: Formats,
-        model: ModelFacts,
+        model: ModelDescription,
         f: Function,
     ) -> None:
         self._status = Status.of(f, model)

@@ -11,8 +11,8 @@ import functools
 import shlex
 from pathlib import Path
 
+from kanegen.artifacts.selftest import selftest_text
 from kanegen.c import Source
-from kanegen.c.templates import fill
 from kanegen.errors import BuildError
 from kanegen.library.native import cache, commands, compilers
 from kanegen.program.semantics import NARROWING, guaranteed_properties
@@ -75,7 +75,7 @@ def properties(compiler: compilers.Compiler, flags: tuple[str, ...]) -> frozense
     Raises:
         BuildError: If the compiler fails, or its program does not run.
     """
-    text = fill("selftest.c")
+    text = selftest_text()
 
     def examine(folder: Path) -> None:
         (folder / f"{_PROGRAM}.c").write_text(text, encoding="utf-8")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kanegen.c import ModelFacts
+from kanegen.c import ModelDescription
 from kanegen.c.interface import Function
 from kanegen.errors import KanegenWarning, SingularError
 from kanegen.model.arguments import Floats
@@ -37,7 +37,7 @@ class Status:
     is_judged: bool
 
     @classmethod
-    def of(cls, f: Function, model: ModelFacts) -> Status:
+    def of(cls, f: Function, model: ModelDescription) -> Status:
         """The status of `f`."""
         pairs = zip(model.freedom_names, model.speeds, strict=True)
         outputs = [array.name for array in f.outputs]
@@ -47,8 +47,8 @@ class Status:
             bodies=model.freedom_bodies,
             quantity=" or ".join(condition.quantity for condition in f.conditions),
             failure=" or ".join(condition.failure for condition in f.conditions),
-            spoilt=outputs.index(f.spoilt[0]) if f.spoilt else 0,
-            is_judged=bool(f.judged),
+            spoilt=outputs.index(f.may_fail[0]) if f.may_fail else 0,
+            is_judged=bool(f.may_be_inaccurate),
         )
 
     def complain(self, place: int, frames: int) -> None:

@@ -1,6 +1,6 @@
 """The certificate beside the C: the request, what was found, and all that is needed to find it again.
 
-A certificate is a JSON file. Its first line has the provenance of a generated file (`c.provenance`), so that
+A certificate is a JSON file. Its first line has the provenance of a generated file (`c.folder`), so that
 an edited file is recognised. `Certificate` is the content of a file; `CertificateFields` are the parts that a
 verification reads, with their types. The fingerprints at the end identify the model, the C files, the
 compiler and the results of a variant, so that they are recognised when they are made anew.
@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 
 from kanegen import __version__
+from kanegen.artifacts.certificate import certificate_text
 from kanegen.c import Source
-from kanegen.c.provenance import is_unchanged, stamped
+from kanegen.c.folder import is_unchanged
 from kanegen.errors import CertificateError, KanegenError
 from kanegen.library import Library
 from kanegen.measure import machine
@@ -42,9 +43,6 @@ KIND = "error and time of one variant of one model"
 FORMAT = 1
 """Version of the format of a certificate file."""
 
-SUFFIX = "_certificate.json"
-"""End of the name of a certificate file, after the name of the model."""
-
 DIGEST_STATES = 1000
 """Number of states whose results are part of the fingerprint of the results."""
 
@@ -61,7 +59,7 @@ class Certificate:
 
     def text(self, name: str) -> str:
         """Return the text of the certificate file of this name."""
-        return stamped(name, json.dumps(self.content, indent=2, allow_nan=False).removeprefix("{\n") + "\n")
+        return certificate_text(name, self.content)
 
     def section(self, name: str) -> Any:
         """Return the section of this name.

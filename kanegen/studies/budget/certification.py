@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from kanegen import __version__
+from kanegen.artifacts import with_artifacts
+from kanegen.artifacts.certificate import SUFFIX
 from kanegen.c import Source
 from kanegen.compiler import Progress, quiet
 from kanegen.measure.errors import QUANTILES, quantile
@@ -18,7 +20,6 @@ from kanegen.studies.budget.certificate import (
     DIGEST_STATES,
     FORMAT,
     KIND,
-    SUFFIX,
     Certificate,
     built_with,
     model_text,
@@ -145,9 +146,8 @@ def _certified_source(
         "candidates": choice.verdicts,
     }
     certificate = Certificate(content)
-    name = f"{model.name}{SUFFIX}"
-    files = {**source.files, name: certificate.text(name)}
-    return CertifiedSource(replace(source, files=files), certificate, request, choice)
+    source = with_artifacts(replace(source, certificate=content), ["certificate"])
+    return CertifiedSource(source, certificate, request, choice)
 
 
 def _claim(request: Request, choice: Choice[Candidate]) -> dict[str, Any]:

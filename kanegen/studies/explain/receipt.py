@@ -122,7 +122,7 @@ def receipt(
 
 def _step(without: str, system: System, compiled: Compiled, timed: bool) -> Step:
     module = compiled.module
-    source: Source = render(compiler.facts(system), module, compiled.operations, STRICT, {})
+    source: Source = render(compiler.description(system), module, compiled.operations, STRICT, {})
     return Step(
         without=without,
         freedoms=len(system.freedoms),

@@ -1,4 +1,4 @@
-"""The example: what it declares, fills and prints."""
+"""The artifact "example": a program in C that calls every function at one state and prints the results."""
 
 from __future__ import annotations
 
@@ -6,38 +6,53 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kanegen.c.declarations import declarator
-from kanegen.c.formats import Formats
-from kanegen.c.interface import PREPARE, Function, ModelFacts
+from kanegen.c.description import ModelDescription
+from kanegen.c.formats import Formats, formats
+from kanegen.c.interface import PREPARE, Function
+from kanegen.c.source import Source
+from kanegen.c.templates import fill
 from kanegen.program.ir import Array
 from kanegen.program.precision import DOUBLE, Precision
 
 
-def inputs(model: ModelFacts, functions: Sequence[Function], formats: Formats) -> list[tuple[str, list[str]]]:
-    """Inputs of the example: the declaration of each array, and a line for each element."""
+def example(source: Source) -> dict[str, str]:
+    """Return the example, `main.c`."""
+    functions, held = source.functions, formats(source.variant)
+    printed = [array for function in functions for array in function.outputs]
+    text = fill(
+        "artifacts/main.c",
+        model=source.model,
+        functions=functions,
+        inputs=_inputs(source.model, functions, held),
+        results=list(dict.fromkeys(f"{held.of(a.name).c_type} {declarator(a)}" for a in printed)),
+        printers=_printers(printed, held),
+    )
+    return {"main.c": text}
+
+
+def _inputs(
+    model: ModelDescription, functions: Sequence[Function], held: Formats
+) -> list[tuple[str, list[str]]]:
+    """Return the declaration of each input array, and a line for each of its elements."""
     found: dict[str, list[str]] = {}
     for function in functions:
         for array in function.inputs:
             if array.name not in function.shared:
-                held = formats.of(array.name)
-                lines = _initializer(_elements(model, function, array), held)
-                found[f"{held.c_type} {declarator(array)}"] = lines
+                precision = held.of(array.name)
+                lines = _initializer(_elements(model, function, array), precision)
+                found[f"{precision.c_type} {declarator(array)}"] = lines
     return list(found.items())
 
 
-def results(functions: Sequence[Function], formats: Formats) -> list[str]:
-    """Declarations of the arrays that the example fills."""
-    arrays = (array for function in functions for array in function.outputs)
-    return list(dict.fromkeys(f"{formats.of(array.name).c_type} {declarator(array)}" for array in arrays))
-
-
-def _elements(model: ModelFacts, function: Function, array: Array) -> list[tuple[float, str]]:
-    """An initial value and a label for every element; parameters have their defaults."""
+def _elements(model: ModelDescription, function: Function, array: Array) -> list[tuple[float, str]]:
+    """Return an initial value and a label for every element; parameters have their defaults."""
     if function.name == PREPARE:
         return [(default, name) for name, default in model.parameters]
     return [((1 + i % 7) / 10, label) for i, label in enumerate(_labels(model, array))]
 
 
-def _labels(model: ModelFacts, array: Array) -> Sequence[str]:
+def _labels(model: ModelDescription, array: Array) -> Sequence[str]:
+    """Return a label for every element of an input array."""
     if array.name == "prescribed":
         phrases = ("{}", "rate of {}", "second derivative of {}")
         return [phrase.format(name) for phrase in phrases for name in model.prescribed_names]
@@ -53,6 +68,7 @@ def _labels(model: ModelFacts, array: Array) -> Sequence[str]:
 
 
 def _initializer(elements: Sequence[tuple[float, str]], precision: Precision) -> list[str]:
+    """Return the lines between the braces of an initializer."""
     last = len(elements) - 1
     return [
         f"{_initial(value, precision)}{',' if i < last else ''} /* {label} */"
@@ -61,7 +77,7 @@ def _initializer(elements: Sequence[tuple[float, str]], precision: Precision) ->
 
 
 def _initial(value: float, precision: Precision) -> str:
-    """A number as C has it in an initialiser, where there are no calls."""
+    """Return a number as a constant expression, which may not contain calls."""
     if precision.trailing_shape:
         return f"{{{value!r}, 0.0}}"
     return f"{'-' if value < 0 else ''}{precision.literal(abs(value))}"
@@ -72,10 +88,10 @@ class Printer:
     """A function of the example that prints an array.
 
     Attributes:
-        name: Of the function.
-        type: Of the elements.
-        format: For printf, of one element.
-        value: Element i.
+        name: Name of the function.
+        type: Type of the elements.
+        format: Conversion of one element for printf.
+        value: Expression of element i.
     """
 
     name: str
@@ -84,15 +100,15 @@ class Printer:
     value: str
 
 
-def printers(functions: Sequence[Function], formats: Formats) -> dict[str, Printer]:
-    """By name of every result what prints it."""
-    arrays = [array for function in functions for array in function.outputs]
-    kinds = list(dict.fromkeys([formats.storage, *(formats.of(array.name) for array in arrays)]))
+def _printers(arrays: Sequence[Array], held: Formats) -> dict[str, Printer]:
+    """Return the function that prints each result, by name of the result."""
+    kinds = list(dict.fromkeys([held.storage, *(held.of(array.name) for array in arrays)]))
     made = {kind: _printer(kind, f"_{number}" if number else "") for number, kind in enumerate(kinds)}
-    return {array.name: made[formats.of(array.name)] for array in arrays}
+    return {array.name: made[held.of(array.name)] for array in arrays}
 
 
 def _printer(precision: Precision, ending: str) -> Printer:
+    """Return the function that prints arrays of one precision."""
     digits, element = f"%.{precision.decimal_digits}", "values[i]"
     if precision.trailing_shape:
         return Printer(f"print{ending}", precision.c_type, "%.17g + %.17g", f"{element}.high, {element}.low")

@@ -1,0 +1,26 @@
+"""The artifacts "cmake", "pkg-config" and "readme": the code as an installable, documented library."""
+
+from __future__ import annotations
+
+from kanegen.c.context import Context, context
+from kanegen.c.source import Source
+from kanegen.c.templates import fill
+
+
+def cmake(source: Source) -> dict[str, str]:
+    """Return `CMakeLists.txt`, which builds and installs the code."""
+    return {"CMakeLists.txt": fill("artifacts/CMakeLists.txt", **_variables(source))}
+
+
+def pkg_config(source: Source) -> dict[str, str]:
+    """Return `<model>.pc.in`, from which CMake makes the file for pkg-config."""
+    return {f"{source.model.name}.pc.in": fill("artifacts/model.pc.in", **_variables(source))}
+
+
+def readme(source: Source) -> dict[str, str]:
+    """Return `README.md`, which describes files, arrays, parameters, costs and accuracy."""
+    return {"README.md": fill("artifacts/README.md", **_variables(source))}
+
+
+def _variables(source: Source) -> Context:
+    return context(source.model, source.functions, source.outputs, source.operations, source.variant)

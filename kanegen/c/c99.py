@@ -1,0 +1,105 @@
+"""The target C99: a header and sources for one state and for batches, in every precision.
+
+Its variants come from `Variant`: double, single, long double and double-double arithmetic, arrays of another
+precision than the arithmetic, and, where the precision has SIMD vectors, batches of several states side by
+side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kanegen.c.context import Context, context
+from kanegen.c.dialect import Dialect, scalar
+from kanegen.c.functions import printed_functions
+from kanegen.c.interface import PREPARE, Function
+from kanegen.c.target import Printed, RenderInput
+from kanegen.c.templates import fill
+from kanegen.c.vector_sincos import FEW
+from kanegen.errors import ModelError
+from kanegen.program.cut import LONGEST_PART
+
+FILES = {
+    "{name}.h": "model.h",
+    "{name}.c": "model.c",
+    "{name}_batch.c": "model_batch.c",
+    "kanegen_lanes{f}.h": "kanegen_lanes.h",
+    "kanegen_sincos{f}.h": "kanegen_sincos.h",
+    "kanegen_pairs.h": "kanegen_pairs.h",
+}
+"""Template of every file of code by the name of the file; {f} is the suffix of the precision, "" or "f"."""
+
+_NEEDED = {"kanegen_lanes.h": "simd", "kanegen_sincos.h": "sincos", "kanegen_pairs.h": "double_double"}
+"""The variable, by template, without which a file is left out."""
+
+_RESERVED_NAMES = frozenset(
+    """
+    assert complex ctype errno fenv features float inttypes iso646 kanegen_lanes kanegen_lanesf kanegen_pairs
+    kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched setjmp signal stdalign
+    stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string strings tgmath
+    threads time uchar unistd wchar wctype
+    """.split()
+)
+"""Names of models whose header would hide one of the C library, or whose source the example."""
+
+
+@dataclass(frozen=True)
+class C99:
+    """Portable C99, which C++ programs can include.
+
+    Attributes:
+        name: What users call the target.
+        longest_part: Instructions of a function from which it is cut into parts.
+    """
+
+    name: str = "c99"
+    longest_part: int = LONGEST_PART
+
+    def require_name(self, name: str) -> None:
+        """Refuse the name of a header of the C library, or of the example.
+
+        Raises:
+            ModelError: If `name` is one.
+        """
+        if name.lower() in _RESERVED_NAMES:
+            raise ModelError(
+                f"system name {name!r}: the file {name}.h or {name}.c would hide another. "
+                "Choose another name."
+            )
+
+    def dialect(self, given: RenderInput, function: Function) -> Dialect:
+        """Return C for one state; `prepare` computes at least in double precision."""
+        formats = given.formats
+        arithmetic = formats.preparing if function.name == PREPARE else formats.arithmetic
+        return scalar(formats, arithmetic, given.sincos is not None and arithmetic is formats.arithmetic)
+
+    def printed(self, given: RenderInput) -> Printed:
+        """Return header, source, batch source and the headers that these include."""
+        variables = self._context(given)
+        double_double = variables["double_double"]
+        files = {
+            pattern.format(name=given.model.name, f=given.precision.libm_suffix): fill(
+                f"c99/{template}", **variables
+            )
+            for pattern, template in FILES.items()
+            if template not in _NEEDED or variables[_NEEDED[template]] is not None
+        }
+        types = double_double.declared if double_double else ""
+        return Printed(files, types + variables["declarations"])
+
+    def _context(self, given: RenderInput) -> Context:
+        """Return the variables of all templates."""
+        printed = printed_functions(given, self)
+        variables = context(given.model, given.functions, given.outputs, given.operations, given.variant)
+        variables |= {
+            "choices": given.variant.described(given.decided),
+            "functions": printed,
+            "vector_sincos": max(function.code.vector_sincos for function in printed),
+            "has_sines": any(function.code.has_sines for function in printed),
+            "few": FEW,
+        }
+        return {**variables, "declarations": fill("c99/declarations.h", **variables)}
+
+
+C99_TARGET = C99()
+"""The target that is used unless another is asked for."""

@@ -1,0 +1,138 @@
+"""What generated files say about a system beside its programs: names, units and sizes as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kanegen.model.reanchorable import Anchor, reanchorable
+from kanegen.model.sequences import NOTES
+from kanegen.model.system import System
+from kanegen.recursion.legend import legend
+
+
+@dataclass(frozen=True)
+class ModelDescription:
+    """Names, units and sizes of a system, in the order in which the generated code has them.
+
+    Attributes:
+        name: A C identifier; the prefix of every generated name.
+        freedom_names: n names of the freedoms, in the order of {y}.
+        freedom_units: Unit of each freedom, "rad" or "m".
+        coordinate_names: Names in the order of {x}: the freedoms, or the four elements of a quaternion.
+        coordinate_units: Unit of each coordinate, "rad", "m" or "1".
+        body_names: N names of the bodies.
+        loaded: For each body whether it takes a force and a torque.
+        parameters: Name and default of each run-time parameter, in the order of the C array.
+        legend: Names that occur in the code, each with its meaning.
+        freedom_bodies: n names of the bodies that the freedoms belong to.
+        planar: For each joint whose three axes of angles can come to lie in a plane, the place in {x} of its
+            middle angle and the function of that angle that is then 0, "cos" or "sin".
+        sequences: Name and sequence of each body whose angles do not turn about the axes 1-2-3.
+        speed_names: n names in the order of {y}; a speed that is the rate of a coordinate has its name.
+        points: Name of each point and name of its body.
+        loaded_points: For each point whether it takes a force and a moment.
+        force_elements: One line of text for each force element.
+        poses: Names of the bodies that `body_poses` gives, in the order of its rows.
+        reactions: Name of each locked direction that `reaction_loads` gives, and the unit of its load.
+        prescribed: Name and unit, "rad" or "m", of each prescribed freedom.
+        reanchorable: Joints whose frames can be re-anchored at run time.
+    """
+
+    name: str
+    freedom_names: tuple[str, ...]
+    freedom_units: tuple[str, ...]
+    coordinate_names: tuple[str, ...]
+    coordinate_units: tuple[str, ...]
+    body_names: tuple[str, ...]
+    loaded: tuple[bool, ...]
+    parameters: tuple[tuple[str, float], ...] = ()
+    legend: tuple[tuple[str, str], ...] = ()
+    freedom_bodies: tuple[str, ...] = ()
+    planar: tuple[tuple[int, str], ...] = ()
+    sequences: tuple[tuple[str, str], ...] = ()
+    speed_names: tuple[str, ...] = ()
+    points: tuple[tuple[str, str], ...] = ()
+    loaded_points: tuple[bool, ...] = ()
+    force_elements: tuple[str, ...] = ()
+    poses: tuple[str, ...] = ()
+    reactions: tuple[tuple[str, str], ...] = ()
+    prescribed: tuple[tuple[str, str], ...] = ()
+    reanchorable: tuple[Anchor, ...] = ()
+
+    @property
+    def prescribed_names(self) -> tuple[str, ...]:
+        """The p names of the freedoms whose motion is an input."""
+        return tuple(name for name, _ in self.prescribed)
+
+    def unloaded(self, kind: str) -> dict[int, str]:
+        """Return the rows of bodies or points that take no loads, each with what stands there.
+
+        Args:
+            kind: "body" or "point".
+        """
+        points = [name for name, _ in self.points]
+        named = {"body": (self.body_names, self.loaded), "point": (points, self.loaded_points)}[kind]
+        rows = enumerate(zip(*named, strict=True))
+        return {row: f"{kind} {name!r}" for row, (name, is_loaded) in rows if not is_loaded}
+
+    @property
+    def has_quaternions(self) -> bool:
+        """Whether {x} has more elements than {y}."""
+        return len(self.coordinate_names) > len(self.freedom_names)
+
+    @property
+    def speeds(self) -> tuple[str, ...]:
+        """For every place in {y} the name of a velocity component, or "" where it is the rate of {x}."""
+        if not self.speed_names:
+            return ("",) * len(self.freedom_names)
+        pairs = zip(self.freedom_names, self.speed_names, strict=True)
+        return tuple("" if speed == name else speed for name, speed in pairs)
+
+    @property
+    def takes_loads(self) -> bool:
+        """Whether any body takes a force and a torque."""
+        return any(self.loaded)
+
+
+def description(system: System) -> ModelDescription:
+    """Return the description of `system`."""
+    return ModelDescription(
+        name=system.name,
+        freedom_names=system.freedom_names,
+        freedom_units=tuple(freedom.unit for freedom in system.freedoms),
+        body_names=tuple(body.name for body in system.bodies),
+        loaded=tuple(body.loads for body in system.bodies),
+        parameters=tuple((parameter.name, parameter.value) for parameter in system.parameters),
+        legend=legend(system),
+        freedom_bodies=tuple(system.bodies[freedom.body - 1].name for freedom in system.freedoms),
+        planar=_planar(system),
+        sequences=_sequences(system),
+        speed_names=system.speed_names,
+        points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
+        loaded_points=tuple(point.loads for _, point in system.points),
+        force_elements=tuple(element.words for element in system.force_elements),
+        poses=system.pose_names,
+        reactions=tuple(zip(system.reaction_names, (f.effort for f in system.reacting), strict=True)),
+        coordinate_names=system.coordinate_names,
+        coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
+        prescribed=tuple(
+            (name, freedom.unit)
+            for name, freedom in zip(system.prescribed_names, system.prescribed, strict=True)
+        ),
+        reanchorable=reanchorable(system),
+    )
+
+
+def _sequences(system: System) -> tuple[tuple[str, str], ...]:
+    """Return name and sequence of every turning body whose sequence is not 1-2-3."""
+    turning = [body for body in system.bodies if any(body.joint.free[:3])]
+    return tuple((b.name, b.joint.sequence) for b in turning if b.joint.sequence != NOTES)
+
+
+def _planar(system: System) -> tuple[tuple[int, str], ...]:
+    """Return what is 0 at gimbal lock: cos(theta2) of three different axes, else sin(theta2)."""
+    found = []
+    for k, body in enumerate(system.bodies, start=1):
+        if body.joint.turns_freely and not body.joint.spins:
+            found.append((system.coordinate_place(k, 1), "sin" if body.joint.ends_alike else "cos"))
+    return tuple(found)

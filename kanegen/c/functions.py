@@ -1,0 +1,210 @@
+"""The functions of a model as lines of text: documentation, prototypes and bodies, ready for the templates.
+
+A compiler needs more than twice the time for twice the statements, so a long function consists of parts,
+functions of their own that it calls one after the other. What one part leaves for later parts is in an array
+of the caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from kanegen.c import usage
+from kanegen.c.declarations import (
+    argument_list,
+    batch_notes,
+    batch_prototype,
+    prototype,
+    row_call,
+    simd_call,
+    simd_prototype,
+)
+from kanegen.c.dialect import Dialect, simd
+from kanegen.c.function_body import statements
+from kanegen.c.interface import PREPARE, Function
+from kanegen.c.layout import BREAK, wrap
+from kanegen.c.simd import SIMD
+from kanegen.c.target import RenderInput, Target
+from kanegen.c.vector_sincos import vector_sincos
+from kanegen.program.ir import WORKSPACE, Program
+
+
+@dataclass(frozen=True)
+class Code:
+    """The body of a function.
+
+    Attributes:
+        body: Lines between its braces.
+        parts: Lines of prototype and body of each function that it calls in turn.
+        vector_sincos: Most angles whose sines and cosines one part computes in SIMD lanes.
+        has_sines: Whether it calls functions of kanegen_sincos.h.
+    """
+
+    body: list[str]
+    parts: tuple[tuple[list[str], list[str]], ...] = ()
+    vector_sincos: int = 0
+    has_sines: bool = False
+
+
+@dataclass(frozen=True)
+class PrintedFunction:
+    """One function of a model, its batch form and its SIMD form, as lines of C.
+
+    Attributes:
+        name: Name with the prefix of the model.
+        signature: Arguments and status.
+        arguments: Documentation of the arguments.
+        prototype: Prototype of the form for one state.
+        code: Body of the form for one state.
+        batch_prototype: Prototype of the batch form.
+        batch_notes: Documentation of what the batch form does otherwise.
+        simd_prototype: Prototype of the SIMD form, which the batch form calls.
+        simd_code: Body of the SIMD form; empty without one.
+        simd_call: Call of the SIMD form.
+        row_call: Call of the form for one state, in a batch without SIMD.
+        has_simd: Whether there is a SIMD form.
+    """
+
+    name: str
+    signature: Function
+    arguments: list[str]
+    prototype: list[str]
+    code: Code
+    batch_prototype: list[str]
+    batch_notes: list[str]
+    simd_prototype: list[str]
+    simd_code: Code
+    simd_call: list[str]
+    row_call: list[str]
+    has_simd: bool
+
+
+def printed_functions(given: RenderInput, target: Target) -> list[PrintedFunction]:
+    """Return every function of a model in C, its form for one state in the dialect of `target`."""
+    return [_printed(given, target, function, parts) for function, parts in given.programs.items()]
+
+
+def _printed(
+    given: RenderInput, target: Target, function: Function, parts: Sequence[Program]
+) -> PrintedFunction:
+    model, formats = given.model.name, given.formats
+    name = f"{model}_{function.name}"
+    has_simd = function.fits_simd and formats.arithmetic in SIMD
+    return PrintedFunction(
+        name=name,
+        signature=function,
+        arguments=argument_list(function),
+        prototype=prototype(model, function, formats),
+        code=scalar_code(given, target, function, parts),
+        batch_prototype=batch_prototype(model, function, formats),
+        batch_notes=batch_notes(function),
+        simd_prototype=simd_prototype(model, function, formats),
+        simd_code=_simd_code(given, name, function, parts) if has_simd else Code([]),
+        simd_call=simd_call(model, function),
+        row_call=row_call(model, function),
+        has_simd=has_simd,
+    )
+
+
+def scalar_code(given: RenderInput, target: Target, function: Function, parts: Sequence[Program]) -> Code:
+    """Return the body of the form for one state, or of `prepare`."""
+    flushes = given.variant.flushes and function.name != PREPARE
+    dialect = target.dialect(given, function)
+    return code(f"{given.model.name}_{function.name}", function, parts, dialect, flushes)
+
+
+def _simd_code(given: RenderInput, name: str, function: Function, parts: Sequence[Program]) -> Code:
+    """Return the body of the SIMD form."""
+    dialect = simd(given.formats.arithmetic, given.sincos is not None)
+    return code(f"{name}_lanes", function, parts, dialect, given.variant.flushes)
+
+
+def code(
+    name: str, function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool = False
+) -> Code:
+    """Return the body of a function.
+
+    Args:
+        name: Name of the function, with which the names of its parts begin.
+        function: What it reads and fills.
+        programs: What it computes: one program, or several parts one after the other.
+        dialect: How statements are written.
+        flushes: Whether subnormal numbers count as zero meanwhile. All arithmetic is then in parts, before
+            and after which a compiler cannot move it.
+    """
+    found = [vector_sincos(part) for part in programs] if dialect.has_vector_sincos else []
+    has_sines = dialect.kanegen_sincos and any(map(usage.has_sines, programs))
+    most = max((sincos.count for sincos in found if sincos), default=0)
+    if len(programs) == 1 and not flushes:
+        return Code(statements(programs[0], dialect, function.shared), (), most, has_sines)
+    calls = _beginning(function, programs, dialect, flushes)
+    parts = []
+    for number, program in enumerate(programs, start=1):
+        part = _Part(f"{name}_{number}", program, dialect, function.shared)
+        parts.append((part.prototype, statements(program, dialect, function.shared)))
+        calls += part.call(flushes)
+    if flushes:
+        calls.append("    put_back(before);")
+        calls += ["    return result;"] if function.may_fail else []
+    return Code(calls, tuple(parts), most, has_sines)
+
+
+def _beginning(function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool) -> list[str]:
+    """Return the lines before the calls of the parts."""
+    read = {array.name for part in programs for array in part.inputs}
+    lines = [f"    {dialect.ignored(array.name)}" for array in function.inputs if array.name not in read]
+    if function.workspace:
+        lines.append(f"    {dialect.number} {WORKSPACE}[{function.workspace}];")
+    if flushes:
+        lines.append("    const arithmetic_mode before = flush_to_zero();")
+    return lines
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One part of a long function.
+
+    Attributes:
+        name: Name of the part.
+        program: What it computes.
+        dialect: How statements are written.
+        shared: Names of inputs that all states have in common.
+    """
+
+    name: str
+    program: Program
+    dialect: Dialect
+    shared: Collection[str]
+
+    @property
+    def _may_fail(self) -> bool:
+        return any(output.exists_if_positive for output in self.program.outputs)
+
+    @property
+    def _arguments(self) -> dict[str, str]:
+        """By name the declaration of every array that the part reads or fills."""
+        # Results that do not exist become NaN where the lanes of a batch are stored as rows, not here.
+        outputs = self.program.outputs
+        filled = [output.array.name for output in outputs if output.values or self.dialect.is_scalar]
+        read = [array.name for array in self.program.inputs if array.name not in filled]
+        arguments = {name: f"const {self._declared(name)}" for name in read}
+        arguments |= {name: self._declared(name) for name in filled}
+        if any(output.accurate_if_positive for output in outputs) and not self.dialect.is_scalar:
+            arguments["accurate"] = "lanes_bits *accurate"
+        return arguments
+
+    def _declared(self, name: str) -> str:
+        is_number = self.dialect.is_scalar or name in self.shared
+        return f"{self.dialect.formats.of(name).c_type if is_number else self.dialect.number} *{name}"
+
+    @property
+    def prototype(self) -> list[str]:
+        """The lines of the prototype."""
+        head = f"static APART {self.dialect.status if self._may_fail else 'void'} {self.name}"
+        return wrap(f"{head}({f',{BREAK}'.join(self._arguments.values())})", indent="", hanging="    ")
+
+    def call(self, flushes: bool) -> list[str]:
+        """Return the lines of the call; a status is returned, or kept until the mode is put back."""
+        kept = f"const {self.dialect.status} result = " if flushes else "return "
+        return wrap(f"{kept if self._may_fail else ''}{self.name}({f',{BREAK}'.join(self._arguments)});")

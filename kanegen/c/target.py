@@ -1,0 +1,123 @@
+"""The seam for target languages: what a target is given, and what it must provide.
+
+A target prints the programs of a module. Programs, names and documentation are the same for all targets; a
+target decides how statements are written (its dialects), what is declared, how long functions are cut into
+parts, and which files there are. `c99` is the first target; its variants are the precisions and SIMD batches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+from kanegen.c.description import ModelDescription
+from kanegen.c.dialect import Dialect
+from kanegen.c.formats import Formats, formats
+from kanegen.c.interface import Function, requested, signatures
+from kanegen.c.simd import SIMD, Simd
+from kanegen.c.sincos import Sincos, sincos_named
+from kanegen.options import Variant
+from kanegen.program.cut import LONGEST_PART
+from kanegen.program.ir import Module, Program
+from kanegen.program.precision import Precision
+
+
+@dataclass(frozen=True)
+class RenderInput:
+    """Everything that a target prints a model from.
+
+    Attributes:
+        model: Names and sizes that the code and its documentation mention.
+        module: The programs.
+        operations: Operation counts of one evaluation of all outputs.
+        variant: The choices that shape the code; the programs follow theirs already.
+        decided: How choices that were left to kanegen were decided, as text by name of the choice.
+        longest_part: Instructions of a function from which it is cut into parts.
+    """
+
+    model: ModelDescription
+    module: Module
+    operations: Mapping[str, int]
+    variant: Variant
+    decided: Mapping[str, str]
+    longest_part: int = LONGEST_PART
+
+    @cached_property
+    def programs(self) -> dict[Function, tuple[Program, ...]]:
+        """Every function with its parts."""
+        return signatures(self.module, self.longest_part)
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        """Every function, in the order of the generated code."""
+        return tuple(self.programs)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs that were asked for."""
+        return requested(self.module)
+
+    @property
+    def formats(self) -> Formats:
+        """Precisions of arrays and arithmetic."""
+        return formats(self.variant)
+
+    @property
+    def precision(self) -> Precision:
+        """Precision of the arithmetic."""
+        return self.formats.arithmetic
+
+    @property
+    def simd(self) -> Simd | None:
+        """SIMD vectors of the arithmetic, None where the precision has none."""
+        return SIMD.get(self.precision)
+
+    @property
+    def sincos(self) -> Sincos | None:
+        """kanegen's sine and cosine, None for those of the C library or of double-double."""
+        return sincos_named(self.variant.sincos, self.precision)
+
+
+@dataclass(frozen=True)
+class Printed:
+    """The code of a model in a target.
+
+    Attributes:
+        files: Text of every file of code by its name, without the line of provenance.
+        declarations: What callers may use, as cffi reads it: enumerations and prototypes in plain C.
+    """
+
+    files: Mapping[str, str]
+    declarations: str
+
+
+class Target(Protocol):
+    """A language, or a way to use one, in which the functions of a model are printed."""
+
+    @property
+    def name(self) -> str:
+        """What users call the target."""
+        ...
+
+    @property
+    def longest_part(self) -> int:
+        """Instructions of a function from which it is cut into parts."""
+        ...
+
+    def require_name(self, name: str) -> None:
+        """Refuse a model whose name the files or identifiers of this target cannot have.
+
+        Raises:
+            ModelError: If there is such a conflict.
+        """
+        ...
+
+    def dialect(self, given: RenderInput, function: Function) -> Dialect:
+        """Return how the statements of a function for one state, or of `prepare`, are written."""
+        ...
+
+    def printed(self, given: RenderInput) -> Printed:
+        """Return the code of a model."""
+        ...
