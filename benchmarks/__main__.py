@@ -13,7 +13,7 @@ from pathlib import Path
 from benchmarks import models
 from benchmarks.document import document, section
 from kanegen.files import write_whole
-from kanegen.studies.bench import BenchOptions, Outcome, compete
+from kanegen.studies.bench import BenchOptions, Comparison, compare
 from kanegen.studies.bench.plot import svg
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -23,13 +23,13 @@ def main() -> None:
     options = _options()
     terms = BenchOptions(options.states, options.rounds, options.seconds)
     options.docs.mkdir(parents=True, exist_ok=True)
-    outcomes: list[Outcome] = []
+    comparisons: list[Comparison] = []
     for name in options.models:
-        outcomes.append(compete(models.system(name), terms, functools.partial(_say, name)))
-        print(section(outcomes[-1]), flush=True)
-        write_whole(options.docs / "benchmarks.md", document(outcomes, terms))
-        write_whole(options.docs / "benchmarks.svg", svg(outcomes))
-    if not all(outcome.agrees for outcome in outcomes):
+        comparisons.append(compare(models.system(name), terms, functools.partial(_say, name)))
+        print(section(comparisons[-1]), flush=True)
+        write_whole(options.docs / "benchmarks.md", document(comparisons, terms))
+        write_whole(options.docs / "benchmarks.svg", svg(comparisons))
+    if not all(comparison.agrees for comparison in comparisons):
         sys.exit("some results do not agree; the tables say which")
 
 

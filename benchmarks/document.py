@@ -7,15 +7,15 @@ from pathlib import Path
 from string import Template
 
 from kanegen.measure import machine
-from kanegen.studies.bench import BenchOptions, Entry, Outcome, table
-from kanegen.studies.bench.outcome import KANEGEN, PYTHON
-from kanegen.studies.bench.peers.arena import MOST_DERIVED
+from kanegen.studies.bench import BenchOptions, Comparison, Entry, table
+from kanegen.studies.bench.comparison import KANEGEN, PYTHON
+from kanegen.studies.bench.participant import EXACT, NATIVE, RELAXED, SETTINGS, Setting
 from kanegen.studies.bench.peers.casadi_peer import CASADI
 from kanegen.studies.bench.peers.mujoco_peer import MUJOCO
 from kanegen.studies.bench.peers.pinocchio_peer import FREE_FLYER, PINOCCHIO
-from kanegen.studies.bench.peers.pydy_peer import MOST, PYDY, TIME_LIMIT
+from kanegen.studies.bench.peers.problem import MOST_DERIVATIVE_FREEDOMS
+from kanegen.studies.bench.peers.pydy_peer import MOST_FREEDOMS, PYDY, TIME_LIMIT
 from kanegen.studies.bench.results import QUANTITIES, TOLERANCE
-from kanegen.studies.bench.settings import EXACT, NATIVE, RELAXED, SETTINGS, Setting
 
 PEERS = (PINOCCHIO, FREE_FLYER, MUJOCO, CASADI, PYDY)
 
@@ -24,7 +24,7 @@ Written by `make bench` (`python -m benchmarks`); nobody edits it by hand. `kane
 for one model. A ratio is the time of kanegen over that of the peer: 1/8 is an eighth of its time."""
 
 _SHARED = """\
-The machine was shared with other work while the times were taken. The contestants took turns, so ratios carry
+The machine was shared with other work while the times were taken. The programs took turns, so ratios carry
 over; nanoseconds are those of this machine under that load."""
 
 _CALLS = f"""\
@@ -34,24 +34,24 @@ The C is the same, compiled as *{EXACT.name}*; *beyond* is what Python and NumPy
 _METHOD = Path(__file__).with_name("method.md")
 
 
-def document(outcomes: Sequence[Outcome], terms: BenchOptions) -> str:
+def document(comparisons: Sequence[Comparison], terms: BenchOptions) -> str:
     """Markdown with summaries first, then how it was done, then every number."""
     parts = [
         "# kanegen beside its peers",
         _INTRODUCTION,
         "![Times of everybody on every model](benchmarks.svg)",
         f"## One state, compiler setting *{NATIVE.name}*",
-        *_summaries(outcomes, NATIVE),
+        *_summaries(comparisons, NATIVE),
         f"## Many states at once, compiler setting *{NATIVE.name}*",
-        *_summaries(outcomes, NATIVE, batch=True),
+        *_summaries(comparisons, NATIVE, batch=True),
         f"## The default, *{EXACT.name}*",
-        *_summaries(outcomes, EXACT),
+        *_summaries(comparisons, EXACT),
         f"## Compiler setting *{RELAXED.name}*",
-        *_summaries(outcomes, RELAXED),
-        *_summaries(outcomes, RELAXED, batch=True),
+        *_summaries(comparisons, RELAXED),
+        *_summaries(comparisons, RELAXED, batch=True),
         "## Calls from Python",
         _CALLS,
-        _calls(outcomes),
+        _calls(comparisons),
         "## What is compared",
         _method(terms),
         "Settings of the compilers:",
@@ -60,39 +60,41 @@ def document(outcomes: Sequence[Outcome], terms: BenchOptions) -> str:
         "\n".join(f"- {line}" for line in machine.description()),
         _SHARED,
         "## Every number",
-        *(section(outcome) for outcome in outcomes),
+        *(section(comparison) for comparison in comparisons),
     ]
     return "\n\n".join(parts) + "\n"
 
 
-def section(outcome: Outcome) -> str:
+def section(comparison: Comparison) -> str:
     """Every number of one model."""
-    parts = [f"### {outcome.model}, {outcome.n} freedoms"]
+    parts = [f"### {comparison.model}, {comparison.n} freedoms"]
     for quantity in QUANTITIES:
-        parts.append(_markdown(table.head(outcome, quantity), table.TEXTS, table.rows(outcome, quantity)))
-    return "\n\n".join([*parts, *table.notes(outcome), *table.left_out(outcome)])
+        parts.append(
+            _markdown(table.head(comparison, quantity), table.TEXTS, table.rows(comparison, quantity))
+        )
+    return "\n\n".join([*parts, *table.notes(comparison), *table.left_out(comparison)])
 
 
-def _summaries(outcomes: Sequence[Outcome], setting: Setting, batch: bool = False) -> Iterator[str]:
+def _summaries(comparisons: Sequence[Comparison], setting: Setting, batch: bool = False) -> Iterator[str]:
     """A table a quantity, a line a model: kanegen compiled in one setting over its peers."""
     for quantity in QUANTITIES:
         title = f"{table.TITLES[quantity]}{', batch' if batch else ''}, ns a state"
         rows = []
-        for outcome in outcomes:
-            own = outcome.best(KANEGEN, quantity, setting, batch)
-            shares = [table.ratio(own, outcome.best(peer, quantity)) for peer in PEERS]
-            rows.append([outcome.model, str(outcome.n), _ns(own), *shares])
+        for comparison in comparisons:
+            own = comparison.best(KANEGEN, quantity, setting, batch)
+            shares = [table.ratio(own, comparison.best(peer, quantity)) for peer in PEERS]
+            rows.append([comparison.model, str(comparison.n), _ns(own), *shares])
         yield _markdown(["", "freedoms", title, *(f"over {peer}" for peer in PEERS)], 1, rows)
 
 
-def _calls(outcomes: Sequence[Outcome]) -> str:
+def _calls(comparisons: Sequence[Comparison]) -> str:
     """A line a model: from C, from Python, and the difference."""
-    head, rows = [""], [[outcome.model] for outcome in outcomes]
+    head, rows = [""], [[comparison.model] for comparison in comparisons]
     for quantity in QUANTITIES:
         head += [f"{table.TITLES[quantity]} from C, ns", "from Python", "beyond"]
-        for outcome, row in zip(outcomes, rows, strict=True):
-            own, call = outcome.best(KANEGEN, quantity, EXACT), outcome.best(PYTHON, quantity)
-            beyond = table.ns(outcome.overhead(quantity))
+        for comparison, row in zip(comparisons, rows, strict=True):
+            own, call = comparison.best(KANEGEN, quantity, EXACT), comparison.best(PYTHON, quantity)
+            beyond = table.ns(comparison.overhead(quantity))
             row += [_ns(own), _ns(call), beyond]
     return _markdown(head, 1, rows)
 
@@ -114,8 +116,8 @@ def _method(terms: BenchOptions) -> str:
         "rounds": terms.rounds,
         "seconds": f"{terms.seconds:g}",
         "tolerance": f"{TOLERANCE:.0e}",
-        "most": MOST,
-        "derived": MOST_DERIVED,
+        "most": MOST_FREEDOMS,
+        "derived": MOST_DERIVATIVE_FREEDOMS,
         "time_limit": TIME_LIMIT,
     }
     return template.substitute(numbers).strip()

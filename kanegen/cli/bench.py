@@ -11,7 +11,7 @@ from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_tab
 from kanegen.files import require_writable, write_whole
 
 if TYPE_CHECKING:
-    from kanegen.studies.bench import BenchOptions, Outcome
+    from kanegen.studies.bench import BenchOptions, Comparison
 
 DEFAULT_PEERS = ["pinocchio", "casadi", "mujoco", "pydy"]
 """The peers that take part where the command line names none: all of them."""
@@ -44,39 +44,41 @@ def bench(
     minutes the first time.
     """
     from kanegen.readers import load
-    from kanegen.studies.bench import BenchOptions, compete
+    from kanegen.studies.bench import BenchOptions, compare
+    from kanegen.studies.bench.comparison import json_record
     from kanegen.studies.bench.plot import svg
-    from kanegen.studies.bench.record import record
 
     require_plot(plot)
     require_writable(json_, plot)
     terms = BenchOptions(states, rounds, seconds)
     system = load(model, floating_base, right_angles)
     with progress() as report:
-        outcome = compete(system, terms, report, peer)
-    _show(outcome, terms)
+        comparison = compare(system, terms, report, peer)
+    _show(comparison, terms)
     if json_ is not None:
-        write_whole(json_, record([outcome], terms))
+        write_whole(json_, json_record([comparison], terms))
     if plot is not None:
-        write_whole(plot, svg([outcome]))
-    if not outcome.agrees:
+        write_whole(plot, svg([comparison]))
+    if not comparison.agrees:
         raise typer.Exit(FAILED)
 
 
-def _show(outcome: Outcome, terms: BenchOptions) -> None:
+def _show(comparison: Comparison, terms: BenchOptions) -> None:
     """Print a comparison for people."""
     from kanegen.studies.bench import table
     from kanegen.studies.bench.results import QUANTITIES
 
     screen.print(
-        f"[bold]{outcome.model}[/]: {outcome.n} freedoms, {terms.states} random states, "
+        f"[bold]{comparison.model}[/]: {comparison.n} freedoms, {terms.states} random states, "
         f"{terms.rounds} x {terms.seconds:g} s a task\n",
         soft_wrap=True,
     )
     for quantity in QUANTITIES:
-        screen.print(text_table(table.head(outcome, quantity), table.rows(outcome, quantity), table.TEXTS))
-    overheads = [f"{title} {table.ns(value)} ns" for title, value in table.overheads(outcome).items()]
+        screen.print(
+            text_table(table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXTS)
+        )
+    overheads = [f"{title} {table.ns(value)} ns" for title, value in table.overheads(comparison).items()]
     if overheads:
         screen.print(f"A call from Python takes beyond the C: {', '.join(overheads)}.", soft_wrap=True)
-    for line in (*table.notes(outcome), *table.left_out(outcome)):
+    for line in (*table.notes(comparison), *table.left_out(comparison)):
         print_plain(line)

@@ -18,7 +18,7 @@ from kanegen.model.freedoms import ORIENTATIONS, SPEEDS
 from kanegen.model.right_angles import AS_WRITTEN, TYPED
 from kanegen.program import passes, precision
 from kanegen.recursion.outputs import EQUATIONS, OUTPUTS
-from kanegen.studies.bench.peers.field import PEERS
+from kanegen.studies.bench.peers.registry import PEERS
 from kanegen.symbolic.printing import FORMATS
 
 HEAVY = ("sympy", "numpy", "cffi", "jinja2", "matplotlib", "kanegen.compiler")

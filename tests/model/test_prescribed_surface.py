@@ -15,7 +15,7 @@ from kanegen.cli.app import app
 from kanegen.library.simulation import simulate
 from kanegen.measure import truth as certified
 from kanegen.studies.bench import BenchOptions
-from kanegen.studies.bench.contest import compete
+from kanegen.studies.bench.compare import compare
 from kanegen.studies.tradeoff.domain import default_domain
 from kanegen.studies.tradeoff.study import study
 from tests.support import systems
@@ -110,7 +110,7 @@ def test_what_cannot_be_prescribed(name: str, message: str) -> None:
 
 
 def test_three_angles_stay_together() -> None:
-    system = systems.random_system(np.random.default_rng(2), 1, free=systems.flags(1, kg.body.FREEDOMS))
+    system = systems.random_system(np.random.default_rng(2), 1, free=systems.flags(1, systems.FREEDOMS))
     with pytest.raises(kg.ModelError, match=r"'body1.theta2': joint speeds: .* three free angles"):
         system.with_speeds("angular_velocity").with_prescribed(["body1.theta2"])
 
@@ -139,7 +139,7 @@ def test_who_cannot_be_told_refuses() -> None:
     system = pendulum()
     message = r"system 'double_pendulum' has prescribed freedoms \(q1\), whose motion cannot be given here"
     for refuse in (
-        lambda: compete(system, BenchOptions()),
+        lambda: compare(system, BenchOptions()),
         lambda: study(system),
         lambda: default_domain(system),
         lambda: certified.truth(system, [0.1], [0.2]),

@@ -13,7 +13,7 @@ import kanegen as kg
 from kanegen.cli.app import app
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.model.joint import Joint
-from kanegen.studies.bench import BenchOptions, compete
+from kanegen.studies.bench import BenchOptions, compare
 from kanegen.symbolic.printing import render
 from tests.physics.test_speeds import SPINS, close, maps, mixed, state
 from tests.support import systems
@@ -192,7 +192,7 @@ def test_blocks_have_no_angle_rate_matrix() -> None:
 
 def test_a_contest_wants_rates() -> None:
     with pytest.raises(kg.OptionError, match=r'crane.*Take system.with_speeds\("angle_rates"\)'):
-        compete(crane().with_speeds(SPINS), BenchOptions(4, 1, 0.0))
+        compare(crane().with_speeds(SPINS), BenchOptions(4, 1, 0.0))
 
 
 def test_command_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

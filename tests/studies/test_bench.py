@@ -1,4 +1,4 @@
-"""The contest: who agrees is timed, who does not is named, and nothing but a compiler is needed."""
+"""Comparisons: programs that agree are timed, the others are named, and only a compiler is required."""
 
 from __future__ import annotations
 
@@ -18,16 +18,15 @@ from kanegen import extras as optional
 from kanegen.errors import MissingError
 from kanegen.measure.timing import Times
 from kanegen.studies import bench
-from kanegen.studies.bench import building, plot, record, table
-from kanegen.studies.bench.contest import judge
-from kanegen.studies.bench.contestant import Contestant
-from kanegen.studies.bench.outcome import KANEGEN, PYTHON, Absence, Entry, Outcome
+from kanegen.studies.bench import building, plot, table
+from kanegen.studies.bench.compare import evaluate
+from kanegen.studies.bench.comparison import KANEGEN, PYTHON, Absence, Comparison, Entry, json_record
+from kanegen.studies.bench.participant import EXACT, NATIVE, Participant
 from kanegen.studies.bench.peers import kanegen_peer, pydy_peer
-from kanegen.studies.bench.peers.arena import Arena
-from kanegen.studies.bench.peers.field import contestants
+from kanegen.studies.bench.peers.problem import Problem
+from kanegen.studies.bench.peers.registry import participants
 from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, QUANTITIES, TOLERANCE, Task, difference
-from kanegen.studies.bench.settings import EXACT, NATIVE
-from kanegen.studies.bench.states import States, plain, random_states
+from kanegen.studies.bench.states import States, random_states, without_loads_and_parameters
 from tests.support import systems
 from tests.support.paths import MODELS
 
@@ -40,18 +39,18 @@ def quiet(stage: str) -> None:
     """Nobody watches."""
 
 
-def own(system: kg.System, states: States, folder: Path) -> Contestant:
+def own(system: kg.System, states: States, folder: Path) -> Participant:
     """kanegen's own C in its default setting."""
-    arena = Arena(system, states, states.write(folder / "states"), folder)
-    _, make = next(kanegen_peer.makers(arena))
-    (contestant,) = make()
-    return contestant
+    problem = Problem(system, states, states.write(folder / "states"), folder)
+    _, make = next(kanegen_peer.builders(problem))
+    (participant,) = make()
+    return participant
 
 
-def saying(code: str, tmp_path: Path) -> Contestant:
-    """A contestant whose driver is a line of Python."""
+def saying(code: str, tmp_path: Path) -> Participant:
+    """A participant whose driver is a line of Python."""
     task = Task("equations", EQUATIONS)
-    return Contestant("other", EXACT, (sys.executable, "-c", code), tmp_path / "states", (task,))
+    return Participant("other", EXACT, (sys.executable, "-c", code), tmp_path / "states", (task,))
 
 
 @pytest.fixture
@@ -66,11 +65,11 @@ def nothing_installed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def alone() -> Outcome:
-    return bench.compete(TWO_LINKS, QUICK, peers=())
+def alone() -> Comparison:
+    return bench.compare(TWO_LINKS, QUICK, peers=())
 
 
-def test_a_compiler_is_enough(alone: Outcome) -> None:
+def test_a_compiler_is_enough(alone: Comparison) -> None:
     assert (alone.model, alone.n, alone.standard, alone.absences, alone.notes) == (
         "chain",
         2,
@@ -78,7 +77,7 @@ def test_a_compiler_is_enough(alone: Outcome) -> None:
         (),
         (),
     )
-    names = {(entry.contestant, entry.setting.name) for entry in alone.entries}
+    names = {(entry.participant, entry.setting.name) for entry in alone.entries}
     settings = {(KANEGEN, "exact"), (KANEGEN, "native"), (KANEGEN, "relaxed")}
     assert names == settings | {(PYTHON, "exact")}
     for entry in alone.entries:
@@ -87,7 +86,7 @@ def test_a_compiler_is_enough(alone: Outcome) -> None:
         assert entry.times.least > 0
 
 
-def test_batches_are_timed_beside_single_states(alone: Outcome) -> None:
+def test_batches_are_timed_beside_single_states(alone: Comparison) -> None:
     for quantity in QUANTITIES:
         one, many = (alone.best(KANEGEN, quantity, EXACT, batch) for batch in (False, True))
         assert one is not None
@@ -95,7 +94,7 @@ def test_batches_are_timed_beside_single_states(alone: Outcome) -> None:
         assert (one.task.batch, many.task.batch) == (False, True)
 
 
-def test_a_call_from_python_is_set_against_the_same_c(alone: Outcome) -> None:
+def test_a_call_from_python_is_set_against_the_same_c(alone: Comparison) -> None:
     call, code = alone.best(PYTHON, EQUATIONS), alone.best(KANEGEN, EQUATIONS, EXACT)
     assert call is not None
     assert code is not None
@@ -105,7 +104,7 @@ def test_a_call_from_python_is_set_against_the_same_c(alone: Outcome) -> None:
 
 def test_loads_and_parameters_are_left_out_and_said() -> None:
     crane = kg.load(MODELS / "gantry_crane.toml")
-    changed, notes = plain(crane)
+    changed, notes = without_loads_and_parameters(crane)
     assert not changed.parameters
     assert not any(body.loads for body in changed.bodies)
     np.testing.assert_array_equal(changed.values().mass, crane.values().mass)
@@ -113,7 +112,7 @@ def test_loads_and_parameters_are_left_out_and_said() -> None:
         "loads are switched off: not everything that is timed takes them",
         "run-time parameters are constants, at their defaults: bridge_mass, trolley_mass, load_mass",
     )
-    assert plain(changed) == (changed, ())
+    assert without_loads_and_parameters(changed) == (changed, ())
 
 
 def test_who_computes_something_else_is_not_timed(tmp_path: Path) -> None:
@@ -121,15 +120,15 @@ def test_who_computes_something_else_is_not_timed(tmp_path: Path) -> None:
     heavier = replace(TWO_LINKS, bodies=tuple(replace(body, mass=2.0) for body in TWO_LINKS.bodies))
     honest = own(TWO_LINKS, states, tmp_path)
     liar = replace(own(heavier, states, tmp_path), name="liar")
-    entries, absences = judge([honest, liar], 2, QUICK, quiet)
+    entries, absences = evaluate([honest, liar], 2, QUICK, quiet)
     assert not absences
     for entry in entries:
-        assert entry.agrees == (entry.contestant == KANEGEN)
+        assert entry.agrees == (entry.participant == KANEGEN)
         assert len(entry.times.rounds) == (QUICK.rounds if entry.agrees else 0)
-    outcome = Outcome("chain", 2, tuple(entries))
-    assert not outcome.agrees
-    assert outcome.best("liar", EQUATIONS) is None
-    assert [row[3] for row in table.rows(outcome, EQUATIONS) if row[0] == "liar"] == ["not timed"] * 2
+    comparison = Comparison("chain", 2, tuple(entries))
+    assert not comparison.agrees
+    assert comparison.best("liar", EQUATIONS) is None
+    assert [row[3] for row in table.rows(comparison, EQUATIONS) if row[0] == "liar"] == ["not timed"] * 2
 
 
 def test_a_derivative_is_compared_with_its_own_size() -> None:
@@ -168,22 +167,22 @@ def test_matrix_and_forcing_are_measured_by_their_own_sizes() -> None:
 )
 def test_a_driver_that_fails_is_left_out(code: str, reason: str, tmp_path: Path) -> None:
     honest = own(TWO_LINKS, random_states(TWO_LINKS, 2), tmp_path)
-    entries, absences = judge([honest, saying(code, tmp_path)], 2, QUICK, quiet)
-    assert {entry.contestant for entry in entries} == {KANEGEN}
+    entries, absences = evaluate([honest, saying(code, tmp_path)], 2, QUICK, quiet)
+    assert {entry.participant for entry in entries} == {KANEGEN}
     assert absences == [Absence("other", f"its driver failed: {reason}")]
 
 
 @pytest.mark.usefixtures("nothing_installed")
 def test_who_is_missing_is_named_and_left_out(tmp_path: Path) -> None:
-    present, absences = contestants(TWO_LINKS, random_states(TWO_LINKS, 2), tmp_path)
-    assert {contestant.name for contestant in present} == {KANEGEN, PYTHON}
+    present, absences = participants(TWO_LINKS, random_states(TWO_LINKS, 2), tmp_path)
+    assert {participant.name for participant in present} == {KANEGEN, PYTHON}
     assert {absence.name for absence in absences} == {"Pinocchio", "CasADi", "MuJoCo", "SymPy + PyDy"}
     for absence in absences:
         assert absence.reason.endswith("is not installed (pip install 'kanegen[bench]')")
 
 
 @pytest.mark.usefixtures("nothing_installed")
-def test_a_plot_needs_matplotlib(alone: Outcome) -> None:
+def test_a_plot_needs_matplotlib(alone: Comparison) -> None:
     with pytest.raises(MissingError, match=r"package matplotlib is not installed .*kanegen\[bench\]"):
         plot.svg([alone])
 
@@ -195,14 +194,14 @@ def test_headers_that_a_package_does_not_have() -> None:
 
 def test_an_unknown_peer() -> None:
     with pytest.raises(kg.OptionError, match=r"unknown peer 'mujocco'.*mujoco"):
-        bench.compete(TWO_LINKS, QUICK, peers=["mujocco"])
+        bench.compare(TWO_LINKS, QUICK, peers=["mujocco"])
 
 
 def test_sympy_is_not_tried_with_many_freedoms(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(pydy_peer, "require", Path)
     system = systems.chain(10)
     states = random_states(system, 1)
-    ((name, make),) = pydy_peer.makers(Arena(system, states, tmp_path / "states", tmp_path))
+    ((name, make),) = pydy_peer.builders(Problem(system, states, tmp_path / "states", tmp_path))
     assert name == "SymPy + PyDy"
     with pytest.raises(MissingError, match="not tried with 10 freedoms, which are more than 9"):
         make()
@@ -212,7 +211,7 @@ def test_sympy_is_stopped_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(pydy_peer, "require", Path)
     monkeypatch.setattr(pydy_peer, "TIME_LIMIT", 0.001)
     states = random_states(TWO_LINKS, 1)
-    ((_, make),) = pydy_peer.makers(Arena(TWO_LINKS, states, tmp_path / "states", tmp_path))
+    ((_, make),) = pydy_peer.builders(Problem(TWO_LINKS, states, tmp_path / "states", tmp_path))
     with pytest.raises(MissingError, match=r"did not finish in 0\.001 s"):
         make()
 
@@ -241,28 +240,30 @@ def test_states_return_from_their_file(tmp_path: Path) -> None:
     assert np.abs(random_states(crane, 50).x).max() <= 1
 
 
-def entry(contestant: str, median: float, batch: bool = False) -> Entry:
+def entry(participant: str, median: float, batch: bool = False) -> Entry:
     times = Times((median - 1, median, median + 2))
-    return Entry(contestant, NATIVE, Task("a", EQUATIONS, batch), 0.0, times)
+    return Entry(participant, NATIVE, Task("a", EQUATIONS, batch), 0.0, times)
 
 
 def test_ratios_and_reasons_in_words() -> None:
     absences = (Absence("A", "it rains"), Absence("B", "it snows"), Absence("C", "it rains"))
-    outcome = Outcome("m", 1, (entry("slow", 1200), entry("fast", 60.04), entry("slower", 2400)), absences)
-    assert table.head(outcome, EQUATIONS)[-2] == "over slow"
-    rows = [row[3:6] for row in table.rows(outcome, EQUATIONS)]
+    comparison = Comparison(
+        "m", 1, (entry("slow", 1200), entry("fast", 60.04), entry("slower", 2400)), absences
+    )
+    assert table.head(comparison, EQUATIONS)[-2] == "over slow"
+    rows = [row[3:6] for row in table.rows(comparison, EQUATIONS)]
     assert rows == [
         ["1200", "1199-1202", "1.00"],
         ["60.0", "59.0-62.0", "1/20.0"],
         ["2400", "2399-2402", "2.00"],
     ]
-    assert table.rows(outcome, DYNAMICS) == []
-    assert table.left_out(outcome) == ["Left out: A and C: it rains.", "Left out: B: it snows."]
-    assert table.overheads(outcome) == {}
+    assert table.rows(comparison, DYNAMICS) == []
+    assert table.left_out(comparison) == ["Left out: A and C: it rains.", "Left out: B: it snows."]
+    assert table.overheads(comparison) == {}
 
 
-def test_the_record_holds_every_number(alone: Outcome) -> None:
-    facts = json.loads(record.record([alone], QUICK))
+def test_the_record_holds_every_number(alone: Comparison) -> None:
+    facts = json.loads(json_record([alone], QUICK))
     assert facts["terms"] == {"states": 40, "rounds": 2, "seconds": 0.0}
     assert "numpy" in facts["machine"][-1]
     (model,) = facts["outcomes"]

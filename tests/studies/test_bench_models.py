@@ -14,7 +14,7 @@ from kanegen.errors import MissingError
 from kanegen.model.sequences import SEQUENCES
 from kanegen.reference.kinematics import kinematics
 from kanegen.studies.bench.peers.joints import KINDS, Placement, floating_joints, single_joints
-from kanegen.studies.bench.peers.mjcf import links, mjcf
+from kanegen.studies.bench.peers.mujoco_peer import links, mjcf
 from tests.support import systems
 
 Floats = NDArray[np.float64]

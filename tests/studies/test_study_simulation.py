@@ -17,7 +17,7 @@ from kanegen.measure.truth.errors import GATE
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.options import STRICT, Variant
 from kanegen.reference import equations as reference
-from kanegen.studies.bench.states import plain
+from kanegen.studies.bench.states import without_loads_and_parameters
 from kanegen.studies.tradeoff import simulation
 from kanegen.studies.tradeoff import study as module
 from kanegen.studies.tradeoff.compilation import compile_variants
@@ -78,7 +78,7 @@ def test_errors_fall_by_the_order_of_the_method(outcome: Study) -> None:
 
 def test_the_end_is_that_of_the_reference_in_numpy(outcome: Study) -> None:
     """SciPy with accelerations from the NumPy reference: nothing of the C takes part."""
-    model, _ = plain(HINGES)
+    model, _ = without_loads_and_parameters(HINGES)
     start = outcome.domain.sample(1, (outcome.terms.seed, simulation.START)).states
     x, y, n = start.x[0], 0.5 * start.y[0], 2
 

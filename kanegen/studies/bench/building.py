@@ -13,10 +13,10 @@ from kanegen.library.native.commands import CommandError, TimeLimitError
 TIME_LIMIT = 600
 """Seconds that a compiler is given for one file."""
 
-_SHARED = ("contest.h", "contest.c")
+_SHARED = ("driver.h", "driver.c")
 """Files that every driver has: they read the states, call the driver's functions and take the time."""
 
-_SHARED_FLAGS = {"contest.c": ("-O2",)}
+_SHARED_FLAGS = {"driver.c": ("-O2",)}
 """Compiler flags of the shared source, which are the same for every program."""
 
 
@@ -28,7 +28,7 @@ def driver(name: str) -> str:
 def compiled(
     name: str, files: Mapping[str, str], flags: Sequence[str], libraries: Sequence[str] = ("-lm",)
 ) -> Path:
-    """Compile the program that `files` make together with drivers/contest.c.
+    """Compile the program that `files` make together with drivers/driver.c.
 
     Args:
         name: Name of the program.

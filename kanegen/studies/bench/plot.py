@@ -1,4 +1,4 @@
-"""The plot: every model's times, with their ranges, on a logarithmic axis."""
+"""The plot of comparisons: the times of all programs on all models, with ranges, on a logarithmic axis."""
 
 from __future__ import annotations
 
@@ -8,32 +8,39 @@ from dataclasses import dataclass
 from typing import Any
 
 from kanegen.extras import module
-from kanegen.studies.bench.outcome import KANEGEN, Entry, Outcome
+from kanegen.studies.bench.comparison import KANEGEN, Comparison, Entry
+from kanegen.studies.bench.participant import NATIVE, Setting
 from kanegen.studies.bench.peers.casadi_peer import CASADI
 from kanegen.studies.bench.peers.mujoco_peer import MUJOCO
 from kanegen.studies.bench.peers.pinocchio_peer import PINOCCHIO
 from kanegen.studies.bench.peers.pydy_peer import PYDY
 from kanegen.studies.bench.results import QUANTITIES
-from kanegen.studies.bench.settings import NATIVE, Setting
 from kanegen.studies.bench.table import TITLES, ratio
 
 _STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
 _BAR = 0.8
-"""Width of all the bars of a model together; 1 is as far as the next model."""
+"""Width of all bars of a model together, as a share of the distance between models."""
 
 
 @dataclass(frozen=True)
 class Series:
-    """Bars of one colour: a contestant's fastest way."""
+    """The bars of one colour: the fastest task of a participant on each model.
+
+    Attributes:
+        label: Text of the legend.
+        participant: Name of the participant.
+        setting: Compiler setting; None allows every setting.
+        batch: Whether the task computes many states in one call.
+    """
 
     label: str
-    contestant: str
+    participant: str
     setting: Setting | None = None
     batch: bool = False
 
-    def entry(self, outcome: Outcome, quantity: str) -> Entry | None:
-        """What the bar shows."""
-        return outcome.best(self.contestant, quantity, self.setting, self.batch)
+    def entry(self, comparison: Comparison, quantity: str) -> Entry | None:
+        """Return the entry that the bar of a model shows; None if there is none."""
+        return comparison.best(self.participant, quantity, self.setting, self.batch)
 
 
 SERIES = (
@@ -43,19 +50,21 @@ SERIES = (
 )
 
 
-def svg(outcomes: Sequence[Outcome]) -> str:
-    """One panel a quantity, one group of bars a model, a bar's label being its ratio to the standard.
+def svg(comparisons: Sequence[Comparison]) -> str:
+    """Draw one panel for each quantity and one group of bars for each model.
+
+    The label of a bar is its ratio to the standard.
 
     Raises:
         MissingError: If matplotlib is not installed.
     """
     mpl = module("matplotlib")
     with mpl.rc_context(_STYLE):
-        size = (max(5.0, 2 + 1.3 * len(outcomes)), 7)
+        size = (max(5.0, 2 + 1.3 * len(comparisons)), 7)
         figure = module("matplotlib.figure").Figure(figsize=size, layout="constrained")
         panels = figure.subplots(len(QUANTITIES), 1, sharex=True)
         for panel, quantity in zip(panels, QUANTITIES, strict=True):
-            _panel(panel, outcomes, quantity)
+            _panel(panel, comparisons, quantity)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, ncols=3, loc="outside upper center")
         text = io.StringIO()
@@ -63,16 +72,18 @@ def svg(outcomes: Sequence[Outcome]) -> str:
     return text.getvalue()
 
 
-def _panel(panel: Any, outcomes: Sequence[Outcome], quantity: str) -> None:
+def _panel(panel: Any, comparisons: Sequence[Comparison], quantity: str) -> None:
     present = [
         series
         for series in SERIES
-        if any(series.entry(outcome, q) for outcome in outcomes for q in QUANTITIES)
+        if any(series.entry(comparison, q) for comparison in comparisons for q in QUANTITIES)
     ]
     width = _BAR / len(present)
     for number, series in enumerate(present):
         shift = width * (number - (len(present) - 1) / 2)
-        entries = {place + shift: series.entry(outcome, quantity) for place, outcome in enumerate(outcomes)}
+        entries = {
+            place + shift: series.entry(comparison, quantity) for place, comparison in enumerate(comparisons)
+        }
         timed = {place: entry for place, entry in entries.items() if entry is not None}
         medians = [entry.median for entry in timed.values()]
         ranges = [
@@ -83,13 +94,15 @@ def _panel(panel: Any, outcomes: Sequence[Outcome], quantity: str) -> None:
         bars = panel.bar(
             list(timed), medians, 0.92 * width, yerr=ranges, label=series.label, color=color, ecolor="0.3"
         )
-        standards = [outcome.best(outcome.standard, quantity) for outcome in outcomes]
+        standards = [comparison.best(comparison.standard, quantity) for comparison in comparisons]
         shares = [_share(entry, standards[round(place)]) for place, entry in timed.items()]
         panel.bar_label(bars, shares, fontsize=6, padding=1)
     panel.set_yscale("log")
     panel.set_ylim(bottom=1)
     panel.set_ylabel(f"{TITLES[quantity]}, ns")
-    panel.set_xticks(range(len(outcomes)), [f"{outcome.model}\nn = {outcome.n}" for outcome in outcomes])
+    panel.set_xticks(
+        range(len(comparisons)), [f"{comparison.model}\nn = {comparison.n}" for comparison in comparisons]
+    )
 
 
 def _share(entry: Entry, standard: Entry | None) -> str:

@@ -1,4 +1,4 @@
-"""What a driver computed, and how far it is from what another computed."""
+"""The results of a driver, read from its file, and their difference from those of another driver."""
 
 from __future__ import annotations
 
@@ -11,23 +11,29 @@ import numpy as np
 from kanegen.model.arrays import Floats
 
 TOLERANCE = 1e-10
-"""Largest difference allowed, relative to the largest entry of a state's array."""
+"""Largest difference between results that agree, relative to the largest entry of the array of a state."""
 
 EQUATIONS = "equations"
+"""The quantity [A] and {f}."""
+
 DYNAMICS = "dynamics"
+"""The quantity {ydot}."""
+
 DERIVATIVES = "derivatives"
+"""The quantity of the derivatives of {ydot} by {x}, {y} and {tau}."""
+
 QUANTITIES = (EQUATIONS, DYNAMICS, DERIVATIVES)
-"""[A] and {f}, {ydot}, and the derivatives of {ydot} by {x}, {y} and {tau}."""
+"""All quantities that are compared and timed."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """One way of a driver to compute a quantity.
+    """A task of a driver: one method of computing a quantity.
 
     Attributes:
-        name: Of the driver's own.
+        name: Name of the task, unique within its driver.
         quantity: One of `QUANTITIES`.
-        batch: Whether many states are computed by one call.
+        batch: Whether one call computes many states.
     """
 
     name: str
@@ -36,11 +42,15 @@ class Task:
 
 
 Results = dict[str, Floats]
-"""By task: (B, n + 1, n), [A] with {f} below it; (B, 1, n), {ydot}; (B, 3 n, n), (n, 3 n) derivatives."""
+"""Results of B states by name of the task.
+
+The shape is (B, n + 1, n) for [A] with {f} below it, (B, 1, n) for {ydot}, and (B, 3 n, n) for derivatives,
+(n, 3, n) for each state.
+"""
 
 
 def read(path: Path, tasks: Sequence[Task], n: int) -> Results:
-    """The results of every task from a driver's file."""
+    """Read the results of all tasks from the file of a driver."""
     of = {EQUATIONS: n + 1, DYNAMICS: 1, DERIVATIVES: 3 * n}
     rows = [of[task.quantity] for task in tasks]
     values = np.fromfile(path).reshape(-1, sum(rows), n)
@@ -49,14 +59,15 @@ def read(path: Path, tasks: Sequence[Task], n: int) -> Results:
 
 
 def write(path: Path, results: Results) -> None:
-    """As a driver does."""
+    """Write the results of all tasks into a file, as a driver does."""
     np.concatenate(list(results.values()), axis=1).tofile(path)
 
 
 def difference(ours: Floats, theirs: Floats) -> float:
-    """Of one task's results: the largest over [A], {f}, {ydot} or derivatives, relative to its largest entry.
+    """Return the largest difference between two results of one task, relative to the size of the array.
 
-    {f} counts as no smaller than a thousandth of [A], or its rounding errors would count where it is zero.
+    The size of [A], {f}, {ydot} or a derivative in a state is its largest entry. {f} counts as no smaller
+    than a thousandth of [A], since otherwise its rounding errors would count where it vanishes.
     """
     if ours.shape[1] == 1:
         return _relative(ours, theirs, _size(theirs))
@@ -70,7 +81,7 @@ def difference(ours: Floats, theirs: Floats) -> float:
 
 
 def _size(values: Floats) -> Floats:
-    """(B,) the largest entry of each state."""
+    """Return the largest absolute entry of each state, (B,)."""
     size: Floats = np.abs(values).max(axis=(1, 2))
     return size
 

@@ -1,4 +1,4 @@
-"""The model and the states that everybody computes, and the file in which drivers find the states."""
+"""The model and the states that all programs compute, and the file from which drivers read the states."""
 
 from __future__ import annotations
 
@@ -14,14 +14,20 @@ from kanegen.model.system import System
 
 @dataclass(frozen=True)
 class States:
-    """B states: coordinates (B, m), speeds and generalized forces (B, n), SI units."""
+    """B states in SI units.
+
+    Attributes:
+        x: (B, m) coordinates.
+        y: (B, n) generalized speeds.
+        tau: (B, n) generalized forces.
+    """
 
     x: Floats
     y: Floats
     tau: Floats
 
     def write(self, path: Path) -> Path:
-        """As drivers/contest.h describes it."""
+        """Write the states into a file, in the format of drivers/driver.h, and return its path."""
         with path.open("wb") as file:
             np.array([*self.x.shape, self.y.shape[1]], dtype=np.int64).tofile(file)
             for values in (self.x, self.y, self.tau):
@@ -30,18 +36,17 @@ class States:
 
     @classmethod
     def read(cls, path: Path) -> States:
-        """What `write` wrote."""
+        """Read states from a file that `write` wrote."""
         count, m, n = np.fromfile(path, dtype=np.int64, count=3)
         x, y, tau = np.split(np.fromfile(path, offset=24), [count * m, count * (m + n)])
         return cls(x.reshape(count, m), y.reshape(count, n), tau.reshape(count, n))
 
 
 def random_states(system: System, count: int, seed: int = 0) -> States:
-    """`count` random states.
+    """Return `count` random states.
 
-    Hinges take any angle. Where a body has three angles they stay near where their axes are apart:
-    [A] is singular where these lie in a plane, and the accelerations of different programs could not be
-    compared near there.
+    Hinges take any angle. Where a body has three free angles, these stay away from gimbal lock, where [A] is
+    singular and the accelerations of different programs cannot be compared.
     """
     rng = np.random.default_rng(seed)
     x, y, tau = rng.uniform(-1, 1, (3, count, len(system.freedoms)))
@@ -52,8 +57,8 @@ def random_states(system: System, count: int, seed: int = 0) -> States:
     return States(np.where(hinges, np.pi * x, x) + np.pi / 2 * np.array(bent), y, tau)
 
 
-def plain(system: System) -> tuple[System, tuple[str, ...]]:
-    """The system as everybody can take it, and what had to be left out of it.
+def without_loads_and_parameters(system: System) -> tuple[System, tuple[str, ...]]:
+    """Return the system without loads, force elements and run-time parameters, and notes on what was changed.
 
     Not every peer takes loads, and none takes run-time parameters as kanegen does.
     """

@@ -18,7 +18,7 @@ from kanegen.measure.timing import Rounds, Times
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import STRICT
-from kanegen.studies.bench.states import plain
+from kanegen.studies.bench.states import without_loads_and_parameters
 from kanegen.studies.budget.counterexample import search_counterexample
 from kanegen.studies.budget.evaluator import SampleSpec, SearchResult
 from kanegen.studies.budget.region import Region
@@ -152,7 +152,7 @@ class VariantEvaluator:
         They are times of the system without loads and with constant parameters, because the timing driver
         has neither.
         """
-        system, _ = plain(self.region.system)
+        system, _ = without_loads_and_parameters(self.region.system)
         built = [self._built[candidate] for candidate in candidates]
         if system != self.region.system:
             built, _ = compile_variants(system, candidates, self._progress)

@@ -14,7 +14,7 @@ from kanegen.c import Source
 from kanegen.errors import KanegenError
 from kanegen.library import Library
 from kanegen.model.system import System
-from kanegen.studies.bench.contest import Progress
+from kanegen.options import Progress
 from kanegen.studies.tradeoff.judge import OUTPUT
 from kanegen.studies.tradeoff.variants import Candidate, Refusal
 

@@ -18,10 +18,9 @@ from kanegen.library.simulation import Trajectory, mescd, simulate
 from kanegen.measure.timing import LATENCY
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
-from kanegen.options import STRICT, Variant
+from kanegen.options import STRICT, Progress, Variant
 from kanegen.reference.states import ranges
-from kanegen.studies.bench.contest import Progress
-from kanegen.studies.bench.states import plain
+from kanegen.studies.bench.states import without_loads_and_parameters
 from kanegen.studies.tradeoff.compilation import generate_variant
 from kanegen.studies.tradeoff.outcome import Run, Study
 from kanegen.studies.tradeoff.variants import Candidate
@@ -68,7 +67,7 @@ def simulated(system: System, study: Study, progress: Progress = lambda stage: N
         BuildError: If there is no C compiler.
         SingularError: If the reference meets a singular state.
     """
-    model, _ = plain(system)
+    model, _ = without_loads_and_parameters(system)
     sample = study.domain.sample(1, (study.terms.seed, START))
     x, y, duration = sample.states.x[0], 0.5 * sample.states.y[0], _duration(model)
     progress("simulating the reference")

@@ -16,9 +16,9 @@ from kanegen.measure.timing import OBJECTIVES, Rounds, Times
 from kanegen.measure.truth.measurement import Measurement
 from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
+from kanegen.options import Progress
 from kanegen.reference.regularity import require_regular
-from kanegen.studies.bench.contest import Progress
-from kanegen.studies.bench.states import plain
+from kanegen.studies.bench.states import without_loads_and_parameters
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.converting import converted
 from kanegen.studies.tradeoff.domain import Domain, default_domain
@@ -62,7 +62,7 @@ def study(
     """
     require_one("quantile", terms.quantile, RANKED_BY)
     require_unprescribed(system, "study")
-    model, notes = plain(system)
+    model, notes = without_loads_and_parameters(system)
     require_regular(model)
     compilers.find()
     bench = Bench(model, domain or default_domain(model), terms, progress)

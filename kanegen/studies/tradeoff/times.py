@@ -9,11 +9,11 @@ from pathlib import Path
 from kanegen.c.formats import formats
 from kanegen.measure.timing import BATCH, LATENCY, Rounds, Times
 from kanegen.model.arrays import Floats
+from kanegen.options import Progress
 from kanegen.studies.bench.building import compiled, driver
-from kanegen.studies.bench.contest import Progress, take_turns
-from kanegen.studies.bench.contestant import Contestant
+from kanegen.studies.bench.compare import take_turns
+from kanegen.studies.bench.participant import Participant, Setting
 from kanegen.studies.bench.results import DYNAMICS, Task
-from kanegen.studies.bench.settings import Setting
 from kanegen.studies.bench.states import States
 from kanegen.studies.tradeoff.compilation import CompiledVariant
 from kanegen.studies.tradeoff.judge import OUTPUT
@@ -38,31 +38,33 @@ def timed(
         MissingError: If the driver cannot be compiled, or a library fails in it.
     """
     with tempfile.TemporaryDirectory() as folder:
-        contestants = {
-            built: _contestant(built, sample, Path(folder) / str(number))
+        participants = {
+            built: _participant(built, sample, Path(folder) / str(number))
             for number, (built, sample) in enumerate(samples.items())
         }
-        found = take_turns(list(contestants.values()), rounds, progress)
+        found = take_turns(list(participants.values()), rounds, progress)
         return {
-            built: {task.name: found[contestant, task.name] for task in _TASKS}
-            for built, contestant in contestants.items()
+            built: {task.name: found[participant, task.name] for task in _TASKS}
+            for built, participant in participants.items()
         }
 
 
 def computed_in_c(built: CompiledVariant, sample: Sample) -> dict[str, Floats]:
     """(B, n) {ydot} of the driver, by objective: for seeing that it times what it should."""
     with tempfile.TemporaryDirectory() as folder:
-        results = _contestant(built, sample, Path(folder) / "states").results(sample.tau.shape[1])
+        results = _participant(built, sample, Path(folder) / "states").results(sample.tau.shape[1])
     return {objective: rows[:, 0] for objective, rows in results.items()}
 
 
-def _contestant(built: CompiledVariant, sample: Sample, file: Path) -> Contestant:
+def _participant(built: CompiledVariant, sample: Sample, file: Path) -> Participant:
     library = built.library
     states = States(sample.states.x, sample.states.y, sample.tau).write(file)
     real = formats(library.source.variant).storage
-    kind = "-DPAIRS" if real.trailing_shape else f"-DREAL={real.c_type}"
-    files = {"driver.c": driver("variant.c")}
+    kind = "-DDOUBLE_DOUBLE" if real.trailing_shape else f"-DREAL={real.c_type}"
+    files = {"variant.c": driver("variant.c")}
     program = compiled("variant", files, (*_FLAGS, kind), ("-lm", "-ldl"))
     setting = Setting(built.candidate.label, library.source.variant.flags)
     function = f"{library.name}_{OUTPUT}"
-    return Contestant("kanegen", setting, (str(program),), states, _TASKS, (function,), loads=(library.path,))
+    return Participant(
+        "kanegen", setting, (str(program),), states, _TASKS, (function,), loads=(library.path,)
+    )

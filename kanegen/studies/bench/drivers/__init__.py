@@ -1,1 +1,5 @@
-"""Programs that call a contestant's code, give results and take the time; compiled when they are needed."""
+"""The drivers: C and C++ programs that call the code of a participant, write its results and take its times.
+
+`driver.h` is the interface of all of them and `driver.c` their main(); they are compiled when a comparison
+needs them.
+"""

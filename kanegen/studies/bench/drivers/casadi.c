@@ -1,5 +1,5 @@
-/* The functions `equations` and `dynamics` that CasADi wrote. */
-#include "contest.h"
+/* Driver of the functions `equations`, `dynamics` and `derivatives` that CasADi wrote. */
+#include "driver.h"
 
 #include <stdlib.h>
 
@@ -86,7 +86,7 @@ static void give_dynamics(size_t state, double *values)
     for (size_t i = 0; i < pool.n; i++) values[i] = ydot[i];
 }
 
-void contest_setup(const States *states, int argc, char **argv)
+void driver_setup(const States *states, int argc, char **argv)
 {
     (void)argc;
     (void)argv;
@@ -102,7 +102,7 @@ void contest_setup(const States *states, int argc, char **argv)
 #endif
 }
 
-size_t contest_tasks(const Task **tasks)
+size_t driver_tasks(const Task **tasks)
 {
     static Task every[] = {
         {"equations", run_equations, give_equations, 0, 1},

@@ -1,5 +1,5 @@
-/* kanegen's C of a model without loads and parameters; compile with -DMODEL=<its name>. */
-#include "contest.h"
+/* Driver of kanegen's C for a model without loads and parameters; compile with -DMODEL=<name of the model>. */
+#include "driver.h"
 
 #include <stdlib.h>
 
@@ -18,12 +18,11 @@ size_t FUNCTION(forward_dynamics_derivatives_batch)(
     size_t count, const double *x, const double *y, const double *tau, double *values);
 #endif
 
-/* States of a batch. Its results go to memory that the next batch reuses, as a consumer that works block by
- * block would have it. */
+/* Number of states of a batch. The next batch overwrites the results, as in a program that works block by block. */
 enum { BLOCK = 32 };
 
 static States pool;
-static double *A, *f, *ydot; /* of BLOCK states, the first one serving for single states too */
+static double *A, *f, *ydot; /* of BLOCK states; single states use the first */
 
 static void equations(size_t state)
 {
@@ -114,7 +113,7 @@ static void give_derivatives_batch(size_t state, double *values)
 }
 #endif
 
-void contest_setup(const States *states, int argc, char **argv)
+void driver_setup(const States *states, int argc, char **argv)
 {
     (void)argc;
     (void)argv;
@@ -127,7 +126,7 @@ void contest_setup(const States *states, int argc, char **argv)
 #endif
 }
 
-size_t contest_tasks(const Task **tasks)
+size_t driver_tasks(const Task **tasks)
 {
     static Task every[] = {
         {"equations", equations, give_equations, 0, 1},

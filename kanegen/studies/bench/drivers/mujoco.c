@@ -1,16 +1,17 @@
-/* MuJoCo, without contacts, constraints and actuators: only the stages that make the results. The model is an
- * XML file; its joints have one freedom each and are called after their places in x, y and tau. */
-#include "contest.h"
+/* Driver of MuJoCo, without contacts, constraints and actuators: it calls only the stages that the results need.
+ * The model is an XML file; every joint has one freedom, and its name is the index of its coordinate in x, y and
+ * tau. */
+#include "driver.h"
 
 #include <mujoco/mujoco.h>
 
 #include <stdio.h>
 #include <stdlib.h>
 
-static States pool; /* in MuJoCo's order */
+static States pool; /* in the order of MuJoCo */
 static mjModel *model;
 static mjData *data;
-static int *place; /* in x, of every freedom */
+static int *place; /* index in x of every freedom */
 
 static void move(size_t state)
 {
@@ -19,7 +20,7 @@ static void move(size_t state)
     mju_copy(data->qvel, pool.y + row, model->nv);
 }
 
-/* data->M sparse, as MuJoCo has it, and data->qfrc_bias. */
+/* Copy data->M, which is sparse, and data->qfrc_bias. */
 static void equations(size_t state)
 {
     move(state);
@@ -65,7 +66,7 @@ static const double *ordered(const double *values)
     return result;
 }
 
-void contest_setup(const States *states, int argc, char **argv)
+void driver_setup(const States *states, int argc, char **argv)
 {
     char error[300] = "";
     (void)argc;
@@ -85,7 +86,7 @@ void contest_setup(const States *states, int argc, char **argv)
     pool.tau = ordered(states->tau);
 }
 
-size_t contest_tasks(const Task **tasks)
+size_t driver_tasks(const Task **tasks)
 {
     static Task every[] = {
         {"equations", equations, give_equations, 0, 1},

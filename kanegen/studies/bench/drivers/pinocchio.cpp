@@ -1,12 +1,12 @@
-// Pinocchio, header-only. The model comes from a table of joints rather than from a URDF reader, so that it
-// has the coordinates that it is compared in. One joint a line, in depth-first order:
+// Driver of Pinocchio, header-only. The model comes from a table of joints rather than from a URDF file, so that
+// it has the coordinates in which it is compared. A line is one joint, in depth-first order:
 //
 //     parent kind columns  placement: 9 of R by rows, 3 of p  body: mass, 3 of the mass centre, 9 of the inertia
 //
-// `columns` are the places in x, y and tau of the joint's velocities. Those of a free-flyer hold three
-// translations and the angles 1-2-3 in x, and Pinocchio's own velocities and forces in y and tau. The first
-// line is gravity. A second argument asks for derivatives too, of a model without free-flyers.
-#include "contest.h"
+// `columns` are the indices of the joint's velocities in x, y and tau. For a free-flyer, x holds three
+// translations and the angles 1-2-3 there, and y and tau hold Pinocchio's own velocities and forces. The first
+// line is gravity. A second argument asks for derivatives, too, of a model without free-flyers.
+#include "driver.h"
 
 #include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
@@ -26,7 +26,7 @@ using Vector = Eigen::VectorXd;
 
 static pin::Model model;
 static pin::Data *data;
-static std::vector<int> place; // in x, of every velocity
+static std::vector<int> place; // index in x of every velocity
 static std::vector<Vector> q, v, tau;
 static Vector acceleration;
 
@@ -72,7 +72,7 @@ static void read_model(const char *path)
     }
 }
 
-// States in Pinocchio's order. A free-flyer, known by nq > nv, has a quaternion after its translation.
+// Bring states into the order of Pinocchio. A free-flyer, which has nq > nv, gets a quaternion after its translation.
 static void read_states(const States &states)
 {
     for (std::size_t state = 0; state < states.count; state++) {
@@ -140,7 +140,7 @@ static void derivatives(std::size_t state)
     pin::computeABADerivatives(model, *data, q[state], v[state], tau[state]);
 }
 
-// By x, y and tau side by side. Only the upper half of the inverse of the mass matrix is filled.
+// Copy the derivatives by x, y and tau side by side. Only the upper half of the inverse mass matrix is filled.
 static void give_derivatives(std::size_t, double *values)
 {
     const int n = model.nv;
@@ -155,7 +155,7 @@ static void give_derivatives(std::size_t, double *values)
 
 static std::vector<Task> tasks;
 
-void contest_setup(const States *states, int argc, char **argv)
+void driver_setup(const States *states, int argc, char **argv)
 {
     read_model(argv[0]);
     data = new pin::Data(model);
@@ -167,7 +167,7 @@ void contest_setup(const States *states, int argc, char **argv)
     if (argc > 1) tasks.push_back({"derivatives", derivatives, give_derivatives, 3 * n * n, 1});
 }
 
-std::size_t contest_tasks(const Task **result)
+std::size_t driver_tasks(const Task **result)
 {
     *result = tasks.data();
     return tasks.size();

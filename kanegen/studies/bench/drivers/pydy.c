@@ -1,5 +1,5 @@
-/* The function `evaluate` that PyDy wrote. */
-#include "contest.h"
+/* Driver of the function `evaluate` that PyDy wrote. */
+#include "driver.h"
 
 #include <stdlib.h>
 
@@ -11,7 +11,7 @@ static double *A, *f;
 static void equations(size_t state)
 {
     const size_t row = state * pool.n;
-    evaluate((double *)pool.x + row, (double *)pool.y + row, A, f); /* which only reads them */
+    evaluate((double *)pool.x + row, (double *)pool.y + row, A, f); /* it only reads x and y */
 }
 
 static void give_equations(size_t state, double *values)
@@ -22,7 +22,7 @@ static void give_equations(size_t state, double *values)
     for (size_t i = 0; i < n; i++) values[n * n + i] = f[i];
 }
 
-void contest_setup(const States *states, int argc, char **argv)
+void driver_setup(const States *states, int argc, char **argv)
 {
     (void)argc;
     (void)argv;
@@ -31,7 +31,7 @@ void contest_setup(const States *states, int argc, char **argv)
     f = aligned_numbers(pool.n);
 }
 
-size_t contest_tasks(const Task **tasks)
+size_t driver_tasks(const Task **tasks)
 {
     static Task every[] = {{"equations", equations, give_equations, 0, 1}};
     every[0].size = pool.n * pool.n + pool.n;

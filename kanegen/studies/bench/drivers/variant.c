@@ -1,16 +1,16 @@
-/* Forward dynamics of a compiled library, of a model without loads and parameters; compile with -DREAL=<the
- * type of its arrays>, or -DPAIRS where these hold sums of two doubles.
+/* Driver of forward dynamics in a compiled library, for a model without loads and parameters; compile with
+ * -DREAL=<type of the arrays>, or with -DDOUBLE_DOUBLE if the arrays hold sums of two doubles.
  *
  *     driver results|times STATES OUT|SECONDS LIBRARY FUNCTION
  *
- * The library is opened, not linked, so what is timed is the very file whose errors were measured. */
-#include "contest.h"
+ * The library is opened, not linked, so that the file that is timed is the file whose errors were measured. */
+#include "driver.h"
 
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#ifdef PAIRS
+#ifdef DOUBLE_DOUBLE
 typedef struct {
     double high, low;
 } real;
@@ -24,8 +24,7 @@ static double nearest(real value) { return (double)value; }
 typedef int One(const real *x, const real *y, const real *tau, real *ydot);
 typedef size_t Many(size_t count, const real *x, const real *y, const real *tau, real *ydot);
 
-/* States of a batch. Its results go to memory that the next batch reuses, as a consumer that works block by
- * block would have it. */
+/* Number of states of a batch. The next batch overwrites the results, as in a program that works block by block. */
 enum { BLOCK = 32 };
 
 static One *one;
@@ -34,8 +33,8 @@ static size_t count, m, n;
 static real *x, *y, *tau, *y_now, *ydot;
 static double nothing;
 
-/* The next state's speeds take what the last state's accelerations are worth, nothing, but have to wait for
- * them, as an integrator would. What is not finite is not passed on. */
+/* The speeds of the next state depend on the accelerations of the last one, as in an integrator, so that calls
+ * cannot overlap. The accelerations enter times zero; one that is not finite is left out. */
 static void latency(size_t state)
 {
     const size_t row = state * n;
@@ -90,7 +89,7 @@ static void *found(void *library, const char *name, const char *ending)
     return function;
 }
 
-void contest_setup(const States *states, int argc, char **argv)
+void driver_setup(const States *states, int argc, char **argv)
 {
     if (argc < 2) fail("the library and the function are missing");
     void *library = dlopen(argv[0], RTLD_NOW);
@@ -108,7 +107,7 @@ void contest_setup(const States *states, int argc, char **argv)
     ydot = reals(NULL, BLOCK * n);
 }
 
-size_t contest_tasks(const Task **tasks)
+size_t driver_tasks(const Task **tasks)
 {
     static Task every[] = {
         {"latency", latency, give_latency, 0, 1},

@@ -1,30 +1,43 @@
-"""CasADi's C for a system; needs CasADi to be imported at all."""
+"""CasADi's C for a system: [A] and {f} as CasADi expressions, and the functions made of them.
+
+[A] comes from composite bodies, {f} from inverse dynamics without acceleration, as in R. Featherstone, Rigid
+Body Dynamics Algorithms (2008), chapters 5 and 6. Importing this module needs CasADi.
+"""
 
 from __future__ import annotations
 
 import casadi
+from casadi import SX
 
+from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.studies.bench.peers.casadi_dynamics import articulated, factorised
-from kanegen.studies.bench.peers.casadi_equations import forcing, mass_matrix
-from kanegen.studies.bench.peers.casadi_joints import moved
+from kanegen.studies.bench.peers.casadi_joints import Motion, Moved, Tree, moved
 from kanegen.studies.bench.peers.joints import single_joints
 
 
 def code(system: System, derives: bool = False) -> dict[str, str]:
-    """C of [A] and {f}, of forward dynamics in the cheaper of two ways, and of its Jacobian likewise."""
+    """Generate the C of [A] and {f} and of forward dynamics, by the method with fewer instructions.
+
+    Args:
+        system: The model.
+        derives: Whether to generate the C of the derivatives of {ydot}, too.
+
+    Returns:
+        Texts by name of the file.
+    """
     gravity, n = system.values().gravity, len(system.freedoms)
     x, y, tau = (casadi.SX.sym(name, n) for name in ("x", "y", "tau"))
     tree = moved(single_joints(system), x)
     matrix, vector = mass_matrix(tree), forcing(tree, gravity, y)
     equations = casadi.Function("equations", [x, y], [casadi.densify(matrix), casadi.densify(vector)])
-    ways = [articulated(tree, gravity, y, tau), factorised(tree, matrix, vector + tau)]
-    dynamics = [casadi.Function("dynamics", [x, y, tau], [casadi.densify(way)]) for way in ways]
+    methods = [articulated(tree, gravity, y, tau), factorised(tree, matrix, vector + tau)]
+    dynamics = [casadi.Function("dynamics", [x, y, tau], [casadi.densify(method)]) for method in methods]
     functions = [equations, _cheapest(dynamics)]
     if derives:
         inputs = casadi.vertcat(x, y, tau)
-        # Row-major as everybody's, where CasADi stores columns.
-        jacobians = [casadi.densify(casadi.jacobian(way, inputs)).T for way in ways]
+        # CasADi stores columns; results are row-major.
+        jacobians = [casadi.densify(casadi.jacobian(method, inputs)).T for method in methods]
         functions.append(
             _cheapest([casadi.Function("derivatives", [x, y, tau], [jacobian]) for jacobian in jacobians])
         )
@@ -40,3 +53,63 @@ def _text(function: casadi.Function) -> str:
     generator.add(function)
     text: str = generator.dump()
     return text
+
+
+Composite = tuple[SX, SX, SX]
+"""The mass (kg), first moment (kg m) and inertia about the origin (kg m^2) of a composite body."""
+
+
+def forcing(tree: Tree, gravity: Floats, y: SX) -> SX:
+    """Return {f}, minus the generalized forces of inverse dynamics without acceleration."""
+    ground = Motion(SX(3, 1), SX(3, 1), SX(-gravity))
+    motions: list[Motion] = []
+    for at in tree:
+        motions.append(at.outward(motions[at.parent - 1] if at.parent else ground, y[at.column]))
+    loads = [_load(at, motion) for at, motion in zip(tree, motions, strict=True)]
+    result = SX(len(tree), 1)
+    for i in reversed(range(len(tree))):
+        at, (moment, force) = tree[i], loads[i]
+        result[at.column] = -at.own(moment, force)
+        if at.parent:
+            lower, carried = loads[at.parent - 1], at.inward(moment, force)
+            loads[at.parent - 1] = (lower[0] + carried[0], lower[1] + carried[1])
+    return result
+
+
+def mass_matrix(tree: Tree) -> SX:
+    """Return [A] by the algorithm of composite bodies."""
+    bodies: list[Composite] = [(at.mass, at.moment, at.inertia) for at in tree]
+    result = SX(len(tree), len(tree))
+    for i in reversed(range(len(tree))):
+        at, (mass, first, inertia) = tree[i], bodies[i]
+        if at.angle:
+            moment, force = inertia @ at.axis, casadi.cross(at.axis, first)
+        else:
+            moment, force = casadi.cross(first, at.axis), mass * at.axis
+        result[at.column, at.column] = at.own(moment, force)
+        step = at
+        while step.parent:
+            moment, force = step.inward(moment, force)
+            step = tree[step.parent - 1]
+            result[step.column, at.column] = result[at.column, step.column] = step.own(moment, force)
+        if at.parent:
+            lower, carried = bodies[at.parent - 1], _carried(at, mass, first, inertia)
+            bodies[at.parent - 1] = (lower[0] + carried[0], lower[1] + carried[1], lower[2] + carried[2])
+    return result
+
+
+def _load(at: Moved, motion: Motion) -> tuple[SX, SX]:
+    """Return the moment about the origin and the force that a motion of the body beyond a joint requires."""
+    velocity, first = motion.velocity, at.moment
+    force = at.mass * motion.acceleration + casadi.cross(motion.rate, first)
+    force += casadi.cross(velocity, casadi.cross(velocity, first))
+    moment = at.inertia @ motion.rate + casadi.cross(velocity, at.inertia @ velocity)
+    return moment + casadi.cross(first, motion.acceleration), force
+
+
+def _carried(at: Moved, mass: SX, first: SX, inertia: SX) -> Composite:
+    """Return a composite body in the frame before its joint."""
+    arm, first = casadi.skew(at.position), at.rotation @ first
+    cross = arm @ casadi.skew(first)
+    inertia = at.rotation @ inertia @ at.rotation.T - cross - cross.T - mass * arm @ arm
+    return mass, first + mass * at.position, inertia

@@ -1,4 +1,4 @@
-"""{ydot} as a CasADi expression, in two ways: articulated bodies, and a factorisation without fill.
+"""{ydot} as a CasADi expression by two methods: articulated bodies, and a factorisation without fill-in.
 
 As in R. Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 7 and 8.
 """
@@ -16,7 +16,15 @@ from kanegen.studies.bench.peers.casadi_joints import Motion, Moved, Tree, below
 
 @dataclass
 class Articulated:
-    """An articulated body: moment = J w + H v + its moment, force = H^T w + M v + its force."""
+    """An articulated body: moment = J w + H v + m, force = H^T w + M v + p, for accelerations w and v.
+
+    Attributes:
+        rotational: (3, 3) J.
+        mixed: (3, 3) H.
+        linear: (3, 3) M.
+        moment: (3, 1) m.
+        force: (3, 1) p.
+    """
 
     rotational: SX
     mixed: SX
@@ -36,7 +44,14 @@ class Articulated:
 
 @dataclass(frozen=True)
 class Pivot:
-    """What a freedom does to its articulated body: moment and force of a unit rate, and its equation."""
+    """The equation of motion of one freedom of an articulated body.
+
+    Attributes:
+        moment: (3, 1) moment of a unit acceleration of the freedom.
+        force: (3, 1) force of a unit acceleration of the freedom.
+        size: Inertia of the freedom.
+        rest: Generalized force that is left for the acceleration of the freedom.
+    """
 
     moment: SX
     force: SX
@@ -45,9 +60,9 @@ class Pivot:
 
 
 def articulated(tree: Tree, gravity: Floats, y: SX, tau: SX) -> SX:
-    """{ydot} by articulated bodies."""
+    """Return {ydot} by the algorithm of articulated bodies."""
     zero = SX(3, 1)
-    motions: list[Motion] = []  # that of each body if the one below were not accelerated
+    motions: list[Motion] = []  # of each body, if its lower body were not accelerated
     for at in tree:
         velocity = motions[at.parent - 1].velocity if at.parent else zero
         motions.append(at.outward(Motion(velocity, zero, zero), y[at.column]))
@@ -73,7 +88,7 @@ def articulated(tree: Tree, gravity: Floats, y: SX, tau: SX) -> SX:
 
 
 def factorised(tree: Tree, matrix: SX, right: SX) -> SX:
-    """{ydot} of [A]{ydot} = {right} by L^T D L from the leaves inward, which leaves zeros zero."""
+    """Solve [A]{ydot} = {right} by L^T D L, eliminating from the leaves inward, which keeps zeros of [A]."""
     a, b = SX(matrix), SX(right)
     for at in reversed(tree):
         k, lower = at.column, [other.column for other in below(tree, at)]
@@ -91,7 +106,7 @@ def factorised(tree: Tree, matrix: SX, right: SX) -> SX:
 
 
 def _alone(at: Moved, velocity: SX) -> Articulated:
-    """The body beyond a joint, with what its velocity asks for."""
+    """Return the body beyond a joint as an articulated body with the loads of its angular velocity."""
     moment = casadi.cross(velocity, at.inertia @ velocity)
     force = casadi.cross(velocity, casadi.cross(velocity, at.moment))
     return Articulated(at.inertia, casadi.skew(at.moment), at.mass * SX.eye(3), moment, force)
@@ -106,7 +121,7 @@ def _pivot(at: Moved, body: Articulated, tau: SX) -> Pivot:
 
 
 def _passed(at: Moved, body: Articulated, pivot: Pivot, motion: Motion) -> Articulated:
-    """What the body below a joint feels of the articulated body beyond it."""
+    """Return the articulated body that the lower body feels through a joint."""
     moment, force = pivot.moment / pivot.size, pivot.force / pivot.size
     rotational = body.rotational - moment @ pivot.moment.T
     mixed = body.mixed - moment @ pivot.force.T

@@ -1,6 +1,6 @@
-"""Joints as CasADi expressions, and what every recursion does at a joint.
+"""Joints as CasADi expressions, and the transformations of every recursion at a joint.
 
-Vectors of three, in the frame of each body. CasADi itself removes what is multiplied by zero.
+Vectors have three components in the frame of their body. CasADi itself removes products with zero.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from kanegen.studies.bench.peers.joints import KINDS, Joint
 
 @dataclass(frozen=True)
 class Moved:
-    """A joint with one freedom at its coordinate, and the body beyond it.
+    """A joint with one freedom at the value of its coordinate, and the body beyond it.
 
     Attributes:
-        parent: Number of the joint before, from 1; 0 is the ground.
-        column: Place in {x}.
-        angle: Whether it turns rather than slides.
-        axis: (3, 1), the same on both sides.
-        rotation: R, components of its frame into those of the frame before.
-        position: Its origin in the frame before (m).
-        mass: kg.
-        moment: kg m, in its frame.
-        inertia: kg m^2, about its origin.
+        parent: Number of the joint before this one, from 1; 0 is the ground.
+        column: Index of the coordinate in {x}.
+        angle: Whether the joint turns rather than slides.
+        axis: (3, 1) axis, with the same components in both frames.
+        rotation: (3, 3) matrix from components in the frame of the joint to those in the frame before it.
+        position: (3, 1) origin of the joint in the frame before it (m).
+        mass: Mass of the body (kg).
+        moment: (3, 1) first moment of the body in the frame of the joint (kg m).
+        inertia: (3, 3) inertia of the body about the origin of the joint (kg m^2).
     """
 
     parent: int
@@ -43,16 +43,16 @@ class Moved:
     inertia: SX
 
     def own(self, moment: SX, force: SX) -> SX:
-        """What a moment and a force do along the freedom."""
+        """Return the generalized force of a moment and a force in the direction of the freedom."""
         return casadi.dot(self.axis, moment if self.angle else force)
 
     def inward(self, moment: SX, force: SX) -> tuple[SX, SX]:
-        """A moment and a force in the frame before."""
+        """Transform a moment and a force to the frame before the joint."""
         force = self.rotation @ force
         return self.rotation @ moment + casadi.cross(self.position, force), force
 
     def outward(self, lower: Motion, speed: SX) -> Motion:
-        """The motion beyond the joint, whose speed is constant."""
+        """Return the motion beyond the joint at a constant speed of its freedom."""
         arm, velocity, rate = self.position, lower.velocity, lower.rate
         acceleration = lower.acceleration + casadi.cross(rate, arm)
         acceleration += casadi.cross(velocity, casadi.cross(velocity, arm))
@@ -65,7 +65,7 @@ class Moved:
 
 @dataclass(frozen=True)
 class Motion:
-    """Angular velocity, its rate, and the acceleration of the origin, in the body's frame."""
+    """The motion of a frame: angular velocity, its rate, and the acceleration of the origin, (3, 1) each."""
 
     velocity: SX
     rate: SX
@@ -76,12 +76,12 @@ Tree = Sequence[Moved]
 
 
 def moved(joints: Sequence[Joint], x: SX) -> Tree:
-    """Every joint of `joints` (single freedoms) at {x}."""
+    """Return all joints, with one freedom each, at the coordinates {x}."""
     return [_moved(joint, x[joint.columns[0]]) for joint in joints]
 
 
 def below(tree: Tree, at: Moved) -> Iterator[Moved]:
-    """The joints between `at` and the ground."""
+    """Yield the joints between `at` and the ground."""
     while at.parent:
         at = tree[at.parent - 1]
         yield at

@@ -1,4 +1,4 @@
-"""C that CasADi generates for the same quantities of the same joints."""
+"""The peer CasADi: C that it generates for the same quantities of the same joints."""
 
 from __future__ import annotations
 
@@ -6,26 +6,26 @@ import functools
 
 from kanegen.extras import module
 from kanegen.studies.bench.building import compiled, driver
-from kanegen.studies.bench.contestant import Contestant
-from kanegen.studies.bench.peers.arena import Arena, Makers
-from kanegen.studies.bench.settings import EXACT, NATIVE, Setting
+from kanegen.studies.bench.participant import EXACT, NATIVE, Participant, Setting
+from kanegen.studies.bench.peers.problem import Builders, Problem
 
 CASADI = "CasADi"
+"""Name of the participant."""
 
 
-def makers(arena: Arena) -> Makers:
-    """One contestant a setting of the compiler."""
-    yield CASADI, functools.partial(_contestants, arena)
+def builders(problem: Problem) -> Builders:
+    """Yield the builder of one participant for each compiler setting."""
+    yield CASADI, functools.partial(_build, problem)
 
 
-def _contestants(arena: Arena) -> list[Contestant]:
+def _build(problem: Problem) -> list[Participant]:
     module("casadi")
-    files = module("kanegen.studies.bench.peers.casadi_code").code(arena.system, arena.derives)
+    files = module("kanegen.studies.bench.peers.casadi_code").code(problem.system, problem.has_derivatives)
     texts = {"casadi.c": driver("casadi.c"), **files}
-    return [_contestant(arena, texts, setting) for setting in (EXACT, NATIVE)]
+    return [_participant(problem, texts, setting) for setting in (EXACT, NATIVE)]
 
 
-def _contestant(arena: Arena, texts: dict[str, str], setting: Setting) -> Contestant:
-    wanted = ("-DDERIVATIVES",) if arena.derives else ()
+def _participant(problem: Problem, texts: dict[str, str], setting: Setting) -> Participant:
+    wanted = ("-DDERIVATIVES",) if problem.has_derivatives else ()
     program = compiled("casadi", texts, (*setting.flags, *wanted))
-    return Contestant(CASADI, setting, (str(program),), arena.file, arena.one)
+    return Participant(CASADI, setting, (str(program),), problem.states_file, problem.single_state_tasks)

@@ -1,7 +1,7 @@
 """A system as a list of joints, each with one body beyond it: the form in which the peers take a tree.
 
-A free freedom becomes a joint, translations before angles; the body stands beyond the last of them. Locked
-freedoms, and joints without any freedom, become part of the next placement.
+Every free freedom becomes a joint, translations before angles, and the body is attached to the last of them.
+Locked freedoms, and joints without freedoms, become part of the placement of the next joint.
 """
 
 from __future__ import annotations
@@ -16,53 +16,72 @@ from kanegen.model.sequences import NOTES, SEQUENCES
 from kanegen.model.system import System
 
 KINDS = ("RX", "RY", "RZ", "PX", "PY", "PZ")
-"""Joints with one freedom: turns and slides about and along the three basis vectors."""
+"""Kinds of joints with one freedom: turns about the three basis vectors, then slides along them."""
 
 ORDER = (3, 4, 5, 0, 1, 2)
-"""In which a body's freedoms follow one another from the ground outwards."""
+"""The order of the freedoms of a body from the ground outwards."""
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a frame stands in another: R turns its components into those of the other (m)."""
+    """The placement of a frame in another frame.
 
-    rotation: Floats  # (3, 3)
-    position: Floats  # (3,)
+    Attributes:
+        rotation: (3, 3) matrix from components in the frame to components in the other frame.
+        position: (3,) origin of the frame in the other frame (m).
+    """
+
+    rotation: Floats
+    position: Floats
 
     def __mul__(self, inner: Placement) -> Placement:
         return Placement(self.rotation @ inner.rotation, self.position + self.rotation @ inner.position)
 
     @property
     def inverse(self) -> Placement:
-        """Where the other frame stands in this one."""
+        """The placement of the other frame in this one."""
         return Placement(self.rotation.T, -self.rotation.T @ self.position)
 
 
 @dataclass(frozen=True)
 class Mass:
-    """A rigid body in a frame: kg, kg m, and kg m^2 about the frame's origin."""
+    """A rigid body in a frame.
+
+    Attributes:
+        mass: Mass (kg).
+        moment: (3,) first moment of mass (kg m).
+        inertia: (3, 3) inertia about the origin of the frame (kg m^2).
+    """
 
     mass: float
-    moment: Floats  # (3,)
-    inertia: Floats  # (3, 3)
+    moment: Floats
+    inertia: Floats
 
     def __add__(self, other: Mass) -> Mass:
         return Mass(self.mass + other.mass, self.moment + other.moment, self.inertia + other.inertia)
 
     @property
     def centre(self) -> Floats:
-        """(3,) the mass centre, m; the origin where there is no mass."""
+        """The (3,) mass centre (m); the origin if there is no mass."""
         return self.moment / self.mass if self.mass else np.zeros(3)
 
     @property
     def central_inertia(self) -> Floats:
-        """(3, 3) about the mass centre."""
+        """The (3, 3) inertia about the mass centre (kg m^2)."""
         return self.inertia - _shift(self.mass, self.centre)
 
 
 @dataclass
 class Joint:
-    """`parent` counts joints from 1, 0 is the ground; `columns` are the places of its freedoms in {x}."""
+    """A joint and the body beyond it.
+
+    Attributes:
+        parent: Number of the joint that carries it, from 1; 0 is the ground.
+        kind: One of `KINDS`, "translation" or "free-flyer".
+        columns: Indices of its coordinates in {x}.
+        placement: Placement of its frame, at zero coordinates, in the frame beyond `parent`.
+        body: The rigid body beyond it.
+    """
 
     parent: int
     kind: str
@@ -72,25 +91,27 @@ class Joint:
 
 
 HERE = Placement(np.eye(3), np.zeros(3))
-NOTHING = Mass(0.0, np.zeros(3), np.zeros((3, 3)))
+"""The placement of a frame in itself."""
 
+NOTHING = Mass(0.0, np.zeros(3), np.zeros((3, 3)))
+"""The body without mass."""
 
 Groups = Callable[[Sequence[bool]], list[tuple[int, ...]]]
-"""From the free ones among a body's six freedoms to those that make up a joint together."""
+"""Function from the flags of the free freedoms of a body to groups of freedoms, one group for each joint."""
 
 
 def single_joints(system: System) -> list[Joint]:
-    """One joint for every freedom."""
+    """Return the joints of a system, one for every freedom."""
     return _joints(system, _single)
 
 
 def joints(system: System) -> list[Joint]:
-    """The same coordinates, three translations together being one joint."""
+    """Return the joints of a system, where three translations together are one joint."""
     return _joints(system, lambda free: _together((3, 4, 5), free))
 
 
 def floating_joints(system: System) -> list[Joint]:
-    """Other coordinates: six freedoms, angles 1-2-3, are a free-flyer, the rest as in `single_joints`."""
+    """Return the joints of a system, where six freedoms with angles 1-2-3 are one free-flyer."""
     return _joints(system, lambda free: _together(ORDER, free))
 
 
@@ -131,7 +152,7 @@ def _joints(system: System, groups: Groups) -> list[Joint]:
 
 
 def _depth_first(connection: list[int]) -> list[int]:
-    """Bodies counted from 0, every subtree contiguous."""
+    """Return the bodies, numbered from 0, in an order in which every subtree is contiguous."""
     order: list[int] = []
     waiting = [k for k, lower in enumerate(connection) if lower == 0]
     while waiting:
@@ -147,7 +168,7 @@ def _kind(group: Sequence[int]) -> str:
 
 
 def _locked(index: int, value: float) -> Placement:
-    """Placement of a joint of one of `KINDS` locked at `value`."""
+    """Return the placement of a joint of the kind `KINDS[index]` that is locked at `value`."""
     axis = np.eye(3)[index % 3]
     if index >= 3:
         return Placement(np.eye(3), value * axis)
@@ -163,5 +184,5 @@ def _mass(arrays: SystemArrays, k: int, placement: Placement) -> Mass:
 
 
 def _shift(mass: float, centre: Floats) -> Floats:
-    """(3, 3) what a point mass at `centre` adds to an inertia."""
+    """Return the (3, 3) inertia of a point mass at `centre` about the origin (kg m^2)."""
     return mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))

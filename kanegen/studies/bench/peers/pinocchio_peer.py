@@ -1,4 +1,4 @@
-"""Pinocchio in C++: headers of the Python packages `pin` and `cmeel-eigen`, one program for every model."""
+"""The peer Pinocchio: one C++ program for all models, with headers from `pin` and `cmeel-eigen`."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ from kanegen.extras import headers
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.studies.bench.building import compiled, driver
-from kanegen.studies.bench.contestant import Contestant
-from kanegen.studies.bench.peers.arena import DERIVED, Arena, Makers
-from kanegen.studies.bench.peers.floating import FreeFlyer
+from kanegen.studies.bench.participant import NATIVE, Participant
+from kanegen.studies.bench.peers.free_flyer import FreeFlyer
 from kanegen.studies.bench.peers.joints import Joint, floating_joints, joints
+from kanegen.studies.bench.peers.problem import DERIVATIVES_TASK, Builders, Problem
 from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, Task
-from kanegen.studies.bench.settings import NATIVE
 
 PINOCCHIO = "Pinocchio"
-FREE_FLYER = "Pinocchio, free-flyer"
+"""Name of the participant in the coordinates of kanegen."""
 
-TWO_WAYS = (Task("equations", EQUATIONS), Task("aba", DYNAMICS), Task("cholesky", DYNAMICS))
+FREE_FLYER = "Pinocchio, free-flyer"
+"""Name of the participant in which floating bodies are free-flyers."""
+
+TASKS = (Task("equations", EQUATIONS), Task("aba", DYNAMICS), Task("cholesky", DYNAMICS))
 
 _BOOST = (  # Pinocchio's list of joints is longer than Boost's lists are by default
     "-std=c++17",
@@ -34,32 +36,32 @@ _BOOST = (  # Pinocchio's list of joints is longer than Boost's lists are by def
 )
 
 
-def makers(arena: Arena) -> Makers:
-    """In kanegen's coordinates and, where a body has six freedoms, with free-flyers."""
-    yield PINOCCHIO, functools.partial(_same, arena)
-    if any(all(body.joint.free) for body in arena.system.bodies):
-        yield FREE_FLYER, functools.partial(_floating, arena)
+def builders(problem: Problem) -> Builders:
+    """Yield the builder in kanegen's coordinates and, if a body has six freedoms, that with free-flyers."""
+    yield PINOCCHIO, functools.partial(_with_same_coordinates, problem)
+    if any(all(body.joint.free) for body in problem.system.bodies):
+        yield FREE_FLYER, functools.partial(_with_free_flyers, problem)
 
 
-def _same(arena: Arena) -> list[Contestant]:
-    arguments = [arena.written("joints", _table(arena.system, joints(arena.system)))]
-    tasks: tuple[Task, ...] = TWO_WAYS
-    if arena.derives:
-        arguments, tasks = [*arguments, "derivatives"], (*tasks, DERIVED)
-    return [Contestant(PINOCCHIO, NATIVE, (str(_program()),), arena.file, tasks, tuple(arguments))]
+def _with_same_coordinates(problem: Problem) -> list[Participant]:
+    arguments = [problem.write("joints", _table(problem.system, joints(problem.system)))]
+    tasks: tuple[Task, ...] = TASKS
+    if problem.has_derivatives:
+        arguments, tasks = [*arguments, "derivatives"], (*tasks, DERIVATIVES_TASK)
+    return [Participant(PINOCCHIO, NATIVE, (str(_program()),), problem.states_file, tasks, tuple(arguments))]
 
 
-def _floating(arena: Arena) -> list[Contestant]:
-    tree = floating_joints(arena.system)
+def _with_free_flyers(problem: Problem) -> list[Participant]:
+    tree = floating_joints(problem.system)
     way = FreeFlyer(tree)
-    table = arena.written("free-flyer-joints", _table(arena.system, tree))
-    states = way.states(arena.states).write(arena.folder / "free-flyer-states")
-    convert = functools.partial(way.results, states=arena.states)
-    return [Contestant(FREE_FLYER, NATIVE, (str(_program()),), states, TWO_WAYS, (table,), convert)]
+    table = problem.write("free-flyer-joints", _table(problem.system, tree))
+    states = way.states(problem.states).write(problem.folder / "free-flyer-states")
+    convert = functools.partial(way.results, states=problem.states)
+    return [Participant(FREE_FLYER, NATIVE, (str(_program()),), states, TASKS, (table,), convert)]
 
 
 def _program() -> Path:
-    """The driver, which takes minutes to compile once."""
+    """Compile the driver, which takes minutes the first time, and return its path."""
     include = headers("libpinocchio", "pinocchio/algorithm/aba.hpp")
     eigen = headers("cmeel-eigen", "eigen3/Eigen/Core") / "eigen3"
     flags = (*_BOOST, *NATIVE.flags, f"-I{include}", f"-I{eigen}")
@@ -67,7 +69,7 @@ def _program() -> Path:
 
 
 def _table(system: System, tree: Sequence[Joint]) -> str:
-    """The model as drivers/pinocchio.cpp reads it."""
+    """Return the model in the format that drivers/pinocchio.cpp reads."""
     return "\n".join([_words(system.values().gravity), *(_line(joint) for joint in tree), ""])
 
 

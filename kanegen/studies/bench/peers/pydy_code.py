@@ -1,4 +1,4 @@
-"""Prints C for a model's [A] and {f}, as a user of SymPy and PyDy gets it.
+"""The C of [A] and {f} of a model, derived as a user of SymPy and PyDy derives it, and printed.
 
 python -m kanegen.studies.bench.peers.pydy_code MODEL.toml
 """
@@ -18,13 +18,13 @@ from kanegen.studies.bench.peers.joints import KINDS, Joint, Mass, single_joints
 
 
 def main() -> None:
-    """Read the model, print the C."""
+    """Read a model file and print the C."""
     system = load(sys.argv[1])
     print(code(single_joints(system), system.values().gravity))
 
 
 def code(joints: Sequence[Joint], gravity: Floats) -> str:
-    """`evaluate(double x[], double y[], double A[], double f[])`."""
+    """Return the C function `evaluate(double x[], double y[], double A[], double f[])`."""
     n = len(joints)
     x, y = (list(mechanics.dynamicsymbols(f"{letter}:{n}")) for letter in "xy")
     ground = mechanics.ReferenceFrame("N")
@@ -57,7 +57,7 @@ def _beyond(
     number: int,
     ground: mechanics.ReferenceFrame,
 ) -> Carrier:
-    """Frame and origin beyond a joint."""
+    """Return the frame and the origin beyond a joint."""
     lower, base = carrier
     index = KINDS.index(joint.kind)
     before = mechanics.ReferenceFrame(f"B{number}")
@@ -102,7 +102,7 @@ def _matrix(values: Floats) -> sympy.Matrix:
 
 
 def _number(value: float) -> sympy.Expr:
-    """Whole numbers exact, so that zeros and ones vanish."""
+    """Return a whole number as an Integer, so that SymPy removes zeros and ones, and any other as a Float."""
     return sympy.Integer(int(value)) if float(value).is_integer() else sympy.Float(float(value))
 
 

@@ -1,4 +1,4 @@
-"""SymPy's KanesMethod with the C that PyDy writes from it, where that ends in time."""
+"""The peer SymPy with PyDy: equations of KanesMethod, and the C that PyDy writes from them."""
 
 from __future__ import annotations
 
@@ -9,38 +9,38 @@ from kanegen.errors import MissingError
 from kanegen.extras import require
 from kanegen.library.native import commands
 from kanegen.studies.bench.building import compiled, driver
-from kanegen.studies.bench.contestant import Contestant
-from kanegen.studies.bench.peers.arena import ONE, Arena, Makers
-from kanegen.studies.bench.settings import NATIVE
+from kanegen.studies.bench.participant import NATIVE, Participant
+from kanegen.studies.bench.peers.problem import SINGLE_STATE_TASKS, Builders, Problem
 
 PYDY = "SymPy + PyDy"
+"""Name of the participant."""
 
 TIME_LIMIT = 120
 """Seconds for deriving the equations and writing the C."""
 
-MOST = 9
+MOST_FREEDOMS = 9
 """Freedoms of the largest model that is tried: every further one more than doubles the time."""
 
 
-def makers(arena: Arena) -> Makers:
-    """One contestant."""
-    yield PYDY, functools.partial(_contestants, arena)
+def builders(problem: Problem) -> Builders:
+    """Yield the builder of one participant."""
+    yield PYDY, functools.partial(_build, problem)
 
 
-def _contestants(arena: Arena) -> list[Contestant]:
-    n = len(arena.system.freedoms)
+def _build(problem: Problem) -> list[Participant]:
+    n = len(problem.system.freedoms)
     require("pydy")
-    if n > MOST:
-        raise MissingError(f"not tried with {n} freedoms, which are more than {MOST}")
-    texts = {"pydy.c": driver("pydy.c"), "evaluate.c": _code(arena)}
+    if n > MOST_FREEDOMS:
+        raise MissingError(f"not tried with {n} freedoms, which are more than {MOST_FREEDOMS}")
+    texts = {"pydy.c": driver("pydy.c"), "evaluate.c": _code(problem)}
     program = compiled("pydy", texts, NATIVE.flags)
-    return [Contestant(PYDY, NATIVE, (str(program),), arena.file, ONE[:1])]
+    return [Participant(PYDY, NATIVE, (str(program),), problem.states_file, SINGLE_STATE_TASKS[:1])]
 
 
-def _code(arena: Arena) -> str:
-    """C from another process, which is killed when its time is over."""
-    model = arena.folder / "model.toml"
-    arena.system.save(model)
+def _code(problem: Problem) -> str:
+    """Generate the C in another process, which is killed at the time limit."""
+    model = problem.folder / "model.toml"
+    problem.system.save(model)
     command = [sys.executable, "-m", "kanegen.studies.bench.peers.pydy_code", str(model)]
     try:
         done = commands.run(command, seconds=TIME_LIMIT)

@@ -1,8 +1,8 @@
-"""A driver in Python: kanegen's functions called as a user calls them, one state a call.
+"""The driver in Python, which calls kanegen's functions as a user does: one state in each call.
 
-python -m kanegen.studies.bench.calls results|times STATES OUT|SECONDS LIBRARIES
+    python -m kanegen.studies.bench.python_driver results|times STATES OUT|SECONDS LIBRARIES
 
-LIBRARIES holds the two pickled libraries of a contest; drivers/contest.h says the rest.
+LIBRARIES is a file with the two pickled libraries of a comparison; drivers/driver.h describes the rest.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Libraries = dict[str, Library]
 
 
 def main() -> None:
-    """As the command line says."""
+    """Write results or print times, as the command line asks."""
     mode, states, last, path = sys.argv[1:]
     libraries: Libraries = pickle.loads(Path(path).read_bytes())
     if mode == "results":
@@ -34,7 +34,7 @@ def main() -> None:
 
 
 def results(libraries: Libraries, states: States) -> Results:
-    """Every state by a call of its own."""
+    """Compute all states, one in each call."""
     rows = list(zip(states.x, states.y, states.tau, strict=True))
     equations = [libraries[EQUATIONS].evaluate(x, y) for x, y, _ in rows]
     dynamics = [libraries[DYNAMICS].forward_dynamics(x, y, tau) for x, y, tau in rows]
@@ -45,7 +45,7 @@ def results(libraries: Libraries, states: States) -> Results:
 
 
 def times(libraries: Libraries, states: States, seconds: float) -> dict[str, float]:
-    """Nanoseconds a call, by task."""
+    """Time both tasks; returns nanoseconds of one call by name of the task."""
     evaluate = libraries[EQUATIONS].evaluate
     forward_dynamics = libraries[DYNAMICS].forward_dynamics
     pairs = [(x, y) for x, y in zip(states.x, states.y, strict=True)]
@@ -64,7 +64,7 @@ def times(libraries: Libraries, states: States, seconds: float) -> dict[str, flo
 
 
 def _mean(run: Callable[[], None], seconds: float) -> float:
-    """Nanoseconds of a pass, over about `seconds` after one to warm up."""
+    """Return the mean nanoseconds of a pass over about `seconds`, after one pass to warm up."""
     run()
     passes, start = 0, time.perf_counter()
     while (elapsed := time.perf_counter() - start) < seconds or not passes:

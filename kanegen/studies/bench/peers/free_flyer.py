@@ -1,7 +1,8 @@
-"""Six freedoms as a free-flyer: Pinocchio's usual coordinates of a floating body, and the way there and back.
+"""Conversion between kanegen's generalized speeds and those of a free-flyer, Pinocchio's floating joint.
 
-Its velocity v is that of the body in body components, v = [J]{y}; its six numbers take the places of the
-rates of three translations and three angles. {x} stays as it is, and the driver makes the quaternion itself.
+The velocity v of a free-flyer is that of the body in body components, v = [J]{y}; its six numbers take the
+places of the rates of three translations and three angles. {x} stays as it is, and the driver computes the
+quaternion itself.
 """
 
 from __future__ import annotations
@@ -16,17 +17,17 @@ from kanegen.studies.bench.results import Results
 from kanegen.studies.bench.states import States
 
 STEP = 1e-30
-"""Of complex-step derivatives, which have no error of truncation."""
+"""Step of complex-step derivatives, which have no truncation error."""
 
 
 class FreeFlyer:
-    """Between {y} and the velocities of a model with free-flyers."""
+    """The conversion for a model with free-flyers among its joints."""
 
     def __init__(self, joints: Sequence[Joint]) -> None:
         self.blocks = [np.array(joint.columns) for joint in joints if joint.kind == "free-flyer"]
 
     def states(self, states: States) -> States:
-        """The same states in the coordinates of the model."""
+        """Convert states of kanegen to those of the model with free-flyers."""
         y, tau = np.empty_like(states.y), np.empty_like(states.tau)
         for b, x in enumerate(states.x):
             jacobian = self._jacobian(x)
@@ -35,7 +36,7 @@ class FreeFlyer:
         return States(states.x, y, tau)
 
     def results(self, theirs: Results, states: States) -> Results:
-        """[A], {f} and {ydot} of kanegen's coordinates from those of the model."""
+        """Convert [A], {f} and {ydot} of the model with free-flyers to those of kanegen."""
         converted = {task: values.copy() for task, values in theirs.items()}
         for b, (x, y) in enumerate(zip(states.x, states.y, strict=True)):
             jacobian = self._jacobian(x)
@@ -50,7 +51,7 @@ class FreeFlyer:
         return converted
 
     def _jacobian(self, x: Floats) -> Floats:
-        """(n, n)."""
+        """Return the (n, n) matrix [J]."""
         jacobian = np.eye(len(x), dtype=x.dtype)
         for block in self.blocks:
             jacobian[np.ix_(block, block)] = _body_velocity(x[block[3:]])
@@ -58,7 +59,7 @@ class FreeFlyer:
 
 
 def _body_velocity(angles: Floats) -> Floats:
-    """(6, 6): velocity in body components from the rates of translations and of angles 1-2-3."""
+    """Return the (6, 6) matrix from rates of translations and angles 1-2-3 to body components of velocity."""
     (s1, s2, s3), (c1, c2, c3) = np.sin(angles), np.cos(angles)
     one, zero = np.ones_like(s1), np.zeros_like(s1)
     turn_1 = np.array([[one, zero, zero], [zero, c1, -s1], [zero, s1, c1]])

@@ -1,6 +1,6 @@
-/* main() of every driver; contest.h says what it does. */
+/* main() of every driver; driver.h describes its command line. */
 #define _POSIX_C_SOURCE 199309L
-#include "contest.h"
+#include "driver.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,7 +71,8 @@ static void pass(const Task *task, size_t states)
     for (size_t state = 0; state < states; state += task->block) task->run(state);
 }
 
-/* Nanoseconds an evaluation, over whole passes through the states after one to warm up. */
+/* Return the mean nanoseconds of one evaluation, over whole passes through all states, after a first pass that
+ * is not timed. */
 static double nanoseconds(const Task *task, size_t states, double seconds)
 {
     pass(task, states);
@@ -90,8 +91,8 @@ int main(int argc, char **argv)
     if (argc < 4) fail("usage: driver results|times STATES OUT|SECONDS [...]");
     States states = read_states(argv[2]);
     const Task *tasks;
-    contest_setup(&states, argc - 4, argv + 4);
-    size_t number = contest_tasks(&tasks);
+    driver_setup(&states, argc - 4, argv + 4);
+    size_t number = driver_tasks(&tasks);
     if (!strcmp(argv[1], "results")) write_results(tasks, number, states.count, argv[3]);
     else
         for (size_t t = 0; t < number; t++)

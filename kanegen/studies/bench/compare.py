@@ -1,0 +1,126 @@
+"""The comparison of programs on one model: their results must agree, then they are timed in turns."""
+
+from __future__ import annotations
+
+import tempfile
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from kanegen.errors import MissingError, OptionError
+from kanegen.measure.timing import Rounds, Times
+from kanegen.model.prescribed import require_unprescribed
+from kanegen.model.system import System
+from kanegen.options import Progress, quiet
+from kanegen.studies.bench.comparison import Absence, BenchOptions, Comparison, Entry
+from kanegen.studies.bench.participant import Participant
+from kanegen.studies.bench.peers.registry import PEERS, participants
+from kanegen.studies.bench.results import Results, difference
+from kanegen.studies.bench.states import random_states, without_loads_and_parameters
+
+
+def compare(
+    system: System, options: BenchOptions, progress: Progress = quiet, peers: Iterable[str] = PEERS
+) -> Comparison:
+    """Time kanegen and its peers on `system`, in turns, after comparing their results.
+
+    Args:
+        system: The model; loads are switched off and run-time parameters become constants.
+        options: Numbers of states and rounds, and the duration of each timing.
+        progress: Function that receives the name of each stage.
+        peers: Programs to time beside kanegen, names among `PEERS`.
+
+    Raises:
+        BuildError: If there is no C compiler.
+        MissingError: If no program can compute the model.
+        OptionError: If a peer is unknown, a freedom is prescribed, or the generalized speeds are not the
+            rates of the coordinates, which are the only ones that the peers know.
+        SingularError: If [A] is singular in every state.
+    """
+    require_unprescribed(system, "bench")
+    if not system.speeds_are_rates:
+        raise OptionError(
+            f"system {system.name!r}: its generalized speeds are components of angular velocities, and the "
+            'peers know only rates of coordinates. Take system.with_speeds("angle_rates").'
+        )
+    model, notes = without_loads_and_parameters(system)
+    progress("building the programs; Pinocchio takes minutes the first time")
+    with tempfile.TemporaryDirectory() as folder:
+        states = random_states(model, options.states)
+        present, absences = participants(model, states, Path(folder), peers)
+        progress("comparing their results")
+        entries, failed = evaluate(present, len(model.freedoms), options, progress)
+    if not entries:
+        raise MissingError("; ".join(f"{absence.name}: {absence.reason}" for absence in absences + failed))
+    return Comparison(system.name, len(model.freedoms), tuple(entries), tuple(absences + failed), notes)
+
+
+def evaluate(
+    participants: Sequence[Participant], n: int, options: BenchOptions, progress: Progress
+) -> tuple[list[Entry], list[Absence]]:
+    """Compare the results of all participants and time those that agree.
+
+    The standard of a quantity is the result of the first participant that computes it. A participant none of
+    whose results agrees with the standard is not timed.
+
+    Args:
+        participants: The programs, ready to run.
+        n: Number of freedoms of the model.
+        options: Number of rounds and duration of each timing.
+        progress: Function that receives the name of each stage.
+
+    Returns:
+        One entry for each task of each participant, and the participants that failed.
+    """
+    computed, absences = _results(participants, n)
+    standard: Results = {}
+    for participant, results in computed.items():
+        for task in participant.tasks:
+            standard.setdefault(task.quantity, results[task.name])
+    entries = {
+        (participant, task.name): Entry(
+            participant.name,
+            participant.setting,
+            task,
+            error=difference(results[task.name], standard[task.quantity]),
+        )
+        for participant, results in computed.items()
+        for task in participant.tasks
+    }
+    agreeing = dict.fromkeys(participant for (participant, _), entry in entries.items() if entry.agrees)
+    times = take_turns(agreeing, Rounds(options.rounds, options.seconds), progress)
+    timed = [replace(entry, times=times[key]) if entry.agrees else entry for key, entry in entries.items()]
+    return timed, absences
+
+
+def take_turns(
+    participants: Iterable[Participant], rounds: Rounds, progress: Progress
+) -> dict[tuple[Participant, str], Times]:
+    """Time all participants in rounds, in each of which every participant has one turn.
+
+    Returns:
+        Times by participant and name of the task.
+
+    Raises:
+        MissingError: If a driver fails.
+    """
+    times: defaultdict[tuple[Participant, str], list[float]] = defaultdict(list)
+    for turn in range(rounds.number):
+        progress(f"timing, round {turn + 1} of {rounds.number}")
+        for participant in participants:
+            for name, value in participant.times(rounds.seconds).items():
+                times[participant, name].append(value)
+    return {key: Times(tuple(values)) for key, values in times.items()}
+
+
+def _results(participants: Sequence[Participant], n: int) -> tuple[dict[Participant, Results], list[Absence]]:
+    """Run every participant once and separate the failures, with their reasons, from the results."""
+    computed: dict[Participant, Results] = {}
+    absences: list[Absence] = []
+    for participant in participants:
+        try:
+            computed[participant] = participant.results(n)
+        except MissingError as error:
+            absences.append(Absence(participant.name, str(error)))
+    return computed, absences
