@@ -15,7 +15,7 @@ import numpy as np
 import kanegen as kg
 from benchmarks import receipts
 from kanegen import compiler
-from kanegen.c import render
+from kanegen.c import description, render
 from kanegen.files import write_whole
 from kanegen.library import load
 from kanegen.measure import machine
@@ -132,7 +132,7 @@ def _library(system: kg.System, outputs: tuple[str, ...]) -> kg.Library:
     """Compiled; the general program may have an [A] that is singular in every state."""
     made = compiler.compile_module(system, outputs, variant=FAST, regular=False)
     words = {"refinement": made.refinement}
-    return load(render(compiler.description(system), made.module, made.operations, FAST, words))
+    return load(render(description(system), made.module, made.operations, FAST, words))
 
 
 if __name__ == "__main__":

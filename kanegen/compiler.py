@@ -1,22 +1,24 @@
-"""The pipeline.
+"""The compiler: a tree of rigid bodies becomes C that computes its equations of motion and is checked.
 
 TOML / URDF / arrays
     |  readers      text -> System
 System
-    |  symbolic     Eqs. (2)-(45) of the notes in SymPy, literally -> Equations, to read
-    |  recursion    the same values by recursion, every intermediate named -> RecursiveForm
-    |  lowering     every definition becomes a few instructions
-Program
-    |  passes       Program -> Program, counted
-    |  split        a program for each function; the parameter-only part goes into `prepare`; long functions
-    |               are arranged by rows
-Module
-    |  c            long functions are cut; Jinja templates write header, source and what goes with them
+    |  accept       a system that is regular, outputs that it has, and a variant -> Request
+    |  condition    the ways to derive them that lose no accuracy -> Candidates
+    |  derive       Kane's equations by recursion, every intermediate named -> RecursiveForm
+    |  lower        every definition becomes a few instructions; derivatives -> Program
+    |  passes       Program -> Program, with operations counted
+    |  split        a program for each function; what depends on parameters alone goes into `prepare`
+Module              the one with the fewest operations among the candidates
+    |  c            Jinja templates print header, source and what stands beside them
 Source
     |  build        a C compiler, behind a cache
 Library             NumPy in, NumPy out
     |  check        against an independent NumPy reference
 Report
+
+Conditioning comes before derivation because iterative refinement of {ydot} is part of what is derived. Beside
+this line stands the literal derivation, Eqs. (2)-(45) of the notes in SymPy as they are written, to read.
 """
 
 from __future__ import annotations
@@ -24,51 +26,42 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from kanegen import library as libraries
-from kanegen import options as variants
-from kanegen import symbolic
+from kanegen import recursion, symbolic
 from kanegen.artifacts import with_artifacts
 from kanegen.c import Source, description, render
-from kanegen.lowering.compiling import Compiled, compile_module
-from kanegen.lowering.request import described, require_usable
+from kanegen.lowering.accept import accept, reformulated, require_regular
+from kanegen.lowering.compilation import Candidate, Compiled, Request
+from kanegen.lowering.conditioning import condition
+from kanegen.lowering.lower import lower
 from kanegen.measure.comparison import Report
 from kanegen.measure.comparison import compare as compare_with_reference
 from kanegen.model.system import System
-from kanegen.options import STRICT, Progress, Variant, quiet
-from kanegen.program import precision as precisions
-from kanegen.recursion.outputs import EQUATIONS
-
-__all__ = [
-    "Compiled",
-    "Progress",
-    "build",
-    "compare",
-    "compile_module",
-    "derive",
-    "described",
-    "description",
-    "generate",
-    "quiet",
-]
+from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
+from kanegen.program import passes
+from kanegen.program.precision import precision_named
+from kanegen.program.split import split
+from kanegen.recursion.outputs import EQUATIONS, Derivative, functions
 
 
 def derive(
     system: System, progress: Progress = quiet, speeds: str | None = None, coordinates: str | None = None
 ) -> symbolic.Equations:
-    """The equations of motion in SymPy, literally as the notes derive them.
+    """Derive the equations of motion in SymPy, literally as in the notes.
 
-    Args:
-        system: The tree.
-        progress: Told the name of each stage.
-        speeds: Generalized speeds, as in `System.with_speeds`; default those of the system.
-        coordinates: Of orientations, as in `System.with_coordinates`; default those of the system.
+    `progress` is called with the name of each stage. `speeds` and `coordinates` replace those of the system,
+    as `System.with_speeds` and `System.with_coordinates` do.
 
     Raises:
         OptionError: If there are no such speeds or coordinates.
-        SingularError: If [A] is singular in every state.
+        SingularError: If [A] is singular in every state; names the body and the freedom.
+
+    Example:
+        equations = kg.derive(kg.load("models/double_pendulum.toml"))
+        print(equations.A)
     """
-    system = described(system, speeds, coordinates)
+    system = reformulated(system, speeds, coordinates)
     progress("deriving")
-    require_usable(system)
+    require_regular(system)
     return symbolic.derive(system)
 
 
@@ -83,32 +76,29 @@ def generate(
     reanchoring: bool = False,
     coordinates: str | None = None,
 ) -> Source:
-    """C for `outputs`, specialised to `system`.
+    """Generate C for `outputs`, specialised to `system`.
 
     Args:
-        system: The tree.
-        outputs: Names among `OUTPUTS`; the code for several shares its intermediates.
-        progress: Told the name of each stage.
-        without: Passes to leave out, among "fold", "prune" and "factor": the C computes the same by more
-            operations.
-        precision: Arithmetic in C, "double", "float", "long double" or "double-double". For float, too,
-            constants are computed in double, for the last two in 96 digits; they are rounded once.
-        tier: The other choices: a name of `variant.TIERS`, or a `Variant` of one's own, where `without` and
-            `precision` stand as well.
-        speeds: Generalized speeds, as in `System.with_speeds`; default those of the system. With
-            "angular_velocity" [A] is regular everywhere; the output "coordinate_rates" then gives {xdot}.
-        reanchoring: Add the header `<model>_reanchor.h`, which does in C what `kanegen.reanchored` does, for
-            joints whose orientation is three parameters.
-        coordinates: Of orientations, as in `System.with_coordinates`; default those of the system. With
-            "quaternion" the rates of the coordinates, too, exist in every orientation.
+        system: The tree of bodies.
+        outputs: Names among `recursion.outputs.OUTPUTS`; the code for several shares its intermediates.
+        progress: Function that is called with the name of each stage.
+        without: Passes to leave out; see `options.chosen_variant`, as for `precision` and `tier`.
+        precision: Arithmetic of the C.
+        tier: Name of a tier, or a `Variant`: all other choices between speed and accuracy.
+        speeds: Generalized speeds, as for `System.with_speeds`; by default those of the system.
+        reanchoring: Whether to add `<model>_reanchor.h`, which does in C what `kanegen.reanchored` does.
+        coordinates: Coordinates of orientations, as for `System.with_coordinates`.
 
     Raises:
         OptionError: If an output, a tier or a choice is unknown, or there is nothing to re-anchor.
         ModelError: If a constant leaves the range of the precision.
         SingularError: If [A] is singular in every state; names the body and the freedom.
+
+    Example:
+        kg.generate(kg.load("models/eight_body.toml"), precision="float").write("build/")
     """
-    system = described(system, speeds, coordinates)
-    variant = variants.chosen(tier, precision=precision, without=without)
+    system = reformulated(system, speeds, coordinates)
+    variant = chosen_variant(tier, precision=precision, without=without)
     compiled = compile_module(system, outputs, progress, variant)
     progress("printing")
     decided = {"refinement": compiled.refinement}
@@ -129,24 +119,19 @@ def build(
     speeds: str | None = None,
     coordinates: str | None = None,
 ) -> libraries.Library:
-    """Generate, compile and load.
+    """Generate C as `generate` does, compile it and load it.
 
-    Args:
-        system: The tree.
-        outputs: Names among `OUTPUTS`.
-        compiler: Command of a C compiler; by default the first that is found.
-        flags: Its flags; by default optimised with IEEE semantics kept.
-        progress: Told the name of each stage.
-        threads: Let OpenMP share batches of 1024 states and more among threads; see `library.load`.
-        without: Passes to leave out, as in `generate`.
-        precision: As in `generate`.
-        tier: As in `generate`.
-        speeds: As in `generate`.
-        coordinates: As in `generate`.
+    `compiler` is the command of a C compiler, by default the first that is found; `flags` are its flags, by
+    default optimised with IEEE semantics kept. With `threads`, OpenMP shares batches of 1024 states and more
+    among threads; see `library.load`.
 
     Raises:
         OptionError, ModelError, SingularError: As `generate`.
         BuildError: If there is no compiler, or it fails.
+
+    Example:
+        library = kg.build(kg.load("models/double_pendulum.toml"))
+        A = library.mass_matrix([0.1, 0.2])
     """
     source = generate(system, outputs, progress, without, precision, tier, speeds, coordinates=coordinates)
     progress("compiling")
@@ -163,23 +148,50 @@ def compare(
     speeds: str | None = None,
     coordinates: str | None = None,
 ) -> Report:
-    """The compiled C of `system` against the NumPy reference over random states.
+    """Compare the C that `generate` makes for `system`, compiled, with the NumPy reference.
 
-    Args:
-        system: The tree.
-        states: How many.
-        seed: Of the random states.
-        progress: Told the name of each stage.
-        precision: As in `generate`; the reference computes in double.
-        tier: As in `generate`.
-        speeds: As in `generate`.
-        coordinates: As in `generate`.
+    `states` is the number of random states and `seed` their seed. The reference computes in double precision.
+
+    Example:
+        assert kg.compare(kg.load("models/eight_body.toml"), states=100).passed
     """
-    system = described(system, speeds, coordinates)
-    built = build(system, progress=progress, precision=precision, tier=tier)
+    system = reformulated(system, speeds, coordinates)
+    library = build(system, progress=progress, precision=precision, tier=tier)
     progress("comparing")
     arithmetic, storage = (
-        precisions.precision_named(built.precision),
-        precisions.precision_named(built.storage),
+        precision_named(library.precision),
+        precision_named(library.storage),
     )
-    return compare_with_reference(system, built, states, seed, arithmetic, storage)
+    return compare_with_reference(system, library, states, seed, arithmetic, storage)
+
+
+def compile_module(
+    system: System,
+    outputs: Iterable[str] = EQUATIONS,
+    progress: Progress = quiet,
+    variant: Variant = STRICT,
+    *,
+    regular: bool = True,
+) -> Compiled:
+    """Compile `outputs` to straight-line programs, by the candidate with the fewest operations.
+
+    `regular` says whether to refuse a system whose [A] is singular in every state.
+    """
+    request = accept(system, outputs, variant, regular=regular)
+    candidates = [compile_candidate(request, candidate, progress) for candidate in condition(request)]
+    return min(candidates, key=lambda compiled: compiled.cost)
+
+
+def compile_candidate(request: Request, candidate: Candidate, progress: Progress = quiet) -> Compiled:
+    """Compile the outputs of a request by one way of derivation."""
+    system, outputs, without = request.system, request.outputs, request.variant.without
+    constants = precision_named(request.variant.precision).constants
+    progress("deriving")
+    form = recursion.derive(system, candidate.methods, constants, candidate.refinement)
+    progress("lowering")
+    program = lower(form, outputs, constants)
+    progress("optimising")
+    program, shared = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
+    module, own = split(program, functions(system, outputs), passes.all_but(without, passes.ON_EACH_FUNCTION))
+    methods = {name: candidate.methods.get(name, Derivative.method) for name in outputs}
+    return Compiled(module, methods, (*shared, *own), candidate.reason)

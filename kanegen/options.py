@@ -134,7 +134,7 @@ STRICT = TIERS["strict"]
 """What is generated unless something else is asked for."""
 
 
-def chosen(
+def chosen_variant(
     tier: Variant | str = STRICT,
     *,
     precision: str | None = None,

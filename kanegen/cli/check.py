@@ -46,7 +46,7 @@ def check(
 
     system = load_system(model, floating_base, right_angles, speeds, coordinates)
     with progress() as report:
-        variant = options.chosen(tier, precision=precision, storage=storage, sincos=sincos)
+        variant = options.chosen_variant(tier, precision=precision, storage=storage, sincos=sincos)
         result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)
     typer.echo(json.dumps(result.as_dict(), indent=2) if as_json else str(result))
     if not result.passed:

@@ -106,7 +106,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
         source = _within_budget(system, context, output_dir, force)
     else:
         with progress() as report:
-            variant = options.chosen(
+            variant = options.chosen_variant(
                 tier, precision=precision, without=without, storage=storage, sincos=sincos
             )
             source = compiler.generate(system, outputs=output, progress=report, tier=variant)

@@ -25,10 +25,10 @@ def load_system(
         ModelError: If the file cannot be read or describes an impossible system.
         OptionError: If an option does not fit the system.
     """
-    from kanegen.compiler import described
+    from kanegen.lowering.accept import reformulated
     from kanegen.readers import load
 
-    return described(load(model, floating_base, right_angles), speeds, coordinates)
+    return reformulated(load(model, floating_base, right_angles), speeds, coordinates)
 
 
 def with_selection(

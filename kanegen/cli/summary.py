@@ -88,7 +88,7 @@ def summarize(
         without: Names of the optimiser passes to leave out.
         right_angles: The changes of exact right angles, to be part of the summary.
     """
-    variant = variants.chosen(without=without)
+    variant = variants.chosen_variant(without=without)
     names = [name for name in available(system) if not OUTPUTS[name].is_derivative]
     alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)

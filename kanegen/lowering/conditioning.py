@@ -1,106 +1,88 @@
-"""Whether forward dynamics needs refinement, found by trying it before any code is written.
+"""Conditioning: which ways to {ydot} lose no accuracy, and whether the solution needs iterative refinement.
 
-What the model costs in accuracy is measured where it will be lost: the solution is computed in doubles at a
-few random states, and a first correction tells its error. Ordinary trees, robots among them, lose less than
-130 roundoffs; eight links whose masses grow outward by a factor of 30 lose 10^9, and five of them 10^5. The
-limit lies at 8192, which is 1e-12 of the solution in double precision and 5e-4 in single: so far from what
-is ordinary that no machine decides otherwise by the last bits of its sines.
+The loss of accuracy is measured where it will occur, before any code is written: the solution is computed in
+doubles at a few random states, and a first correction tells its error. Ordinary trees, robots among them,
+lose less than 130 roundoffs; eight links whose masses grow outward by a factor of 30 lose 10^9, and five of
+them 10^5. The limit lies at 8192, which is 1e-12 of the solution in double precision and 5e-4 in single: so
+far from what is ordinary that no machine decides otherwise by the last bits of its sines.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 import numpy as np
 
-from kanegen.lowering.lower import lower
+from kanegen.lowering.compilation import Candidate, Request
+from kanegen.lowering.lower import lower_definitions
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
-from kanegen.options import AUTO, Variant
+from kanegen.options import AUTO
 from kanegen.program import precision as precisions
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Array, Program
 from kanegen.program.passes.prune import prune
 from kanegen.program.precision import DOUBLE, Precision
-from kanegen.recursion import Methods, measuring_form
-from kanegen.recursion.outputs import input_arrays
+from kanegen.recursion import derive_correction_size, methods
+from kanegen.recursion.outputs import input_arrays, prerequisites
 from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states, ranges
 
 STATES = 16
-"""How many are tried; half of them are nearly straight, where chains are worst."""
+"""Number of states that are tried; half of them are nearly straight, where chains are worst."""
 
 WELL_CONDITIONED = 1e4
 """Condition number of [A], scaled to a diagonal of ones, below which no solver loses too much."""
 
 PROMISED = 2.0**13
-"""Error of a result that has no status, in unit roundoffs; what may lose more in some state is refined."""
+"""Largest error, in unit roundoffs, of a result without a status; results that may lose more are refined."""
 
 CONTRACTION = 64.0
-"""A step leaves at most so many times the product of the errors before it and of the first solution, entry by
-entry. In 88 000 states of chains with growing masses, in both precisions, 20 were enough."""
+"""Largest ratio between the error after a step of refinement and the product of the errors before it and of
+the first solution, entry by entry. In 88 000 states of chains with growing masses, in both precisions, the
+largest was 20."""
 
-TINY = 1e-12
-"""Share of the Earth's gravity that counts as nothing where there is none."""
+WEIGHTLESS = 1e-12
+"""Share of the Earth's gravity that replaces it as a scale of accelerations where there is no gravity."""
 
 
-@dataclass(frozen=True)
-class Decision:
-    """A way to derive the outputs.
+def condition(request: Request) -> tuple[Candidate, ...]:
+    """Return the ways to derive the outputs that lose no accuracy.
 
-    Attributes:
-        methods: How each is derived.
-        refinement: Of forward dynamics.
-        words: The choice, and how it came about.
+    Where [A] is ill-conditioned that is only the most accurate one, refined if the measured error demands it.
     """
-
-    methods: Methods
-    refinement: Refinement
-    words: str
-
-
-def decisions(system: System, ways: Sequence[Methods], variant: Variant) -> tuple[Decision, ...]:
-    """The ways that lose no accuracy.
-
-    Where [A] is ill-conditioned that is the first alone, the most accurate one, refined if it needs that.
-
-    Args:
-        system: The tree.
-        ways: From `recursion.methods`.
-        variant: Says how to refine; "auto" where the model needs it.
-    """
+    system, variant = request.system, request.variant
+    ways = methods(system, prerequisites(request.outputs), variant.solver)
     if "forward_dynamics" not in ways[0]:
-        return tuple(Decision(way, UNREFINED, str(variant.refinement)) for way in ways)
+        return tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in ways)
     precision = precisions.precision_named(variant.precision)
     if variant.refinement != AUTO:
         refinement = refined(system, int(variant.refinement), precision)
-        return tuple(Decision(way, refinement, str(variant.refinement)) for way in ways)
+        return tuple(Candidate(way, refinement, str(variant.refinement)) for way in ways)
     states = _states(system)
-    if _condition(system, states.part(0, STATES // 2)) < WELL_CONDITIONED:
-        return tuple(Decision(way, UNREFINED, "0 (auto: [A] is well conditioned)") for way in ways)
-    lost = error(system, ways[0]["forward_dynamics"], states) / DOUBLE.roundoff
+    if _condition_number(system, states.part(0, STATES // 2)) < WELL_CONDITIONED:
+        return tuple(Candidate(way, UNREFINED, "0 (auto: [A] is well conditioned)") for way in ways)
+    lost = measured_error(system, ways[0]["forward_dynamics"], states) / DOUBLE.roundoff
     if lost <= PROMISED:
-        words = f"0 (auto: it would repair about {_power(lost)} roundoffs)"
-        return (Decision(ways[0], UNREFINED, words),)
-    words = f"1 (auto: it repairs about {_power(lost)} roundoffs)"
-    return (Decision(ways[0], refined(system, 1, precision), words),)
+        reason = f"0 (auto: it would repair about {_power_of_ten(lost)} roundoffs)"
+        return (Candidate(ways[0], UNREFINED, reason),)
+    reason = f"1 (auto: it repairs about {_power_of_ten(lost)} roundoffs)"
+    return (Candidate(ways[0], refined(system, 1, precision), reason),)
 
 
 def refined(system: System, steps: int, precision: Precision) -> Refinement:
-    """Refinement in so many steps, which calls inaccurate what may be off by `PROMISED` roundoffs."""
+    """Return a refinement of `steps` steps that reports results whose errors may exceed `PROMISED`."""
     if steps == 0:
         return UNREFINED
     remaining = PROMISED * precision.roundoff / CONTRACTION**steps
     return Refinement(steps, remaining ** (1 / (steps + 1)), _accelerations(system))
 
 
-def error(system: System, solver: str, states: States) -> float:
-    """The largest first correction of {ydot} over the solution, in doubles; infinite where there is none."""
-    form = measuring_form(system, solver)
+def measured_error(system: System, solver: str, states: States) -> float:
+    """Return the largest ratio of the first correction of {ydot} to the solution; infinity if undefined."""
+    form = derive_correction_size(system, solver)
     array = Array("sizes", (1 + len(system.freedoms),), "", "")
-    program = prune(lower(input_arrays(system), form.definitions, {array: form.outputs["sizes"]}))
+    program = lower_definitions(input_arrays(system), form.definitions, {array: form.outputs["sizes"]})
+    program = prune(program)
     with np.errstate(all="ignore"):
         size, *corrections = evaluate(program, _inputs(system, program, states), np)["sizes"]
         largest = np.max(np.broadcast_arrays(size, *corrections)[1:], axis=0)
@@ -109,13 +91,15 @@ def error(system: System, solver: str, states: States) -> float:
 
 
 def _states(system: System) -> States:
+    """Return random states, the first half of them near the straight configuration {x} = {0}."""
     states = random_states(system, STATES)
     states.x[0] /= 128
     states.x[1 : STATES // 2] /= 4
     return states
 
 
-def _condition(system: System, states: States) -> float:
+def _condition_number(system: System, states: States) -> float:
+    """Return the largest condition number of [A], scaled to a diagonal of ones, over the states."""
     matrix = reference.mass_matrix(system, states.x, states.motion)
     scale = 1 / np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
     condition: Floats = np.linalg.cond(matrix * scale[:, :, None] * scale[:, None, :])
@@ -123,7 +107,7 @@ def _condition(system: System, states: States) -> float:
 
 
 def _inputs(system: System, program: Program, states: States) -> dict[str, list[Floats]]:
-    """By array its elements, each in all states."""
+    """Return by input array of the program its elements, each of shape (B,) over the states."""
     count = len(states)
     values = {array.name: np.zeros((array.size, count)) for array in program.inputs}
     for parameter, row in zip(system.parameters, values.get("parameters", ()), strict=True):
@@ -134,14 +118,14 @@ def _inputs(system: System, program: Program, states: States) -> dict[str, list[
 
 
 def _accelerations(system: System) -> tuple[float, ...]:
-    """By freedom what gravity causes."""
+    """Return by freedom the acceleration that gravity causes (rad/s^2, m/s^2)."""
     largest = ranges(system)
     weight = system.values().gravity
-    share = 1.0 if weight.any() else TINY
+    share = 1.0 if weight.any() else WEIGHTLESS
     found = share * largest.y * largest.y / largest.size
     return tuple(found.tolist())
 
 
-def _power(found: float) -> str:
-    """The nearest power of ten."""
-    return f"1e{round(np.log10(found)):+03d}" if np.isfinite(found) else "any number of"
+def _power_of_ten(value: float) -> str:
+    """Return the power of ten nearest to `value`, in words."""
+    return f"1e{round(np.log10(value)):+03d}" if np.isfinite(value) else "any number of"

@@ -1,4 +1,4 @@
-"""From SymPy to straight-line code: every definition of the recursive form becomes a few instructions."""
+"""Lowering, from SymPy to straight-line code: every definition becomes a few instructions."""
 
 from __future__ import annotations
 
@@ -8,29 +8,47 @@ from functools import cmp_to_key, reduce
 import sympy
 from sympy import Basic, Expr, Symbol
 
+from kanegen.lowering.differentiate import differentiated
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.program.ir import Array, Op, Output, Program
+from kanegen.recursion import RecursiveForm
 from kanegen.recursion.derived import Derived
+from kanegen.recursion.outputs import input_arrays, output_array
 from kanegen.symbolic.definitions import Definition
 
 FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
+"""The instruction for each function of SymPy."""
 
 
-def lower(
+def lower(form: RecursiveForm, outputs: Sequence[str], constants: Constants = DOUBLE_CONSTANTS) -> Program:
+    """Return one program for `outputs`, derivatives among them, every intermediate shared.
+
+    Args:
+        form: The derived outputs, those that derivatives need among them.
+        outputs: Names of the wanted outputs, in order.
+        constants: Precision of the numbers.
+    """
+    arrays = {output_array(form.system, name, form.methods): found for name, found in form.outputs.items()}
+    program = lower_definitions(input_arrays(form.system), form.definitions, arrays, constants)
+    lowered = dict(zip(form.outputs, program.outputs, strict=True))
+    return differentiated(program, form.system, lowered, outputs, constants)
+
+
+def lower_definitions(
     inputs: Mapping[Array, Sequence[tuple[Symbol, str]]],
     definitions: Sequence[Definition],
     outputs: Mapping[Array, Derived],
     constants: Constants = DOUBLE_CONSTANTS,
 ) -> Program:
-    """A program that evaluates `definitions` and stores `outputs`.
+    """Return a program that evaluates `definitions` and stores `outputs`.
 
     Args:
-        inputs: For every input array the symbol that each element stands for, and its name in C.
-        definitions: In order of evaluation.
-        outputs: What fills every output array.
-        constants: How exact its numbers are.
+        inputs: For every input array the symbol and the name in C of each element.
+        definitions: Definitions in order of evaluation.
+        outputs: Derived entries by output array.
+        constants: Precision of the numbers.
     """
     builder = Builder(tuple(inputs))
     lowering = _Lowering(builder, constants)
@@ -43,9 +61,9 @@ def lower(
     filled = [
         Output(
             array,
-            lowering.all(derived.entries),
-            lowering.all(derived.positive),
-            accurate_if_positive=lowering.all(derived.margins),
+            lowering.all_values(derived.entries),
+            lowering.all_values(derived.positive),
+            accurate_if_positive=lowering.all_values(derived.margins),
         )
         for array, derived in outputs.items()
     ]
@@ -53,14 +71,14 @@ def lower(
 
 
 class _Lowering:
-    """Turns small expressions into values of a builder."""
+    """The translation of small expressions into values of a builder."""
 
     def __init__(self, builder: Builder, constants: Constants) -> None:
         self.builder = builder
         self.constants = constants
         self.values: dict[Expr, int] = {}
 
-    def all(self, expressions: Sequence[Expr]) -> tuple[int, ...]:
+    def all_values(self, expressions: Sequence[Expr]) -> tuple[int, ...]:
         return tuple(self.value(expression) for expression in expressions)
 
     def value(self, expression: Expr) -> int:
@@ -88,7 +106,7 @@ class _Lowering:
         raise TypeError(f"no instruction for {type(expression).__name__}: {expression}")
 
     def _power(self, base: int, halves: int) -> int:
-        """A power whose exponent is a number of halves, by squaring."""
+        """Return the power of a value whose exponent is `halves` / 2, by squaring."""
         if halves < 0:
             one = self.builder.constant(self.constants.quotient(1, 1))
             return self.builder.divide(one, self._power(base, -halves))
@@ -102,7 +120,7 @@ class _Lowering:
         return reduce(self.builder.multiply, factors)
 
     def _sum(self, terms: Sequence[Expr]) -> int:
-        """Left to right; a number last, where SymPy puts it first.
+        """Return the sum of terms, added from left to right; a number comes last, where SymPy puts it first.
 
         The order does not depend on numbers in front of the terms, as SymPy's does: so the same system in
         units that are smaller by powers of two has the same program, and every result the same bits.
@@ -111,7 +129,7 @@ class _Lowering:
 
 
 def _without_number(term: Expr) -> tuple[bool, object]:
-    """A place among the terms of a sum: that of its factors in SymPy's order, numbers after everything."""
+    """Return the sort key of a term of a sum: its factors in SymPy's order, numbers after everything."""
     _, factors = term.as_coeff_Mul()
     return bool(term.is_Number), _SYMPY_ORDER(factors)
 

@@ -14,6 +14,7 @@ from kanegen.program.arrange import arrange
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
 from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED, Array, Instruction, Module, Op, Output, Program
+from kanegen.program.passes import Pass, Stage, run
 from kanegen.program.passes.prune import prune
 from kanegen.program.selection import parameter_only
 
@@ -38,6 +39,27 @@ def restrict(program: Program, functions: Mapping[str, Signature]) -> dict[str, 
         functions: Signatures by name of function; run-time parameters are read by all.
     """
     return {name: _restrict_to(program, signature) for name, signature in functions.items()}
+
+
+def split(
+    program: Program, functions: Mapping[str, Signature], own: Sequence[Pass]
+) -> tuple[Module, tuple[Stage, ...]]:
+    """Split the program of all outputs into the functions of a module, each improved by passes of its own.
+
+    Args:
+        program: The program of all outputs.
+        functions: Signatures by name of function; the function of all outputs comes last.
+        own: Passes that run on every function by itself.
+
+    Returns:
+        The module, and the operation counts of the last function after each of its passes.
+    """
+    finished = {name: run(alone, own) for name, alone in restrict(program, functions).items()}
+    *_, (_, (_, *stages)) = finished.values()
+    module = hoist({name: alone for name, (alone, _) in finished.items()})
+    if module.prepare:
+        module = replace(module, prepare=run(module.prepare, own)[0])
+    return module, tuple(stages)
 
 
 def _restrict_to(program: Program, signature: Signature) -> Program:

@@ -4,6 +4,6 @@ Composite bodies give [A]; an outward recursion of motions and an inward one of 
 bodies, or a factorisation of [A], give {ydot}. Every result is named at once, so no expression ever grows.
 """
 
-from kanegen.recursion.derive import Methods, RecursiveForm, measuring_form, methods, recursive_form
+from kanegen.recursion.derivation import Methods, RecursiveForm, derive, derive_correction_size, methods
 
-__all__ = ["Methods", "RecursiveForm", "measuring_form", "methods", "recursive_form"]
+__all__ = ["Methods", "RecursiveForm", "derive", "derive_correction_size", "methods"]

@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from kanegen.compiler import compile_module
-from kanegen.lowering.lower import lower
+from kanegen.lowering.lower import lower_definitions
 from kanegen.program.arrange import arrange
 from kanegen.program.check import check
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Program
 from kanegen.program.passes import run
-from kanegen.recursion import methods, recursive_form
+from kanegen.recursion import derive, methods
 from kanegen.recursion.outputs import input_arrays, output_array
 from tests.support.systems import eight_body
 
@@ -24,9 +24,9 @@ def _program() -> Program:
     """[A] and {f} of the eight-body tree as the derivation orders them."""
     system = eight_body(loads=False)
     way = methods(system, OUTPUTS)[0]
-    form = recursive_form(system, way)
+    form = derive(system, way)
     arrays = {output_array(system, name, form.methods): form.outputs[name] for name in way}
-    program, _ = run(lower(input_arrays(system), form.definitions, arrays))
+    program, _ = run(lower_definitions(input_arrays(system), form.definitions, arrays))
     return program
 
 

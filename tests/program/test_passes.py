@@ -15,7 +15,7 @@ import sympy
 import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.errors import ModelError
-from kanegen.options import Variant, chosen
+from kanegen.options import Variant, chosen_variant
 from kanegen.program import passes
 from kanegen.program.builder import Builder
 from kanegen.program.check import check
@@ -267,7 +267,7 @@ def test_c_without_passes_computes_the_same(without: tuple[str, ...]) -> None:
 
 def test_passes_are_left_out_by_name() -> None:
     system = kg.load(MODELS / "double_pendulum.toml")
-    compiled = compile_module(system, variant=chosen(without=["factor", "factor"]))
+    compiled = compile_module(system, variant=chosen_variant(without=["factor", "factor"]))
     assert [stage.name for stage in compiled.stages] == ["lower", "fold", "prune", "fold"]
     assert kg.generate(system, without="factor").operations == compiled.operations
     assert passes.all_but(()) == passes.PASSES

@@ -10,12 +10,12 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.lowering.lower import lower
+from kanegen.lowering.lower import lower_definitions
 from kanegen.model.freedoms import FREEDOMS
 from kanegen.program import passes
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Program
-from kanegen.recursion import Methods, methods, recursive_form
+from kanegen.recursion import Methods, derive, methods
 from kanegen.recursion.factorisation import worth_trying
 from kanegen.recursion.outputs import input_arrays, output_array
 from kanegen.reference import equations as reference
@@ -25,9 +25,9 @@ Arrays = dict[str, np.ndarray]
 
 
 def program(system: kg.System, way: Methods) -> Program:
-    form = recursive_form(system, way)
+    form = derive(system, way)
     arrays = {output_array(system, name, way): form.outputs[name] for name in way}
-    return passes.run(lower(input_arrays(system), form.definitions, arrays))[0]
+    return passes.run(lower_definitions(input_arrays(system), form.definitions, arrays))[0]
 
 
 def inputs(system: kg.System, rng: np.random.Generator) -> Arrays:

@@ -1,9 +1,9 @@
 """Outputs of the generated code: one table that holds what each computes, reads and requires.
 
-`table` has one entry an output; everything else asks the table: the derivation (`recursion.derive`), the C
-functions (`selection.functions`), the methods of `library.Library` and the command line. `inputs` has the
-arrays that functions read. A new output is one entry, one function that derives it, one method of `Library`,
-and one function of `reference` to compare with.
+`table` has one entry an output, and everything else asks the table: `recursion.derivation`, the C functions
+(`selection.functions`), the methods of `library.Library`, the command line. `inputs` has the arrays that
+functions read. A new output is one entry, one function that derives it, one method of `Library`, and one
+function of `reference` to compare with.
 """
 
 from kanegen.recursion.outputs.inputs import input_arrays

@@ -12,10 +12,9 @@ from kanegen import __version__
 from kanegen.artifacts import with_artifacts
 from kanegen.artifacts.certificate import SUFFIX
 from kanegen.c import Source
-from kanegen.compiler import Progress, quiet
 from kanegen.measure.errors import QUANTILES, quantile
 from kanegen.model.system import System
-from kanegen.options import STRICT, TIERS
+from kanegen.options import STRICT, TIERS, Progress, quiet
 from kanegen.studies.budget.certificate import (
     DIGEST_STATES,
     FORMAT,

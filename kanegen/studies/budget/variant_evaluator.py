@@ -10,14 +10,13 @@ from dataclasses import replace
 import numpy as np
 
 from kanegen.c.formats import formats
-from kanegen.compiler import Progress, quiet
 from kanegen.errors import OptionError
 from kanegen.library import Library
 from kanegen.library.native import compilers
 from kanegen.measure.timing import Rounds, Times
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
-from kanegen.options import STRICT
+from kanegen.options import STRICT, Progress, quiet
 from kanegen.studies.bench.states import without_loads_and_parameters
 from kanegen.studies.budget.counterexample import search_counterexample
 from kanegen.studies.budget.evaluator import SampleSpec, SearchResult

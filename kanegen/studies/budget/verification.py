@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
-from kanegen.compiler import Progress, quiet
 from kanegen.errors import BuildError, CertificateError, KanegenError
 from kanegen.library import Library, load
 from kanegen.measure.truth.certify import WIDTH
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
+from kanegen.options import Progress, quiet
 from kanegen.readers import load as load_model
 from kanegen.studies.budget.certificate import (
     DIGEST_STATES,

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from kanegen import compiler
-from kanegen.compiler import Progress, quiet
 from kanegen.model.arrays import Floats, SystemArrays
 from kanegen.model.system import System
+from kanegen.options import Progress, quiet
 from kanegen.recursion.outputs import EQUATIONS
 from kanegen.reference import equations as reference
 from kanegen.reference.states import random_states

@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from kanegen import compiler
-from kanegen.c import Source, render
-from kanegen.compiler import Compiled, Progress, quiet
+from kanegen.c import Source, description, render
 from kanegen.library.native import compilers
+from kanegen.lowering.compilation import Compiled
 from kanegen.model.system import System
-from kanegen.options import STRICT
+from kanegen.options import STRICT, Progress, quiet
 from kanegen.program.count import count
 from kanegen.program.ir import PREPARED
 from kanegen.recursion.outputs import EQUATIONS, chosen
@@ -122,7 +122,7 @@ def receipt(
 
 def _step(without: str, system: System, compiled: Compiled, timed: bool) -> Step:
     module = compiled.module
-    source: Source = render(compiler.description(system), module, compiled.operations, STRICT, {})
+    source: Source = render(description(system), module, compiled.operations, STRICT, {})
     return Step(
         without=without,
         freedoms=len(system.freedoms),

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from kanegen import compiler
 from kanegen.errors import OptionError
+from kanegen.lowering.accept import reformulated
 from kanegen.model.system import System
 from kanegen.options import AUTO, SINCOS, STRICT, Variant
 from kanegen.program.semantics import CONTRACTED, FLUSH, RELAXED
@@ -105,7 +105,7 @@ class Candidate:
 
     def of(self, system: System) -> System:
         """The system with the speeds and coordinates of this candidate."""
-        return compiler.described(system, self.speeds, self.coordinates)
+        return reformulated(system, self.speeds, self.coordinates)
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ def _solvers(system: System, solver: str) -> tuple[str, ...]:
     return every if factorisation.worth_trying(system) else every[:1]
 
 
-def recursive_form(
+def derive(
     system: System,
     methods: Methods,
     constants: Constants = DOUBLE_CONSTANTS,
@@ -104,7 +104,7 @@ def _solved_tree(prepared: Tree, methods: Methods, refinement: Refinement) -> Tr
     return apart(prepared) if refinement.steps or "error_estimate" in methods else prepared
 
 
-def measuring_form(system: System, solver: str) -> RecursiveForm:
+def derive_correction_size(system: System, solver: str) -> RecursiveForm:
     """Derive the size of a solution and of its first correction, named "sizes"; see `Solution.sizes`."""
     prepared = tree(system)
     sizes = Solution(SOLVERS[solver](prepared)).sizes()

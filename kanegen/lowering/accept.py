@@ -1,0 +1,73 @@
+"""Acceptance: only systems whose equations can be solved, and outputs that they have, are compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from kanegen.errors import OptionError
+from kanegen.lowering.compilation import Request
+from kanegen.model.system import System
+from kanegen.options import Variant
+from kanegen.recursion.outputs import chosen, require_available
+from kanegen.reference import regularity
+
+
+def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular: bool = True) -> Request:
+    """Return the checked request for `outputs` of a system.
+
+    Args:
+        system: The tree of bodies.
+        outputs: Names among `OUTPUTS`.
+        variant: The choices between speed and accuracy.
+        regular: Whether to refuse a system whose [A] is singular in every state.
+
+    Raises:
+        OptionError: If `system` is no `System`, or an output is unknown or about parts that it does not have.
+        SingularError: If [A] is singular in every state; names the body and the freedom.
+    """
+    names = chosen(outputs)
+    require_system(system)
+    if regular:
+        require_regular(system)
+    require_available(system, names)
+    return Request(system, names, variant)
+
+
+def reformulated(system: System, speeds: str | None = None, coordinates: str | None = None) -> System:
+    """Return the same tree with other generalized speeds and coordinates, where they are not None.
+
+    Args:
+        system: The tree of bodies.
+        speeds: Name of generalized speeds, as for `System.with_speeds`.
+        coordinates: Name of coordinates of orientations, as for `System.with_coordinates`.
+
+    Raises:
+        OptionError: If there are no such speeds or coordinates, or they do not go together.
+    """
+    require_system(system)
+    if (speeds, coordinates) == ("angle_rates", "quaternion"):
+        raise OptionError(
+            'speeds "angle_rates" are for angles, and coordinates "quaternion" leave none. Leave out one.'
+        )
+    if coordinates is not None:
+        system = system.with_coordinates(coordinates)
+    return system if speeds is None else system.with_speeds(speeds)
+
+
+def require_system(system: object) -> None:
+    """Make sure that an object is a `System`.
+
+    Raises:
+        OptionError: If it is not.
+    """
+    if not isinstance(system, System):
+        raise OptionError(f"{system!r} is no System. Make one with kg.load or kg.System.from_arrays.")
+
+
+def require_regular(system: System) -> None:
+    """Make sure that [A] of a system is regular in some state.
+
+    Raises:
+        SingularError: If [A] is singular in every state; names the body and the freedom.
+    """
+    regularity.require_regular(system)
