@@ -1,4 +1,4 @@
-"""Compiled code with values of its parameters: what it is, and how it is called."""
+"""Compiled code with values of its run-time parameters: names and sizes, and how every output is called."""
 
 from __future__ import annotations
 
@@ -11,42 +11,45 @@ from numpy.typing import ArrayLike
 from kanegen.c import Source
 from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError
-from kanegen.library.evaluation import Evaluation
-from kanegen.library.native.calls import Call, Native
+from kanegen.library.native.calls import Native
+from kanegen.library.results import Evaluation
 from kanegen.model.arguments import ARGUMENTS, FURTHER, Floats, Values
-from kanegen.model.load_arguments import Given
+from kanegen.model.load_arguments import Given as NamedInputs
 from kanegen.model.numbers import finite
 from kanegen.program.ir import EVALUATE
 from kanegen.program.precision import precision_named
 
 
 class Compiled:
-    """What every kind of output needs of a library; see `Library`."""
+    """Compiled functions with values of their parameters, called by name; `Library` adds a method an output.
+
+    The table of outputs, `recursion.outputs.OUTPUTS`, says which arguments each output has and in which order
+    they are passed to `_run`.
+    """
 
     def __init__(self, native: Native, parameters: Mapping[str, float]) -> None:
+        """Combine a loaded library with values of its run-time parameters, by name."""
         self._native = native
         self._parameters = dict(parameters)
         self._constants = native.constants(self._parameters)
-        model = native.source.model
-        self._takes_loads = model.takes_loads
-        inputs = {array.name for function in native.source.functions for array in function.inputs}
-        self._further = tuple(name for name in FURTHER if name in inputs)
-        self._together = native.calls.get(EVALUATE) or native.calls[self.outputs[0]]
+        self._calls = native.calls
+        self._named_inputs = native.named_inputs
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name}: {self.n} freedoms, {', '.join(self.outputs)}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
+        """Return how `pickle` makes the library anew: it loads the same file with the same parameters."""
         return _reopen, (type(self), self.source, self._native.path, self._parameters)
 
     @property
     def source(self) -> Source:
-        """What was compiled."""
+        """The generated C that was compiled."""
         return self._native.source
 
     @property
     def path(self) -> Path:
-        """File of the shared library."""
+        """Path of the shared library."""
         return self._native.path
 
     @property
@@ -66,17 +69,17 @@ class Compiled:
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
-        """m names in the order of {x}: of the freedoms, or of the four elements of a quaternion."""
+        """m names in the order of {x}: those of the freedoms, or of the four elements of a quaternion."""
         return self.source.model.coordinate_names
 
     @property
     def speed_names(self) -> tuple[str, ...]:
-        """n names in the order of {y}: of the coordinate whose rate it is, or of the component."""
+        """n names in the order of {y}: the coordinate whose rate the speed is, or a velocity component."""
         return self.source.model.speed_names or self.freedom_names
 
     @property
     def point_names(self) -> tuple[str, ...]:
-        """Names of the points, in the order of the rows of outputs about them."""
+        """P names of the points, in the order of the rows of `point_positions` and similar outputs."""
         return tuple(name for name, _ in self.source.model.points)
 
     @property
@@ -86,52 +89,58 @@ class Compiled:
 
     @property
     def reaction_names(self) -> tuple[str, ...]:
-        """Names of the locked directions of `reaction_loads`, in its order."""
+        """R names of the locked directions of `reaction_loads`, in the order of its entries."""
         return tuple(name for name, _ in self.source.model.reactions)
 
     @property
     def prescribed_names(self) -> tuple[str, ...]:
-        """p names of the prescribed freedoms, in the order of the columns of `prescribed`."""
+        """p names of the prescribed freedoms, in the order of the columns of the input `prescribed`."""
         return self.source.model.prescribed_names
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """What it can compute."""
+        """Names of the outputs that were compiled; each is also a method."""
         return self.source.outputs
 
     @property
     def further_inputs(self) -> tuple[str, ...]:
         """Names of the inputs that are passed by name, because only some systems have them."""
-        return self._further
+        return self._named_inputs
 
     @property
     def precision(self) -> str:
-        """The arithmetic of its C: "double", "float", "long double" or "double-double"."""
+        """The arithmetic of the C code: "double", "float", "long double" or "double-double"."""
         return self.source.precision
 
     @property
     def storage(self) -> str:
-        """What its arrays hold: "double" is float64 in NumPy, "float" float32, "long double" longdouble.
+        """The numbers in its arrays: "double" is float64 in NumPy, "float" float32, "long double" longdouble.
 
-        For "double-double" they are float64 with a last axis of 2 behind the documented ones: every number is
-        the exact sum of two doubles, of which the first is that sum rounded. Arguments have that axis too.
+        Arrays in "double-double" are of float64 and have a last axis of 2 behind the documented ones: each
+        number is the exact sum of two doubles, the first of which is that sum rounded. Arguments have that
+        axis too.
         """
         return self.source.storage
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Values of the run-time parameters; a copy."""
+        """Values of the run-time parameters by name, as a copy."""
         return dict(self._parameters)
 
     def with_parameters(self, values: Mapping[str, float]) -> Self:
-        """The same library with other values of some parameters; the others stay as they are.
+        """Return the same library with other values of some run-time parameters.
+
+        Nothing is compiled anew. Only the names are checked, and that the values are finite;
+        `System.with_parameters` also checks whether they make sense in the model.
 
         Args:
-            values: By name of the parameter, in the unit of the place where it stands. Only the names and
-                that they are finite is checked; `System.with_parameters` also checks what they mean.
+            values: New values by name of the parameter, in the unit of the place where it stands.
 
         Raises:
             ModelError: If a name is unknown, or a value is not a finite number of the library's precision.
+
+        Example:
+            heavy = library.with_parameters({"m1": 3.0})
         """
         for name in values:
             if name not in self._parameters:
@@ -150,71 +159,78 @@ class Compiled:
         *,
         ydot: ArrayLike | None = None,
         tau: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Evaluation:
-        """Every output at once, which costs less than one after the other.
+        """Compute every output at once, which costs less than one after the other.
 
-        What is shared may be summed in another way than by the function of one output alone, so the two can
-        differ by rounding.
+        The shared intermediates may be summed in another order than in the function of one output, so the
+        two may differ by rounding.
 
         Args:
-            x: As in `forcing`.
-            y: As in `forcing`; needed where an output depends on it.
-            force: As in `forcing`.
-            torque: As in `forcing`.
-            ydot: As in `inverse_dynamics`; needed where that is among the outputs.
-            tau: As in `forward_dynamics`.
-            given: As in `forcing`.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s; needed if an output depends on them.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2; needed if an output depends on them.
+            tau: Generalized forces, as in `forward_dynamics`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
             The outputs in order, each also an attribute of its name.
 
         Raises:
-            ArrayError, SingularError: As the functions of the outputs.
+            ArrayError: If an argument has the wrong shape or type, or is missing.
+            SingularError: If an output does not exist in a single state; see `forward_dynamics`.
+
+        Example:
+            A, f = kg.build(system).evaluate(x, y)
         """
-        values = (x, y, ydot, tau, force, torque)
-        return Evaluation(self.outputs, self._run(self._together, values, given))
+        return Evaluation(self.outputs, self._run(EVALUATE, (x, y, ydot, tau, force, torque), inputs))
 
-    def _call(self, name: str) -> Call:
-        call = self._native.calls.get(name)
-        if call is None:
-            raise OptionError(
-                f"system {self.name!r} was built without the output {name!r}. It has "
-                f"{', '.join(self.outputs)}; ask for more with outputs=(...)."
-            )
-        return call
-
-    def _run(self, call: Call, values: Values, given: Given) -> list[Floats]:
-        """Call C.
+    def _run(self, name: str, values: Values, inputs: NamedInputs) -> list[Floats]:
+        """Call the C function of an output.
 
         Args:
-            call: The function.
-            values: The first of `ARGUMENTS`, none where there are no more.
-            given: The others, by name.
+            name: Name of the output, or `EVALUATE` for all.
+            values: Its arguments in the order of the table of outputs, None where one is left out.
+            inputs: The inputs that only some systems have, by name.
+
+        Returns:
+            An array for each output of the function.
 
         Raises:
-            ArrayError: If a value does not fit, is missing, or is for nothing in this system.
+            OptionError: If the function was not generated.
+            ArrayError: If an argument does not fit, is missing, or is not read by anything in this system.
+            SingularError: If the result of a single state does not exist.
         """
-        loads = values[4:]
-        if loads and not self._takes_loads and not (loads[0] is None and loads[1] is None):
-            name = "torque" if loads[0] is None else "force"
-            raise ArrayError(
-                f"{name}: no body of system {self.name!r} takes loads. Say which do in the model's loads."
-            )
-        if given or self._further:
-            values = self._completed(values, given)
+        call = self._calls.get(name)
+        if call is None:
+            raise self._absent(name)
+        if inputs or self._named_inputs:
+            values = (*values, *self._in_order(inputs))
         return call(self._constants, values)
 
-    def _completed(self, values: Values, given: Given) -> Values:
-        """One for each of `ARGUMENTS`."""
-        for name in given:
+    def _absent(self, name: str) -> OptionError:
+        """Return the error that says that the function of an output was not generated."""
+        return OptionError(
+            f"system {self.name!r} was built without the output {name!r}. It has "
+            f"{', '.join(self.outputs)}; ask for more with outputs=(...)."
+        )
+
+    def _in_order(self, inputs: NamedInputs) -> Values:
+        """Return the inputs that are passed by name in the order of `further_inputs`, None for an absent one.
+
+        Raises:
+            ArrayError: If there is no input of a name, or no output depends on it.
+        """
+        for name in inputs:
             if name not in FURTHER:
                 raise ArrayError(f"{name}: there is no such argument. {did_you_mean(name, ARGUMENTS)}")
-            if name not in self._further:
+            if name not in self._named_inputs:
                 raise ArrayError(f"{name}: no output of system {self.name!r} depends on it. Leave it out.")
-        absent = len(ARGUMENTS) - len(FURTHER) - len(values)
-        return (*values, *(None,) * absent, *map(given.get, FURTHER))
+        return tuple(map(inputs.get, self._named_inputs))
 
 
 def _reopen(kind: type[Compiled], source: Source, path: Path, parameters: Mapping[str, float]) -> Compiled:
+    """Return a library that another process has pickled."""
     return kind(Native(source, path), parameters)

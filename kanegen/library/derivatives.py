@@ -1,4 +1,4 @@
-"""Outputs that are derivatives of others."""
+"""Outputs that are derivatives of other outputs."""
 
 from __future__ import annotations
 
@@ -9,12 +9,16 @@ from numpy.typing import ArrayLike
 from kanegen.choices import require_one
 from kanegen.library.compiled import Compiled
 from kanegen.model.arguments import Floats
-from kanegen.model.load_arguments import Given
+from kanegen.model.load_arguments import Given as NamedInputs
 from kanegen.recursion.outputs import DERIVATIVES
 
 
 class Derivatives(Compiled):
-    """Of {f}, of generalized forces and of {ydot}."""
+    """Methods for the derivatives of {f}, of generalized forces and of {ydot}.
+
+    Their last axis has K columns, one for each number by which is differentiated; `derivative_columns` says
+    which are which.
+    """
 
     def forcing_derivatives(
         self,
@@ -22,24 +26,29 @@ class Derivatives(Compiled):
         y: ArrayLike,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """Derivatives of {f} by {x}, {y} and the run-time parameters; `derivative_columns` says where.
+        """Return the derivatives of {f} with respect to {x}, {y} and the run-time parameters.
 
         Args:
-            x: As in `forcing`, like everything else.
-            y: Generalized speeds.
-            force: Forces on the bodies.
-            torque: Torques on the bodies.
-            given: Further inputs.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (n, K) or (B, n, K): a row for each freedom, in N m and N over the units of what it is by.
+            (n, K) or (B, n, K): a row for each freedom, N m and N over the units of x, y and the parameters.
 
         Raises:
-            ArrayError, OptionError: As `forcing`.
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+
+        Example:
+            by = library.derivative_columns("forcing_derivatives")
+            stiffness = -library.forcing_derivatives(x, y)[:, by["x"]]
         """
-        return self._run(self._call("forcing_derivatives"), (x, y, None, None, force, torque), given)[0]
+        return self._run("forcing_derivatives", (x, y, force, torque), inputs)[0]
 
     def inverse_dynamics_derivatives(
         self,
@@ -48,26 +57,31 @@ class Derivatives(Compiled):
         ydot: ArrayLike,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """Derivatives of [A]{ydot} - {f} by {x}, {y} and the run-time parameters; by {ydot} it is [A].
+        """Return the derivatives of [A]{ydot} - {f} with respect to {x}, {y} and the run-time parameters.
+
+        The derivative with respect to {ydot} is [A], the output `mass_matrix`.
 
         Args:
-            x: As in `inverse_dynamics`, like everything else.
-            y: Generalized speeds.
-            ydot: Their rates.
-            force: Forces on the bodies.
-            torque: Torques on the bodies.
-            given: Further inputs.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (n, K) or (B, n, K), as `forcing_derivatives`.
+            (n, K) or (B, n, K): a row for each freedom, N m and N over the units of x, y and the parameters.
 
         Raises:
-            ArrayError, OptionError: As `inverse_dynamics`.
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+
+        Example:
+            derivatives = library.inverse_dynamics_derivatives(x, y, ydot)
         """
-        values = (x, y, ydot, None, force, torque)
-        return self._run(self._call("inverse_dynamics_derivatives"), values, given)[0]
+        return self._run("inverse_dynamics_derivatives", (x, y, ydot, force, torque), inputs)[0]
 
     def forward_dynamics_derivatives(
         self,
@@ -76,34 +90,49 @@ class Derivatives(Compiled):
         tau: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """Derivatives of {ydot} by {x}, {y}, {tau}, which are [A]^-1, and the run-time parameters.
+        """Return the derivatives of {ydot} with respect to {x}, {y}, {tau} and the run-time parameters.
+
+        The derivative with respect to {tau} is [A]^-1.
 
         Args:
-            x: As in `forward_dynamics`, like everything else.
-            y: Generalized speeds.
-            tau: Generalized forces.
-            force: Forces on the bodies.
-            torque: Torques on the bodies.
-            given: Further inputs.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            tau: Generalized forces, as in `forward_dynamics`.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (n, K) or (B, n, K), in rad/s^2 and m/s^2 over the units of what they are by; NaN where [A] is
-            singular in a state of a batch.
+            (n, K) or (B, n, K): a row for each freedom, rad/s^2 and m/s^2 over the units of x, y, tau and the
+            parameters. The rows of states of a batch in which [A] is singular are NaN.
 
         Raises:
-            ArrayError, OptionError, SingularError: As `forward_dynamics`.
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+            SingularError: If [A] is singular in a single state, or the state is not finite.
+
+        Example:
+            by = library.derivative_columns("forward_dynamics_derivatives")
+            inverse = library.forward_dynamics_derivatives(x, y)[:, by["tau"]]
         """
-        values = (x, y, None, tau, force, torque)
-        return self._run(self._call("forward_dynamics_derivatives"), values, given)[0]
+        return self._run("forward_dynamics_derivatives", (x, y, tau, force, torque), inputs)[0]
 
     def derivative_columns(self, output: str) -> dict[str, slice]:
-        """Which of the last axis of an output of derivatives is by "x", "y", "tau" and "parameters".
+        """Return the columns of an output of derivatives by what is differentiated by.
+
+        Args:
+            output: Name of the output, such as "forcing_derivatives".
+
+        Returns:
+            The slices of the last axis that belong to "x", "y", "tau" and "parameters", where there are any.
 
         Raises:
             OptionError: If there is no such output.
+
+        Example:
+            library.derivative_columns("forward_dynamics_derivatives")["tau"]
         """
         require_one("output of derivatives", output, DERIVATIVES)
-        m, n = len(self.coordinate_names), self.n
-        return DERIVATIVES[output].columns(m, n, len(self._parameters))
+        return DERIVATIVES[output].columns(len(self.coordinate_names), self.n, len(self._parameters))

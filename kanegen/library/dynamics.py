@@ -1,4 +1,4 @@
-"""The equations of motion and their solution."""
+"""Outputs that are the equations of motion, their solution, and how far the solution can be trusted."""
 
 from __future__ import annotations
 
@@ -10,29 +10,32 @@ from numpy.typing import ArrayLike
 
 from kanegen.errors import ArrayError, KanegenWarning
 from kanegen.library.compiled import Compiled
-from kanegen.library.diagnosis import Diagnosis, diagnosis
+from kanegen.library.results import Diagnosis, diagnosis
 from kanegen.model.arguments import Floats
-from kanegen.model.load_arguments import Given
+from kanegen.model.load_arguments import Given as NamedInputs
 
 
 class Dynamics(Compiled):
-    """[A], {f} and {ydot}, and how far this can be trusted."""
+    """Methods for [A], {f}, {ydot}, generalized forces and reactions."""
 
-    def mass_matrix(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """[A] of Eq. (43).
+    def mass_matrix(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the generalized mass matrix [A], Eq. (43).
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
-            given: As in `forcing`.
+            inputs: Inputs that only some systems have, by name.
 
         Returns:
-            (n, n) or (B, n, n), in kg m^2, kg m and kg.
+            (n, n) or (B, n, n) symmetric, kg m^2, kg m and kg.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type.
-            OptionError: If this output was not generated.
+            OptionError: If the library was built without this output.
+
+        Example:
+            A = library.mass_matrix(x)
         """
-        return self._run(self._call("mass_matrix"), (x,), given)[0]
+        return self._run("mass_matrix", (x,), inputs)[0]
 
     def forcing(
         self,
@@ -40,26 +43,30 @@ class Dynamics(Compiled):
         y: ArrayLike,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """{f} of Eq. (44).
+        """Return the right side {f} of [A]{ydot} = {f}, Eq. (44).
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            force: (N, 3) or (B, N, 3) force on each body at its mass centre, in body components, N; one
+            force: (N, 3) or (B, N, 3) force {F'_K} on each body at its mass centre, in body components, N;
                 (N, 3) acts in every state of a batch, None is zero.
-            torque: The same for the torque on each body, N m.
-            given: Further inputs, by name, where the system has any.
+            torque: (N, 3) or (B, N, 3) torque {M'_K} on each body, in body components, N m; likewise.
+            inputs: Inputs that only some systems have, by name: `point_force`, `point_moment`, `t` and
+                `prescribed`.
 
         Returns:
-            (n,) or (B, n), in N m and N.
+            (n,) or (B, n), N m and N.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
-            OptionError: If this output was not generated.
+            OptionError: If the library was built without this output.
+
+        Example:
+            f = library.forcing(x, y)
         """
-        return self._run(self._call("forcing"), (x, y, None, None, force, torque), given)[0]
+        return self._run("forcing", (x, y, force, torque), inputs)[0]
 
     def inverse_dynamics(
         self,
@@ -68,27 +75,29 @@ class Dynamics(Compiled):
         ydot: ArrayLike,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """[A]{ydot} - {f}: the generalized forces that produce {ydot}, beside loads and gravity.
+        """Return [A]{ydot} - {f}, the generalized forces that {ydot} needs beside loads and gravity.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            ydot: Their rates, of the shape of `y`, rad/s^2 and m/s^2.
-            force: As in `forcing`.
-            torque: As in `forcing`.
-            given: As in `forcing`.
+            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (n,) or (B, n), in N m and N.
+            (n,) or (B, n), N m and N.
 
         Raises:
-            ArrayError: As in `forcing`.
-            OptionError: If this output was not generated.
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+
+        Example:
+            tau = library.inverse_dynamics(x, y, ydot)
         """
-        values = (x, y, ydot, None, force, torque)
-        return self._run(self._call("inverse_dynamics"), values, given)[0]
+        return self._run("inverse_dynamics", (x, y, ydot, force, torque), inputs)[0]
 
     def prescribed_efforts(
         self,
@@ -97,27 +106,65 @@ class Dynamics(Compiled):
         ydot: ArrayLike,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """Generalized forces that act at the prescribed freedoms, beside loads and gravity.
+        """Return the generalized forces at the prescribed freedoms, beside loads and gravity.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            ydot: Their rates, of the shape of `y`, rad/s^2 and m/s^2.
-            force: As in `forcing`.
-            torque: As in `forcing`.
-            given: As in `forcing`; `prescribed` is among them.
+            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`; `prescribed` is one of them here.
 
         Returns:
-            (p,) or (B, p), in the order of `prescribed_names`, in N m and N.
+            (p,) or (B, p) in the order of `prescribed_names`, N m and N.
 
         Raises:
-            ArrayError: As in `forcing`.
-            OptionError: If this output was not generated.
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+
+        Example:
+            driven = kg.build(system.with_prescribed("q1"), outputs=("prescribed_efforts",))
+            efforts = driven.prescribed_efforts([0.2], [0.0], [0.5], prescribed=[[0.1], [1.0], [0.0]])
         """
-        values = (x, y, ydot, None, force, torque)
-        return self._run(self._call("prescribed_efforts"), values, given)[0]
+        return self._run("prescribed_efforts", (x, y, ydot, force, torque), inputs)[0]
+
+    def reaction_loads(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        ydot: ArrayLike,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        **inputs: Unpack[NamedInputs],
+    ) -> Floats:
+        """Return the loads that joints transmit along their locked directions, beside loads and gravity.
+
+        They act from the lower body on the body K: for an angle the moment about its origin O_K and the axis
+        of the angle, for a translation the force along its axis of the joint frame. They equal what
+        `inverse_dynamics` gives for these directions if they are free and do not move.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (R,) or (B, R) in the order of `reaction_names`, N m for angles and N for translations.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+
+        Example:
+            loads = dict(zip(library.reaction_names, library.reaction_loads(x, y, ydot)))
+        """
+        return self._run("reaction_loads", (x, y, ydot, force, torque), inputs)[0]
 
     def forward_dynamics(
         self,
@@ -126,31 +173,34 @@ class Dynamics(Compiled):
         tau: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """{ydot} of [A]{ydot} = {f} + {tau}.
+        """Return the solution {ydot} of [A]{ydot} = {f} + {tau}.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            tau: (n,) or (B, n) generalized forces beside loads and gravity, N m and N; one (n,) acts in every
+            tau: (n,) or (B, n) generalized forces beside loads and gravity, N m and N; (n,) acts in every
                 state of a batch, None is zero.
-            force: As in `forcing`.
-            torque: As in `forcing`.
-            given: As in `forcing`.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (n,) or (B, n), in rad/s^2 and m/s^2. States of a batch in which [A] is singular have NaN, and a
-            `KanegenWarning` counts them. Where the result is refined and still not accurate to 1e-12 (5e-4
-            in single precision), a `KanegenWarning` says so.
+            (n,) or (B, n), rad/s^2 and m/s^2. The rows of states of a batch in which [A] is singular are NaN,
+            and a `KanegenWarning` counts them. Another `KanegenWarning` says where a refined result is still
+            not accurate to 1e-12 (5e-4 in single precision).
 
         Raises:
-            ArrayError: As in `forcing`.
-            OptionError: If this output was not generated.
-            SingularError: If [A] is singular in the one state, or the state is not finite; names the freedom.
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+            SingularError: If [A] is singular in a single state, or the state is not finite; names the
+                freedom.
+
+        Example:
+            ydot = library.forward_dynamics(x, y, tau=[1.0, 0.0])
         """
-        values = (x, y, None, tau, force, torque)
-        return self._run(self._call("forward_dynamics"), values, given)[0]
+        return self._run("forward_dynamics", (x, y, tau, force, torque), inputs)[0]
 
     def error_estimate(
         self,
@@ -159,49 +209,57 @@ class Dynamics(Compiled):
         tau: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """How much a first step of refinement changes each entry of {ydot}: about its error without any.
+        """Return by how much a first step of refinement changes each entry of {ydot}.
 
-        It does not see what is lost where loads, gravity, speeds and {tau} cancel.
-
-        Args:
-            x: As in `forward_dynamics`, like everything else.
-            y: Generalized speeds.
-            tau: Generalized forces.
-            force: Forces on the bodies.
-            torque: Torques on the bodies.
-            given: Further inputs.
-
-        Returns:
-            (n,) or (B, n), in rad/s^2 and m/s^2, not negative.
-
-        Raises:
-            ArrayError, OptionError, SingularError: As `forward_dynamics`.
-        """
-        values = (x, y, None, tau, force, torque)
-        return self._run(self._call("error_estimate"), values, given)[0]
-
-    def regularity(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """For each freedom its pivot in the elimination over its inertia, the entry on the diagonal of [A].
-
-        That is the share that is left where the freedoms eliminated before it may move: 1 where they do not
-        matter, 0 where [A] is singular. A joint whose three angles have their rates as speeds is eliminated
-        in the body's frame; there the share of theta1 holds the square of the distance to the state where
-        the angles fail, cos^2(theta2).
+        That is about the error of {ydot} without refinement. It does not include what is lost where loads,
+        gravity, speeds and {tau} cancel.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
-            given: As in `forcing`.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            tau: Generalized forces, as in `forward_dynamics`.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (n,) or (B, n).
+            (n,) or (B, n) not negative, rad/s^2 and m/s^2.
 
         Raises:
-            ArrayError: If `x` has the wrong shape or type.
-            OptionError: If this output was not generated.
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+            SingularError: If [A] is singular in a single state, or the state is not finite.
+
+        Example:
+            estimate = library.error_estimate(x, y)
         """
-        return self._run(self._call("regularity"), (x,), given)[0]
+        return self._run("error_estimate", (x, y, tau, force, torque), inputs)[0]
+
+    def regularity(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return for each freedom its pivot in the elimination over its inertia, the diagonal entry of [A].
+
+        That is the share of its inertia that is left where the freedoms eliminated before it may move: 1 if
+        they do not matter, 0 if [A] is singular. A joint whose three angles have their rates as speeds is
+        eliminated in the frame of the body; there the share of theta1 contains cos^2(theta2), the square of
+        the distance from gimbal lock.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n,) or (B, n), 0 to 1.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            weakest = library.freedom_names[library.regularity(x).argmin()]
+        """
+        return self._run("regularity", (x,), inputs)[0]
 
     def diagnose(
         self,
@@ -210,30 +268,35 @@ class Dynamics(Compiled):
         tau: ArrayLike | None = None,
         force: ArrayLike | None = None,
         torque: ArrayLike | None = None,
-        **given: Unpack[Given],
+        **inputs: Unpack[NamedInputs],
     ) -> Diagnosis:
-        """How far `forward_dynamics` can be trusted in these states, and which freedom is the worst.
+        """Return how far `forward_dynamics` can be trusted in some states, and which freedom is the worst.
 
-        Singular states are counted, not refused.
+        Singular states are counted and raise no error.
 
         Args:
-            x: As in `forward_dynamics`, like everything else.
-            y: Generalized speeds.
-            tau: Generalized forces.
-            force: Forces on the bodies.
-            torque: Torques on the bodies.
-            given: Further inputs.
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            tau: Generalized forces, as in `forward_dynamics`.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Raises:
-            ArrayError: As `forward_dynamics`, and if there is no state.
-            OptionError: If "forward_dynamics", "error_estimate" and "regularity" were not all generated.
+            ArrayError: If an argument has the wrong shape or type, or there is no state.
+            OptionError: If the library was built without "forward_dynamics", "error_estimate" or
+                "regularity".
+
+        Example:
+            print(library.diagnose(x, y))
         """
         for name in ("forward_dynamics", "error_estimate", "regularity"):
-            self._call(name)
+            if name not in self._calls:
+                raise self._absent(name)
         x, y = np.atleast_2d(np.asarray(x)), np.atleast_2d(np.asarray(y))
         if not len(x):
             raise ArrayError("diagnose: there is no state, the batch is empty.")
         with warnings.catch_warnings(action="ignore", category=KanegenWarning):
-            acceleration = self.forward_dynamics(x, y, tau, force, torque, **given)
-            estimate = self.error_estimate(x, y, tau, force, torque, **given)
-        return diagnosis(self.source.model, x, acceleration, estimate, self.regularity(x, **given))
+            acceleration = self.forward_dynamics(x, y, tau, force, torque, **inputs)
+            estimate = self.error_estimate(x, y, tau, force, torque, **inputs)
+        return diagnosis(self.source.model, x, acceleration, estimate, self.regularity(x, **inputs))

@@ -1,4 +1,4 @@
-"""The class of compiled models, and how one comes about."""
+"""A compiled model: `load` makes a `Library` of generated C."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
 from kanegen.library.native.build import build
 from kanegen.library.native.calls import Native
-from kanegen.library.points import Points
 from kanegen.library.quantities import Quantities
-from kanegen.library.reactions import Reactions
 
 
 def load(
@@ -23,29 +21,46 @@ def load(
     """Compile `source`, or find it in the cache, and load it.
 
     Args:
-        source: From `kanegen.generate`.
+        source: Generated C, from `kanegen.generate`.
         compiler: Command of a C compiler; by default the first that is found.
-        flags: Its flags; by default optimised with IEEE semantics kept.
-        threads: Let OpenMP share batches of 1024 states and more among threads, as many as `OMP_NUM_THREADS`
-            says. No bit depends on it. A process that has used them must not fork. A compiler without OpenMP
-            brings a `KanegenWarning`, and one thread.
+        flags: Compiler flags; by default those of the variant, which optimise and keep IEEE semantics.
+        threads: Whether OpenMP shares batches of 1024 states and more among threads, as many as
+            `OMP_NUM_THREADS` says. No bit of a result depends on it. A process that has used threads must not
+            fork. With a compiler without OpenMP this gives a `KanegenWarning`, and batches use one thread.
 
     Raises:
         BuildError: If there is no compiler, it fails, or what it makes cannot be loaded.
+
+    Example:
+        source = kg.generate(system)
+        library = kanegen.library.load(source)
     """
     return Library(Native(source, build(source, compiler, flags, threads)), dict(source.model.parameters))
 
 
-class Library(Dynamics, Reactions, Quantities, Points, Derivatives):
-    """The functions of a model, with values of its parameters.
+class Library(Dynamics, Quantities, Derivatives):
+    """The functions of a compiled model, with values of its run-time parameters.
 
-    The coordinates of a state are an array of shape (m,), m being n where there are no quaternions, and its
-    speeds one of shape (n,); many at once are (B, m) and (B, n), and every result then has B rows, also where
-    B is 0. Contiguous arrays of its `storage` are passed to C as they are; lists, integers, other floats and
-    other orders of memory are converted first. So a library in single precision rounds doubles; its results
-    are arrays of float32. NaN and infinity pass through. A result does not depend on its place in a batch or
-    on what else is there, and is that of the state alone: with strict semantics it is the same bits from
-    every compiler at every level, since sine and cosine are kanegen's own unless the variant says otherwise.
-    Objects are immutable and may be shared by threads; C runs without the interpreter's lock. They can be
+    A state has coordinates of shape (m,) and generalized speeds of shape (n,), n being the number of freedoms
+    and m = n where there are no quaternions. B states at once are (B, m) and (B, n), and every result then
+    has B rows, also if B is 0.
+
+    Contiguous arrays of its `storage` are passed to C as they are; lists, integers, other floats and other
+    memory layouts are converted first. A library in single precision therefore rounds doubles, and its
+    results are arrays of float32. NaN and infinity pass through.
+
+    A result does not depend on its place in a batch or on the other states, and is that of the state alone.
+    With strict semantics it is the same to the last bit with every compiler at every level of optimisation,
+    since sine and cosine are kanegen's own unless the variant says otherwise.
+
+    Libraries are immutable and threads may share them; C runs without the interpreter's lock. They can be
     pickled: another process of the machine loads the same compiled file.
+
+    Example:
+        system = kg.load("models/double_pendulum.toml")
+        library = kg.build(system, outputs=("mass_matrix", "forward_dynamics"))
+        x, y = [0.1, 0.2], [0.0, 1.0]
+        A = library.mass_matrix(x)              # (2, 2)
+        ydot = library.forward_dynamics(x, y)   # (2,)
+        many = library.forward_dynamics(np.zeros((100, 2)), np.ones((100, 2)))   # (100, 2)
     """

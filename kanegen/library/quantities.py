@@ -1,4 +1,4 @@
-"""What else there is to know of a state."""
+"""Outputs about positions, velocities, momentum and energies in a state."""
 
 from __future__ import annotations
 
@@ -8,116 +8,218 @@ from numpy.typing import ArrayLike
 
 from kanegen.library.compiled import Compiled
 from kanegen.model.arguments import Floats
-from kanegen.model.load_arguments import Given
+from kanegen.model.load_arguments import Given as NamedInputs
 
 
 class Quantities(Compiled):
-    """Energies, momentum, mass centre, poses of the bodies, rates of the coordinates."""
+    """Methods for coordinate rates, poses of bodies, points, mass centre, momentum and energies."""
 
-    def kinetic_energy(self, x: ArrayLike, y: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """Kinetic energy of all bodies in inertial space; {y}^T [A] {y} / 2 where nothing is prescribed.
-
-        Args:
-            x: (m,) or (B, m) coordinates, rad, m or 1.
-            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            given: As in `forcing`.
-
-        Returns:
-            () or (B,), in J.
-
-        Raises:
-            ArrayError: If an argument has the wrong shape or type.
-            OptionError: If this output was not generated.
-        """
-        return self._run(self._call("kinetic_energy"), (x, y), given)[0]
-
-    def potential_energy(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """Potential energy of gravity: minus the sum of m g . p_G over the bodies.
-
-        It is zero where all mass centres are at the inertial origin, and everywhere without gravity.
-
-        Args:
-            x: (m,) or (B, m) coordinates, rad, m or 1.
-            given: As in `forcing`.
-
-        Returns:
-            () or (B,), in J.
-
-        Raises:
-            ArrayError: If `x` has the wrong shape or type.
-            OptionError: If this output was not generated.
-        """
-        return self._run(self._call("potential_energy"), (x,), given)[0]
-
-    def momentum(self, x: ArrayLike, y: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """Linear momentum of all bodies, then their angular momentum about their common mass centre.
+    def coordinate_rates(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the rates {xdot} of the coordinates: Eq. (9) for angular velocities as speeds, else {y}.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            given: As in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (6,) or (B, 6), inertial components: three in kg m/s, then three in kg m^2/s.
+            (m,) or (B, m), rad/s, m/s and 1/s. The rows of states of a batch in which three angles are in
+            gimbal lock are NaN, and a `KanegenWarning` counts them.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type.
-            OptionError: If this output was not generated.
-        """
-        return self._run(self._call("momentum"), (x, y), given)[0]
+            OptionError: If the library was built without this output.
+            SingularError: If three angles are in gimbal lock in a single state; names the middle one.
 
-    def mass_center(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """Position of the mass centre of all bodies from the inertial origin.
+        Example:
+            xdot = library.coordinate_rates(x, y)
+        """
+        return self._run("coordinate_rates", (x, y), inputs)[0]
+
+    def body_poses(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return rotation and origin of the bodies `pose_names`, Eqs. (3) and (22).
+
+        The rows 0 to 2 of `poses[..., i, :, :]` are [R_K] of the body K that is `pose_names[i]`: the basis
+        vectors of its frame in inertial components. Row 3 is the position {p_O_K} of its origin from the
+        inertial origin, in inertial components. So a point {r'} of K is at [R_K]^T {r'} + {p_O_K}.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
-            given: As in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (3,) or (B, 3), inertial components, in m; NaN where parameters make all masses 0.
+            (k, 4, 3) or (B, k, 4, 3) for k bodies, 1 and m.
 
         Raises:
-            ArrayError: If `x` has the wrong shape or type.
-            OptionError: If this output was not generated.
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            poses = library.body_poses(x)
+            rotation, origin = poses[0, :3], poses[0, 3]
         """
-        return self._run(self._call("mass_center"), (x,), given)[0]
+        return self._run("body_poses", (x,), inputs)[0]
 
-    def body_poses(self, x: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """Rotation and origin of every body, or of those that the system names: Eqs. (3) and (22).
-
-        Body K, which is `pose_names[i]`, has `poses[..., i, :, :]`. Its rows 0 to 2 are [R_K], which takes
-        inertial components to body components, so they are the basis vectors of K in inertial components; row
-        3 is the position of O_K from the inertial origin, in inertial components (m). A point {r'} of K is at
-        [R_K]^T {r'} + {p_O_K}.
+    def point_positions(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the positions {p_P} of the points from the inertial origin, Eq. (22).
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
-            given: As in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (N, 4, 3) or (B, N, 4, 3), N being the number of `pose_names`.
+            (P, 3) or (B, P, 3) in the order of `point_names`, inertial components, m.
 
         Raises:
-            ArrayError: If `x` has the wrong shape or type.
-            OptionError: If this output was not generated.
-        """
-        return self._run(self._call("body_poses"), (x,), given)[0]
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
 
-    def coordinate_rates(self, x: ArrayLike, y: ArrayLike, **given: Unpack[Given]) -> Floats:
-        """{xdot}: Eq. (9) where speeds are components of angular velocities, else {y}.
+        Example:
+            tip = library.point_positions(x)[library.point_names.index("tip")]
+        """
+        return self._run("point_positions", (x,), inputs)[0]
+
+    def point_velocities(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the velocities {v_P} of the points in inertial space, Eq. (27).
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            given: As in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (m,) or (B, m), in rad/s, m/s and 1/s. States of a batch in which the angles of a body have no
-            rates have NaN, and a `KanegenWarning` counts them.
+            (P, 3) or (B, P, 3) in the order of `point_names`, inertial components, m/s.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type.
-            OptionError: If this output was not generated.
-            SingularError: If the axes of three angles lie in a plane in the one state; names the middle one.
+            OptionError: If the library was built without this output.
+
+        Example:
+            velocities = library.point_velocities(x, y)
         """
-        return self._run(self._call("coordinate_rates"), (x, y), given)[0]
+        return self._run("point_velocities", (x, y), inputs)[0]
+
+    def point_accelerations(
+        self, x: ArrayLike, y: ArrayLike, ydot: ArrayLike, **inputs: Unpack[NamedInputs]
+    ) -> Floats:
+        """Return the accelerations {a_P} of the points in inertial space, without gravity, Eq. (33).
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (P, 3) or (B, P, 3) in the order of `point_names`, inertial components, m/s^2.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            accelerations = library.point_accelerations(x, y, ydot)
+        """
+        return self._run("point_accelerations", (x, y, ydot), inputs)[0]
+
+    def point_jacobians(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the partial velocities [v_P,y] of the points with respect to {y}, Eq. (32).
+
+        Where nothing is prescribed, `point_velocities` are their products with {y}.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (P, 3, n) or (B, P, 3, n) in the order of `point_names`, inertial components, m and 1.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            velocities = library.point_jacobians(x) @ y
+        """
+        return self._run("point_jacobians", (x,), inputs)[0]
+
+    def mass_center(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the position {p_C} of the mass centre of all bodies from the inertial origin.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (3,) or (B, 3) inertial components, m; NaN if the parameters make every mass 0.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            height = library.mass_center(x)[2]
+        """
+        return self._run("mass_center", (x,), inputs)[0]
+
+    def momentum(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the linear momentum of all bodies and their angular momentum about their mass centre.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (6,) or (B, 6) inertial components: linear momentum, kg m/s, then angular momentum, kg m^2/s.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            linear, angular = np.split(library.momentum(x, y), 2)
+        """
+        return self._run("momentum", (x, y), inputs)[0]
+
+    def kinetic_energy(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the kinetic energy of all bodies; it is {y}^T [A] {y} / 2 where nothing is prescribed.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            () or (B,), J.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            energy = library.kinetic_energy(x, y) + library.potential_energy(x)
+        """
+        return self._run("kinetic_energy", (x, y), inputs)[0]
+
+    def potential_energy(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the potential energy of gravity and of the force elements that store energy.
+
+        That of gravity is minus the sum of m g . p_G over the bodies: zero where all mass centres are at the
+        inertial origin.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            () or (B,), J.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            energy = library.potential_energy(x)
+        """
+        return self._run("potential_energy", (x,), inputs)[0]

@@ -12,9 +12,9 @@ import pytest
 
 from kanegen.errors import ArrayError, BuildError, ModelError, OptionError
 from kanegen.library import Library, load
-from kanegen.library.evaluation import Evaluation
 from kanegen.library.native import cache
 from kanegen.library.native.calls import Native
+from kanegen.library.results import Evaluation
 from tests.support.handmade import bits, evaluate, module, source
 
 N = 2

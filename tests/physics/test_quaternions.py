@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import kanegen as kg
-from kanegen.library.diagnosis import Diagnosis
+from kanegen.library.results import Diagnosis
 from kanegen.library.simulation import simulate
 from kanegen.measure import truth as certified
 from kanegen.reference import equations as reference

@@ -1,4 +1,4 @@
-"""The functions of a compiled library, called with NumPy arrays."""
+"""The functions of a compiled library, loaded with cffi and called with NumPy arrays."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ import numpy as np
 from kanegen.c import ModelDescription, Source
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
-from kanegen.errors import BuildError
-from kanegen.library.native import environment
+from kanegen.errors import ArrayError, BuildError
+from kanegen.library.native import floating_point
 from kanegen.library.native.status import Status
 from kanegen.model.arguments import (
     ARGUMENTS,
@@ -31,43 +31,62 @@ from kanegen.model.arguments import (
     required,
     state,
 )
+from kanegen.program.ir import EVALUATE
 from kanegen.program.precision import Precision
+from kanegen.recursion.outputs import OUTPUTS
 
-_STAY = getattr(os, "RTLD_NODELETE", 0)
-"""A library is never unmapped: threads of its OpenMP runtime outlive the `Library` that started them."""
+EVERY_ARGUMENT = tuple(name for name in ARGUMENTS if name not in FURTHER)
+"""Arguments of the function that computes all outputs, in order."""
 
-_CALLER = 5
+_NEVER_UNLOAD = getattr(os, "RTLD_NODELETE", 0)
+"""Flag of `dlopen` that keeps a library mapped: the threads of its OpenMP runtime outlive the `Library`."""
+
+_FRAMES = 5
 """Frames from a warning of a `Status` to the line that called a method of the library."""
 
 Pointers = tuple[Any, ...]
-"""C pointers; each keeps its array alive."""
+"""C pointers, each of which keeps its array alive."""
 
 
 class Native:
     """A shared library in memory.
 
     Attributes:
-        source: What was compiled.
-        path: The shared library.
-        calls: Its functions by name, without prefix.
+        source: The generated C that was compiled.
+        path: Path of the shared library.
+        named_inputs: Names of the inputs that some function reads and that are passed by name.
+        calls: The functions by name without prefix; `EVALUATE` computes all outputs, also where there is one.
     """
 
     def __init__(self, source: Source, path: Path) -> None:
+        """Load the shared library `path` that was compiled from `source`.
+
+        Raises:
+            BuildError: If it cannot be loaded, or loading it changes the arithmetic of the process.
+        """
         self.source = source
         self.path = path
+        read = {array.name for function in source.functions for array in function.inputs}
+        self.named_inputs = tuple(name for name in FURTHER if name in read)
         ffi = cffi.FFI()
         ffi.cdef(source.cdef)
-        held = formats(source.variant)
+        arrays = formats(source.variant)
         # The function behind `ffi.from_buffer`, which takes twice as long.
         pointers = {
             precision: partial(_cffi_backend.from_buffer, ffi.typeof(f"{precision.c_type}[]"))
-            for precision in held.every
+            for precision in arrays.every
         }
-        self._prepared = pointers[held.arithmetic]
+        self._prepared = pointers[arrays.arithmetic]
+        functions = {function.name: function for function in source.functions}
+        if len(source.outputs) == 1:
+            functions[EVALUATE] = functions[source.outputs[0]]
         try:
-            with environment.unchanged(path):
-                library = ffi.dlopen(str(path), ffi.RTLD_NOW | _STAY)
-            self.calls = {f.name: Call(library, pointers, held, source.model, f) for f in source.functions}
+            with floating_point.unchanged(path):
+                library = ffi.dlopen(str(path), ffi.RTLD_NOW | _NEVER_UNLOAD)
+            self.calls = {
+                name: Call(library, pointers, arrays, source.model, function, self._arguments(name, function))
+                for name, function in functions.items()
+            }
         except (OSError, AttributeError) as error:
             raise BuildError(
                 f"{path}: the compiled library cannot be loaded: {error}. Does the compiler make code for "
@@ -75,68 +94,100 @@ class Native:
             ) from error
 
     def constants(self, parameters: Mapping[str, float]) -> Pointers:
-        """What `prepare` makes of the parameters, for `Call`; nothing where there are none."""
+        """Return the first argument of every `Call`: what `prepare` computes from the run-time parameters.
+
+        Args:
+            parameters: Values by name, in the order of the C array.
+
+        Returns:
+            A pointer to the prepared constants, or nothing if there are no parameters.
+        """
         prepare = self.calls.get(PREPARE)
         if prepare is None:
             return ()
         prepared = prepare((), (np.array(list(parameters.values())),))
         return tuple(map(self._prepared, prepared))
 
+    def _arguments(self, name: str, function: Function) -> tuple[str, ...]:
+        """Return the names of the values that a call takes, in the order of the table of outputs."""
+        if name == PREPARE:
+            return tuple(array.name for array in function.inputs)
+        return (*(OUTPUTS[name].arguments if name in OUTPUTS else EVERY_ARGUMENT), *self.named_inputs)
+
 
 class Call:
     """One C function and its batch form.
 
-    Nothing of a call is kept, and C runs without the interpreter's lock, so threads may share a `Call`.
+    A call keeps nothing of its arguments, and C runs without the interpreter's lock, so threads may share a
+    `Call`.
     """
 
     def __init__(
         self,
         library: Any,
         pointers: Mapping[Precision, Callable[[Floats], Any]],
-        held: Formats,
+        arrays: Formats,
         model: ModelDescription,
-        f: Function,
+        function: Function,
+        arguments: tuple[str, ...],
     ) -> None:
-        self._status = Status.of(f, model)
-        name = f"{model.name}_{f.name}"
+        """Prepare everything that does not depend on the values.
+
+        Args:
+            library: Library of cffi that has the function.
+            pointers: For each precision the function that returns a C pointer to an array.
+            arrays: Precisions of the arrays.
+            model: Description of the model.
+            function: The C function.
+            arguments: Names of the values that the call takes, in order.
+        """
+        self._status = Status.of(function, model)
+        name = f"{model.name}_{function.name}"
         self._single = getattr(library, name)
-        self._batch = getattr(library, f"{name}_batch") if f.has_batch else None
-        taken, given = held.of(f.inputs[-1].name), held.of(f.outputs[0].name)
-        self._pointer, self._result_pointer = pointers[taken], pointers[given]
-        self._dtype, self._result_dtype = taken.dtype, given.dtype
-        places = {n: k for k, n in enumerate(ARGUMENTS)}
-        own = [array for array in f.inputs if array.name not in f.shared]
-        self._inputs = [
-            (array.name, places.get(array.name, 0), array.shape + taken.trailing_shape) for array in own
-        ]
-        self._outputs = [array.shape + given.trailing_shape for array in f.outputs]
-        told = model.prescribed_names
-        words = {"count": len(told), "prescribed": ", ".join(told)}
-        self._further = {n: what.format(**words) for n, what in FURTHER.items()}
+        self._batch = getattr(library, f"{name}_batch") if function.has_batch else None
+        read = arrays.of(function.inputs[-1].name)
+        filled = arrays.of(function.outputs[0].name)
+        self._pointer, self._result_pointer = pointers[read], pointers[filled]
+        self._dtype, self._result_dtype = read.dtype, filled.dtype
+        own = [array for array in function.inputs if array.name not in function.shared]
+        self._inputs = [(a.name, arguments.index(a.name), a.shape + read.trailing_shape) for a in own]
+        self._outputs = [array.shape + filled.trailing_shape for array in function.outputs]
+        self._meaning = _meaning_of_named_inputs(model)
         self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
+        self._refused = _arguments_of_no_use(model, arguments)
+        self._system = model.name
+        # For each input: its place among the values, its shape, zeros for an optional one that is left out,
+        # and whether every row may differ from zero.
         self._plan = [
             (k, shape, self._zeros(shape) if n in OPTIONAL else None, not self._unloaded.get(n))
             for n, k, shape in self._inputs
         ]
 
     def _zeros(self, shape: tuple[int, ...]) -> Any:
+        """Return a pointer to an array of zeros."""
         return self._pointer(np.zeros(shape, self._dtype))
 
     def __call__(self, constants: Pointers, values: Values) -> list[Floats]:
-        """Call C for one state or many.
+        """Call the C function for one state, or its batch form for many.
 
         Args:
-            constants: From `Native.constants`.
-            values: What the user passed, in the order of `ARGUMENTS`; the parameters, for `prepare`.
+            constants: Prepared constants, from `Native.constants`.
+            values: The values of `arguments`, None where an optional one is left out.
 
         Returns:
-            One array for each output.
+            An array for each output.
 
         Raises:
-            ArrayError: If a value has the wrong type or shape.
-            SingularError: If a result of the one state does not exist. In a batch its row is NaN, with a
+            ArrayError: If a value has the wrong type or shape, or the system has no use for it.
+            SingularError: If the result of a single state does not exist. In a batch its row is NaN, with a
                 warning.
         """
+        for k, name in self._refused:
+            if values[k] is not None:
+                raise ArrayError(
+                    f"{name}: no body of system {self._system!r} takes loads. Say which do in the model's "
+                    "loads."
+                )
         pointer, dtype = self._pointer, self._dtype
         pointers = [*constants]
         for k, shape, zeros, is_plain in self._plan:
@@ -158,36 +209,49 @@ class Call:
             result = np.empty(shape, self._result_dtype)
             results.append(result)
             pointers.append(self._result_pointer(result))
-        place = self._single(*pointers)
-        if place:
-            self._status.complain(place, _CALLER)
+        status = self._single(*pointers)
+        if status:
+            self._status.report(status, _FRAMES)
         return results
 
     def _general(self, constants: Pointers, values: Values) -> list[Floats]:
-        """The same after conversion and with every check."""
+        """Do the same after conversion of the values and with every check."""
         arrays, batch = self._converted(values)
         results = [np.empty((*batch, *shape), self._result_dtype) for shape in self._outputs]
         pointers = [*constants, *map(self._pointer, arrays), *map(self._result_pointer, results)]
         if not batch or self._batch is None:
-            place = self._single(*pointers)
-            if place:
-                self._status.complain(place, _CALLER + 1)
+            status = self._single(*pointers)
+            if status:
+                self._status.report(status, _FRAMES + 1)
             return results
         failed = self._batch(*batch, *pointers)
         if failed:
-            self._status.count(failed, results, _CALLER + 1)
+            self._status.report_batch(failed, results, _FRAMES + 1)
         return results
 
     def _converted(self, values: Values) -> tuple[list[Floats], tuple[int, ...]]:
-        """The inputs as C takes them, and `()` for one state or `(B,)` for a batch."""
+        """Return the inputs as C reads them, and `()` for one state or `(B,)` for a batch."""
         (first, k, shape), *others = self._inputs
         arrays = [state(first, values[k], shape, self._dtype)]
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
         for name, k, shape in others:
             if name in COMMON:
                 unloaded = self._unloaded.get(name, {})
-                value = values[k] if name in OPTIONAL else required(name, values[k], self._further[name])
+                value = values[k] if name in OPTIONAL else required(name, values[k], self._meaning[name])
                 arrays.append(load(name, value, shape, batch, self._dtype, unloaded))
             else:
                 arrays.append(companion(name, values[k], shape, batch, self._dtype, first))
         return arrays, batch
+
+
+def _meaning_of_named_inputs(model: ModelDescription) -> dict[str, str]:
+    """Return for each input that is passed by name what it is, for error messages."""
+    names = model.prescribed_names
+    words = {"count": len(names), "prescribed": ", ".join(names)}
+    return {name: meaning.format(**words) for name, meaning in FURTHER.items()}
+
+
+def _arguments_of_no_use(model: ModelDescription, arguments: tuple[str, ...]) -> list[tuple[int, str]]:
+    """Return place and name of the loads on bodies, if no body of the model takes any."""
+    loads = [(k, name) for k, name in enumerate(arguments) if LOADS.get(name) == "body"]
+    return [] if model.takes_loads else loads

@@ -1,4 +1,4 @@
-"""What the status of a C function means for its results: an error, or a warning at the line of the caller."""
+"""The status that a C function returns, as an exception or as a warning at the line of the caller."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from kanegen.model.arguments import Floats
 
 @dataclass(frozen=True)
 class Status:
-    """The status of one function.
+    """What the statuses of one C function mean.
 
     Attributes:
-        name: Of the function.
-        freedoms: By freedom its name, and that of the speed where it has one of its own.
-        bodies: By freedom the name of its body.
-        quantity: What must be positive for a result to exist.
-        failure: What is the matter where it is not.
-        spoilt: Place of an output whose rows are NaN where a result does not exist.
-        is_judged: Whether a result can also be inaccurate.
+        name: Name of the function.
+        freedoms: For each freedom its name, and the name of the speed where the speed is no rate.
+        bodies: For each freedom the name of its body.
+        quantity: Name of the quantity that is positive where a result exists.
+        failure: What is the matter with the state where the quantity is not positive.
+        may_fail: Place among the outputs of one that is NaN where it does not exist.
+        may_be_inaccurate: Whether a result that exists can be inaccurate.
     """
 
     name: str
@@ -33,65 +33,66 @@ class Status:
     bodies: tuple[str, ...]
     quantity: str
     failure: str
-    spoilt: int
-    is_judged: bool
+    may_fail: int
+    may_be_inaccurate: bool
 
     @classmethod
-    def of(cls, f: Function, model: ModelDescription) -> Status:
-        """The status of `f`."""
+    def of(cls, function: Function, model: ModelDescription) -> Status:
+        """Return what the statuses of `function` mean."""
         pairs = zip(model.freedom_names, model.speeds, strict=True)
-        outputs = [array.name for array in f.outputs]
+        outputs = [array.name for array in function.outputs]
         return cls(
-            name=f.name,
+            name=function.name,
             freedoms=tuple(f"{name}, {speed}" if speed else name for name, speed in pairs),
             bodies=model.freedom_bodies,
-            quantity=" or ".join(condition.quantity for condition in f.conditions),
-            failure=" or ".join(condition.failure for condition in f.conditions),
-            spoilt=outputs.index(f.may_fail[0]) if f.may_fail else 0,
-            is_judged=bool(f.may_be_inaccurate),
+            quantity=" or ".join(condition.quantity for condition in function.conditions),
+            failure=" or ".join(condition.failure for condition in function.conditions),
+            may_fail=outputs.index(function.may_fail[0]) if function.may_fail else 0,
+            may_be_inaccurate=bool(function.may_be_inaccurate),
         )
 
-    def complain(self, place: int, frames: int) -> None:
-        """Say what a status other than 0 means for one state.
+    def report(self, status: int, frames: int) -> None:
+        """Report a status other than 0 of one state.
 
         Args:
-            place: It: a freedom from 1, where its result does not exist, or less than 0, where it is not
-                accurate.
-            frames: From here to the line that is warned.
+            status: Freedom, from 1, at which the result does not exist, or minus the freedom at which it is
+                least accurate.
+            frames: Stack frames from here to the line that a warning names.
 
         Raises:
             SingularError: If the result does not exist.
         """
-        if place < 0:
+        if status < 0:
+            place = -status - 1
             warnings.warn(
                 f"{self.name}: the result is not accurate in this state. The largest correction was at "
-                f"freedom {self.freedoms[-place - 1]!r} of body {self.bodies[-place - 1]!r}; an output "
+                f"freedom {self.freedoms[place]!r} of body {self.bodies[place]!r}; an output "
                 '"error_estimate" says how large, a higher precision helps.',
                 KanegenWarning,
                 stacklevel=frames,
             )
             return
         raise SingularError(
-            f"{self.name}: the {self.quantity} at freedom {self.freedoms[place - 1]!r} is not positive or "
+            f"{self.name}: the {self.quantity} at freedom {self.freedoms[status - 1]!r} is not positive or "
             f"is NaN: {self.failure} in this state, or the state is not finite."
         )
 
-    def count(self, failed: int, results: Sequence[Floats], frames: int) -> None:
-        """Warn of states of a batch; those whose rows are not NaN are not accurate.
+    def report_batch(self, failed: int, results: Sequence[Floats], frames: int) -> None:
+        """Warn of the states of a batch whose results do not exist or are not accurate.
 
         Args:
-            failed: How many have a status other than 0.
-            results: The outputs.
-            frames: From here to the line that is warned.
+            failed: Number of states with a status other than 0.
+            results: Arrays of the outputs; rows of states without a result are NaN.
+            frames: Stack frames from here to the line that the warning names.
         """
-        spoilt = results[self.spoilt].reshape(len(results[self.spoilt]), -1)
-        lost = int(np.isnan(spoilt).any(axis=1).sum()) if self.is_judged else failed
+        rows = results[self.may_fail].reshape(len(results[self.may_fail]), -1)
+        absent = int(np.isnan(rows).any(axis=1).sum()) if self.may_be_inaccurate else failed
         found = []
-        if lost:
+        if absent:
             found.append(
-                f"in {lost} of {len(spoilt)} states a {self.quantity} is not positive or is NaN; "
+                f"in {absent} of {len(rows)} states a {self.quantity} is not positive or is NaN; "
                 "their rows are NaN"
             )
-        if failed > lost:
-            found.append(f"in {failed - lost} of {len(spoilt)} states the result is not accurate")
+        if failed > absent:
+            found.append(f"in {failed - absent} of {len(rows)} states the result is not accurate")
         warnings.warn(f"{self.name}: {', and '.join(found)}.", KanegenWarning, stacklevel=frames)

@@ -1,8 +1,8 @@
 """The floating-point environment of the process, which loading a library must leave as it is.
 
 gcc before 13 links code into shared libraries made with -ffast-math that switches subnormal numbers off for
-whoever loads them. `kanegen.library.native.build` links without it; what somebody else has linked is caught
-here.
+the whole process. `kanegen.library.native.build` links without that code; what somebody else has linked is
+found here.
 """
 
 from __future__ import annotations
@@ -15,18 +15,19 @@ from pathlib import Path
 
 from kanegen.errors import BuildError
 
-_ROOM = 512
-"""Bytes, more than any `fenv_t`."""
+_SIZE = 512
+"""Bytes for a `fenv_t`, more than any C library needs."""
 
 _HALF_ULP = sys.float_info.epsilon / 2.0
+"""Half the distance from 1 to the next double."""
 
 
 @contextmanager
 def unchanged(path: Path) -> Iterator[None]:
-    """Load the library `path` inside; put the environment back if that changes it.
+    """Return a context in which the library `path` is loaded without a change of the environment.
 
     Raises:
-        BuildError: If it did.
+        BuildError: If loading it changed the environment, which is then restored.
     """
     before, saved = _arithmetic(), _saved()
     yield
@@ -40,7 +41,7 @@ def unchanged(path: Path) -> Iterator[None]:
 
 
 def _arithmetic() -> tuple[float, ...]:
-    """Results that tell whether subnormal numbers are kept and how is rounded."""
+    """Return results that show whether subnormal numbers are kept and in which direction is rounded."""
     tiny, one = sys.float_info.min, 1.0
     return (
         tiny * 0.5,
@@ -52,14 +53,14 @@ def _arithmetic() -> tuple[float, ...]:
 
 
 def _saved() -> ctypes.Array[ctypes.c_char] | None:
-    """The environment as C keeps it; None where there is no way to ask."""
-    room = ctypes.create_string_buffer(_ROOM)
+    """Return the environment as C keeps it, or None where C cannot be asked."""
+    environment = ctypes.create_string_buffer(_SIZE)
     try:
-        return room if _libm().fegetenv(room) == 0 else None
+        return environment if _libm().fegetenv(environment) == 0 else None
     except (OSError, TypeError, AttributeError):
         return None
 
 
 def _libm() -> ctypes.CDLL:
-    """The process itself, in which the interpreter has libm."""
+    """Return the functions of this process, among which the interpreter has those of libm."""
     return ctypes.CDLL(None)
