@@ -100,7 +100,7 @@ def _states(system: System) -> States:
 
 def _condition_number(system: System, states: States) -> float:
     """Return the largest condition number of [A], scaled to a diagonal of ones, over the states."""
-    matrix = reference.mass_matrix(system, states.x, states.motion)
+    matrix = reference.mass_matrix(system, states.x, states.prescribed)
     scale = 1 / np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
     condition: Floats = np.linalg.cond(matrix * scale[:, :, None] * scale[:, None, :])
     return float(np.max(np.where(np.isnan(condition), np.inf, condition)))
@@ -112,7 +112,7 @@ def _inputs(system: System, program: Program, states: States) -> dict[str, list[
     values = {array.name: np.zeros((array.size, count)) for array in program.inputs}
     for parameter, row in zip(system.parameters, values.get("parameters", ()), strict=True):
         row[:] = parameter.value
-    given = {"x": states.x, "y": states.y, "force": states.force, "torque": states.torque, **states.given}
+    given = {"x": states.x, "y": states.y, "force": states.force, "torque": states.torque, **states.inputs}
     values |= {name: v.reshape(count, -1).T for name, v in given.items() if v is not None}
     return {name: list(rows) for name, rows in values.items()}
 

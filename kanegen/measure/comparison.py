@@ -1,13 +1,13 @@
-"""A compiled library against the reference, over random states, with a bound that has a reason.
+"""The comparison of a compiled library with the reference over random states, and its bound.
 
 With E the difference of an output from the reference, S the sum of the magnitudes of the terms that make up
-the reference (`magnitudes`), and D = diag(S_A)^(1/2), which takes the units from rows and columns:
+the reference (`reference.magnitudes`), and D = diag(S_A)^(1/2), which takes the units from rows and columns:
 
 - normwise error: ||D^-1 E D^-1|| / ||D^-1 A D^-1|| (Frobenius) for [A], ||D^-1 E|| / ||D^-1 f|| for {f}.
-  Where the output is zero but for rounding, the norm of S takes the place of its own.
-- componentwise error: the largest |E_i| / S_i. An entry never exceeds its S_i, and one that has become small
-  by cancellation has no digits of its own, so its terms are the yardstick that no program can beat.
-- bound on the componentwise error: see `magnitudes.rounding_bound`.
+  Where the output is nothing but rounding, the norm of S takes the place of the output's norm.
+- componentwise error: the largest |E_i| / S_i. An entry never exceeds its S_i, and an entry that is small
+  because large terms cancel has no relative accuracy in any program, so errors are relative to the terms.
+- bound on the componentwise error: see `reference.magnitudes.rounding_bound`.
 """
 
 from __future__ import annotations
@@ -42,12 +42,13 @@ BOUND_REASON = (
     "The bound is 8 (N + 8) 2^-{digits} for N bodies, relative to the magnitudes of an entry's terms: "
     "rounding grows at most linearly along the tree, and the constants are calibrated."
 )
+"""Sentence in which a report says where its bound comes from."""
 
 OUTPUTS = ("mass_matrix", "forcing")
-"""What there is a reference for."""
+"""Outputs that the reference computes."""
 
 BATCH_NUMBERS = 2**24
-"""How many numbers a batch of states may hold at once."""
+"""Largest number of floats that the arrays of one batch of states may hold."""
 
 
 @dataclass(frozen=True)
@@ -70,19 +71,19 @@ class ReferenceErrors(Errors):
 
 
 class ComparedLibrary(Protocol):
-    """What `compare` needs of a library; batches have a leading axis B."""
+    """The functions of a library that `compare` calls; batches have a leading axis B."""
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of what it computes."""
+        """Names of the outputs that the library computes."""
 
     @property
     def mass_matrix(self) -> Callable[..., NDArray[Any]]:
-        """(B, n, n) from (B, n), and from `States.given` by name."""
+        """Function that returns (B, n, n) [A] from (B, m) x and the named `States.inputs`."""
 
     @property
     def forcing(self) -> Callable[..., NDArray[Any]]:
-        """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3) by name, and from `States.given`."""
+        """Function that returns (B, n) {f} from x, y, the loads by name and the named `States.inputs`."""
 
 
 def compare(
@@ -93,15 +94,16 @@ def compare(
     precision: Precision = DOUBLE,
     storage: Precision | None = None,
 ) -> Report:
-    """The outputs of `library` against the reference; parameters stand at their defaults.
+    """Compare the outputs of `library` with the reference; parameters stand at their defaults.
 
     Args:
-        system: What the library was generated from.
-        library: It.
-        states: How many random states.
-        seed: Of the random states.
-        precision: Of the library's arithmetic; the bound is for it, or for the reference's.
-        storage: Of its arrays, if it is another. The states are rounded to the coarser of both.
+        system: System from which the library was generated.
+        library: Library to compare.
+        states: Number of random states.
+        seed: Seed of the random states.
+        precision: Precision of the library's arithmetic, for which the bound holds.
+        storage: Precision of the library's arrays, if it is another one. The states are rounded to the
+            coarser of both.
 
     Raises:
         OptionError: If there is no state, the seed is negative, or no output has a reference.
@@ -113,57 +115,14 @@ def compare(
     outputs = [name for name in OUTPUTS if name in library.outputs]
     if not outputs:
         raise OptionError(f"the library has none of the outputs {', '.join(OUTPUTS)}: nothing to compare.")
-    arrays = system.values()
-    held = storage or precision
-    sample = random_states(arrays, states, seed).rounded(_coarser(precision, held))
-    limit = rounding_bound(system.number_of_bodies, precision, held)
+    arrays, storage = system.values(), storage or precision
+    sample = random_states(arrays, states, seed).rounded(_coarser(precision, storage))
+    limit = rounding_bound(system.number_of_bodies, precision, storage)
     parts = _batches(sample, system.number_of_bodies)
-    batches = [_batch_errors(arrays, library, outputs, part, limit, held) for part in parts]
-    accuracies = (
-        _accuracy(system, sample, name, _joined([batch[name] for batch in batches]), limit)
-        for name in outputs
-    )
-    return Report(system.name, states, seed, tuple(accuracies), _reason(precision, held))
-
-
-def _batches(sample: States, bodies: int) -> Iterator[States]:
-    size = max(1, BATCH_NUMBERS // (3 * (6 * bodies) ** 2))  # [A], its magnitude, and the bodies' matrices
-    for start in range(0, len(sample), size):
-        yield sample.part(start, start + size)
-
-
-def _batch_errors(
-    arrays: SystemArrays,
-    library: ComparedLibrary,
-    outputs: list[str],
-    states: States,
-    limit: float,
-    storage: Precision,
-) -> dict[str, ReferenceErrors]:
-    x, y, force, torque = states.x, states.y, states.force, states.torque
-    given_x, given_y = storage.from_doubles(x), storage.from_doubles(y)
-    given_force, given_torque = (None if f is None else storage.from_doubles(f) for f in (force, torque))
-    given = {name: storage.from_doubles(values) for name, values in states.given.items()}
-    told = states.motion
-    bodies = kinematics(arrays, x, y, told)
-    reach = reaches(arrays, bodies, y, told)
-    matrix_size = mass_matrix_magnitude(arrays, reach)
-    diagonal = np.einsum("bii->bi", matrix_size)
-    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    errors = {}
-    if "mass_matrix" in outputs:
-        truth = reference.mass_matrix(arrays, x, told)
-        scales = scale[:, :, None] * scale[:, None, :]
-        value = storage.to_doubles(library.mass_matrix(given_x, **given))
-        errors["mass_matrix"] = reference_errors(value, truth, matrix_size, scales, limit)
-    if "forcing" in outputs:
-        truth = reference.forcing(arrays, x, y, force, torque, **states.given)
-        size = forcing_magnitude(arrays, reach, force, torque)
-        size = size + element_magnitude(arrays, bodies, x, y, **states.given)
-        found = library.forcing(given_x, given_y, force=given_force, torque=given_torque, **given)
-        value = storage.to_doubles(found)
-        errors["forcing"] = reference_errors(value, truth, size, scale, limit)
-    return errors
+    batches = [_batch_errors(arrays, library, outputs, part, limit, storage) for part in parts]
+    errors = {name: _joined([batch[name] for batch in batches]) for name in outputs}
+    accuracies = tuple(_accuracy(system, sample, name, errors[name], limit) for name in outputs)
+    return Report(system.name, states, seed, accuracies, _reason(precision, storage))
 
 
 def reference_errors(
@@ -202,6 +161,47 @@ def reference_errors(
     )
 
 
+def _batches(sample: States, bodies: int) -> Iterator[States]:
+    """Cut states into batches whose [A], its magnitudes and the bodies' matrices fit `BATCH_NUMBERS`."""
+    size = max(1, BATCH_NUMBERS // (3 * (6 * bodies) ** 2))
+    for start in range(0, len(sample), size):
+        yield sample.part(start, start + size)
+
+
+def _batch_errors(
+    arrays: SystemArrays,
+    library: ComparedLibrary,
+    outputs: list[str],
+    states: States,
+    limit: float,
+    storage: Precision,
+) -> dict[str, ReferenceErrors]:
+    """Return the errors of a library's outputs in one batch of states, by output."""
+    x, y, force, torque = states.x, states.y, states.force, states.torque
+    stored_x, stored_y = storage.from_doubles(x), storage.from_doubles(y)
+    inputs = {name: storage.from_doubles(values) for name, values in states.inputs.items()}
+    bodies = kinematics(arrays, x, y, states.prescribed)
+    reach = reaches(arrays, bodies, y, states.prescribed)
+    matrix_size = mass_matrix_magnitude(arrays, reach)
+    diagonal = np.einsum("bii->bi", matrix_size)
+    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    errors = {}
+    if "mass_matrix" in outputs:
+        truth = reference.mass_matrix(arrays, x, states.prescribed)
+        scales = scale[:, :, None] * scale[:, None, :]
+        value = storage.to_doubles(library.mass_matrix(stored_x, **inputs))
+        errors["mass_matrix"] = reference_errors(value, truth, matrix_size, scales, limit)
+    if "forcing" in outputs:
+        truth = reference.forcing(arrays, x, y, force, torque, **states.inputs)
+        size = forcing_magnitude(arrays, reach, force, torque)
+        size = size + element_magnitude(arrays, bodies, x, y, **states.inputs)
+        loads = {"force": force, "torque": torque}
+        stored = {name: None if load is None else storage.from_doubles(load) for name, load in loads.items()}
+        value = storage.to_doubles(library.forcing(stored_x, stored_y, **stored, **inputs))
+        errors["forcing"] = reference_errors(value, truth, size, scale, limit)
+    return errors
+
+
 def _joined(batches: list[ReferenceErrors]) -> ReferenceErrors:
     """Return the errors of several batches as those of one."""
     names = [field.name for field in fields(ReferenceErrors)]
@@ -211,11 +211,12 @@ def _joined(batches: list[ReferenceErrors]) -> ReferenceErrors:
 
 
 def _coarser(a: Precision, b: Precision) -> Precision:
+    """Return the precision with fewer digits."""
     return min(a, b, key=lambda precision: precision.significand_bits)
 
 
 def _reason(precision: Precision, storage: Precision) -> str:
-    """Where the bound comes from."""
+    """Return the sentences that say where the bound comes from."""
     reason = BOUND_REASON.format(digits=_coarser(precision, DOUBLE).significand_bits)
     if storage.roundoff > precision.roundoff:
         reason += f" Results are rounded once more, by 2^-{storage.significand_bits}."
@@ -223,6 +224,7 @@ def _reason(precision: Precision, storage: Precision) -> str:
 
 
 def _accuracy(system: System, sample: States, output: str, errors: ReferenceErrors, bound: float) -> Accuracy:
+    """Return the summary of an output's errors over all states, with its worst entry."""
     worst = int(errors.componentwise.argmax())
     names = system.speed_names
     shape = (len(names),) * (2 if output == "mass_matrix" else 1)
@@ -245,10 +247,11 @@ def _accuracy(system: System, sample: States, output: str, errors: ReferenceErro
             y=_row(sample.y[worst]),
             force=None if sample.force is None else tuple(_row(row) for row in sample.force[worst]),
             torque=None if sample.torque is None else tuple(_row(row) for row in sample.torque[worst]),
-            given={name: values[worst].tolist() for name, values in sample.given.items()},
+            inputs={name: values[worst].tolist() for name, values in sample.inputs.items()},
         ),
     )
 
 
 def _row(values: Floats) -> tuple[float, ...]:
+    """Return the numbers of a vector as a tuple."""
     return tuple(float(value) for value in values)

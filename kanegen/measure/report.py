@@ -1,4 +1,4 @@
-"""What a comparison found, for people and as plain data."""
+"""The outcome of a comparison with the reference: as a table, as text and as plain data."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ Row = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One entry in one state, with all that is needed to compute it again; floats print with all digits.
+    """The worst entry of an output, with the whole state, so that it can be computed again.
 
     Attributes:
-        state: Number of the state, from 0.
-        entry: The entry, by the names of its freedoms.
-        value: What the library gave.
-        reference: What the reference gave.
-        x: (n,) coordinates (rad, m).
+        state: Index of the state, from 0.
+        entry: Name of the entry, made of the names of its generalized speeds.
+        value: Value that the library computed.
+        reference: Value that the reference computed.
+        x: (m,) coordinates (rad, m, 1).
         y: (n,) generalized speeds (rad/s, m/s).
-        force: (N, 3) forces (N), or None.
-        torque: (N, 3) torques (N m), or None.
-        given: What only some systems read, by name of the argument.
+        force: (N, 3) forces on the bodies (N); None where no body takes loads.
+        torque: (N, 3) torques on the bodies (N m); None where no body takes loads.
+        inputs: Further inputs of the system by name, such as "prescribed" or "t".
     """
 
     state: int
@@ -33,21 +33,21 @@ class Evaluation:
     y: Row
     force: tuple[Row, ...] | None
     torque: tuple[Row, ...] | None
-    given: Mapping[str, Any]
+    inputs: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """The error of one output over all states; see `compare` for the definitions.
+    """The errors of one output over all states; `comparison` defines them.
 
     Attributes:
-        output: Its name.
+        output: Name of the output.
         normwise: Largest normwise error.
-        normwise_median: Median over the states.
-        componentwise: Largest componentwise error; this is what `bound` limits.
-        componentwise_median: Median over the states.
-        cancellation: Largest ratio of the terms' norm to the norm of their sum.
-        bound: What the componentwise error may be.
+        normwise_median: Median of the normwise errors.
+        componentwise: Largest componentwise error, which `bound` limits.
+        componentwise_median: Median of the componentwise errors.
+        cancellation: Largest ratio of the norm of the terms to the norm of their sum.
+        bound: Largest componentwise error that is allowed.
         not_finite: Number of states in which the library gave NaN or infinity; their errors are infinite.
         worst: The entry with the largest componentwise error.
     """
@@ -70,14 +70,20 @@ class Accuracy:
 
 @dataclass(frozen=True)
 class Report:
-    """A library against the reference.
+    """The comparison of a library with the reference.
 
     Attributes:
         system: Name of the system.
-        states: How many random states.
-        seed: Of the states.
-        accuracies: One for each compared output.
-        reason: Where the bound comes from.
+        states: Number of random states.
+        seed: Seed of the random states.
+        accuracies: The errors of each compared output.
+        reason: Sentence that says where the bound comes from.
+
+    Example:
+        >>> report = kg.compare(kg.load("models/double_pendulum.toml"), states=100)
+        >>> report.passed
+        True
+        >>> print(report)
     """
 
     system: str
@@ -88,7 +94,7 @@ class Report:
 
     @property
     def max_error(self) -> float:
-        """The largest normwise error over all outputs and states; infinite where one was not finite."""
+        """Largest normwise error of all outputs and states; infinite where a result is not finite."""
         return max(accuracy.normwise for accuracy in self.accuracies)
 
     @property
@@ -97,7 +103,11 @@ class Report:
         return all(accuracy.passed for accuracy in self.accuracies)
 
     def table(self) -> str:
-        """The errors as a table for people."""
+        """Return the errors as a table, one row for each output.
+
+        Example:
+            >>> print(kg.compare(kg.load("models/double_pendulum.toml"), states=100).table())
+        """
         head = ("output", "normwise max", "median", "componentwise max", "median", "bound", "")
         rows = [head, *(_row(accuracy) for accuracy in self.accuracies)]
         widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
@@ -107,16 +117,21 @@ class Report:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as plain data for JSON; NaN and infinity become strings, which strict JSON needs."""
+        """Return the report as plain data for JSON, with NaN and infinity as strings.
+
+        Example:
+            >>> json.dumps(kg.compare(kg.load("models/double_pendulum.toml"), states=100).as_dict())
+        """
         data = asdict(self)
         for row, accuracy in zip(data["accuracies"], self.accuracies, strict=True):
             row["passed"] = accuracy.passed
+            row["worst"]["given"] = row["worst"].pop("inputs")
         data.update(max_error=self.max_error, passed=self.passed)
         plain: dict[str, Any] = _plain(data)
         return plain
 
     def __str__(self) -> str:
-        """Verdict, table, the worst entry of what failed, and the reason of the bound."""
+        """Return the verdict, the table, the worst entry of every output that failed, and the reason."""
         verdict = "passed" if self.passed else "FAILED"
         lines = [
             f"{self.system}: {verdict} over {self.states} random states (seed {self.seed})",
@@ -127,6 +142,7 @@ class Report:
 
 
 def _row(accuracy: Accuracy) -> tuple[str, ...]:
+    """Return the cells of the table's row for one output."""
     errors = (
         accuracy.normwise,
         accuracy.normwise_median,
@@ -139,18 +155,20 @@ def _row(accuracy: Accuracy) -> tuple[str, ...]:
 
 
 def _failure(accuracy: Accuracy) -> str:
+    """Return the lines that show the worst entry of an output and how to compute it again."""
     worst = accuracy.worst
     bad = accuracy.not_finite
     counted = f"{accuracy.output}: {bad} state{' is' if bad == 1 else 's are'} not finite\n" if bad else ""
-    given = "" if worst.force is None else f"\n  force = {worst.force!r}\n  torque = {worst.torque!r}"
-    given += "".join(f"\n  {name} = {value!r}" for name, value in worst.given.items())
+    loads = "" if worst.force is None else f"\n  force = {worst.force!r}\n  torque = {worst.torque!r}"
+    loads += "".join(f"\n  {name} = {value!r}" for name, value in worst.inputs.items())
     return (
         f"{counted}{accuracy.output}: worst in state {worst.state}, entry {worst.entry}: "
-        f"{worst.value!r} instead of {worst.reference!r}\n  x = {worst.x!r}\n  y = {worst.y!r}{given}"
+        f"{worst.value!r} instead of {worst.reference!r}\n  x = {worst.x!r}\n  y = {worst.y!r}{loads}"
     )
 
 
 def _plain(value: Any) -> Any:
+    """Return `value` made of lists, dictionaries, strings and finite numbers alone."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, tuple | list):

@@ -41,7 +41,7 @@ def require_regular(system: System) -> None:
     inward = _inward(system)
     motion: list[int] = []
     states = random_states(arrays, STATES)
-    for x, told in zip(states.x, states.motion, strict=True):
+    for x, told in zip(states.x, states.prescribed, strict=True):
         motion = _empty_motion(moving_rows(arrays, x, inward, told))
         if not motion:
             return

@@ -7,8 +7,9 @@ states, whatever else is computed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -33,41 +34,53 @@ class States:
     Attributes:
         x: (B, m) coordinates (rad, m, 1).
         y: (B, n) generalized speeds (rad/s, m/s).
-        force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if none does.
-        torque: (B, N, 3) torques (N m), likewise.
-        given: What only some systems read, by name: "point_force" and "point_moment" (B, P, 3), "t" (B,), and
-            "prescribed" (B, 3, p), the values, rates and second derivatives of the prescribed freedoms.
+        force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if no body does.
+        torque: (B, N, 3) torques on the bodies (N m), likewise.
+        inputs: Further inputs that only some systems have, by name: "point_force" and "point_moment" (B, P,
+            3) (N, N m), the time "t" (B,) (s), and "prescribed" (B, 3, p), the values, rates and second
+            derivatives of the prescribed freedoms.
     """
 
     x: Floats
     y: Floats
-    force: Floats | None
-    torque: Floats | None
-    given: Mapping[str, Floats] = field(default_factory=dict)
+    force: Floats | None = None
+    torque: Floats | None = None
+    inputs: Mapping[str, Floats] = field(default_factory=dict)
 
     def __len__(self) -> int:
-        """B."""
+        """Return the number of states B."""
         return len(self.x)
 
     @property
-    def motion(self) -> Floats:
-        """(B, 3, p) that of the prescribed freedoms, p being 0 where there are none."""
-        return self.given.get("prescribed", np.zeros((len(self), 3, 0)))
+    def prescribed(self) -> Floats:
+        """(B, 3, p) motion of the prescribed freedoms; p is 0 where there are none."""
+        return self.inputs.get("prescribed", np.zeros((len(self), 3, 0)))
 
-    def part(self, start: int, stop: int) -> States:
-        """States number `start` to `stop` - 1."""
-        rows = slice(start, stop)
-        force = None if self.force is None else self.force[rows]
-        torque = None if self.torque is None else self.torque[rows]
-        given = {name: values[rows] for name, values in self.given.items()}
-        return States(self.x[rows], self.y[rows], force, torque, given)
+    def part(self, start: int, stop: int) -> Self:
+        """Return the states with the indices `start` to `stop` - 1."""
+        return self._mapped(lambda values: values[start:stop])
 
-    def rounded(self, precision: Precision) -> States:
-        """The nearest states that `precision` can hold, so that rounding them is no error of a program."""
-        force = None if self.force is None else _rounded(self.force, precision)
-        torque = None if self.torque is None else _rounded(self.torque, precision)
-        given = {name: _rounded(values, precision) for name, values in self.given.items()}
-        return States(_rounded(self.x, precision), _rounded(self.y, precision), force, torque, given)
+    def rounded(self, precision: Precision) -> Self:
+        """Return the nearest states that `precision` can hold."""
+        return self._mapped(lambda values: values.astype(precision.dtype).astype(np.float64))
+
+    def _mapped(self, function: Callable[[Floats], Floats]) -> Self:
+        """Return the states with `function` applied to every array."""
+        arrays = {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        changed: dict[str, Any] = {name: function(value) for name, value in arrays.items()}
+        inputs = {name: function(values) for name, values in self.inputs.items()}
+        return replace(self, **changed, inputs=inputs)
+
+
+@dataclass(frozen=True)
+class ActuatedStates(States):
+    """B states with generalized forces.
+
+    Attributes:
+        tau: (B, n) generalized forces beside loads and gravity (N m, N).
+    """
+
+    tau: Floats = field(kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -82,7 +95,7 @@ class Ranges:
     y: Floats
     force: Floats
     torque: Floats
-    given: Mapping[str, Floats]
+    inputs: Mapping[str, Floats]
 
 
 def ranges(system: System | SystemArrays) -> Ranges:
@@ -114,12 +127,12 @@ def ranges(system: System | SystemArrays) -> Ranges:
         y=np.repeat(np.concatenate([rate, rate * size]), 3)[free],
         force=np.tile(weight[:, None], 3),
         torque=np.tile((weight * size)[:, None], 3),
-        given={name: given[name] for name in _read(arrays)},
+        inputs={name: given[name] for name in _read(arrays)},
     )
 
 
 def _read(arrays: SystemArrays) -> Iterator[str]:
-    """Names of the `States.given` that a system reads."""
+    """Names of the `States.inputs` that a system reads."""
     if arrays.forces.loaded.any():
         yield from ("point_force", "point_moment")
     if any(
@@ -149,12 +162,28 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
     force = torque = None
     if arrays.loads.any():
         force, torque = _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque)
-    given = {name: _uniform(rng, count, scale) for name, scale in largest.given.items()}
+    given = {name: _uniform(rng, count, scale) for name, scale in largest.inputs.items()}
     return States(x, y, force, torque, given)
 
 
-def _rounded(values: Floats, precision: Precision) -> Floats:
-    return values.astype(precision.dtype).astype(np.float64)
+def states_away_from_gimbal_lock(system: System, count: int, seed: int = 0) -> ActuatedStates:
+    """Return `count` random states in which the accelerations of different programs can be compared.
+
+    Angles of hinges are uniform over (-pi, pi), all other numbers over (-1, 1). Where a body has three free
+    angles, these stay away from gimbal lock, in which [A] is singular.
+
+    Args:
+        system: The tree, without loads.
+        count: Number of states B.
+        seed: Seed of the generator.
+    """
+    rng = np.random.default_rng(seed)
+    x, y, tau = rng.uniform(-1, 1, (3, count, len(system.freedoms)))
+    joints = [system.bodies[freedom.body - 1].joint for freedom in system.freedoms]
+    pairs = list(zip(system.freedoms, joints, strict=True))
+    hinges = [freedom.is_angle and not joint.turns_freely for freedom, joint in pairs]
+    bent = [freedom.index == 1 and joint.turns_freely and joint.ends_alike for freedom, joint in pairs]
+    return ActuatedStates(np.where(hinges, np.pi * x, x) + np.pi / 2 * np.array(bent), y, tau=tau)
 
 
 def _uniform(rng: np.random.Generator, count: int, scale: Floats) -> Floats:

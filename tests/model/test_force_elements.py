@@ -53,7 +53,7 @@ def given(states: States, system: kg.System) -> dict[str, Any]:
         "y": states.y[0],
         "parameters": [p.value for p in system.parameters],
     }
-    return found | {name: one[0] for name, one in states.given.items()}
+    return found | {name: one[0] for name, one in states.inputs.items()}
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -61,7 +61,7 @@ def test_programs_agree_with_the_reference(seed: int) -> None:
     """[A], {f}, what {ydot} needs, and {ydot} by every solver."""
     system = driven(seed, 1 + seed % 5)
     states = random_states(system, 1, seed)
-    inputs, further = given(states, system), {name: one[0] for name, one in states.given.items()}
+    inputs, further = given(states, system), {name: one[0] for name, one in states.inputs.items()}
     matrix = reference.mass_matrix(system, inputs["x"])
     forcing = reference.forcing(system, inputs["x"], inputs["y"], **further)
     ydot = np.linalg.solve(matrix, forcing)
@@ -78,7 +78,7 @@ def test_programs_agree_with_the_reference(seed: int) -> None:
 def test_so_do_the_literal_equations(seed: int) -> None:
     system = driven(seed, 2)
     states = random_states(system, 1, seed)
-    x, y, further = states.x[0], states.y[0], {name: one[0] for name, one in states.given.items()}
+    x, y, further = states.x[0], states.y[0], {name: one[0] for name, one in states.inputs.items()}
     expected = reference.forcing(system, x, y, **further)
     for named in (False, True):
         found = derive(system, intermediates=named).lambdify().forcing(x, y, **further)
@@ -91,7 +91,7 @@ def test_c_is_within_the_bound_of_its_rounding_in_every_precision() -> None:
         report = kg.compare(system, states=200, precision=precision)
         assert report.passed, str(report)
     forcing = report.accuracies[1]
-    assert forcing.worst.given.keys() == {"point_force", "point_moment", "t"}
+    assert forcing.worst.inputs.keys() == {"point_force", "point_moment", "t"}
     assert kg.compare(system.with_force_elements(JointSpring("body1.s1", 1e9)), states=50).passed
 
 
@@ -110,13 +110,13 @@ def test_states_alone_and_in_batches_have_the_same_bits() -> None:
     system = driven(4)
     library = kg.build(system, OUTPUTS, flags=FLAGS)
     states = random_states(system, 40, 1)
-    many = library.forcing(states.x, states.y, **states.given)
+    many = library.forcing(states.x, states.y, **states.inputs)
     for i in range(0, 40, 7):
-        one = {name: values[i] for name, values in states.given.items()}
+        one = {name: values[i] for name, values in states.inputs.items()}
         assert np.array_equal(library.forcing(states.x[i], states.y[i], **one), many[i])
-    once = {name: values[0] for name, values in states.given.items()}
+    once = {name: values[0] for name, values in states.inputs.items()}
     assert np.array_equal(library.forcing(states.x, states.y, **once)[0], many[0])
-    together = library.evaluate(states.x, states.y, ydot=states.y, tau=states.y, **states.given)
+    together = library.evaluate(states.x, states.y, ydot=states.y, tau=states.y, **states.inputs)
     assert np.allclose(together.forcing, many, rtol=1e-12)
 
 
@@ -285,7 +285,7 @@ def test_derivatives_go_through_force_elements() -> None:
     """Against complex steps through the reference."""
     system = driven(5, 3)
     states = random_states(system, 1, 5)
-    x, y, further = states.x[0], states.y[0], {name: one[0] for name, one in states.given.items()}
+    x, y, further = states.x[0], states.y[0], {name: one[0] for name, one in states.inputs.items()}
     library = kg.build(system, ("forcing_derivatives",), flags=FLAGS)
     found = library.forcing_derivatives(x, y, **further)
     columns = library.derivative_columns("forcing_derivatives")
@@ -334,7 +334,7 @@ def test_prescribed_freedoms_are_driven_against_what_acts_on_them(seed: int) -> 
     )
     states = random_states(system, 1, seed)
     state = given(states, system) | {"ydot": states.y[0][::-1]}
-    further = {name: rows[0] for name, rows in states.given.items()}
+    further = {name: rows[0] for name, rows in states.inputs.items()}
     assert "prescribed" in further
     found = values(system, ("forcing", "prescribed_efforts"), state)
     forcing = reference.forcing(system, state["x"], state["y"], **further)

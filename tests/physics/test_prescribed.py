@@ -390,8 +390,8 @@ def test_the_reference_in_a_report() -> None:
     report = kg.compare(tree("quaternions", 2), 20)
     assert report.passed
     worst = report.accuracies[0].worst
-    assert worst.given["prescribed"] is not None
-    assert len(worst.given["prescribed"]) == 3
+    assert worst.inputs["prescribed"] is not None
+    assert len(worst.inputs["prescribed"]) == 3
 
 
 def test_c_compiles_without_a_warning(tmp_path: Path) -> None:

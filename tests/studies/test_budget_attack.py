@@ -31,7 +31,7 @@ class Hump:
 
     def __call__(self, sample: Sample) -> Floats:
         self.asked += len(sample)
-        found: Floats = 1 / (1e-6 + np.abs(sample.states.x[:, 0] - 0.7))
+        found: Floats = 1 / (1e-6 + np.abs(sample.x[:, 0] - 0.7))
         return found
 
 
@@ -60,7 +60,7 @@ def test_it_stays_in_the_region() -> None:
     region, judge, sample = setting("x.q1 = [-1, 0.5]; exclude.cancellation = 2")
     found = search_counterexample(region, judge, Hump(), sample, evaluations=100, seed=1, hard=True)
     worst = sample_from_table(region.domain, found.state)
-    assert worst.states.x[0, 0] <= 0.5
+    assert worst.x[0, 0] <= 0.5
     assert judge.truths(worst)[0].conditioning.chi <= 2
 
 

@@ -82,9 +82,9 @@ def test_the_worst_state_has_the_error_that_is_told(strict: CertifiedSource) -> 
     box = read_region(BOX, MODEL)
     sample = sample_from_table(box.domain, worst["state"])
     library = kg.build(MODEL, ("forward_dynamics",), tier=strict.choice.candidate.variant)
-    found = measure(MODEL, library, sample.states, sample.tau)["forward_dynamics"]
-    alone = library.forward_dynamics(sample.states.x[0], sample.states.y[0], sample.tau[0])
-    together = library.forward_dynamics(sample.states.x, sample.states.y, sample.tau)[0]
+    found = measure(MODEL, library, sample, sample.tau)["forward_dynamics"]
+    alone = library.forward_dynamics(sample.x[0], sample.y[0], sample.tau[0])
+    together = library.forward_dynamics(sample.x, sample.y, sample.tau)[0]
     if (alone == together).all():
         assert found.normwise[0] == pytest.approx(worst["error"], rel=1e-4)
     assert worst["error"] <= found.bound[0]

@@ -67,7 +67,7 @@ def require_equal(system: kg.System, *seeds: int) -> None:
         given = {"x": sample.x[0], "y": sample.y[0]}
         if sample.force is not None and sample.torque is not None:
             given |= {"force": sample.force[0], "torque": sample.torque[0]}
-        further = {name: rows[0] for name, rows in sample.given.items()}
+        further = {name: rows[0] for name, rows in sample.inputs.items()}
         given |= further
         free = [general.places[freedom] for freedom in system.freedoms]
         matrix, forcing = general_results(given | at_locked_state(system, general, given))

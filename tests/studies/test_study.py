@@ -113,7 +113,7 @@ def test_samples_are_reproducible_disjoint_and_inside_the_box() -> None:
     assert one.bits() == same.bits()
     assert not set(one.bits()) & set(other.bits())
     assert domain.contains(joined([one, other]))
-    for values in (one.states.x, one.states.y, one.tau, domain.low, domain.high):
+    for values in (one.x, one.y, one.tau, domain.low, domain.high):
         assert np.array_equal(values, values.astype(np.float32))
     outside = replace(one, tau=10 * domain.high[12:18] * np.ones((50, 1)))
     assert not domain.contains(outside)
@@ -135,8 +135,8 @@ def test_the_grid_is_that_of_single_precision_at_every_size() -> None:
 
 def test_a_clearance_is_kept() -> None:
     domain = default_domain(FREE, clearance=0.5)
-    assert np.abs(np.cos(domain.sample(500, 0).states.x[:, 1])).min() >= 0.5
-    assert np.abs(np.cos(default_domain(FREE).sample(500, 0).states.x[:, 1])).min() < 0.1
+    assert np.abs(np.cos(domain.sample(500, 0).x[:, 1])).min() >= 0.5
+    assert np.abs(np.cos(default_domain(FREE).sample(500, 0).x[:, 1])).min() < 0.1
     narrow = np.where(np.arange(18) == 1, 1e-3, domain.high)
     middle = np.where(np.arange(18) == 1, np.pi / 2, 0.0)
     with pytest.raises(kg.OptionError, match=r"at clearance 0\.5 nothing of the box is left"):
@@ -147,8 +147,8 @@ def test_loads_are_part_of_the_domain() -> None:
     system = systems.chain(2, ["theta3"], loads=True)
     domain = default_domain(system)
     sample = domain.sample(4, 0)
-    assert sample.states.force is not None
-    assert np.abs(sample.states.force).min() > 0
+    assert sample.force is not None
+    assert np.abs(sample.force).min() > 0
     assert domain.contains(sample)
     assert set(domain.as_dict()["force"]) == {"body1", "body2"}
     assert np.array_equal(joined([sample, sample]).flat()[4:], sample.flat())
@@ -174,7 +174,7 @@ def test_hard_states_are_what_they_are_called() -> None:
     assert hard is not None
     assert domain.contains(hard)
     assert dict.fromkeys(hard.strata) == dict.fromkeys([LOCK, STRAIGHT, EQUILIBRIUM])
-    states = hard.states
+    states = hard
     assert np.abs(np.cos(states.x[hard.of(LOCK), 1])).max() < 0.11
     assert np.abs(np.sin(states.x[hard.of(STRAIGHT), :3])).max() < 0.4
     left = forcing(FREE, states.x, states.y) + hard.tau
@@ -206,7 +206,7 @@ def test_errors_are_those_of_forty_digits(precision: str, objective: str) -> Non
     sample = default_domain(HINGES).sample(5, 3)
     built = library(HINGES, precision)
     errors = Judge(HINGES).errors(built, sample, objective)
-    exact = true_values(HINGES.values(), sample.states)
+    exact = true_values(HINGES.values(), sample)
     values = computed(built, sample, objective)
     for row in range(len(sample)):
         with mpmath.workdps(40):
@@ -242,12 +242,12 @@ def test_other_speeds_are_the_same_physical_state() -> None:
     sample = default_domain(FREE).sample(20, 0)
     spinning = FREE.with_speeds("angular_velocity")
     other = converted(sample, FREE, spinning)
-    assert not np.array_equal(other.states.y, sample.states.y)
-    power, same = (np.sum(s.tau * s.states.y, axis=1) for s in (sample, other))
+    assert not np.array_equal(other.y, sample.y)
+    power, same = (np.sum(s.tau * s.y, axis=1) for s in (sample, other))
     assert same == pytest.approx(power, rel=1e-4, abs=1e-4 * np.abs(sample.tau).max())
     assert converted(sample, FREE, FREE) is sample
-    a, y = mass_matrix(FREE, sample.states.x), sample.states.y
-    rotation = other.states.y[:, :3]
+    a, y = mass_matrix(FREE, sample.x), sample.y
+    rotation = other.y[:, :3]
     inertia = np.array(FREE.values().inertia[0]) + _about_origin(FREE)
     turning = np.einsum("bi,ij,bj->b", rotation, inertia, rotation)
     angles = np.einsum("bi,bij,bj->b", y[:, :3], a[:, :3, :3], y[:, :3])

@@ -76,7 +76,7 @@ def in_region(region: Region, judge: Judge, sample: Sample) -> list[bool]:
 def state_table(sample: Sample) -> dict[str, Any]:
     """Return a sample of one state as a table of hexadecimal numbers, which are exact on every machine."""
     (row,) = sample.flat()
-    m, n = sample.states.x.shape[1], sample.tau.shape[1]
+    m, n = sample.x.shape[1], sample.tau.shape[1]
     loads = (len(row) - m - 2 * n) // 2
     ends = np.cumsum([m, n, n, loads, loads])
     names = ("x", "y", "tau", "force", "torque")

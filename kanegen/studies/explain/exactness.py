@@ -121,8 +121,8 @@ def _changed(names: list[str], before: SystemArrays, after: SystemArrays) -> Ite
 def _results(before: SystemArrays, after: SystemArrays, states: int, seed: int) -> dict[str, float]:
     """With D = diag([A])^(1/2), which takes the units away, of D^-1 [A] D^-1, D^-1 {f} and D {ydot}."""
     sample = random_states(before, states, seed)
-    state, loads, given = (sample.x, sample.y), (sample.force, sample.torque), sample.given
-    a, other_a = (reference.mass_matrix(arrays, sample.x, sample.motion) for arrays in (before, after))
+    state, loads, given = (sample.x, sample.y), (sample.force, sample.torque), sample.inputs
+    a, other_a = (reference.mass_matrix(arrays, sample.x, sample.prescribed) for arrays in (before, after))
     f, other_f = (reference.forcing(arrays, *state, *loads, **given) for arrays in (before, after))
     d = np.sqrt(np.einsum("bii->bi", a))
     ydot = np.linalg.solve(a, f[..., None])[..., 0]

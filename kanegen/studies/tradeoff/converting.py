@@ -27,8 +27,8 @@ def converted(sample: Sample, system: System, other: System) -> Sample:
     """
     if other == system:
         return sample
-    bodies = kinematics(system.values(), sample.states.x, sample.states.y)
-    y, tau = sample.states.y.copy(), sample.tau.copy()
+    bodies = kinematics(system.values(), sample.x, sample.y)
+    y, tau = sample.y.copy(), sample.tau.copy()
     pairs = zip(system.bodies, other.bodies, strict=True)
     for k, (body, changed) in enumerate(pairs, start=1):
         if changed.joint.spins and not body.joint.spins:
@@ -36,8 +36,8 @@ def converted(sample: Sample, system: System, other: System) -> Sample:
             matrix = bodies[k - 1].rate_matrix
             y[:, own] = np.einsum("bij,bj->bi", matrix, y[:, own])
             tau[:, own] = np.linalg.solve(matrix.swapaxes(1, 2), tau[:, own, None])[..., 0]
-    x = np.stack(list(_columns(sample.states.x, system, other, bodies)), axis=1)
-    return Sample(replace(sample.states, x=rounded(x), y=rounded(y)), rounded(tau), sample.strata)
+    x = np.stack(list(_columns(sample.x, system, other, bodies)), axis=1)
+    return replace(sample, x=rounded(x), y=rounded(y), tau=rounded(tau))
 
 
 def _columns(

@@ -20,7 +20,7 @@ from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
 from kanegen.program.precision import FLOAT, Precision
 from kanegen.reference import equations as reference
-from kanegen.reference.states import Ranges, States, random_states, ranges
+from kanegen.reference.states import Ranges, random_states, ranges
 from kanegen.studies.tradeoff.samples import UNIFORM, Sample
 
 GRID = FLOAT
@@ -133,15 +133,13 @@ class Domain:
         inside = rounded(np.clip(rows, self.low, self.high))
         x, y, tau, force, torque = np.split(inside, [*self.first.values()][1:], axis=1)
         shape = (len(rows), loads // 3, 3)
-        states = (
-            States(x, y, force.reshape(shape), torque.reshape(shape)) if loads else States(x, y, None, None)
-        )
-        return Sample(states, tau, (stratum,) * len(rows))
+        both = (force.reshape(shape), torque.reshape(shape)) if loads else (None, None)
+        return Sample(x, y, *both, tau=tau, strata=(stratum,) * len(rows))
 
     def contains(self, sample: Sample) -> bool:
         """Whether all states of a sample lie in the domain."""
         rows, locks = sample.flat(), np.array(list(self.locking.values()))
-        clear = np.abs(np.sin(sample.states.x[:, list(self.locking)] - locks)) >= self.clearance
+        clear = np.abs(np.sin(sample.x[:, list(self.locking)] - locks)) >= self.clearance
         return bool(((rows >= self.low) & (rows <= self.high)).all() and clear.all())
 
     def as_dict(self) -> dict[str, Any]:

@@ -75,7 +75,7 @@ def _near_equilibrium(domain: Domain, rows: Floats, rng: np.random.Generator) ->
     """Almost still, and tau almost holds the tree against gravity and loads."""
     n, y, tau = len(domain.system.freedoms), domain.first["y"], domain.first["tau"]
     rows[:, y : y + n] *= np.abs(_small(rng, (len(rows), n)))
-    states = domain.states(rows).states
+    states = domain.states(rows)
     forcing = reference.forcing(domain.system, states.x, states.y, states.force, states.torque)
     rows[:, tau : tau + n] = -forcing * (1 + _small(rng, (len(rows), 1)) * rng.uniform(-1, 1, forcing.shape))
     return rows

@@ -68,9 +68,8 @@ class Judge:
         return self._judged[key]
 
     def _exact(self, sample: Sample, row: int) -> ExactState:
-        states = sample.states
-        force, torque = (None if load is None else load[row] for load in (states.force, states.torque))
-        inputs = (states.x[row], states.y[row], sample.tau[row], force, torque)
+        force, torque = (None if load is None else load[row] for load in (sample.force, sample.torque))
+        inputs = (sample.x[row], sample.y[row], sample.tau[row], force, torque)
         return ExactState.of(
             truth(self.system, *inputs, outputs=(OUTPUT,), unit_roundoff=DOUBLE_DOUBLE.roundoff)
         )
@@ -78,9 +77,9 @@ class Judge:
 
 def computed(library: Library, sample: Sample, objective: str) -> NDArray[Any]:
     """(B, n) {ydot} of a library, NaN where it has none; by its function for one state, or for batches."""
-    states, storage = sample.states, formats(library.source.variant).storage
-    loads = [load for load in (states.force, states.torque) if load is not None]
-    arrays = [storage.from_doubles(array) for array in (states.x, states.y, sample.tau, *loads)]
+    storage = formats(library.source.variant).storage
+    loads = [load for load in (sample.force, sample.torque) if load is not None]
+    arrays = [storage.from_doubles(array) for array in (sample.x, sample.y, sample.tau, *loads)]
     with warnings.catch_warnings(action="ignore", category=KanegenWarning):
         if objective == BATCH:
             return library.forward_dynamics(*arrays)

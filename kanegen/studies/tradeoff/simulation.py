@@ -69,7 +69,7 @@ def simulated(system: System, study: Study, progress: Progress = lambda stage: N
     """
     model, _ = without_loads_and_parameters(system)
     sample = study.domain.sample(1, (study.terms.seed, START))
-    x, y, duration = sample.states.x[0], 0.5 * sample.states.y[0], _duration(model)
+    x, y, duration = sample.x[0], 0.5 * sample.y[0], _duration(model)
     progress("simulating the reference")
     exact = fixed(x, y, duration, "RK4", FINEST, True).motion(_library(model, _REFERENCE))
     runs: list[Run] = []

@@ -160,7 +160,7 @@ class Bench:
             terms.search,
             (terms.seed, SEARCH),
         )
-        arrays = {"x": worst.states.x, "y": worst.states.y, "tau": worst.tau}
+        arrays = {"x": worst.x, "y": worst.y, "tau": worst.tau}
         return height, {name: tuple(values[0].tolist()) for name, values in arrays.items()}
 
 

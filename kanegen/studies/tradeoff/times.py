@@ -58,7 +58,7 @@ def computed_in_c(built: CompiledVariant, sample: Sample) -> dict[str, Floats]:
 
 def _participant(built: CompiledVariant, sample: Sample, file: Path) -> Participant:
     library = built.library
-    states = States(sample.states.x, sample.states.y, sample.tau).write(file)
+    states = States(sample.x, sample.y, sample.tau).write(file)
     real = formats(library.source.variant).storage
     kind = "-DDOUBLE_DOUBLE" if real.trailing_shape else f"-DREAL={real.c_type}"
     files = {"variant.c": driver("variant.c")}
