@@ -17,6 +17,7 @@ from kanegen.c.folder import require_room
 from kanegen.cli.terminal import print_plain, screen
 from kanegen.model.system import System
 from kanegen.program.precision import precision_named
+from kanegen.studies.budget.budget_evaluator import allowed_candidates, is_reproducible
 from kanegen.studies.budget.certification import (
     CertifiedSource,
     certified_file_names,
@@ -26,7 +27,6 @@ from kanegen.studies.budget.certification import (
 from kanegen.studies.budget.confidence import quantile_level
 from kanegen.studies.budget.region import read_region
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
-from kanegen.studies.budget.variant_evaluator import allowed_candidates, is_reproducible
 from kanegen.studies.budget.verification import Verification, verify
 from kanegen.studies.tradeoff.variants import Candidate
 

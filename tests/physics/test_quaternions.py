@@ -18,8 +18,8 @@ from kanegen.measure import truth as certified
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.states import random_states
-from kanegen.studies.tradeoff.converting import converted
 from kanegen.studies.tradeoff.domain import default_domain
+from kanegen.studies.tradeoff.evaluator import convert_sample
 from kanegen.symbolic import derive
 from kanegen.symbolic.printing import render
 from tests.physics.test_speeds import ARRAYS, SPINS, close, mixed, values
@@ -243,9 +243,9 @@ def test_states_of_a_study_are_the_same_physically() -> None:
     system = mixed(3)
     turned = system.with_coordinates("quaternion")
     sample = default_domain(system).sample(20, 1)
-    other = converted(sample, system, turned)
-    poses = kg.build(system, ("body_poses", "kinetic_energy")).evaluate(sample.states.x, sample.states.y)
-    same = kg.build(turned, ("body_poses", "kinetic_energy")).evaluate(other.states.x, other.states.y)
+    other = convert_sample(sample, system, turned)
+    poses = kg.build(system, ("body_poses", "kinetic_energy")).evaluate(sample.x, sample.y)
+    same = kg.build(turned, ("body_poses", "kinetic_energy")).evaluate(other.x, other.y)
     close(same.body_poses, poses.body_poses, 1e-5)
     close(same.kinetic_energy, poses.kinetic_energy, 1e-5)
 

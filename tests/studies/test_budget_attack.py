@@ -15,8 +15,8 @@ from kanegen.studies.budget.counterexample import (
 )
 from kanegen.studies.budget.region import Region, read_region
 from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region, state_table
-from kanegen.studies.tradeoff.judge import Judge
-from kanegen.studies.tradeoff.samples import Sample
+from kanegen.studies.tradeoff.domain import Sample
+from kanegen.studies.tradeoff.exact_results import ExactResults
 from tests.support.paths import MODELS
 
 Floats = NDArray[np.float64]
@@ -35,17 +35,17 @@ class Hump:
         return found
 
 
-def setting(words: str) -> tuple[Region, Judge, Sample]:
+def setting(words: str) -> tuple[Region, ExactResults, Sample]:
     region = read_region(words, PENDULUM)
-    judge = Judge(region.system)
-    return region, judge, sample_region(region, judge, 12, random_stream(0, "select", 0))
+    exact = ExactResults(region.system)
+    return region, exact, sample_region(region, exact, 12, random_stream(0, "select", 0))
 
 
 @pytest.mark.parametrize("hard", [True, False])
 def test_it_climbs_and_counts(hard: bool) -> None:
-    region, judge, sample = setting("x.q1 = [-1, 1]")
+    region, exact, sample = setting("x.q1 = [-1, 1]")
     hump = Hump()
-    found = search_counterexample(region, judge, hump, sample, evaluations=200, seed=1, hard=hard)
+    found = search_counterexample(region, exact, hump, sample, evaluations=200, seed=1, hard=hard)
     assert found.error > 10 * hump(sample).max()
     worst = sample_from_table(region.domain, found.state)
     assert region.domain.contains(worst)
@@ -57,17 +57,17 @@ def test_it_climbs_and_counts(hard: bool) -> None:
 
 def test_it_stays_in_the_region() -> None:
     """The top of the hump is outside the box; states that cancel are outside the region."""
-    region, judge, sample = setting("x.q1 = [-1, 0.5]; exclude.cancellation = 2")
-    found = search_counterexample(region, judge, Hump(), sample, evaluations=100, seed=1, hard=True)
+    region, exact, sample = setting("x.q1 = [-1, 0.5]; exclude.cancellation = 2")
+    found = search_counterexample(region, exact, Hump(), sample, evaluations=100, seed=1, hard=True)
     worst = sample_from_table(region.domain, found.state)
     assert worst.x[0, 0] <= 0.5
-    assert judge.truths(worst)[0].conditioning.chi <= 2
+    assert exact.states(worst)[0].conditioning.chi <= 2
 
 
 def test_the_same_seed_finds_the_same_state() -> None:
-    region, judge, sample = setting("")
+    region, exact, sample = setting("")
     first, second, other = (
-        search_counterexample(region, judge, Hump(), sample, evaluations=60, seed=seed, hard=True)
+        search_counterexample(region, exact, Hump(), sample, evaluations=60, seed=seed, hard=True)
         for seed in (1, 1, 2)
     )
     assert first == second
@@ -84,25 +84,25 @@ def test_a_state_in_words_is_exact() -> None:
 
 
 def test_causes() -> None:
-    region, judge, sample = setting("")
+    region, exact, sample = setting("")
     held = sample[:1].flat().copy()
     equations = kg.build(PENDULUM)
     held[0, 2:4] = 0.0
     held[0, 4:6] = -equations.forcing(held[0, :2], held[0, 2:4]) * (1 + 1e-6)
-    assert "exclude.cancellation" in explain_difficulty(judge, region.domain.states(held), sample)
-    assert explain_difficulty(judge, sample[:1], sample[:1]) == "Nothing about the state is unusual."
+    assert "exclude.cancellation" in explain_difficulty(exact, region.domain.states(held), sample)
+    assert explain_difficulty(exact, sample[:1], sample[:1]) == "Nothing about the state is unusual."
 
     body = read_region("exclude.clearance = 1e-4", kg.load(MODELS / "free_body.toml"))
-    judge = Judge(body.system)
-    usual = sample_region(body, judge, 5, random_stream(0, "select", 0))
+    exact = ExactResults(body.system)
+    usual = sample_region(body, exact, 5, random_stream(0, "select", 0))
     locked = usual[:1].flat().copy()
     locked[0, 1] = np.pi / 2 - 1e-3
-    assert "exclude.clearance" in explain_difficulty(judge, body.domain.states(locked), usual)
+    assert "exclude.clearance" in explain_difficulty(exact, body.domain.states(locked), usual)
 
 
 def test_ranges_hold_every_state() -> None:
-    _, judge, sample = setting("")
-    found = conditioning_ranges(judge, sample)
-    chi = [exact.conditioning.chi for exact in judge.truths(sample)]
+    _, exact, sample = setting("")
+    found = conditioning_ranges(exact, sample)
+    chi = [state.conditioning.chi for state in exact.states(sample)]
     assert found["chi"] == [min(chi), max(chi)]
     assert set(found) == {"chi", "kappa_s", "formation"}

@@ -13,7 +13,7 @@ import kanegen as kg
 from kanegen.errors import OptionError, ReadError
 from kanegen.studies.budget.region import Region, read_region, region_from_table, require_no_gimbal_lock
 from kanegen.studies.budget.sampling import in_region, random_stream, sample_region
-from kanegen.studies.tradeoff.judge import Judge
+from kanegen.studies.tradeoff.exact_results import ExactResults
 from tests.support import systems
 from tests.support.paths import MODELS
 
@@ -176,15 +176,15 @@ def test_a_clearance_leaves_something() -> None:
 
 def test_states_that_cancel_are_not_drawn(pendulum: kg.System) -> None:
     found = read_region("exclude.cancellation = 1.5", pendulum)
-    judge = Judge(found.system)
-    sample = sample_region(found, judge, 12, random_stream(0, "select", 0))
+    exact = ExactResults(found.system)
+    sample = sample_region(found, exact, 12, random_stream(0, "select", 0))
     assert len(sample) == 12
-    assert max(exact.conditioning.chi for exact in judge.truths(sample)) <= 1.5
-    free = sample_region(read_region(None, pendulum), judge, 30, random_stream(0, "select", 0))
-    assert 0 < sum(in_region(found, judge, free)) < 30
+    assert max(state.conditioning.chi for state in exact.states(sample)) <= 1.5
+    free = sample_region(read_region(None, pendulum), exact, 30, random_stream(0, "select", 0))
+    assert 0 < sum(in_region(found, exact, free)) < 30
     with pytest.raises(OptionError, match=r"cancel less than 0\.5. Raise exclude\.cancellation"):
         sample_region(
-            read_region("exclude.cancellation = 0.5", pendulum), judge, 4, random_stream(0, "select", 0)
+            read_region("exclude.cancellation = 0.5", pendulum), exact, 4, random_stream(0, "select", 0)
         )
 
 

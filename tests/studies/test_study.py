@@ -16,12 +16,11 @@ from kanegen.model.freedoms import FREEDOMS
 from kanegen.options import Variant
 from kanegen.reference.equations import forcing, mass_matrix
 from kanegen.studies.tradeoff import variants
-from kanegen.studies.tradeoff.converting import converted
-from kanegen.studies.tradeoff.domain import Domain, default_domain, rounded
-from kanegen.studies.tradeoff.hard_states import EQUILIBRIUM, LOCK, STRAIGHT, climb, hard_states
-from kanegen.studies.tradeoff.judge import OUTPUT, Judge, computed
+from kanegen.studies.tradeoff.domain import UNIFORM, Domain, Sample, default_domain, joined, rounded
+from kanegen.studies.tradeoff.evaluator import convert_sample
+from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations
+from kanegen.studies.tradeoff.hard_states import EQUILIBRIUM, GIMBAL_LOCK, STRAIGHT, climb, hard_states
 from kanegen.studies.tradeoff.pareto_front import TIE, Point, front, rank_correlation, verdict
-from kanegen.studies.tradeoff.samples import UNIFORM, Sample, joined
 from tests.support import systems
 from tests.support.high_precision import true_values
 
@@ -173,14 +172,14 @@ def test_hard_states_are_what_they_are_called() -> None:
     hard = hard_states(domain, 20, 0)
     assert hard is not None
     assert domain.contains(hard)
-    assert dict.fromkeys(hard.strata) == dict.fromkeys([LOCK, STRAIGHT, EQUILIBRIUM])
+    assert dict.fromkeys(hard.kinds) == dict.fromkeys([GIMBAL_LOCK, STRAIGHT, EQUILIBRIUM])
     states = hard
-    assert np.abs(np.cos(states.x[hard.of(LOCK), 1])).max() < 0.11
-    assert np.abs(np.sin(states.x[hard.of(STRAIGHT), :3])).max() < 0.4
+    assert np.abs(np.cos(states.x[hard.rows_of(GIMBAL_LOCK), 1])).max() < 0.11
+    assert np.abs(np.sin(states.x[hard.rows_of(STRAIGHT), :3])).max() < 0.4
     left = forcing(FREE, states.x, states.y) + hard.tau
     size = np.abs(hard.tau).max(axis=1)
-    assert (np.abs(left).max(axis=1) / size)[hard.of(EQUILIBRIUM)].max() < 0.2
-    assert hard_states(default_domain(HINGES), 5, 0).of(LOCK) == []  # type: ignore[union-attr]
+    assert (np.abs(left).max(axis=1) / size)[hard.rows_of(EQUILIBRIUM)].max() < 0.2
+    assert hard_states(default_domain(HINGES), 5, 0).rows_of(GIMBAL_LOCK) == []  # type: ignore[union-attr]
 
 
 def test_a_search_climbs_by_evaluations_and_stays_inside() -> None:
@@ -205,9 +204,9 @@ def test_errors_are_those_of_forty_digits(precision: str, objective: str) -> Non
     """Two hinges on parallel axes: both accelerations have one unit, so the norm needs no scaling."""
     sample = default_domain(HINGES).sample(5, 3)
     built = library(HINGES, precision)
-    errors = Judge(HINGES).errors(built, sample, objective)
+    errors = ExactResults(HINGES).errors(built, sample, objective)
     exact = true_values(HINGES.values(), sample)
-    values = computed(built, sample, objective)
+    values = compute_accelerations(built, sample, objective)
     for row in range(len(sample)):
         with mpmath.workdps(40):
             a, f = mpmath.matrix(exact["mass_matrix"][row]), mpmath.matrix(exact["forcing"][row])
@@ -221,17 +220,17 @@ def test_errors_are_those_of_forty_digits(precision: str, objective: str) -> Non
 def test_the_gate_tells_wrong_from_inaccurate() -> None:
     domain = default_domain(FREE)
     sample = joined([domain.sample(8, 0), hard_states(domain, 8, 0) or domain.sample(1, 1)])
-    judge = Judge(FREE)
+    exact = ExactResults(FREE)
     for precision in ("double", "float"):
         built = library(FREE, precision)
-        right = computed(built, sample, BATCH)
+        right = compute_accelerations(built, sample, BATCH)
         roundoff = np.finfo(right.dtype).eps / 2
-        assert not judge.judged(right, sample, roundoff).wrong.any()
+        assert not exact.measure(right, sample, roundoff).wrong.any()
         off = right * right.dtype.type(1 + 1e5 * roundoff)
-        assert judge.judged(off, sample, roundoff).wrong[sample.of(UNIFORM)].all()
+        assert exact.measure(off, sample, roundoff).wrong[sample.rows_of(UNIFORM)].all()
         flipped = right * np.where(np.arange(6) == 4, -1, 1).astype(right.dtype)
-        assert judge.judged(flipped, sample, roundoff).wrong[sample.of(UNIFORM)].all()
-        lost = judge.judged(np.where(np.arange(6) == 2, np.nan, right), sample, roundoff)
+        assert exact.measure(flipped, sample, roundoff).wrong[sample.rows_of(UNIFORM)].all()
+        lost = exact.measure(np.where(np.arange(6) == 2, np.nan, right), sample, roundoff)
         assert lost.failed.all()
         assert not lost.wrong.any()
         assert lost.median == np.inf
@@ -241,11 +240,11 @@ def test_other_speeds_are_the_same_physical_state() -> None:
     """The power of tau and the kinetic energy do not depend on what the speeds are."""
     sample = default_domain(FREE).sample(20, 0)
     spinning = FREE.with_speeds("angular_velocity")
-    other = converted(sample, FREE, spinning)
+    other = convert_sample(sample, FREE, spinning)
     assert not np.array_equal(other.y, sample.y)
     power, same = (np.sum(s.tau * s.y, axis=1) for s in (sample, other))
     assert same == pytest.approx(power, rel=1e-4, abs=1e-4 * np.abs(sample.tau).max())
-    assert converted(sample, FREE, FREE) is sample
+    assert convert_sample(sample, FREE, FREE) is sample
     a, y = mass_matrix(FREE, sample.x), sample.y
     rotation = other.y[:, :3]
     inertia = np.array(FREE.values().inertia[0]) + _about_origin(FREE)

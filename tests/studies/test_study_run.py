@@ -20,16 +20,15 @@ import kanegen as kg
 from kanegen.cli.app import app
 from kanegen.measure.timing import OBJECTIVES, Rounds, Times
 from kanegen.options import Variant
-from kanegen.studies.tradeoff import compilation, variants
-from kanegen.studies.tradeoff import study as module
+from kanegen.studies.tradeoff import compilation, evaluator, variants
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.domain import default_domain
-from kanegen.studies.tradeoff.judge import computed
+from kanegen.studies.tradeoff.evaluator import accelerations_of_driver, time_variants
+from kanegen.studies.tradeoff.exact_results import compute_accelerations
 from kanegen.studies.tradeoff.outcome import Study, StudyOptions
 from kanegen.studies.tradeoff.plot import tradeoff_svg
 from kanegen.studies.tradeoff.report import comma_separated, json_record, markdown, statements
 from kanegen.studies.tradeoff.study import study
-from kanegen.studies.tradeoff.times import computed_in_c, timed
 from kanegen.studies.tradeoff.variants import Candidate
 from tests.support import systems
 
@@ -68,7 +67,7 @@ def invented(
 
 @pytest.fixture
 def still(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "timed", invented)
+    monkeypatch.setattr(evaluator, "time_variants", invented)
 
 
 @pytest.fixture(scope="module")
@@ -86,10 +85,10 @@ def test_what_is_timed_computes_what_is_judged() -> None:
     (one, _, single, _), _ = compile_variants(HINGES, few(), quiet)
     sample = default_domain(HINGES).sample(40, 0)
     for built in (one, single):
-        found = computed_in_c(built, sample)
+        found = accelerations_of_driver(built, sample)
         for objective in OBJECTIVES:
-            assert np.array_equal(found[objective], computed(built.library, sample, objective))
-    times = timed({one: sample, single: sample}, Rounds(3, 0.0), quiet)
+            assert np.array_equal(found[objective], compute_accelerations(built.library, sample, objective))
+    times = time_variants({one: sample, single: sample}, Rounds(3, 0.0), quiet)
     assert [len(times[built][objective].rounds) for built in times for objective in OBJECTIVES] == [3] * 4
     assert times[one]["batch"].least <= times[one]["batch"].median
     assert times[one]["latency"].least > 0

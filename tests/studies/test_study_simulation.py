@@ -18,20 +18,18 @@ from kanegen.model.freedoms import FREEDOMS
 from kanegen.options import STRICT, Variant
 from kanegen.reference import equations as reference
 from kanegen.studies.bench.states import without_loads_and_parameters
-from kanegen.studies.tradeoff import simulation
-from kanegen.studies.tradeoff import study as module
+from kanegen.studies.tradeoff import evaluator, simulation
 from kanegen.studies.tradeoff.compilation import compile_variants
-from kanegen.studies.tradeoff.domain import default_domain
+from kanegen.studies.tradeoff.domain import default_domain, joined
+from kanegen.studies.tradeoff.evaluator import accelerations_of_driver
+from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations, unit_roundoff
 from kanegen.studies.tradeoff.hard_states import hard_states
-from kanegen.studies.tradeoff.judge import OUTPUT, Judge, computed, unit
 from kanegen.studies.tradeoff.outcome import Run, Study, StudyOptions
 from kanegen.studies.tradeoff.plot import simulation_svg
 from kanegen.studies.tradeoff.report import json_record, markdown
-from kanegen.studies.tradeoff.samples import joined
 from kanegen.studies.tradeoff.simulation import simulated
 from kanegen.studies.tradeoff.study import study
 from kanegen.studies.tradeoff.tables import simulation_rows
-from kanegen.studies.tradeoff.times import computed_in_c
 from kanegen.studies.tradeoff.variants import Candidate
 from tests.studies.test_study_run import invented, quiet
 from tests.support import systems
@@ -51,7 +49,7 @@ PRECISIONS = [
 @pytest.fixture(scope="module")
 def outcome() -> Study:
     patch = pytest.MonkeyPatch()
-    patch.setattr(module, "timed", invented)
+    patch.setattr(evaluator, "time_variants", invented)
     patch.setattr(simulation, "STEPS", (16, 32, 64))
     patch.setattr(simulation, "FINEST", 1024)
     wanted = [Candidate(STRICT), Candidate(Variant(precision="float"))]
@@ -130,12 +128,12 @@ def test_every_precision_is_judged_and_timed(variant: Variant) -> None:
     domain = default_domain(system)
     sample = joined([domain.sample(6, 0), hard_states(domain, 4, 0) or domain.sample(1, 1)])
     (built,), _ = compile_variants(system, [Candidate(variant)], quiet)
-    driven = computed_in_c(built, sample)
+    driven = accelerations_of_driver(built, sample)
     for objective in OBJECTIVES:
-        errors = Judge(system).errors(built.library, sample, objective)
+        errors = ExactResults(system).errors(built.library, sample, objective)
         assert not errors.wrong.any()
         assert errors.backward.max() < GATE / 2
-        assert 1e-3 < errors.median / unit(variant) < 50
-        values = computed(built.library, sample, objective)
+        assert 1e-3 < errors.median / unit_roundoff(variant) < 50
+        values = compute_accelerations(built.library, sample, objective)
         nearest = values[..., 0] if values.ndim > 2 else values.astype(np.float64)
         assert np.array_equal(driven[objective], nearest)

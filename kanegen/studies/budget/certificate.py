@@ -33,8 +33,8 @@ from kanegen.readers.text import read_text
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.request import SHARE
 from kanegen.studies.budget.sampling import random_stream
-from kanegen.studies.tradeoff.judge import computed
-from kanegen.studies.tradeoff.samples import Sample
+from kanegen.studies.tradeoff.domain import Sample
+from kanegen.studies.tradeoff.exact_results import compute_accelerations
 from kanegen.studies.tradeoff.variants import Candidate
 
 KIND = "error and time of one variant of one model"
@@ -244,7 +244,7 @@ def _digest_of_results(library: Library, sample: Sample, objective: str) -> str:
 
     Numbers longer than a double count as the nearest double and the rest, because their bytes have gaps.
     """
-    values = computed(library, sample, objective).copy()
+    values = compute_accelerations(library, sample, objective).copy()
     values[np.isnan(values)] = np.nan
     parts = [values]
     if values.dtype.itemsize > np.dtype(np.float64).itemsize:

@@ -15,6 +15,7 @@ from kanegen.c import Source
 from kanegen.measure.errors import QUANTILES, quantile
 from kanegen.model.system import System
 from kanegen.options import STRICT, TIERS, Progress, quiet
+from kanegen.studies.budget.budget_evaluator import BudgetEvaluator, allowed_candidates
 from kanegen.studies.budget.certificate import (
     DIGEST_STATES,
     FORMAT,
@@ -32,9 +33,8 @@ from kanegen.studies.budget.region import Region, require_no_gimbal_lock
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.sampling import state_table
 from kanegen.studies.budget.selection import Choice, choose
-from kanegen.studies.budget.variant_evaluator import VariantEvaluator, allowed_candidates
 from kanegen.studies.tradeoff.compilation import generate_variant
-from kanegen.studies.tradeoff.judge import OUTPUT
+from kanegen.studies.tradeoff.exact_results import OUTPUT
 from kanegen.studies.tradeoff.variants import Candidate
 
 METRIC = "normwise relative error of {ydot} after unit scaling, against certified truth"
@@ -88,7 +88,7 @@ def certify_variant(
     """
     require_no_gimbal_lock(region)
     allowed = tuple(candidates or allowed_candidates())
-    evaluator = VariantEvaluator(region, request, allowed, seed, progress)
+    evaluator = BudgetEvaluator(region, request, allowed, seed, progress)
     choice = choose(evaluator, request)
     progress("writing the certificate")
     return _certified_source(model, evaluator, request, choice, seed)
@@ -117,7 +117,7 @@ def claim_sentence(request: Request, choice: Choice[Candidate]) -> str:
 
 
 def _certified_source(
-    model: System, evaluator: VariantEvaluator, request: Request, choice: Choice[Candidate], seed: int
+    model: System, evaluator: BudgetEvaluator, request: Request, choice: Choice[Candidate], seed: int
 ) -> CertifiedSource:
     """Return the C of the chosen variant with its certificate."""
     library = evaluator.library(choice.candidate)
@@ -183,7 +183,7 @@ def _request(request: Request, seed: int) -> dict[str, Any]:
     return {**table, "effort": effort, "seed": seed}
 
 
-def _validation(evaluator: VariantEvaluator, request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
+def _validation(evaluator: BudgetEvaluator, request: Request, choice: Choice[Candidate]) -> dict[str, Any]:
     """Return the section "validation" of a certificate."""
     found = choice.validation
     sample = evaluator.sample(SampleSpec(VALIDATE, found.attempt, request.fresh_states))
@@ -195,7 +195,7 @@ def _validation(evaluator: VariantEvaluator, request: Request, choice: Choice[Ca
         "exceeded": found.exceeded,
         "errors": {name: quantile(found.errors, share) for name, share in QUANTILES.items()},
         "worst": {"error": float(found.errors[place]), "state": state_table(sample[place : place + 1])},
-        **conditioning_ranges(evaluator.judge, sample),
+        **conditioning_ranges(evaluator.exact, sample),
         "states_to_choose_by": {"states": request.effort.select, "error": choice.error},
     }
 

@@ -16,17 +16,15 @@ from kanegen.model.arrays import Floats
 from kanegen.studies.budget.evaluator import SearchResult
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.sampling import in_region, state_table
-from kanegen.studies.tradeoff.hard_states import climb, hard_states
-from kanegen.studies.tradeoff.judge import Judge
-from kanegen.studies.tradeoff.samples import Sample, joined
+from kanegen.studies.tradeoff.domain import Sample, joined
+from kanegen.studies.tradeoff.exact_results import ExactResults
+from kanegen.studies.tradeoff.hard_states import HARD_KINDS, climb, hard_states
 
 CLIMBS = 4
 """Number of states from which a search climbs."""
 
 _HARD_SHARE = 3
 """One of so many evaluations of a search is spent on hard states."""
-
-_KINDS_OF_HARD_STATES = 3
 
 _NOTABLE_RATIO = 10.0
 """Ratio to the usual value from which on a condition number explains a large error."""
@@ -44,7 +42,7 @@ _REMEDIES = {
 
 def search_counterexample(
     region: Region,
-    judge: Judge,
+    exact: ExactResults,
     error: Callable[[Sample], Floats],
     sample: Sample,
     evaluations: int,
@@ -55,15 +53,15 @@ def search_counterexample(
 
     Args:
         region: The states to search.
-        judge: Evaluator of errors of the system of the region; it knows how hard a state is.
+        exact: Exact results of the system of the region, which hold how hard a state is.
         error: Function that returns the (B,) errors of a variant in a sample of B states.
         sample: States from whose worst ones the search climbs.
         evaluations: Number of states that may be tried.
         seed: Seed of the search.
         hard: Whether hard states are tried as well.
     """
-    inside = _error_inside(region, judge, error)
-    starts = _with_hard_states(region, judge, sample, evaluations // _HARD_SHARE if hard else 0, seed)
+    inside = _error_inside(region, exact, error)
+    starts = _with_hard_states(region, exact, sample, evaluations // _HARD_SHARE if hard else 0, seed)
     errors = error(starts)
     tried = len(starts) - len(sample)
     order = np.argsort(-errors, kind="stable")[:CLIMBS]
@@ -72,59 +70,61 @@ def search_counterexample(
         climb(region.domain, starts[k : k + 1], inside, each, seed + rank) for rank, k in enumerate(order)
     ]
     worst, largest = max(found, key=lambda pair: pair[1])
-    explanation = explain_difficulty(judge, worst, sample)
+    explanation = explain_difficulty(exact, worst, sample)
     return SearchResult(largest, tried + each * len(order), state_table(worst), explanation)
 
 
-def explain_difficulty(judge: Judge, worst: Sample, ordinary: Sample) -> str:
+def explain_difficulty(exact: ExactResults, worst: Sample, ordinary: Sample) -> str:
     """Return a sentence on what makes a state harder than ordinary ones and how to exclude it.
 
     Args:
-        judge: Evaluator of errors of the system.
+        exact: Exact results of the system.
         worst: The state, as a sample of one state.
         ordinary: States to compare it with.
     """
-    (exact,) = judge.truths(worst)
-    usual = judge.truths(ordinary)
+    (state,) = exact.states(worst)
+    usual = exact.states(ordinary)
     ratios = {
-        name: _condition_number(exact, name) / float(np.median([_condition_number(e, name) for e in usual]))
+        name: _condition_number(state, name) / float(np.median([_condition_number(s, name) for s in usual]))
         for name in _REMEDIES
     }
     hardest = max(ratios, key=ratios.__getitem__)
     if not ratios[hardest] > _NOTABLE_RATIO:
         return "Nothing about the state is unusual."
-    return _REMEDIES[hardest].format(_condition_number(exact, hardest))
+    return _REMEDIES[hardest].format(_condition_number(state, hardest))
 
 
-def conditioning_ranges(judge: Judge, sample: Sample) -> dict[str, list[float]]:
+def conditioning_ranges(exact: ExactResults, sample: Sample) -> dict[str, list[float]]:
     """Return the least and the largest kappa_s, chi and formation over the states of a sample, by name."""
-    exacts = judge.truths(sample)
-    values = {name: [_condition_number(exact, name) for exact in exacts] for name in _REMEDIES}
+    states = exact.states(sample)
+    values = {name: [_condition_number(state, name) for state in states] for name in _REMEDIES}
     return {name: [min(numbers), max(numbers)] for name, numbers in values.items()}
 
 
-def _condition_number(exact: ExactState, name: str) -> float:
+def _condition_number(state: ExactState, name: str) -> float:
     """Return kappa_s, chi or formation of a state, at most 1e300 so that ratios stay finite."""
-    value: float = getattr(exact.conditioning, name)
+    value: float = getattr(state.conditioning, name)
     return min(value, 1e300)
 
 
-def _with_hard_states(region: Region, judge: Judge, sample: Sample, evaluations: int, seed: int) -> Sample:
+def _with_hard_states(
+    region: Region, exact: ExactResults, sample: Sample, evaluations: int, seed: int
+) -> Sample:
     """Return a sample together with about `evaluations` hard states, those that lie in the region."""
-    count = evaluations // _KINDS_OF_HARD_STATES
+    count = evaluations // len(HARD_KINDS)
     hard = hard_states(region.domain, count, seed) if count else None
     if hard is None:
         return sample
-    kept = [hard[k : k + 1] for k, inside in enumerate(in_region(region, judge, hard)) if inside]
+    kept = [hard[k : k + 1] for k, inside in enumerate(in_region(region, exact, hard)) if inside]
     return joined([sample, *kept])
 
 
 def _error_inside(
-    region: Region, judge: Judge, error: Callable[[Sample], Floats]
+    region: Region, exact: ExactResults, error: Callable[[Sample], Floats]
 ) -> Callable[[Sample], Floats]:
     """Return `error` changed to be zero in states outside a region."""
 
     def limited(sample: Sample) -> Floats:
-        return np.where(in_region(region, judge, sample), error(sample), 0.0)
+        return np.where(in_region(region, exact, sample), error(sample), 0.0)
 
     return limited

@@ -13,9 +13,8 @@ import numpy as np
 
 from kanegen.errors import CertificateError, OptionError
 from kanegen.studies.budget.region import Region
-from kanegen.studies.tradeoff.domain import Domain
-from kanegen.studies.tradeoff.judge import Judge
-from kanegen.studies.tradeoff.samples import Sample, joined
+from kanegen.studies.tradeoff.domain import Domain, Sample, joined
+from kanegen.studies.tradeoff.exact_results import ExactResults
 
 PURPOSES = ("select", "validate", "verify", "search", "bits", "time")
 """The purposes of samples; the place of a purpose is part of the seed, so no two purposes share a stream."""
@@ -35,12 +34,12 @@ def random_stream(seed: int, purpose: str, number: int) -> np.random.Generator:
     return np.random.default_rng([seed, PURPOSES.index(purpose), number])
 
 
-def sample_region(region: Region, judge: Judge, count: int, rng: np.random.Generator) -> Sample:
+def sample_region(region: Region, exact: ExactResults, count: int, rng: np.random.Generator) -> Sample:
     """Return `count` random states that are uniformly distributed over a region.
 
     Args:
         region: The states to choose from.
-        judge: Evaluator of errors of the system of the region; it knows the cancellation of a state.
+        exact: Exact results of the system of the region, which hold the cancellation of a state.
         count: Number of states.
         rng: Generator of the random numbers.
 
@@ -53,7 +52,7 @@ def sample_region(region: Region, judge: Judge, count: int, rng: np.random.Gener
     tried = 0
     while len(kept) < count:
         sample = region.domain.states(region.domain.uniform(count, rng))
-        kept += [sample[k : k + 1] for k, inside in enumerate(in_region(region, judge, sample)) if inside]
+        kept += [sample[k : k + 1] for k, inside in enumerate(in_region(region, exact, sample)) if inside]
         tried += count
         if len(kept) < _LEAST_SHARE * tried:
             raise OptionError(
@@ -63,13 +62,13 @@ def sample_region(region: Region, judge: Judge, count: int, rng: np.random.Gener
     return joined(kept[:count])
 
 
-def in_region(region: Region, judge: Judge, sample: Sample) -> list[bool]:
+def in_region(region: Region, exact: ExactResults, sample: Sample) -> list[bool]:
     """Return for each state of a sample whether it belongs to the region."""
     if region.cancellation == math.inf:
         return [region.domain.contains(sample[k : k + 1]) for k in range(len(sample))]
     return [
-        region.domain.contains(sample[k : k + 1]) and exact.conditioning.chi <= region.cancellation
-        for k, exact in enumerate(judge.truths(sample))
+        region.domain.contains(sample[k : k + 1]) and state.conditioning.chi <= region.cancellation
+        for k, state in enumerate(exact.states(sample))
     ]
 
 

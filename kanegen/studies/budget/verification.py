@@ -22,6 +22,7 @@ from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
 from kanegen.readers import load as load_model
+from kanegen.studies.budget.budget_evaluator import is_reproducible, usable_errors
 from kanegen.studies.budget.certificate import (
     DIGEST_STATES,
     CertificateFields,
@@ -35,10 +36,9 @@ from kanegen.studies.budget.certificate import (
 from kanegen.studies.budget.confidence import exceedance_floor
 from kanegen.studies.budget.region import Region, region_from_table
 from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region
-from kanegen.studies.budget.variant_evaluator import is_reproducible, normwise_errors
 from kanegen.studies.tradeoff.compilation import generate_variant
-from kanegen.studies.tradeoff.judge import Judge, unit
-from kanegen.studies.tradeoff.samples import Sample
+from kanegen.studies.tradeoff.domain import Sample
+from kanegen.studies.tradeoff.exact_results import ExactResults, unit_roundoff
 
 MACHINE = ("processor", "compiler", "libc")
 """What the times depend on and, for a variant that is not reproducible, the results."""
@@ -143,8 +143,8 @@ class _Checks:
         self._folder, self._fields = folder, fields
         self._region, self._library = region, library
         self._reproducible = reproducible
-        self._roundoff = unit(library.source.variant)
-        self._judge = Judge(region.system)
+        self._roundoff = unit_roundoff(library.source.variant)
+        self._exact = ExactResults(region.system)
 
     def findings(self, states: int, seed: int) -> Iterator[Finding]:
         """Yield the findings of all checks.
@@ -214,7 +214,7 @@ class _Checks:
         """Compare the errors in fresh states with the claim."""
         fields = self._fields
         errors = self._errors(
-            sample_region(self._region, self._judge, states, random_stream(seed, "verify", 0))
+            sample_region(self._region, self._exact, states, random_stream(seed, "verify", 0))
         )
         exceeded = int(np.sum(~(errors <= fields.error)))
         is_refuted = exceedance_floor(exceeded, states, fields.alpha) > fields.share
@@ -231,4 +231,4 @@ class _Checks:
 
     def _errors(self, sample: Sample) -> Floats:
         """Return the (B,) normwise errors of the variant in a sample of B states."""
-        return normwise_errors(self._judge, self._library, sample, self._fields.objective)
+        return usable_errors(self._exact.errors(self._library, sample, self._fields.objective))

@@ -15,7 +15,7 @@ from kanegen.errors import KanegenError
 from kanegen.library import Library
 from kanegen.model.system import System
 from kanegen.options import Progress
-from kanegen.studies.tradeoff.judge import OUTPUT
+from kanegen.studies.tradeoff.exact_results import OUTPUT
 from kanegen.studies.tradeoff.variants import Candidate, Refusal
 
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)

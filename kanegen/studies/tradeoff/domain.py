@@ -1,16 +1,16 @@
-"""The states for which a variant is judged: a box, and how it is sampled.
+"""Samples of states, and the domains from which they are drawn.
 
-A state is drawn as a row of numbers: x, y, tau and, where bodies take loads, forces and torques. All numbers
-are rounded to single precision, the ends of the box as well, so that variants of every precision solve the
-same problem and the rounding of a state is no error of any.
+A domain is a box in the space of states. A state is a row of numbers: x, y, tau and, where bodies take loads,
+forces and torques. All numbers are rounded to single precision, the ends of the box as well, so that variants
+of every precision solve the same problem and the rounding of a state is no error of any variant.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -20,29 +20,85 @@ from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
 from kanegen.program.precision import FLOAT, Precision
 from kanegen.reference import equations as reference
-from kanegen.reference.states import Ranges, random_states, ranges
-from kanegen.studies.tradeoff.samples import UNIFORM, Sample
+from kanegen.reference.states import ActuatedStates, Ranges, random_states, ranges
 
 GRID = FLOAT
-"""The precision that all states have."""
+"""The precision of all numbers of a state."""
 
-_EFFORTS = 64
-"""Random states whose {f} says how large tau may be."""
+UNIFORM = "uniform"
+"""The kind of states that are uniformly distributed over a domain."""
+
+_FORCING_STATES = 64
+"""Number of random states whose {f} determines the default range of tau."""
 
 _ATTEMPTS = 10_000
-"""Draws after which the rest of a box is called empty."""
+"""Number of attempts after which the part of a box away from gimbal lock counts as empty."""
+
+
+@dataclass(frozen=True)
+class Sample(ActuatedStates):
+    """B states of a domain.
+
+    Attributes:
+        kinds: Kind of each state, such as `UNIFORM`.
+    """
+
+    kinds: tuple[str, ...] = field(kw_only=True)
+
+    def __getitem__(self, rows: slice) -> Self:
+        """Return the states of a range of rows."""
+        first, last, _ = rows.indices(len(self))
+        return self.part(first, last)
+
+    def part(self, start: int, stop: int) -> Self:
+        """Return the states with the indices `start` to `stop` - 1."""
+        return replace(super().part(start, stop), kinds=self.kinds[start:stop])
+
+    def rows_of(self, kind: str) -> list[int]:
+        """Return the indices of the states of one kind."""
+        return [row for row, name in enumerate(self.kinds) if name == kind]
+
+    def bits(self) -> list[bytes]:
+        """Return the bytes of each state, which identify it."""
+        return [row.tobytes() for row in self.flat()]
+
+    def flat(self) -> Floats:
+        """Return the states as rows (B, m) of x, y, tau and, where there are loads, forces and torques."""
+        parts = [self.x, self.y, self.tau]
+        if self.force is not None and self.torque is not None:
+            parts += [load.reshape(len(self), -1) for load in (self.force, self.torque)]
+        return np.concatenate(parts, axis=1)
+
+
+def joined(samples: Sequence[Sample]) -> Sample:
+    """Return all states of several samples of one system, in order."""
+    return Sample(
+        x=np.concatenate([sample.x for sample in samples]),
+        y=np.concatenate([sample.y for sample in samples]),
+        force=_joined_loads([sample.force for sample in samples]),
+        torque=_joined_loads([sample.torque for sample in samples]),
+        tau=np.concatenate([sample.tau for sample in samples]),
+        kinds=tuple(name for sample in samples for name in sample.kinds),
+    )
+
+
+def _joined_loads(loads: Sequence[Floats | None]) -> Floats | None:
+    """Return forces or torques (B, N, 3) one after the other; None if there are none."""
+    present = [load for load in loads if load is not None]
+    return np.concatenate(present) if present else None
 
 
 @dataclass(frozen=True)
 class Domain:
-    """A box of states, without what lies too near to gimbal lock.
+    """A box of states, without the states that lie too near to gimbal lock.
 
     Attributes:
-        system: The tree.
-        low: (m,) least numbers of a state.
-        high: (m,) largest ones.
-        clearance: How near joints with three free angles come to gimbal lock: |cos(theta2)|, or |sin(theta2)|
-            where the first and the last angle turn about one axis, is at least this.
+        system: The system whose states these are.
+        low: (m,) smallest numbers of a state.
+        high: (m,) largest numbers of a state.
+        clearance: Smallest distance from gimbal lock of a joint with three free angles: the least
+            |cos(theta2)| or, if the first and the last angle turn about the same axis, the least
+            |sin(theta2)|.
     """
 
     system: System
@@ -51,11 +107,11 @@ class Domain:
     clearance: float = 0.0
 
     def __post_init__(self) -> None:
-        """Round the ends of the box.
+        """Check the box and round its ends.
 
         Raises:
-            OptionError: If the box is empty, not finite, of another size than states are, or leaves nothing
-                beside what is too near to gimbal lock, or if a freedom is prescribed.
+            OptionError: If the box is empty, not finite, of another size than a state, or leaves nothing away
+                from gimbal lock, or if a freedom is prescribed.
         """
         require_unprescribed(self.system, "domain")
         for name in ("low", "high"):
@@ -70,24 +126,24 @@ class Domain:
 
     @cached_property
     def loads(self) -> int:
-        """Numbers of all forces, and of all torques: 3 N, or 0 where no body takes any."""
+        """Number of components of all forces, and of all torques: 3 N, or 0 if no body takes loads."""
         takes = any(body.loads for body in self.system.bodies)
         return 3 * self.system.number_of_bodies if takes else 0
 
     @property
     def size(self) -> int:
-        """m, numbers of a state."""
+        """Number of numbers m of a state."""
         return self.first["torque"] + self.loads
 
     @cached_property
     def first(self) -> dict[str, int]:
-        """Where x, y, tau, force and torque begin in a state."""
+        """Index of the first number of x, y, tau, force and torque in a state."""
         m, n = len(self.system.coordinates), len(self.system.freedoms)
         return {"x": 0, "y": m, "tau": m + n, "force": m + 2 * n, "torque": m + 2 * n + self.loads}
 
     @cached_property
     def elements(self) -> dict[str, dict[str, str]]:
-        """What stands in x, y and tau: by name the unit of the coordinate, or of what the freedom changes."""
+        """Names of the elements of x, y and tau, each with the unit of its coordinate or freedom."""
         system = self.system
         units = [coordinate.unit for coordinate in system.coordinates]
         own: dict[str, str] = {
@@ -97,7 +153,7 @@ class Domain:
 
     @cached_property
     def locking(self) -> dict[int, float]:
-        """Where joints with three free angles lock: by place of theta2 in {x} the angle, up to half turns."""
+        """Angle of gimbal lock (rad), up to half turns, by the index of the angle theta2 in x."""
         joints = [body.joint for body in self.system.bodies]
         return {
             place: 0.0 if joints[coordinate.body - 1].ends_alike else np.pi / 2
@@ -106,14 +162,14 @@ class Domain:
         }
 
     def sample(self, count: int, seed: int | Sequence[int]) -> Sample:
-        """`count` states, uniform over the domain; other seeds give other states."""
+        """Return `count` random states that are uniformly distributed over the domain."""
         return self.states(self.uniform(count, np.random.default_rng(seed)))
 
     def uniform(self, count: int, rng: np.random.Generator) -> Floats:
-        """(count, m) rows on the grid, uniform over the domain.
+        """Return (count, m) rows in single precision that are uniformly distributed over the domain.
 
         Raises:
-            OptionError: If next to nothing of the box is clear of gimbal lock.
+            OptionError: If almost nothing of the box has the distance `clearance` from gimbal lock.
         """
         rows = rounded(rng.uniform(self.low, self.high, (count, self.size)))
         for place, lock in self.locking.items():
@@ -121,29 +177,35 @@ class Domain:
                 close = np.abs(np.sin(rows[:, place] - lock)) < self.clearance
                 if not close.any():
                     break
-                drawn = rng.uniform(self.low[place], self.high[place], int(close.sum()))
-                rows[close, place] = rounded(drawn)
+                angles = rng.uniform(self.low[place], self.high[place], int(close.sum()))
+                rows[close, place] = rounded(angles)
             else:
                 raise OptionError(f"domain: at clearance {self.clearance:g} nothing of the box is left.")
         return rows
 
-    def states(self, rows: Floats, stratum: str = UNIFORM) -> Sample:
-        """Rows (B, m) as states, on the grid and inside the box."""
+    def states(self, rows: Floats, kind: str = UNIFORM) -> Sample:
+        """Return rows (B, m) as a sample, moved into the box and rounded to single precision.
+
+        Args:
+            rows: The numbers of the states.
+            kind: Kind of the states.
+        """
         loads = self.loads
         inside = rounded(np.clip(rows, self.low, self.high))
         x, y, tau, force, torque = np.split(inside, [*self.first.values()][1:], axis=1)
         shape = (len(rows), loads // 3, 3)
         both = (force.reshape(shape), torque.reshape(shape)) if loads else (None, None)
-        return Sample(x, y, *both, tau=tau, strata=(stratum,) * len(rows))
+        return Sample(x, y, *both, tau=tau, kinds=(kind,) * len(rows))
 
     def contains(self, sample: Sample) -> bool:
-        """Whether all states of a sample lie in the domain."""
+        """Return whether all states of a sample lie in the domain."""
         rows, locks = sample.flat(), np.array(list(self.locking.values()))
-        clear = np.abs(np.sin(sample.x[:, list(self.locking)] - locks)) >= self.clearance
-        return bool(((rows >= self.low) & (rows <= self.high)).all() and clear.all())
+        distance = np.abs(np.sin(sample.x[:, list(self.locking)] - locks))
+        inside = (rows >= self.low) & (rows <= self.high)
+        return bool(inside.all() and (distance >= self.clearance).all())
 
     def as_dict(self) -> dict[str, Any]:
-        """The ranges as plain data."""
+        """Return the ranges as plain data, by the names of elements and bodies."""
         pairs = np.stack([self.low, self.high], axis=1).tolist()
         parts: dict[str, Any] = {
             what: dict(zip(names, pairs[self.first[what] :], strict=False))
@@ -161,25 +223,26 @@ class Domain:
 def default_domain(
     system: System, angle: float = np.pi, speed: float = 1.0, effort: float = 1.0, clearance: float = 0.0
 ) -> Domain:
-    """The box that is studied unless another is asked for.
+    """Return the box of states that a study uses if no other one is given.
 
-    Angles range over a whole turn; translations, speeds and loads over the scales of `check.states`. The
-    range of tau follows from some states of that box: the largest {f}, so that tau can hold the tree, or
-    where that is larger, what changes the speed of a freedom by its range in the time that goes with it.
+    Angles range over a whole turn; translations, speeds and loads over the ranges of `reference.states`. The
+    range of tau follows from some states of that box. It is the largest {f}, so that tau can hold the tree,
+    or the force that changes the speed of a freedom by its range in the time scale of this freedom, whichever
+    is larger.
 
     Args:
-        system: The tree; parameters stand at their defaults.
-        angle: Largest magnitude of an angle, rad.
+        system: The system; its parameters stand at their defaults.
+        angle: Largest magnitude of an angle (rad).
         speed: Factor on the ranges of the speeds.
         effort: Factor on the ranges of tau and of the loads.
-        clearance: See `Domain`.
+        clearance: Smallest distance from gimbal lock; see `Domain`.
 
     Raises:
         OptionError: As `Domain`.
     """
     require_unprescribed(system, "domain")
     largest = ranges(system)
-    states = random_states(system, _EFFORTS)
+    states = random_states(system, _FORCING_STATES)
     forcing = reference.forcing(system, states.x, states.y, states.force, states.torque)
     inertia = np.diagonal(reference.mass_matrix(system, states.x), axis1=1, axis2=2)
     is_angle = np.array([coordinate.is_angle for coordinate in system.coordinates])
@@ -187,19 +250,19 @@ def default_domain(
     tau = np.maximum(np.abs(forcing).max(axis=0), inertia.max(axis=0) * largest.y * rate)
     high = [np.where(is_angle, angle, largest.x), speed * largest.y, effort * tau]
     if states.force is not None:
-        high += _loads(largest, effort)
+        high += _largest_loads(largest, effort)
     ends = np.concatenate(high)
     return Domain(system, -ends, ends, clearance)
 
 
-def _loads(largest: Ranges, effort: float) -> list[Floats]:
+def _largest_loads(largest: Ranges, effort: float) -> list[Floats]:
+    """Return the largest components of all forces (3 N,) and of all torques (3 N,)."""
     return [effort * largest.force.ravel(), effort * largest.torque.ravel()]
 
 
 def rounded(values: Floats, precision: Precision = GRID) -> Floats:
-    """The nearest numbers with as many digits; beyond the range of `precision` its variants are refused."""
+    """Return the nearest numbers with the digits of a precision; its range of exponents is not limited."""
     fraction, exponent = np.frexp(values)
-    whole: Floats = np.ldexp(
-        np.rint(np.ldexp(fraction, precision.significand_bits)), exponent - precision.significand_bits
-    )
+    bits = precision.significand_bits
+    whole: Floats = np.ldexp(np.rint(np.ldexp(fraction, bits)), exponent - bits)
     return whole

@@ -1,6 +1,7 @@
-"""The study of one model: all variants are built, judged and timed; the best of them once more.
+"""The study of one model: all variants are built, measured and timed, and the best of them once more.
 
-What is selected on one sample is confirmed on another, so that luck is not reported as accuracy.
+The variants on the Pareto front are selected by one sample and confirmed by another, so that a lucky sample
+is not reported as accuracy.
 """
 
 from __future__ import annotations
@@ -10,164 +11,174 @@ from dataclasses import replace
 
 from kanegen.choices import require_one
 from kanegen.errors import OptionError
-from kanegen.library.native import compilers
 from kanegen.measure.errors import QUANTILES
 from kanegen.measure.timing import OBJECTIVES, Rounds, Times
 from kanegen.measure.truth.measurement import Measurement
 from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
-from kanegen.options import Progress
+from kanegen.options import Progress, quiet
 from kanegen.reference.regularity import require_regular
 from kanegen.studies.bench.states import without_loads_and_parameters
-from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
-from kanegen.studies.tradeoff.converting import converted
-from kanegen.studies.tradeoff.domain import Domain, default_domain
+from kanegen.studies.tradeoff.compilation import CompiledVariant
+from kanegen.studies.tradeoff.domain import Domain, Sample, default_domain
+from kanegen.studies.tradeoff.evaluator import VariantEvaluator
 from kanegen.studies.tradeoff.hard_states import climb, hard_states
-from kanegen.studies.tradeoff.judge import Judge
 from kanegen.studies.tradeoff.outcome import RANKED_BY, Confirmed, Entry, Study, StudyOptions
 from kanegen.studies.tradeoff.pareto_front import Point, front
-from kanegen.studies.tradeoff.samples import Sample
-from kanegen.studies.tradeoff.times import timed
 from kanegen.studies.tradeoff.variants import Candidate, Refusal, candidates
 
 SELECT, VALIDATE, HARD, SEARCH = range(4)
-"""What samples are for; with the seed of the study it is their seed, so that no two share a state."""
+"""The purposes of samples; the purpose is part of the seed, so that no two purposes share a state."""
 
-USUAL = StudyOptions()
-"""Unless others are asked for."""
+DEFAULT_OPTIONS = StudyOptions()
+"""The options of a study if no others are given."""
 
 
 def study(
     system: System,
-    terms: StudyOptions = USUAL,
-    progress: Progress = lambda stage: None,
+    options: StudyOptions = DEFAULT_OPTIONS,
+    progress: Progress = quiet,
     domain: Domain | None = None,
     variants: Iterable[Candidate] | None = None,
 ) -> Study:
-    """Speed against accuracy of the forward dynamics of a model, over its variants.
+    """Measure the speed and the accuracy of the forward dynamics of a model, over its variants.
 
     Args:
-        system: The model; loads are switched off and run-time parameters folded.
-        terms: Of the study.
-        progress: Told the name of each stage.
-        domain: Of the model without loads and parameters; by default `default_domain`.
-        variants: What is tried; by default the table of `variants`.
+        system: The model; its loads are switched off and its run-time parameters become constants.
+        options: Sizes of the samples, rounds of timing, seed and quantile.
+        progress: Function that is called with the name of each stage.
+        domain: States of the model without loads and parameters; by default `default_domain`.
+        variants: The variants to measure; by default the table of `tradeoff.variants`.
 
     Raises:
         BuildError: If there is no C compiler.
         MissingError: If a package of the extra `study` is missing.
-        OptionError: If a term makes no sense, the domain belongs to another system, a freedom is prescribed,
-            or no variant can be built.
+        OptionError: If an option is out of range, the domain belongs to another system, a freedom is
+            prescribed, or no variant can be built.
         SingularError: If [A] is singular in every state.
+
+    Example:
+        >>> found = study(kg.load("models/panda.toml"), StudyOptions(states=64))
+        >>> print(found.verdict("latency"))
     """
-    require_one("quantile", terms.quantile, RANKED_BY)
+    require_one("quantile", options.quantile, RANKED_BY)
     require_unprescribed(system, "study")
     model, notes = without_loads_and_parameters(system)
     require_regular(model)
-    compilers.find()
-    bench = Bench(model, domain or default_domain(model), terms, progress)
+    domain = domain or default_domain(model)
+    if domain.system != model:
+        raise OptionError(f"the domain belongs to another system than {model.name!r} as it is studied.")
+    evaluator = VariantEvaluator(model, progress)
     wanted, refused = (list(variants), []) if variants is not None else candidates()
-    built, not_built = compile_variants(model, wanted, progress)
+    built, not_built = evaluator.build(wanted)
     if not built:
         first = (*refused, *not_built, Refusal("none", "there is none"))[0]
         raise OptionError(f"no variant can be built. The first one, {first.label}: {first.reason}")
-    entries = bench.entries(built)
-    fronts = {objective: bench.confirmed(entries, objective) for objective in OBJECTIVES}
+    measuring = _Measuring(evaluator, domain, options, progress)
+    entries = measuring.entries(built)
+    fronts = {objective: measuring.confirmed(entries, objective) for objective in OBJECTIVES}
     every = tuple(entries.values())
     return Study(
-        model.name, len(model.freedoms), notes, bench.domain, terms, every, (*refused, *not_built), fronts
+        model.name, len(model.freedoms), notes, domain, options, every, (*refused, *not_built), fronts
     )
 
 
-class Bench:
-    """Judges and times the variants of one model, remembering every truth."""
+class _Measuring:
+    """The measurements of one study.
 
-    def __init__(self, system: System, domain: Domain, terms: StudyOptions, progress: Progress) -> None:
-        if domain.system != system:
-            raise OptionError(f"the domain belongs to another system than {system.name!r} as it is studied.")
-        self.domain = domain
-        self._system, self._terms, self._progress = system, terms, progress
-        self._judges: dict[System, Judge] = {}
+    Args:
+        evaluator: Evaluator of the variants of the model.
+        domain: The states of the study.
+        options: Options of the study.
+        progress: Function that is called with the name of each stage.
+    """
+
+    def __init__(
+        self, evaluator: VariantEvaluator, domain: Domain, options: StudyOptions, progress: Progress
+    ) -> None:
+        self._evaluator, self._domain = evaluator, domain
+        self._options, self._progress = options, progress
 
     def entries(self, built: Sequence[CompiledVariant]) -> dict[CompiledVariant, Entry]:
-        """Every variant with its errors and, where it is right, its times; equal programs share them."""
-        terms = self._terms
-        sample = self.domain.sample(terms.states, (terms.seed, SELECT))
-        hard = hard_states(self.domain, terms.hard, (terms.seed, HARD))
+        """Measure and time all variants; variants with the same program share one measurement.
+
+        A variant whose results do not solve the equations is not timed.
+        """
+        options = self._options
+        sample = self._domain.sample(options.states, (options.seed, SELECT))
+        hard = hard_states(self._domain, options.hard, (options.seed, HARD))
         programs = {one.fingerprint: one for one in reversed(built)}
         measured: dict[CompiledVariant, Entry] = {}
         for number, one in enumerate(programs.values()):
-            self._progress(f"judging {number + 1} of {len(programs)}: {one.candidate.label}")
-            errors = {objective: self.errors(one, sample, objective) for objective in OBJECTIVES}
+            self._progress(f"measuring {number + 1} of {len(programs)}: {one.candidate.label}")
+            errors = {objective: self._evaluator.errors(one, sample, objective) for objective in OBJECTIVES}
             measured[one] = Entry(
-                one.candidate, one.operations, one.size, errors, self._by_stratum(one, hard), times=None
+                one.candidate, one.operations, one.size, errors, self._hard_errors(one, hard), times=None
             )
         times = self._times([one for one, entry in measured.items() if not entry.wrong])
         measured = {one: replace(entry, times=times.get(one)) for one, entry in measured.items()}
-        return {one: _shared(one, programs[one.fingerprint], measured) for one in built}
-
-    def errors(self, built: CompiledVariant, sample: Sample, objective: str) -> Measurement:
-        """Of a variant in states of the domain."""
-        own = built.candidate.of(self._system)
-        judge = self._judges.setdefault(own, Judge(own))
-        return judge.errors(built.library, converted(sample, self._system, own), objective)
+        return {one: _shared_entry(one, programs[one.fingerprint], measured) for one in built}
 
     def confirmed(self, entries: Mapping[CompiledVariant, Entry], objective: str) -> tuple[Confirmed, ...]:
-        """The front by one objective, measured again."""
-        share, terms = QUANTILES[self._terms.quantile], self._terms
+        """Return the Pareto front of one objective, measured again in fresh states and timed again."""
+        share, options = QUANTILES[self._options.quantile], self._options
         points = [
             Point(one, point.time, point.error)
             for one, entry in entries.items()
             if entry.same_as is None and (point := entry.point(objective, share)) is not None
         ]
         best = [point.what for point in front(points)]
-        sample = self.domain.sample(terms.states, (terms.seed, VALIDATE))
-        errors = {one: self.errors(one, sample, objective) for one in best}
+        sample = self._domain.sample(options.states, (options.seed, VALIDATE))
+        errors = {one: self._evaluator.errors(one, sample, objective) for one in best}
         times = self._times(best)
         fresh = front(Point(one, times[one][objective].median, errors[one].quantile(share)) for one in best)
         stay = [point.what for point in fresh]
-        found = {one: self._attacked(one, sample, errors[one], objective) for one in best}
+        found = {one: self._search(one, sample, errors[one], objective) for one in best}
         return tuple(
             Confirmed(entries[one], errors[one], times[one], *found[one], one in stay) for one in best
         )
 
-    def _by_stratum(self, built: CompiledVariant, hard: Sample | None) -> dict[str, dict[str, Measurement]]:
+    def _hard_errors(self, built: CompiledVariant, hard: Sample | None) -> dict[str, dict[str, Measurement]]:
+        """Return the errors in hard states, by the kind of the states and by objective."""
         if hard is None:
             return {}
-        errors = {objective: self.errors(built, hard, objective) for objective in OBJECTIVES}
+        errors = {objective: self._evaluator.errors(built, hard, objective) for objective in OBJECTIVES}
         return {
-            stratum: {objective: found[hard.of(stratum)] for objective, found in errors.items()}
-            for stratum in dict.fromkeys(hard.strata)
+            kind: {objective: found[hard.rows_of(kind)] for objective, found in errors.items()}
+            for kind in dict.fromkeys(hard.kinds)
         }
 
     def _times(self, built: Sequence[CompiledVariant]) -> dict[CompiledVariant, dict[str, Times]]:
-        """In the states by which variants are selected; time hardly depends on them."""
-        terms = self._terms
-        sample = self.domain.sample(terms.states, (terms.seed, SELECT))
-        own = {one: converted(sample, self._system, one.candidate.of(self._system)) for one in built}
-        return timed(own, Rounds(terms.rounds, terms.seconds), self._progress)
+        """Return the times in the sample for selection; times hardly depend on the states."""
+        options = self._options
+        sample = self._domain.sample(options.states, (options.seed, SELECT))
+        return self._evaluator.times(built, sample, Rounds(options.rounds, options.seconds))
 
-    def _attacked(
+    def _search(
         self, built: CompiledVariant, sample: Sample, errors: Measurement, objective: str
     ) -> tuple[float, dict[str, tuple[float, ...]]]:
-        """The largest error near the worst state of a sample, and that state."""
-        terms, start = self._terms, sample[errors.worst : errors.worst + 1]
+        """Search for the largest error from the worst state of a sample.
+
+        Returns:
+            The largest error that was found, and x, y and tau of its state.
+        """
+        options, start = self._options, sample[errors.worst : errors.worst + 1]
         self._progress(f"searching for the largest error: {built.candidate.label}")
-        worst, height = climb(
-            self.domain,
+        worst, largest = climb(
+            self._domain,
             start,
-            lambda tried: self.errors(built, tried, objective).normwise,
-            terms.search,
-            (terms.seed, SEARCH),
+            lambda tried: self._evaluator.errors(built, tried, objective).normwise,
+            options.search,
+            (options.seed, SEARCH),
         )
         arrays = {"x": worst.x, "y": worst.y, "tau": worst.tau}
-        return height, {name: tuple(values[0].tolist()) for name, values in arrays.items()}
+        return largest, {name: tuple(values[0].tolist()) for name, values in arrays.items()}
 
 
-def _shared(
+def _shared_entry(
     one: CompiledVariant, program: CompiledVariant, measured: Mapping[CompiledVariant, Entry]
 ) -> Entry:
-    """The entry of a variant, which may share its program with another."""
+    """Return the entry of a variant, which names the variant `program` if it shares its program with it."""
     entry = measured[program]
     if one is program:
         return entry

@@ -12,22 +12,18 @@ import numpy as np
 from kanegen.c.formats import formats
 from kanegen.errors import OptionError
 from kanegen.library import Library
-from kanegen.library.native import compilers
 from kanegen.measure.timing import Rounds, Times
+from kanegen.measure.truth.measurement import Measurement
 from kanegen.model.arrays import Floats
-from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, quiet
-from kanegen.studies.bench.states import without_loads_and_parameters
 from kanegen.studies.budget.counterexample import search_counterexample
 from kanegen.studies.budget.evaluator import SampleSpec, SearchResult
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region
-from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
-from kanegen.studies.tradeoff.domain import Domain
-from kanegen.studies.tradeoff.judge import Judge
-from kanegen.studies.tradeoff.samples import Sample
-from kanegen.studies.tradeoff.times import timed
+from kanegen.studies.tradeoff.compilation import CompiledVariant
+from kanegen.studies.tradeoff.domain import Sample
+from kanegen.studies.tradeoff.evaluator import VariantEvaluator
 from kanegen.studies.tradeoff.variants import Candidate, candidates
 
 TIMED_STATES = 256
@@ -66,16 +62,16 @@ def is_reproducible(candidate: Candidate) -> bool:
     return variant.semantics == STRICT.semantics and variant.machine == STRICT.machine
 
 
-def normwise_errors(judge: Judge, library: Library, sample: Sample, objective: str) -> Floats:
-    """Return the (B,) normwise errors of {ydot} of a library in a sample of B states.
+def usable_errors(measurement: Measurement) -> Floats:
+    """Return the (B,) normwise errors of a measurement.
 
     The error is infinite where a result is not finite or does not solve the equations at all.
     """
-    found = judge.errors(library, sample, objective)
-    return np.where(found.wrong | ~np.isfinite(found.normwise), np.inf, found.normwise)
+    normwise = measurement.normwise
+    return np.where(measurement.wrong | ~np.isfinite(normwise), np.inf, normwise)
 
 
-class VariantEvaluator:
+class BudgetEvaluator:
     """An `Evaluator` of variants of the forward dynamics of one system.
 
     Args:
@@ -97,10 +93,10 @@ class VariantEvaluator:
         seed: int = 0,
         progress: Progress = quiet,
     ) -> None:
-        compilers.find()
         self.region = region
         self.candidates = candidates
-        self.judge = Judge(region.system)
+        self._variants = VariantEvaluator(region.system, progress)
+        self.exact = self._variants.exact
         self._request = request
         self._seed = seed
         self._progress = progress
@@ -122,7 +118,7 @@ class VariantEvaluator:
         self, candidates: Sequence[Candidate]
     ) -> tuple[Mapping[Candidate, Hashable], Mapping[Candidate, str]]:
         """Compile candidates for this machine; see `Evaluator.build`."""
-        built, refused = compile_variants(self.region.system, candidates, self._progress)
+        built, refused = self._variants.build(candidates)
         self._built |= {one.candidate: one for one in built}
         reasons = {refusal.label: refusal.reason for refusal in refused}
         missing = (c for c in candidates if c not in self._built)
@@ -137,28 +133,21 @@ class VariantEvaluator:
         if spec not in self._samples:
             rng = random_stream(self._seed, spec.purpose, spec.number)
             self._progress(f"exact results in {spec.count} states to {spec.purpose}")
-            self._samples[spec] = sample_region(self.region, self.judge, spec.count, rng)
-            self.judge.truths(self._samples[spec])
+            self._samples[spec] = sample_region(self.region, self.exact, spec.count, rng)
+            self.exact.states(self._samples[spec])
         return self._samples[spec]
 
     def errors(self, candidate: Candidate, sample: SampleSpec) -> Floats:
-        """Return the (count,) errors of a candidate in the states of a sample; see `normwise_errors`."""
-        return self._errors(self.library(candidate), self.sample(sample))
+        """Return the (count,) errors of a candidate in the states of a sample; see `usable_errors`."""
+        return self._errors(candidate, self.sample(sample))
 
     def times(self, candidates: Sequence[Candidate]) -> dict[Candidate, Times]:
-        """Return the times of candidates for the objective of the request.
-
-        They are times of the system without loads and with constant parameters, because the timing driver
-        has neither.
-        """
-        system, _ = without_loads_and_parameters(self.region.system)
+        """Return the times of candidates for the objective of the request; see `VariantEvaluator.times`."""
+        domain, effort = self.region.domain, self._request.effort
+        sample = domain.states(domain.uniform(TIMED_STATES, random_stream(self._seed, "time", 0)))
         built = [self._built[candidate] for candidate in candidates]
-        if system != self.region.system:
-            built, _ = compile_variants(system, candidates, self._progress)
-        sample = self._timed_sample(system)
-        rounds = Rounds(self._request.effort.rounds, self._request.effort.seconds)
-        found = timed(dict.fromkeys(built, sample), rounds, self._progress)
-        return {one.candidate: found[one][self._request.objective] for one in built}
+        found = self._variants.times(built, sample, Rounds(effort.rounds, effort.seconds))
+        return {one.candidate: times[self._request.objective] for one, times in found.items()}
 
     def search(self, candidate: Candidate, sample: SampleSpec, number: int) -> SearchResult:
         """Search for a state with a large error; see `Evaluator.search`.
@@ -167,14 +156,14 @@ class VariantEvaluator:
         is often hard for others.
         """
         self._progress(f"searching for a counterexample: {candidate.label}")
-        errors = functools.partial(self._errors, self.library(candidate))
+        errors = functools.partial(self._errors, candidate)
         for tried, refutation in enumerate(self._refutations, start=1):
             error = float(errors(sample_from_table(self.region.domain, refutation.state))[0])
             if error > self._error_budget:
                 return replace(refutation, error=error, evaluations=tried)
         found = search_counterexample(
             self.region,
-            self.judge,
+            self.exact,
             errors,
             self.sample(sample),
             evaluations=self._request.effort.search,
@@ -190,13 +179,6 @@ class VariantEvaluator:
         """The error that no tried state may exceed; infinite under a budget of time or a quantile below 1."""
         return self._request.error if self._request.error and self._request.is_strict else math.inf
 
-    def _errors(self, library: Library, sample: Sample) -> Floats:
-        """Return the (B,) normwise errors of a library in a sample of B states."""
-        return normwise_errors(self.judge, library, sample, self._request.objective)
-
-    def _timed_sample(self, system: System) -> Sample:
-        """Return states of the region without their loads, as states of a system without loads."""
-        domain = self.region.domain
-        size = domain.first["force"]
-        rows = domain.uniform(TIMED_STATES, random_stream(self._seed, "time", 0))
-        return Domain(system, domain.low[:size], domain.high[:size]).states(rows[:, :size])
+    def _errors(self, candidate: Candidate, sample: Sample) -> Floats:
+        """Return the (B,) normwise errors of a candidate in a sample of B states."""
+        return usable_errors(self._variants.errors(self._built[candidate], sample, self._request.objective))
