@@ -17,6 +17,7 @@ import kanegen as kg
 from kanegen import extras as optional
 from kanegen.errors import MissingError
 from kanegen.measure.timing import Times
+from kanegen.reference.states import ActuatedStates, states_away_from_gimbal_lock
 from kanegen.studies import bench
 from kanegen.studies.bench import building, plot, table
 from kanegen.studies.bench.compare import evaluate
@@ -26,7 +27,7 @@ from kanegen.studies.bench.peers import kanegen_peer, pydy_peer
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.peers.registry import participants
 from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, QUANTITIES, TOLERANCE, Task, difference
-from kanegen.studies.bench.states import States, random_states, without_loads_and_parameters
+from kanegen.studies.bench.states import read_states, without_loads_and_parameters, write_states
 from tests.support import systems
 from tests.support.paths import MODELS
 
@@ -39,9 +40,9 @@ def quiet(stage: str) -> None:
     """Nobody watches."""
 
 
-def own(system: kg.System, states: States, folder: Path) -> Participant:
+def own(system: kg.System, states: ActuatedStates, folder: Path) -> Participant:
     """kanegen's own C in its default setting."""
-    problem = Problem(system, states, states.write(folder / "states"), folder)
+    problem = Problem(system, states, write_states(states, folder / "states"), folder)
     _, make = next(kanegen_peer.builders(problem))
     (participant,) = make()
     return participant
@@ -116,7 +117,7 @@ def test_loads_and_parameters_are_left_out_and_said() -> None:
 
 
 def test_who_computes_something_else_is_not_timed(tmp_path: Path) -> None:
-    states = random_states(TWO_LINKS, 3)
+    states = states_away_from_gimbal_lock(TWO_LINKS, 3)
     heavier = replace(TWO_LINKS, bodies=tuple(replace(body, mass=2.0) for body in TWO_LINKS.bodies))
     honest = own(TWO_LINKS, states, tmp_path)
     liar = replace(own(heavier, states, tmp_path), name="liar")
@@ -166,7 +167,7 @@ def test_matrix_and_forcing_are_measured_by_their_own_sizes() -> None:
     [("raise SystemExit('no such joint')", "no such joint"), ("raise SystemExit(3)", "status 3")],
 )
 def test_a_driver_that_fails_is_left_out(code: str, reason: str, tmp_path: Path) -> None:
-    honest = own(TWO_LINKS, random_states(TWO_LINKS, 2), tmp_path)
+    honest = own(TWO_LINKS, states_away_from_gimbal_lock(TWO_LINKS, 2), tmp_path)
     entries, absences = evaluate([honest, saying(code, tmp_path)], 2, QUICK, quiet)
     assert {entry.participant for entry in entries} == {KANEGEN}
     assert absences == [Absence("other", f"its driver failed: {reason}")]
@@ -174,7 +175,7 @@ def test_a_driver_that_fails_is_left_out(code: str, reason: str, tmp_path: Path)
 
 @pytest.mark.usefixtures("nothing_installed")
 def test_who_is_missing_is_named_and_left_out(tmp_path: Path) -> None:
-    present, absences = participants(TWO_LINKS, random_states(TWO_LINKS, 2), tmp_path)
+    present, absences = participants(TWO_LINKS, states_away_from_gimbal_lock(TWO_LINKS, 2), tmp_path)
     assert {participant.name for participant in present} == {KANEGEN, PYTHON}
     assert {absence.name for absence in absences} == {"Pinocchio", "CasADi", "MuJoCo", "SymPy + PyDy"}
     for absence in absences:
@@ -200,7 +201,7 @@ def test_an_unknown_peer() -> None:
 def test_sympy_is_not_tried_with_many_freedoms(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(pydy_peer, "require", Path)
     system = systems.chain(10)
-    states = random_states(system, 1)
+    states = states_away_from_gimbal_lock(system, 1)
     ((name, make),) = pydy_peer.builders(Problem(system, states, tmp_path / "states", tmp_path))
     assert name == "SymPy + PyDy"
     with pytest.raises(MissingError, match="not tried with 10 freedoms, which are more than 9"):
@@ -210,7 +211,7 @@ def test_sympy_is_not_tried_with_many_freedoms(monkeypatch: pytest.MonkeyPatch, 
 def test_sympy_is_stopped_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(pydy_peer, "require", Path)
     monkeypatch.setattr(pydy_peer, "TIME_LIMIT", 0.001)
-    states = random_states(TWO_LINKS, 1)
+    states = states_away_from_gimbal_lock(TWO_LINKS, 1)
     ((_, make),) = pydy_peer.builders(Problem(TWO_LINKS, states, tmp_path / "states", tmp_path))
     with pytest.raises(MissingError, match=r"did not finish in 0\.001 s"):
         make()
@@ -231,13 +232,13 @@ def test_no_cxx_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_states_return_from_their_file(tmp_path: Path) -> None:
-    states = random_states(TWO_LINKS, 7)
-    again = States.read(states.write(tmp_path / "states"))
+    states = states_away_from_gimbal_lock(TWO_LINKS, 7)
+    again = read_states(write_states(states, tmp_path / "states"))
     for name in ("x", "y", "tau"):
         np.testing.assert_array_equal(getattr(again, name), getattr(states, name))
     assert np.abs(states.x).max() > 1  # hinges turn further than what stays clear of gimbal lock
     crane = systems.eight_body()
-    assert np.abs(random_states(crane, 50).x).max() <= 1
+    assert np.abs(states_away_from_gimbal_lock(crane, 50).x).max() <= 1
 
 
 def entry(participant: str, median: float, batch: bool = False) -> Entry:

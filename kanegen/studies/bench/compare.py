@@ -13,11 +13,12 @@ from kanegen.measure.timing import Rounds, Times
 from kanegen.model.prescribed import require_unprescribed
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
+from kanegen.reference.states import states_away_from_gimbal_lock
 from kanegen.studies.bench.comparison import Absence, BenchOptions, Comparison, Entry
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.registry import PEERS, participants
 from kanegen.studies.bench.results import Results, difference
-from kanegen.studies.bench.states import random_states, without_loads_and_parameters
+from kanegen.studies.bench.states import without_loads_and_parameters
 
 
 def compare(
@@ -47,7 +48,7 @@ def compare(
     model, notes = without_loads_and_parameters(system)
     progress("building the programs; Pinocchio takes minutes the first time")
     with tempfile.TemporaryDirectory() as folder:
-        states = random_states(model, options.states)
+        states = states_away_from_gimbal_lock(model, options.states)
         present, absences = participants(model, states, Path(folder), peers)
         progress("comparing their results")
         entries, failed = evaluate(present, len(model.freedoms), options, progress)

@@ -16,8 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from kanegen.library import Library
+from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, Results, write
-from kanegen.studies.bench.states import States
+from kanegen.studies.bench.states import read_states
 
 Libraries = dict[str, Library]
 
@@ -27,13 +28,13 @@ def main() -> None:
     mode, states, last, path = sys.argv[1:]
     libraries: Libraries = pickle.loads(Path(path).read_bytes())
     if mode == "results":
-        write(Path(last), results(libraries, States.read(Path(states))))
+        write(Path(last), results(libraries, read_states(Path(states))))
     else:
-        for task, value in times(libraries, States.read(Path(states)), float(last)).items():
+        for task, value in times(libraries, read_states(Path(states)), float(last)).items():
             print(task, f"{value:.6g}")
 
 
-def results(libraries: Libraries, states: States) -> Results:
+def results(libraries: Libraries, states: ActuatedStates) -> Results:
     """Compute all states, one in each call."""
     rows = list(zip(states.x, states.y, states.tau, strict=True))
     equations = [libraries[EQUATIONS].evaluate(x, y) for x, y, _ in rows]
@@ -44,7 +45,7 @@ def results(libraries: Libraries, states: States) -> Results:
     }
 
 
-def times(libraries: Libraries, states: States, seconds: float) -> dict[str, float]:
+def times(libraries: Libraries, states: ActuatedStates, seconds: float) -> dict[str, float]:
     """Time both tasks; returns nanoseconds of one call by name of the task."""
     evaluate = libraries[EQUATIONS].evaluate
     forward_dynamics = libraries[DYNAMICS].forward_dynamics

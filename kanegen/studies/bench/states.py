@@ -2,59 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from kanegen.model.arrays import Floats
 from kanegen.model.numbers import value_of
 from kanegen.model.system import System
+from kanegen.reference.states import ActuatedStates
 
 
-@dataclass(frozen=True)
-class States:
-    """B states in SI units.
-
-    Attributes:
-        x: (B, m) coordinates.
-        y: (B, n) generalized speeds.
-        tau: (B, n) generalized forces.
-    """
-
-    x: Floats
-    y: Floats
-    tau: Floats
-
-    def write(self, path: Path) -> Path:
-        """Write the states into a file, in the format of drivers/driver.h, and return its path."""
-        with path.open("wb") as file:
-            np.array([*self.x.shape, self.y.shape[1]], dtype=np.int64).tofile(file)
-            for values in (self.x, self.y, self.tau):
-                np.ascontiguousarray(values).tofile(file)
-        return path
-
-    @classmethod
-    def read(cls, path: Path) -> States:
-        """Read states from a file that `write` wrote."""
-        count, m, n = np.fromfile(path, dtype=np.int64, count=3)
-        x, y, tau = np.split(np.fromfile(path, offset=24), [count * m, count * (m + n)])
-        return cls(x.reshape(count, m), y.reshape(count, n), tau.reshape(count, n))
+def write_states(states: ActuatedStates, path: Path) -> Path:
+    """Write the states into a file, in the format of drivers/driver.h, and return its path."""
+    with path.open("wb") as file:
+        np.array([*states.x.shape, states.y.shape[1]], dtype=np.int64).tofile(file)
+        for values in (states.x, states.y, states.tau):
+            np.ascontiguousarray(values).tofile(file)
+    return path
 
 
-def random_states(system: System, count: int, seed: int = 0) -> States:
-    """Return `count` random states.
-
-    Hinges take any angle. Where a body has three free angles, these stay away from gimbal lock, where [A] is
-    singular and the accelerations of different programs cannot be compared.
-    """
-    rng = np.random.default_rng(seed)
-    x, y, tau = rng.uniform(-1, 1, (3, count, len(system.freedoms)))
-    joints = [system.bodies[f.body - 1].joint for f in system.freedoms]
-    pairs = list(zip(system.freedoms, joints, strict=True))
-    hinges = [f.is_angle and not joint.turns_freely for f, joint in pairs]
-    bent = [f.index == 1 and joint.turns_freely and joint.ends_alike for f, joint in pairs]
-    return States(np.where(hinges, np.pi * x, x) + np.pi / 2 * np.array(bent), y, tau)
+def read_states(path: Path) -> ActuatedStates:
+    """Read states from a file that `write_states` wrote."""
+    count, m, n = np.fromfile(path, dtype=np.int64, count=3)
+    x, y, tau = np.split(np.fromfile(path, offset=24), [count * m, count * (m + n)])
+    return ActuatedStates(x.reshape(count, m), y.reshape(count, n), tau=tau.reshape(count, n))
 
 
 def without_loads_and_parameters(system: System) -> tuple[System, tuple[str, ...]]:

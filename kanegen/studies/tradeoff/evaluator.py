@@ -28,7 +28,7 @@ from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.compare import take_turns
 from kanegen.studies.bench.participant import Participant, Setting
 from kanegen.studies.bench.results import DYNAMICS, Task
-from kanegen.studies.bench.states import States, without_loads_and_parameters
+from kanegen.studies.bench.states import without_loads_and_parameters, write_states
 from kanegen.studies.tradeoff import EXTRA
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.domain import Sample, rounded
@@ -151,7 +151,7 @@ def accelerations_of_driver(variant: CompiledVariant, sample: Sample) -> dict[st
 def _participant(variant: CompiledVariant, sample: Sample, file: Path) -> Participant:
     """Return the timing driver of a variant with its states in `file`."""
     library = variant.library
-    states = States(sample.x, sample.y, sample.tau).write(file)
+    states = write_states(sample, file)
     real = formats(library.source.variant).storage
     kind = "-DDOUBLE_DOUBLE" if real.trailing_shape else f"-DREAL={real.c_type}"
     files = {"variant.c": driver("variant.c")}

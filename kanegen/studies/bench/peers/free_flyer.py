@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from kanegen.model.arrays import Floats
+from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.peers.joints import Joint
 from kanegen.studies.bench.results import Results
-from kanegen.studies.bench.states import States
 
 STEP = 1e-30
 """Step of complex-step derivatives, which have no truncation error."""
@@ -26,16 +26,16 @@ class FreeFlyer:
     def __init__(self, joints: Sequence[Joint]) -> None:
         self.blocks = [np.array(joint.columns) for joint in joints if joint.kind == "free-flyer"]
 
-    def states(self, states: States) -> States:
+    def states(self, states: ActuatedStates) -> ActuatedStates:
         """Convert states of kanegen to those of the model with free-flyers."""
         y, tau = np.empty_like(states.y), np.empty_like(states.tau)
         for b, x in enumerate(states.x):
             jacobian = self._jacobian(x)
             y[b] = jacobian @ states.y[b]
             tau[b] = np.linalg.solve(jacobian.T, states.tau[b])
-        return States(states.x, y, tau)
+        return ActuatedStates(states.x, y, tau=tau)
 
-    def results(self, theirs: Results, states: States) -> Results:
+    def results(self, theirs: Results, states: ActuatedStates) -> Results:
         """Convert [A], {f} and {ydot} of the model with free-flyers to those of kanegen."""
         converted = {task: values.copy() for task, values in theirs.items()}
         for b, (x, y) in enumerate(zip(states.x, states.y, strict=True)):

@@ -17,6 +17,7 @@ from kanegen.studies.bench.peers.free_flyer import FreeFlyer
 from kanegen.studies.bench.peers.joints import Joint, floating_joints, joints
 from kanegen.studies.bench.peers.problem import DERIVATIVES_TASK, Builders, Problem
 from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, Task
+from kanegen.studies.bench.states import write_states
 
 PINOCCHIO = "Pinocchio"
 """Name of the participant in the coordinates of kanegen."""
@@ -55,7 +56,7 @@ def _with_free_flyers(problem: Problem) -> list[Participant]:
     tree = floating_joints(problem.system)
     way = FreeFlyer(tree)
     table = problem.write("free-flyer-joints", _table(problem.system, tree))
-    states = way.states(problem.states).write(problem.folder / "free-flyer-states")
+    states = write_states(way.states(problem.states), problem.folder / "free-flyer-states")
     convert = functools.partial(way.results, states=problem.states)
     return [Participant(FREE_FLYER, NATIVE, (str(_program()),), states, TASKS, (table,), convert)]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kanegen.model.system import System
+from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, Task
-from kanegen.studies.bench.states import States
 
 SINGLE_STATE_TASKS = (Task("equations", EQUATIONS), Task("dynamics", DYNAMICS))
 """The tasks of [A] and {f} and of {ydot}, one state in each call."""
@@ -36,7 +36,7 @@ class Problem:
     """
 
     system: System
-    states: States
+    states: ActuatedStates
     states_file: Path
     folder: Path
 

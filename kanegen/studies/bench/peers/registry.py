@@ -10,11 +10,12 @@ from pathlib import Path
 from kanegen.choices import require_one
 from kanegen.errors import MissingError
 from kanegen.model.system import System
+from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.comparison import Absence
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers import casadi_peer, kanegen_peer, mujoco_peer, pinocchio_peer, pydy_peer
 from kanegen.studies.bench.peers.problem import Builders, Problem
-from kanegen.studies.bench.states import States
+from kanegen.studies.bench.states import write_states
 
 PEERS: dict[str, Callable[[Problem], Builders]] = {
     "pinocchio": pinocchio_peer.builders,
@@ -26,7 +27,7 @@ PEERS: dict[str, Callable[[Problem], Builders]] = {
 
 
 def participants(
-    system: System, states: States, folder: Path, peers: Iterable[str] = PEERS
+    system: System, states: ActuatedStates, folder: Path, peers: Iterable[str] = PEERS
 ) -> tuple[list[Participant], list[Absence]]:
     """Build kanegen and some peers for one model, several at a time.
 
@@ -45,7 +46,7 @@ def participants(
     wanted = list(peers)
     for name in wanted:
         require_one("peer", name, PEERS)
-    problem = Problem(system, states, states.write(folder / "states"), folder)
+    problem = Problem(system, states, write_states(states, folder / "states"), folder)
     order = {"pinocchio": pinocchio_peer.builders, "kanegen": kanegen_peer.builders, **PEERS}
     chosen = [builders for name, builders in order.items() if name in (*wanted, "kanegen")]
     named = [builder for builders in chosen for builder in builders(problem)]
