@@ -29,6 +29,8 @@ from kanegen import library as libraries
 from kanegen import recursion, symbolic
 from kanegen.artifacts import with_artifacts
 from kanegen.c import Source, description, render
+from kanegen.c.c99 import C99_TARGET
+from kanegen.c.target import Target
 from kanegen.lowering.accept import accept, reformulated, require_regular
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
@@ -75,6 +77,9 @@ def generate(
     speeds: str | None = None,
     reanchoring: bool = False,
     coordinates: str | None = None,
+    functions: Iterable[str] | None = None,
+    artifacts: Iterable[str] = (),
+    target: Target | str = C99_TARGET,
 ) -> Source:
     """Generate C for `outputs`, specialised to `system`.
 
@@ -88,9 +93,12 @@ def generate(
         speeds: Generalized speeds, as for `System.with_speeds`; by default those of the system.
         reanchoring: Whether to add `<model>_reanchor.h`, which does in C what `kanegen.reanchored` does.
         coordinates: Coordinates of orientations, as for `System.with_coordinates`.
+        functions: Functions to print, by default all: one for each output, and "evaluate" for all together.
+        artifacts: Names of further files beside the source; `Source.artifacts` says which there can be.
+        target: Language of the code, by default C99.
 
     Raises:
-        OptionError: If an output, a tier or a choice is unknown, or there is nothing to re-anchor.
+        OptionError: If an output, a tier or another choice is unknown, or there is nothing to re-anchor.
         ModelError: If a constant leaves the range of the precision.
         SingularError: If [A] is singular in every state; names the body and the freedom.
 
@@ -102,8 +110,9 @@ def generate(
     compiled = compile_module(system, outputs, progress, variant)
     progress("printing")
     decided = {"refinement": compiled.refinement}
-    source = render(description(system), compiled.module, compiled.operations, variant, decided)
-    return with_artifacts(source, ["reanchoring"] if reanchoring else [])
+    model = description(system)
+    source = render(model, compiled.module, compiled.operations, variant, decided, target, functions)
+    return with_artifacts(source, [*artifacts, *(["reanchoring"] if reanchoring else [])])
 
 
 def build(
@@ -118,6 +127,7 @@ def build(
     tier: Variant | str = STRICT,
     speeds: str | None = None,
     coordinates: str | None = None,
+    functions: Iterable[str] | None = None,
 ) -> libraries.Library:
     """Generate C as `generate` does, compile it and load it.
 
@@ -133,7 +143,17 @@ def build(
         library = kg.build(kg.load("models/double_pendulum.toml"))
         A = library.mass_matrix([0.1, 0.2])
     """
-    source = generate(system, outputs, progress, without, precision, tier, speeds, coordinates=coordinates)
+    source = generate(
+        system,
+        outputs,
+        progress,
+        without,
+        precision,
+        tier,
+        speeds,
+        coordinates=coordinates,
+        functions=functions,
+    )
     progress("compiling")
     return libraries.load(source, compiler, flags, threads)
 

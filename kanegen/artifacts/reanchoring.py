@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from kanegen.c.description import ModelDescription
 from kanegen.c.source import Source
 from kanegen.c.templates import fill
-from kanegen.errors import OptionError
 
 
 def reanchoring(source: Source) -> dict[str, str]:
@@ -24,23 +22,10 @@ def refusal(source: Source) -> str:
             "re-anchoring in C is for arrays and arithmetic of double precision, not for "
             f"{source.precision} in arrays of {source.storage}. Leave out one or the other."
         )
-    return _without_joints(source.model)
-
-
-def require_reanchorable(model: ModelDescription) -> None:
-    """Check that the model has a joint that can be re-anchored, before the long work that prints it.
-
-    Raises:
-        OptionError: If it has none.
-    """
-    if reason := _without_joints(model):
-        raise OptionError(reason)
-
-
-def _without_joints(model: ModelDescription) -> str:
-    if model.reanchorable:
-        return ""
-    return (
-        f"system {model.name!r} has nothing to re-anchor in C: no body has three free angles and three "
-        "parameters of its own as the orientation of its joint. Give orientation_angles three parameters."
-    )
+    if not source.model.reanchorable:
+        return (
+            f"system {source.model.name!r} has nothing to re-anchor in C: no body has three free angles and "
+            "three parameters of its own as the orientation of its joint. Give orientation_angles three "
+            "parameters."
+        )
+    return ""

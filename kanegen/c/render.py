@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.description import ModelDescription
@@ -10,7 +10,8 @@ from kanegen.c.folder import with_provenance
 from kanegen.c.formats import require_range
 from kanegen.c.source import Source
 from kanegen.c.target import RenderInput, Target
-from kanegen.choices import require_one
+from kanegen.choices import require_one, several
+from kanegen.errors import OptionError
 from kanegen.options import NOTHING, STRICT, Variant
 from kanegen.program.ir import Module
 
@@ -25,6 +26,7 @@ def render(
     variant: Variant = STRICT,
     decided: Mapping[str, str] = NOTHING,
     target: Target | str = C99_TARGET,
+    functions: Iterable[str] | None = None,
 ) -> Source:
     """Return the code for the programs of `module`, without artifacts beside it.
 
@@ -35,14 +37,17 @@ def render(
         variant: The choices that shape the code; the programs follow theirs already.
         decided: How choices that were left to kanegen were decided, as text by name of the choice.
         target: The language, a name of `TARGETS` or a target of one's own.
+        functions: Names of the functions to print besides `prepare`, by default all: one for each output, and
+            "evaluate" for all together where there are several.
 
     Raises:
         ModelError: If the target cannot use the name of the model, or the precision cannot hold a number.
-        OptionError: If there is no such target.
+        OptionError: If there is no such target or function.
     """
     target = named(target)
     target.require_name(model.name)
-    given = RenderInput(model, module, operations, variant, decided, target.longest_part)
+    chosen = None if functions is None else _chosen(functions, tuple(module.functions))
+    given = RenderInput(model, module, operations, variant, decided, target.longest_part, chosen)
     require_range(model, given.programs, given.formats)
     printed = target.printed(given)
     return Source(
@@ -55,6 +60,14 @@ def render(
         variant=variant,
         target=target.name,
     )
+
+
+def _chosen(functions: Iterable[str], known: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of functions, checked, in the order of the module."""
+    chosen = several("functions", "function", functions, known)
+    if not chosen:
+        raise OptionError(f"functions: name one at least. There are {', '.join(known)}.")
+    return chosen
 
 
 def named(target: Target | str) -> Target:

@@ -22,6 +22,7 @@ from kanegen.options import Variant
 from kanegen.program.cut import LONGEST_PART
 from kanegen.program.ir import Module, Program
 from kanegen.program.precision import Precision
+from kanegen.program.split import select_functions
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class RenderInput:
         variant: The choices that shape the code; the programs follow theirs already.
         decided: How choices that were left to kanegen were decided, as text by name of the choice.
         longest_part: Instructions of a function from which it is cut into parts.
+        chosen: Names of the functions to print besides `prepare`, None for all.
     """
 
     model: ModelDescription
@@ -43,15 +45,17 @@ class RenderInput:
     variant: Variant
     decided: Mapping[str, str]
     longest_part: int = LONGEST_PART
+    chosen: tuple[str, ...] | None = None
 
     @cached_property
     def programs(self) -> dict[Function, tuple[Program, ...]]:
-        """Every function with its parts."""
-        return signatures(self.module, self.longest_part)
+        """Every function that is printed, with its parts."""
+        chosen = self.module if self.chosen is None else select_functions(self.module, self.chosen)
+        return signatures(chosen, self.longest_part)
 
     @property
     def functions(self) -> tuple[Function, ...]:
-        """Every function, in the order of the generated code."""
+        """Every function that is printed, in the order of the generated code."""
         return tuple(self.programs)
 
     @property

@@ -83,7 +83,7 @@ TERMS = (
 )
 """Options that say how."""
 
-CHOICES = ("tier", "without", "storage", "sincos", "output", "poses", "reactions", "reanchoring")
+CHOICES = ("tier", "without", "storage", "sincos", "output", "function", "poses", "reactions", "reanchoring")
 """Options that would choose something themselves."""
 
 

@@ -27,6 +27,7 @@ from kanegen.cli.options import (
     DEFAULT_OUTPUTS,
     Coordinates,
     FloatingBase,
+    Functions,
     Model,
     Outputs,
     Poses,
@@ -57,6 +58,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
         Path, typer.Option("--output-dir", "-o", help="Folder for the files; it is made if absent.")
     ],
     output: Outputs = DEFAULT_OUTPUTS,
+    function: Functions = None,
     poses: Poses = None,
     reactions: Reactions = None,
     floating_base: FloatingBase = False,
@@ -93,15 +95,10 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     takes minutes and needs `pip install 'kanegen[study]'`.
     """
     from kanegen import compiler, options
-    from kanegen.artifacts import with_artifacts
-    from kanegen.artifacts.reanchoring import require_reanchorable
-    from kanegen.c import description
 
     keeps_budget = has_budget(context)
     system = load_system(model, floating_base, right_angles, speeds, coordinates)
     system = with_selection(system, output, poses, reactions)
-    if reanchoring:
-        require_reanchorable(description(system))
     if keeps_budget:
         source = _within_budget(system, context, output_dir, force)
     else:
@@ -109,8 +106,14 @@ def generate(  # noqa: PLR0913  (an argument for every option)
             variant = options.chosen_variant(
                 tier, precision=precision, without=without, storage=storage, sincos=sincos
             )
-            source = compiler.generate(system, outputs=output, progress=report, tier=variant)
-    source = with_artifacts(source, ["reanchoring"]) if reanchoring else source
+            source = compiler.generate(
+                system,
+                outputs=output,
+                progress=report,
+                tier=variant,
+                reanchoring=reanchoring,
+                functions=function,
+            )
     source.write(output_dir, force=force)
     _show(system, source, output_dir)
 

@@ -46,6 +46,16 @@ Outputs = Annotated[
         "forward_dynamics_derivatives.",
     ),
 ]
+Functions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--function",
+        metavar="NAME",
+        help="Print only this function (repeatable): the name of an output, or evaluate for all outputs "
+        "together. By default all of them are printed.",
+        show_default=False,
+    ),
+]
 Poses = Annotated[
     str | None,
     typer.Option("--poses", metavar="NAMES", help="Bodies whose poses body_poses gives, such as tool,base."),

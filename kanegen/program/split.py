@@ -6,7 +6,7 @@ the other functions read its results from the array `PREPARED`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -92,6 +92,46 @@ def hoist(programs: Mapping[str, Program]) -> Module:
         read = {i: order[places[name][i]] for i in frontiers[name]}
         functions[name] = check(arrange(_with_prepared(program, early[name], read, array)))
     return Module(prepare, functions)
+
+
+def select_functions(module: Module, names: Collection[str]) -> Module:
+    """Return the functions of these names, with a `prepare` that computes no more than they read.
+
+    Args:
+        module: The functions of a C file.
+        names: Names among `module.functions`.
+    """
+    functions = {name: program for name, program in module.functions.items() if name in names}
+    if module.prepare is None or len(functions) == len(module.functions):
+        return Module(module.prepare, functions)
+    read = {
+        instruction.index
+        for program in functions.values()
+        for instruction in program.instructions
+        if instruction.array == PREPARED
+    }
+    (output,) = module.prepare.outputs
+    kept = sorted(read) or [0]
+    places = {old: new for new, old in enumerate(kept)}
+    array = replace(output.array, shape=(len(kept),))
+    values = tuple(output.values[place] for place in kept)
+    prepare = prune(replace(module.prepare, outputs=(Output(array, values),)))
+    return Module(prepare, {name: _reads(program, array, places) for name, program in functions.items()})
+
+
+def _reads(program: Program, array: Array, places: Mapping[int, int]) -> Program:
+    """Return a function that reads its prepared constants at other places.
+
+    Args:
+        program: The function.
+        array: The array of prepared constants.
+        places: By old place the new one.
+    """
+    inputs = tuple(array if old.name == PREPARED else old for old in program.inputs)
+    instructions = tuple(
+        replace(x, index=places[x.index]) if x.array == PREPARED else x for x in program.instructions
+    )
+    return check(replace(program, inputs=inputs, instructions=instructions))
 
 
 def _collect_parameter_only(
