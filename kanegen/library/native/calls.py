@@ -154,7 +154,8 @@ class Call:
         self._outputs = [array.shape + filled.trailing_shape for array in function.outputs]
         self._meaning = _meaning_of_named_inputs(model)
         self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
-        self._refused = _arguments_of_no_use(model, arguments)
+        # Place of the force among the values, which the torque follows, if no body takes loads; else 0.
+        self._unused_force = 0 if model.takes_loads or "force" not in arguments else arguments.index("force")
         self._system = model.name
         # For each input: its place among the values, its shape, zeros for an optional one that is left out,
         # and whether every row may differ from zero.
@@ -182,12 +183,9 @@ class Call:
             SingularError: If the result of a single state does not exist. In a batch its row is NaN, with a
                 warning.
         """
-        for k, name in self._refused:
-            if values[k] is not None:
-                raise ArrayError(
-                    f"{name}: no body of system {self._system!r} takes loads. Say which do in the model's "
-                    "loads."
-                )
+        force = self._unused_force
+        if force and not (values[force] is None and values[force + 1] is None):
+            raise self._unused_load("force" if values[force] is not None else "torque")
         pointer, dtype = self._pointer, self._dtype
         pointers = [*constants]
         for k, shape, zeros, is_plain in self._plan:
@@ -229,6 +227,12 @@ class Call:
             self._status.report_batch(failed, results, _FRAMES + 1)
         return results
 
+    def _unused_load(self, name: str) -> ArrayError:
+        """Return the error that says that a load was passed and no body takes loads."""
+        return ArrayError(
+            f"{name}: no body of system {self._system!r} takes loads. Say which do in the model's loads."
+        )
+
     def _converted(self, values: Values) -> tuple[list[Floats], tuple[int, ...]]:
         """Return the inputs as C reads them, and `()` for one state or `(B,)` for a batch."""
         (first, k, shape), *others = self._inputs
@@ -249,9 +253,3 @@ def _meaning_of_named_inputs(model: ModelDescription) -> dict[str, str]:
     names = model.prescribed_names
     words = {"count": len(names), "prescribed": ", ".join(names)}
     return {name: meaning.format(**words) for name, meaning in FURTHER.items()}
-
-
-def _arguments_of_no_use(model: ModelDescription, arguments: tuple[str, ...]) -> list[tuple[int, str]]:
-    """Return place and name of the loads on bodies, if no body of the model takes any."""
-    loads = [(k, name) for k, name in enumerate(arguments) if LOADS.get(name) == "body"]
-    return [] if model.takes_loads else loads
