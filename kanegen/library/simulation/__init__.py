@@ -1,7 +1,8 @@
-"""Motion over time: a compiled model integrated from Python.
+"""Motion over time: a library integrated from Python.
 
-Fixed steps need nothing but NumPy; the adaptive methods are SciPy's, from the extra `study`. Nothing else
-imports this subpackage.
+`simulate` is the entry. `motion` has the right side of the equations, `integration` the steps and solvers,
+`trajectory` the result, and `accuracy` its digits and drift. Fixed steps need only NumPy; the adaptive
+solvers are those of SciPy, from the extra `study`.
 """
 
 from kanegen.library.simulation.accuracy import Drift, mescd

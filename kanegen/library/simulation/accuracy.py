@@ -1,4 +1,4 @@
-"""How good a trajectory is: digits against a reference, and drift of what should be constant."""
+"""Accuracy of a trajectory: correct digits against a reference, and drift of what should be constant."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from kanegen.model.arrays import Floats
 
 @dataclass(frozen=True)
 class Drift:
-    """How a quantity that should be constant changes over time.
+    """How a quantity that should be constant changes over time, relative to a scale.
 
     Attributes:
-        largest: Its largest distance from the first value, relative to `scale`.
-        slope: Of the line that fits best (1/s), relative to `scale`: what grows in the long run.
-        oscillation: The largest distance from that line, relative to `scale`.
-        scale: What counts as one, in the unit of the quantity.
+        largest: Largest distance from the first value, over `scale`.
+        slope: Slope of the line of best fit, 1/s, over `scale`: what grows in the long run.
+        oscillation: Largest distance from that line, over `scale`.
+        scale: The value that counts as one, in the unit of the quantity.
     """
 
     largest: float
@@ -29,7 +29,12 @@ class Drift:
 
 
 def drift(times: Floats, values: Floats, scale: float) -> Drift:
-    """The drift of `values` (T,) or (T, k), of which the component that drifts most counts.
+    """Return the drift of a quantity; of a vector, that of the component that drifts most.
+
+    Args:
+        times: (T,) times, s.
+        values: (T,) or (T, k) values at these times.
+        scale: The value that counts as one, in the unit of `values`.
 
     Raises:
         OptionError: If `scale` is not a positive number.
@@ -46,19 +51,23 @@ def drift(times: Floats, values: Floats, scale: float) -> Drift:
 
 
 def mescd(found: ArrayLike, reference: ArrayLike, floor: float = 1.0) -> float:
-    """Correct digits of the worst number, errors being relative to `floor` + its size.
+    """Return the number of correct digits of the least correct number.
 
-    It is the mixed-error count of the test sets for initial value problems: the least of
-    -log10(|found - reference| / (floor + |reference|)), `floor` being absolute over relative tolerance.
+    This is the mixed-error significant correct digits of the test sets for initial value problems: the least
+    of -log10(|found - reference| / (floor + |reference|)), where `floor` is the absolute over the relative
+    tolerance.
 
     Args:
-        found: Numbers.
-        reference: The exact ones, of the same shape.
-        floor: Size below which errors count as absolute, in the units of the numbers.
+        found: Computed numbers.
+        reference: Exact numbers, of the same shape.
+        floor: Size below which errors count as absolute, in the unit of the numbers.
 
     Raises:
         ArrayError: If the shapes differ.
         OptionError: If `floor` is negative.
+
+    Example:
+        digits = mescd([0.333, 0.667], [1 / 3, 2 / 3])
     """
     ours, exact = np.asarray(found, np.float64), np.asarray(reference, np.float64)
     if ours.shape != exact.shape:

@@ -1,4 +1,4 @@
-"""What a compiled model says about the rates of its state."""
+"""The right side of the equations of motion: the rates of a whole state, from a library."""
 
 from __future__ import annotations
 
@@ -12,99 +12,103 @@ from numpy.typing import ArrayLike
 from kanegen.errors import OptionError, SingularError
 from kanegen.library import Library
 from kanegen.model.arguments import Floats
-from kanegen.model.load_arguments import Given
+from kanegen.model.load_arguments import Given as NamedInputs
 
 Effort = Callable[[float, Floats, Floats], ArrayLike]
-"""{tau} from the time (s), {x} and {y}; of the shape of {y}."""
+"""Function that returns {tau}, of the shape of {y}, from the time (s), {x} and {y}."""
+
+PrescribedMotion = Callable[[float], ArrayLike]
+"""Function of the time (s) that returns (3, p) values, rates and second derivatives of prescribed freedoms."""
 
 
-Told = Callable[[float], ArrayLike]
-"""(3, p) values, rates and second derivatives of the prescribed freedoms, from the time (s)."""
+@dataclass(frozen=True)
+class StateLayout:
+    """Coordinates, speeds and the work of the generalized forces as one array, to which steps add.
 
+    One state is (m + n + 1,), B states are (B, m + n + 1).
 
-class State:
-    """Coordinates, speeds and the work of the efforts, as one array that steps add to.
-
-    A state alone is (p + n + 1,); B of them are (B, p + n + 1), where p is the number of coordinates.
+    Attributes:
+        coordinates: Number m of coordinates.
     """
 
-    def __init__(self, coordinates: int) -> None:
-        self.coordinates = coordinates
+    coordinates: int
 
     def join(self, x: Floats, y: Floats, work: Floats) -> Floats:
-        """One array of the three."""
+        """Return one array of (..., m) coordinates, (..., n) speeds and (...) work."""
         return np.concatenate([x, y, work[..., None]], axis=-1)
 
     def x(self, state: Floats) -> Floats:
-        """(..., p) coordinates, contiguous."""
+        """Return the (..., m) coordinates of a state, contiguous."""
         return np.ascontiguousarray(state[..., : self.coordinates])
 
     def y(self, state: Floats) -> Floats:
-        """(..., n) speeds, contiguous."""
+        """Return the (..., n) speeds of a state, contiguous."""
         return np.ascontiguousarray(state[..., self.coordinates : -1])
 
 
 @dataclass
 class Motion:
-    """The right side of the equations of motion, which counts how often it is asked.
+    """The right side of the equations of motion, which counts its evaluations.
 
     Attributes:
-        library: With the output `forward_dynamics`, and `coordinate_rates` where speeds are not rates.
-        state: How states are laid out.
-        effort: Of the user, or None.
-        prescribed: The motion of the prescribed freedoms; None where there are none.
-        evaluations: Calls of `forward_dynamics` so far; one for a whole batch.
+        library: Library with the output `forward_dynamics`, and `coordinate_rates` if speeds are no rates.
+        state: Layout of the states.
+        effort: Generalized forces beside loads and gravity, or None.
+        prescribed: Motion of the prescribed freedoms, or None if there are none.
+        evaluations: Calls of `forward_dynamics` so far; a whole batch is one.
     """
 
     library: Library
-    state: State
+    state: StateLayout
     effort: Effort | None
-    prescribed: Told | None = None
+    prescribed: PrescribedMotion | None = None
     evaluations: int = 0
 
     def __call__(self, time: float, state: Floats) -> Floats:
-        """Rates of a whole state."""
+        """Return the rates of a whole state at a time (s)."""
         x, y = self.state.x(state), self.state.y(state)
         acceleration, power = self.accelerations(time, x, y)
         return self.state.join(self.rates(time, x, y), acceleration, power)
 
     def accelerations(self, time: float, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-        """{ydot}, and the power of the efforts; of prescribed ones, too, where the library gives them.
+        """Return {ydot} and the power (W) of the generalized forces.
+
+        The power includes that at the prescribed freedoms, if the library has `prescribed_efforts`.
 
         Raises:
-            OptionError: If the effort cannot be asked.
-            ArrayError: If it answers with an array of another shape.
-            SingularError: If [A] is singular or the state is not finite; says when.
+            OptionError: If the generalized forces have another shape than {y}.
+            SingularError: If [A] is singular or the state is not finite; the message has the time.
         """
         self.evaluations += 1
-        tau = None if self.effort is None else self._efforts(time, x, y)
-        with _told_when(time):
-            given = self._given(time)
-            found = self.library.forward_dynamics(x, y, tau, **given)
+        tau = None if self.effort is None else self._efforts(self.effort, time, x, y)
+        with _time_in_message(time):
+            inputs = self._inputs(time)
+            found = self.library.forward_dynamics(x, y, tau, **inputs)
             power = np.zeros(y.shape[:-1], y.dtype) if tau is None else np.sum(y * tau, axis=-1)
             if self.prescribed is not None and "prescribed_efforts" in self.library.outputs:
-                efforts = self.library.prescribed_efforts(x, y, found, **given)
-                power = power + efforts @ np.asarray(given["prescribed"], y.dtype)[1]
+                efforts = self.library.prescribed_efforts(x, y, found, **inputs)
+                power = power + efforts @ np.asarray(inputs["prescribed"], y.dtype)[1]
         return found, power
 
     def rates(self, time: float, x: Floats, y: Floats) -> Floats:
-        """{xdot}: the speeds themselves, or what Eq. (9) makes of them.
+        """Return {xdot}: the speeds themselves, Eq. (45), or the output `coordinate_rates`, Eq. (9).
 
         Raises:
-            SingularError: If there are none in this state; says when.
+            SingularError: If the rates do not exist in this state; the message has the time.
         """
         if speeds_are_rates(self.library):
             return y
-        with _told_when(time):
-            return self.library.coordinate_rates(x, y, **self._given(time))
+        with _time_in_message(time):
+            return self.library.coordinate_rates(x, y, **self._inputs(time))
 
-    def _given(self, time: float) -> Given:
-        given: Given = {"t": time} if "t" in self.library.further_inputs else {}
-        return given if self.prescribed is None else {**given, "prescribed": self.prescribed(time)}
+    def _inputs(self, time: float) -> NamedInputs:
+        """Return the inputs that the library takes by name: the time, and the prescribed motion at that time."""
+        inputs: NamedInputs = {"t": time} if "t" in self.library.further_inputs else {}
+        return inputs if self.prescribed is None else {**inputs, "prescribed": self.prescribed(time)}
 
-    def _efforts(self, time: float, x: Floats, y: Floats) -> Floats:
-        assert self.effort is not None
-        tau = np.asarray(self.effort(time, x, y))
+    def _efforts(self, effort: Effort, time: float, x: Floats, y: Floats) -> Floats:
+        """Return the generalized forces, of the type of {y}, after a check of their shape."""
+        tau = np.asarray(effort(time, x, y))
         if tau.dtype.kind not in "iuf" or tau.shape not in (y.shape, y.shape[-1:]):
             raise OptionError(
                 f"effort: at t = {time:.9g} s it returned {tau.dtype} of shape {tau.shape}; expected real "
@@ -115,12 +119,13 @@ class Motion:
 
 
 def speeds_are_rates(library: Library) -> bool:
-    """Whether {xdot} = {y}, Eq. (45)."""
+    """Whether the speeds are the rates of the coordinates, {xdot} = {y}, Eq. (45)."""
     return library.speed_names == library.coordinate_names
 
 
 @contextmanager
-def _told_when(time: float) -> Iterator[None]:
+def _time_in_message(time: float) -> Iterator[None]:
+    """Add the time to the message of a `SingularError` that is raised inside."""
     try:
         yield
     except SingularError as error:

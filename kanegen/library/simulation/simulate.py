@@ -1,4 +1,4 @@
-"""The one function of the subpackage."""
+"""`simulate`, the entry of the subpackage: checks its arguments, integrates, and returns a trajectory."""
 
 from __future__ import annotations
 
@@ -11,9 +11,21 @@ from numpy.typing import ArrayLike
 from kanegen.choices import require_one
 from kanegen.errors import ArrayError, OptionError
 from kanegen.library import Library
-from kanegen.library.simulation import adaptive, fixed
-from kanegen.library.simulation.motion import Effort, Motion, State, Told, speeds_are_rates
-from kanegen.library.simulation.steps import Leapfrog, Step, runge_kutta, semi_implicit_euler
+from kanegen.library.simulation.integration import (
+    Leapfrog,
+    Step,
+    integrate_adaptively,
+    integrate_fixed,
+    runge_kutta,
+    semi_implicit_euler,
+)
+from kanegen.library.simulation.motion import (
+    Effort,
+    Motion,
+    PrescribedMotion,
+    StateLayout,
+    speeds_are_rates,
+)
 from kanegen.library.simulation.trajectory import Trajectory
 from kanegen.model import arguments
 from kanegen.model.arguments import Floats
@@ -21,12 +33,13 @@ from kanegen.model.arrays import Floats as Doubles
 from kanegen.program import precision as precisions
 
 ADAPTIVE = ("DOP853", "Radau")
-"""Solvers of SciPy: explicit of order 8, and implicit of order 5 for stiff systems."""
+"""Solvers of SciPy: an explicit one of order 8, and an implicit one of order 5 for stiff systems."""
 
 METHODS = ("RK4", "semi-implicit Euler", "leapfrog", *ADAPTIVE)
-"""What `simulate` can do; the first three take a step, the others a tolerance."""
+"""Methods of `simulate`: the first three take fixed steps, the others a tolerance."""
 
 TOLERANCE = 1e-10
+"""Tolerance of the adaptive methods unless another is given."""
 
 
 def simulate(
@@ -40,63 +53,73 @@ def simulate(
     tolerance: float | None = None,
     compensated: bool = False,
     effort: Effort | None = None,
-    prescribed: Told | None = None,
+    prescribed: PrescribedMotion | None = None,
 ) -> Trajectory:
-    """The motion of a compiled model from one state, or from B of them.
+    """Integrate the motion of a compiled model from one state, or from B of them at once.
 
     Args:
-        library: With the output `forward_dynamics`, and `coordinate_rates` where speeds are not rates of
-            coordinates. Fixed steps are taken in the precision of its arrays.
-        x: (m,) or (B, m) coordinates at the first time, rad, m or 1; B with fixed steps only.
-        y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-        times: (T,) increasing, s: where states are wanted, the first being that of `x` and `y`.
+        library: Library with the output `forward_dynamics`, and `coordinate_rates` if speeds are not the
+            rates of coordinates. Fixed steps are computed in the precision of its arrays.
+        x: (m,) or (B, m) coordinates at the first time, rad, m or 1; (B, m) with fixed steps only.
+        y: (n,) or (B, n) generalized speeds at the first time, rad/s and m/s.
+        times: (T,) increasing times at which states are wanted, s; the first is that of `x` and `y`.
         method: One of `METHODS`. "RK4" is of order 4; "semi-implicit Euler" of order 1 and "leapfrog" of
             order 2 keep the energy of a conservative system near its value for a very long time.
-        step: Largest fixed step, s; every interval of `times` is cut into equal steps.
-        tolerance: Relative and absolute error of a step of the adaptive methods, 1e-13 to 0.1; by default
-            1e-10.
-        compensated: Add fixed steps to the state with Kahan's sum: in long simulations what additions round
-            off is most of the error, above all in single precision.
-        effort: tau(t, x, y): generalized forces beside gravity, of the shape of `y`; by default none.
-        prescribed: told(t): (3, p) values, rates and second derivatives of the prescribed freedoms, where
-            there are any. With the output `prescribed_efforts` their work counts as that of efforts.
+        step: Largest fixed step, s; every interval between two times is cut into equal steps.
+        tolerance: Relative and absolute error of a step of the adaptive methods, from 1e-13 to 0.1; 1e-10 by
+            default.
+        compensated: Whether fixed steps are added to the state with Kahan's compensated sum. In long
+            simulations the rounding errors of these additions are most of the error, above all in single
+            precision.
+        effort: Function of t, x and y that returns generalized forces beside loads and gravity, of the shape
+            of `y`; none by default.
+        prescribed: Function of t that returns (3, p) values, rates and second derivatives of the prescribed
+            freedoms. If the library has the output `prescribed_efforts`, their work counts as that of
+            efforts.
 
     Raises:
         ArrayError: If an array has the wrong shape or type.
-        OptionError: If an option does not exist, or does not fit the method or the library, or the system
-            has prescribed freedoms.
+        OptionError: If an option does not exist, or does not fit the method or the library, or the motion of
+            prescribed freedoms is missing.
         MissingError: If an adaptive method is asked for and SciPy is not installed.
-        SingularError: If [A] becomes singular or the state stops being finite; says when.
+        SingularError: If [A] becomes singular or the state stops being finite; the message has the time.
+
+    Example:
+        library = kg.build(system, outputs=("forward_dynamics", "kinetic_energy", "potential_energy"))
+        trajectory = kg.simulate(library, [0.1, 0.2], [0.0, 0.0], np.linspace(0, 10, 101), step=1e-3)
+        print(trajectory.energy_drift)
     """
-    _check(method, step, tolerance, compensated, effort)
+    _check_method(method, step, tolerance, compensated, effort)
     _check_library(library, method)
     _check_prescribed(library, prescribed)
-    start_x, start_y = _state(library, x, y)
+    start_x, start_y = _first_state(library, x, y)
     moments = _times(times)
-    state = State(start_x.shape[-1])
-    motion = Motion(library, state, effort, prescribed)
-    start = state.join(start_x, start_y, np.zeros(start_y.shape[:-1], start_y.dtype))
+    layout = StateLayout(start_x.shape[-1])
+    motion = Motion(library, layout, effort, prescribed)
+    start = layout.join(start_x, start_y, np.zeros(start_y.shape[:-1], start_y.dtype))
     states: Floats
     if step is None:
         if start.ndim > 1:
             raise ArrayError(f"x: method {method!r} takes one state, got {len(start)}.")
-        states = adaptive.integrate(motion, start, moments, method, tolerance or TOLERANCE)
+        states = integrate_adaptively(motion, start, moments, method, tolerance or TOLERANCE)
     else:
-        states = fixed.integrate(motion, start, moments, _fixed(method), step, compensated)
-    told = None if prescribed is None else np.array([prescribed(time) for time in moments], start.dtype)
-    found = state.x(states), state.y(states), states[..., -1]
-    return Trajectory(library, moments, *found, motion.evaluations, told)
+        states = integrate_fixed(motion, start, moments, _fixed_step(method), step, compensated)
+    driven = None if prescribed is None else np.array([prescribed(time) for time in moments], start.dtype)
+    found = layout.x(states), layout.y(states), states[..., -1]
+    return Trajectory(library, moments, *found, motion.evaluations, driven)
 
 
-def _fixed(method: str) -> Step:
+def _fixed_step(method: str) -> Step:
+    """Return the step of a method with fixed steps."""
     if method == "leapfrog":
         return Leapfrog()
     return {"RK4": runge_kutta, "semi-implicit Euler": semi_implicit_euler}[method]
 
 
-def _check(
+def _check_method(
     method: str, step: float | None, tolerance: float | None, compensated: bool, effort: Effort | None
 ) -> None:
+    """Make sure that the method exists and that its options fit it."""
     require_one("method", method, METHODS)
     if method in ADAPTIVE:
         if step is not None or compensated:
@@ -113,13 +136,15 @@ def _check(
         raise OptionError(f"effort: {effort!r} cannot be called. Give a function of t, x and y.")
 
 
-def _number(what: str, value: Any) -> float:
+def _number(name: str, value: Any) -> float:
+    """Return `value` as a float; `name` is that of the argument, for the error message."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-        raise OptionError(f"{what}: {value!r} is not a number.")
+        raise OptionError(f"{name}: {value!r} is not a number.")
     return float(value)
 
 
 def _check_library(library: Library, method: str) -> None:
+    """Make sure that the library has the outputs and the precision that the method needs."""
     if not isinstance(library, Library):
         raise OptionError(
             f'{library!r} is no library. Make one with kg.build(system, ("forward_dynamics",)).'
@@ -139,7 +164,8 @@ def _check_library(library: Library, method: str) -> None:
             )
     if library.storage == "double-double":
         raise OptionError(
-            f'the arrays of system {library.name!r} hold pairs of doubles. Build it with storage="double".'
+            f"the arrays of system {library.name!r} hold double-double numbers. Build it with "
+            'storage="double".'
         )
     if method in ADAPTIVE and library.storage != "double":
         raise OptionError(
@@ -148,12 +174,13 @@ def _check_library(library: Library, method: str) -> None:
         )
 
 
-def _check_prescribed(library: Library, prescribed: Told | None) -> None:
+def _check_prescribed(library: Library, prescribed: PrescribedMotion | None) -> None:
+    """Make sure that the motion of prescribed freedoms is given exactly if there are any."""
     names = ", ".join(library.prescribed_names)
     if prescribed is None and names:
         raise OptionError(
-            f"system {library.name!r} has prescribed freedoms ({names}). Say how they move: prescribed=told, "
-            "a function of the time that gives their values, rates and second derivatives."
+            f"system {library.name!r} has prescribed freedoms ({names}). Say how they move: "
+            "prescribed=motion, a function of the time that returns values, rates and second derivatives."
         )
     if prescribed is not None and not names:
         raise OptionError(f"prescribed: no freedom of system {library.name!r} is prescribed. Leave it out.")
@@ -161,7 +188,12 @@ def _check_prescribed(library: Library, prescribed: Told | None) -> None:
         raise OptionError(f"prescribed: {prescribed!r} cannot be called. Give a function of t.")
 
 
-def _state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
+def _first_state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
+    """Return the coordinates and speeds at the first time in the precision of the library's arrays.
+
+    Raises:
+        ArrayError: If they have the wrong shape or type, or are not finite.
+    """
     dtype = precisions.precision_named(library.storage).dtype
     first = arguments.state("x", x, (len(library.coordinate_names),), dtype)
     second = arguments.companion("y", y, (library.n,), first.shape[:-1], dtype, "x")
@@ -172,6 +204,11 @@ def _state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats
 
 
 def _times(times: ArrayLike) -> Doubles:
+    """Return the times as (T,) doubles.
+
+    Raises:
+        ArrayError: If there are fewer than two, or they are not finite and increasing.
+    """
     moments: Doubles = np.asarray(arguments.floats("times", times, np.dtype(np.float64)), np.float64)
     if moments.ndim != 1 or len(moments) < 2:
         raise ArrayError(f"times: expected at least two in one row, got shape {moments.shape}.")

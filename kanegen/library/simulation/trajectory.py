@@ -1,4 +1,4 @@
-"""States over time, and what they say about the method that made them."""
+"""The result of a simulation: states over time, and how accurate the method was that computed them."""
 
 from __future__ import annotations
 
@@ -13,21 +13,25 @@ from kanegen.library import Library
 from kanegen.library.simulation.accuracy import Drift, drift, mescd
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
-from kanegen.model.load_arguments import Given
+from kanegen.model.load_arguments import Given as NamedInputs
 
 
 @dataclass(frozen=True, repr=False)
 class Trajectory:
-    """The motion of a model, or of B states of it at once.
+    """The motion of a model from one state, or from B states at once.
 
     Attributes:
-        library: What computed the accelerations.
-        times: (T,) s.
+        library: Library that computed the accelerations.
+        times: (T,) times, s.
         x: (T, m) or (T, B, m) coordinates, rad, m or 1.
         y: (T, n) or (T, B, n) generalized speeds, rad/s and m/s.
         work: (T,) or (T, B) work of the efforts since the first time, J.
-        evaluations: Calls of `forward_dynamics`; one for B states.
-        prescribed: (T, 3, p) motion of the prescribed freedoms; None where there are none.
+        evaluations: Calls of `forward_dynamics`; one for all B states.
+        prescribed: (T, 3, p) motion of the prescribed freedoms; None if there are none.
+
+    Example:
+        trajectory = kg.simulate(library, [0.1, 0.2], [0.0, 0.0], np.linspace(0, 10, 101), step=1e-3)
+        last = trajectory.x[-1]
     """
 
     library: Library
@@ -44,29 +48,40 @@ class Trajectory:
 
     @property
     def kinetic_energy(self) -> Doubles:
-        """(T,) or (T, B), in J.
+        """(T,) or (T, B) kinetic energy, J.
 
         Raises:
-            OptionError: If the library has no such output; so for the other quantities.
+            OptionError: If the library has no output `kinetic_energy`.
         """
         return self._over_time(self.library.kinetic_energy, self.x, self.y)
 
     @property
     def potential_energy(self) -> Doubles:
-        """(T,) or (T, B) of gravity and what force elements store, in J."""
+        """(T,) or (T, B) potential energy of gravity and of force elements, J.
+
+        Raises:
+            OptionError: If the library has no output `potential_energy`.
+        """
         return self._over_time(self.library.potential_energy, self.x)
 
     @property
     def momentum(self) -> Doubles:
-        """(T, 6) or (T, B, 6): linear (kg m/s), then angular about the mass centre (kg m^2/s)."""
+        """(T, 6) or (T, B, 6) linear momentum, kg m/s, and angular momentum about the mass centre, kg m^2/s.
+
+        Raises:
+            OptionError: If the library has no output `momentum`.
+        """
         return self._over_time(self.library.momentum, self.x, self.y)
 
     @property
     def energy_drift(self) -> Drift:
-        """Of the energy less the work of the efforts.
+        """Drift of the energy less the work of the efforts, which is constant where nothing else does work.
 
-        It is relative to the largest of the range of the kinetic energy, that of the potential energy and the
-        kinetic energy at first, none of which depends on where the potential energy is zero.
+        The scale is the largest of the range of the kinetic energy, the range of the potential energy and the
+        first kinetic energy. None of these depends on where the potential energy is zero.
+
+        Raises:
+            OptionError: If the library has no energies, or nothing has moved.
         """
         kinetic, potential = self.kinetic_energy, self.potential_energy
         scale = max(float(np.ptp(kinetic)), float(np.ptp(potential)), float(np.abs(kinetic[0]).max()))
@@ -77,14 +92,17 @@ class Trajectory:
     def momentum_drift(
         self, linear: float | None = None, angular: float | None = None
     ) -> tuple[Drift, Drift]:
-        """Of the linear and of the angular momentum, which are constant where nothing acts from outside.
+        """Return the drifts of linear and angular momentum, which are constant without loads from outside.
 
         Args:
-            linear: What counts as one (kg m/s); by default the largest on the way.
-            angular: The same (kg m^2/s).
+            linear: Linear momentum that counts as one, kg m/s; by default the largest on the way.
+            angular: Angular momentum that counts as one, kg m^2/s; by default the largest on the way.
 
         Raises:
-            OptionError: If nothing has moved and no scale is given.
+            OptionError: If the library has no output `momentum`, or nothing has moved and no scale is given.
+
+        Example:
+            linear, angular = trajectory.momentum_drift()
         """
         momentum = self.momentum
         drifts = []
@@ -94,11 +112,18 @@ class Trajectory:
         return drifts[0], drifts[1]
 
     def mescd(self, reference: Trajectory, floor: float = 1.0) -> float:
-        """Correct digits of the worst coordinate or speed at any time; see `mescd`.
+        """Return the correct digits of the least correct coordinate or speed at any time, as `mescd` does.
+
+        Args:
+            reference: A more accurate trajectory over the same times.
+            floor: Size below which errors count as absolute.
 
         Raises:
             ArrayError: If the trajectories have different shapes.
-            OptionError: If they are of different times.
+            OptionError: If they have different times.
+
+        Example:
+            digits = coarse.mescd(fine)
         """
         if not np.array_equal(self.times, reference.times):
             raise OptionError("reference: it has other times. Simulate both over the same ones.")
@@ -106,11 +131,16 @@ class Trajectory:
         return mescd(ours, exact, floor)
 
     def _over_time(self, output: Callable[..., Any], *arrays: Floats) -> Doubles:
-        """An output at every time; a batch of batches is one long batch."""
+        """Return the result of a method of the library at every time, called once for all states.
+
+        Args:
+            output: The method.
+            arrays: Its arguments, (T, k) or (T, B, k).
+        """
         lead = arrays[0].shape[:-1]
         flat = [np.ascontiguousarray(array.reshape(-1, array.shape[-1])) for array in arrays]
-        given: Given = {}
+        inputs: NamedInputs = {}
         if self.prescribed is not None:
-            given["prescribed"] = np.repeat(self.prescribed, len(flat[0]) // len(self.times), axis=0)
-        found: Doubles = np.asarray(output(*flat, **given), np.float64)
+            inputs["prescribed"] = np.repeat(self.prescribed, len(flat[0]) // len(self.times), axis=0)
+        found: Doubles = np.asarray(output(*flat, **inputs), np.float64)
         return found.reshape(*lead, *found.shape[1:])

@@ -1,0 +1,164 @@
+"""Integration of a motion over time: steps of fixed length in NumPy, and the adaptive solvers of SciPy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from kanegen.errors import SingularError
+from kanegen.extras import module
+from kanegen.library.simulation.motion import Motion
+from kanegen.model.arguments import Floats
+from kanegen.model.arrays import Floats as Doubles
+
+EXTRA = "study"
+"""The extra that installs SciPy."""
+
+_SLACK = 1e-9
+"""Share by which a step may be longer than asked for, so that rounding does not add one to an interval."""
+
+Step = Callable[[Motion, float, float, Floats], Floats]
+"""Function that returns the change of a state in one step, from motion, time (s), step (s) and state."""
+
+
+def integrate_fixed(
+    motion: Motion, start: Floats, times: Doubles, method: Step, step: float, compensated: bool
+) -> Floats:
+    """Integrate in steps of fixed length.
+
+    Each interval between two times is cut into equal steps.
+
+    Args:
+        motion: Right side of the equations of motion.
+        start: (..., k) state at the first time.
+        times: (T,) times at which states are wanted, s.
+        method: Change of the state in one step.
+        step: Largest step, s.
+        compensated: Whether the rounding errors of the additions to the state are compensated.
+
+    Returns:
+        (T, ..., k) states.
+
+    Raises:
+        SingularError: If the state stops being finite.
+    """
+    total = (CompensatedSum if compensated else Sum)(start)
+    found = [start]
+    for begin, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
+        count = max(1, math.ceil((end - begin) / step * (1 - _SLACK)))
+        length = (end - begin) / count
+        for i in range(count):
+            total.add(method(motion, begin + i * length, length, total.state))
+        if not np.isfinite(total.state).all():
+            raise SingularError(
+                f"at t = {end:.9g} s: the state is not finite. Take a smaller step than {step!r} s."
+            )
+        found.append(total.state)
+    return np.stack(found)
+
+
+def integrate_adaptively(
+    motion: Motion, start: Floats, times: Doubles, method: str, tolerance: float
+) -> Doubles:
+    """Integrate with a solver of SciPy, which chooses its steps.
+
+    Args:
+        motion: Right side of the equations of motion.
+        start: (k,) state at the first time.
+        times: (T,) times at which states are wanted, s.
+        method: Name of the solver in SciPy.
+        tolerance: Relative and absolute error of a step, 1, rad, m, rad/s and m/s.
+
+    Returns:
+        (T, k) states.
+
+    Raises:
+        MissingError: If SciPy is not installed.
+        SingularError: If the solver fails.
+    """
+    solve = module("scipy.integrate", extra=EXTRA).solve_ivp
+    found = solve(motion, (times[0], times[-1]), start, method, t_eval=times, rtol=tolerance, atol=tolerance)
+    if not found.success:
+        raise SingularError(f"at t = {found.t[-1]:.9g} s: {method} gives up. {found.message}")
+    states: Doubles = np.ascontiguousarray(found.y.T)
+    return states
+
+
+def runge_kutta(motion: Motion, time: float, step: float, state: Floats) -> Floats:
+    """Return the change of a state by the classical Runge-Kutta method of order 4, in four evaluations."""
+    k1 = motion(time, state)
+    k2 = motion(time + step / 2, state + (step / 2) * k1)
+    k3 = motion(time + step / 2, state + (step / 2) * k2)
+    k4 = motion(time + step, state + step * k3)
+    return (step / 6) * (k1 + 2 * (k2 + k3) + k4)
+
+
+def semi_implicit_euler(motion: Motion, time: float, step: float, state: Floats) -> Floats:
+    """Return the change of a state by a method of order 1, in one evaluation.
+
+    The speeds change first, and the coordinates change with the new speeds.
+    """
+    x, y = motion.state.x(state), motion.state.y(state)
+    acceleration, power = motion.accelerations(time, x, y)
+    change = step * acceleration
+    return motion.state.join(step * motion.rates(time, x, y + change), change, step * power)
+
+
+class Leapfrog:
+    """Method of order 2: a step of the coordinates between two half steps of the speeds, in one evaluation.
+
+    Accelerations that depend on speeds are evaluated with the speeds that the previous accelerations predict.
+    The method needs speeds that are rates of coordinates.
+    """
+
+    def __init__(self) -> None:
+        """Begin an integration; the first step evaluates the accelerations twice."""
+        self._before: tuple[Floats, Floats] | None = None
+
+    def __call__(self, motion: Motion, time: float, step: float, state: Floats) -> Floats:
+        """Return the change of a state; the next call must continue from the state that results."""
+        x, y = motion.state.x(state), motion.state.y(state)
+        before, power_before = self._before or motion.accelerations(time, x, y)
+        change = step * (y + (step / 2) * before)
+        after, power = motion.accelerations(time + step, x + change, y + step * before)
+        self._before = after, power
+        return motion.state.join(change, (step / 2) * (before + after), (step / 2) * (power_before + power))
+
+
+class Sum:
+    """The running sum of a state and its changes, rounded in every addition.
+
+    Attributes:
+        state: The sum so far.
+    """
+
+    def __init__(self, state: Floats) -> None:
+        """Begin with the first state."""
+        self.state = state
+
+    def add(self, change: Floats) -> None:
+        """Add the change of one step."""
+        self.state = self.state + change
+
+
+class CompensatedSum(Sum):
+    """The running sum with the rounding error of each addition added to the next change.
+
+    The rounding error is found exactly by six operations, whichever number is larger (Knuth 1998, section
+    4.2.2); the sum is Kahan's (1965).
+    """
+
+    def __init__(self, state: Floats) -> None:
+        """Begin with the first state and no rounding error."""
+        super().__init__(state)
+        self._lost = np.zeros_like(state)
+
+    def add(self, change: Floats) -> None:
+        """Add the change of one step and remember the rounding error."""
+        old, change = self.state, change + self._lost
+        new = old + change
+        part = new - old
+        self._lost = (old - (new - part)) + (change - part)
+        self.state = new
