@@ -18,7 +18,7 @@ Effort = Callable[[float, Floats, Floats], ArrayLike]
 """Function that returns {tau}, of the shape of {y}, from the time (s), {x} and {y}."""
 
 PrescribedMotion = Callable[[float], ArrayLike]
-"""Function of the time (s) that returns (3, p) values, rates and second derivatives of prescribed freedoms."""
+"""Function of the time (s) that returns (3, p) values, rates and accelerations of the prescribed freedoms."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class Motion:
             return self.library.coordinate_rates(x, y, **self._inputs(time))
 
     def _inputs(self, time: float) -> NamedInputs:
-        """Return the inputs that the library takes by name: the time, and the prescribed motion at that time."""
+        """Return the inputs that are passed by name: the time, and the prescribed motion at that time."""
         inputs: NamedInputs = {"t": time} if "t" in self.library.further_inputs else {}
         return inputs if self.prescribed is None else {**inputs, "prescribed": self.prescribed(time)}
 
