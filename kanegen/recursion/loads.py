@@ -16,7 +16,7 @@ from kanegen.recursion.springs import HALF, outward, ties
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, add, cross, negate, subtract
 from kanegen.symbolic.definitions import Vector
-from kanegen.symbolic.literal.expressions import Variables
+from kanegen.symbolic.expressions import ExpressionTranslator
 from kanegen.symbolic.symbols import point_force, point_moment
 
 
@@ -43,17 +43,17 @@ def efforts(tree: Tree) -> dict[Place, Expr]:
 
 def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
     """The same, element by element."""
-    bodies, variables = tree.system.bodies, Variables(tree.system, exact)
+    bodies, translator = tree.system.bodies, ExpressionTranslator(tree.system, exact)
     coordinates, speeds = coordinate_places(bodies), speed_places(bodies)
     for element in tree.system.force_elements:
         match element:
             case JointSpring(name, stiffness, rest, damping):
-                pull = exact(stiffness) * (variables.coordinate(name) - exact(rest))
-                yield coordinates[name], -pull - exact(damping) * variables.rate(name)
+                pull = exact(stiffness) * (translator.coordinate(name) - exact(rest))
+                yield coordinates[name], -pull - exact(damping) * translator.speed(name)
             case Drive(name, effort):
-                yield speeds[name], variables.value(effort)
+                yield speeds[name], translator.value(effort)
             case Potential(energy):
-                for place, slope in variables.slopes(energy).items():
+                for place, slope in translator.gradient(energy).items():
                     yield place, -slope
 
 
@@ -79,11 +79,11 @@ def _pulls(tree: Tree) -> Iterator[tuple[int, Applied]]:
 def _loads(tree: Tree) -> Iterator[tuple[int, Applied]]:
     """On points, by elements and by the caller."""
     places = {point.name: (k, point.position) for k, point in tree.system.points}
-    variables = Variables(tree.system, exact)
+    translator = ExpressionTranslator(tree.system, exact)
     for number, element in enumerate(tree.system.force_elements, start=1):
         if isinstance(element, PointLoad):
             force, moment = (
-                Vector(*map(variables.value, values)) for values in (element.force, element.moment)
+                Vector(*map(translator.value, values)) for values in (element.force, element.moment)
             )
             yield _inertial(tree, *places[element.point], force, moment, f"pl_{number}")
     for number, (k, point) in enumerate(tree.system.points, start=1):
@@ -112,13 +112,13 @@ def _at(tree: Tree, k: int, position: Vector, force: Vector) -> Applied:
 def stored_energy(tree: Tree) -> Expr:
     """Of springs and potentials (J)."""
     parts: list[Expr] = []
-    variables = Variables(tree.system, exact)
+    translator = ExpressionTranslator(tree.system, exact)
     for element in tree.system.force_elements:
         if isinstance(element, JointSpring):
-            stretch = variables.coordinate(element.freedom) - exact(element.rest)
+            stretch = translator.coordinate(element.freedom) - exact(element.rest)
             stretch = tree.definitions.define("kx", stretch)
             parts.append(HALF * exact(element.stiffness) * stretch**2)
         elif isinstance(element, Potential):
-            parts.append(variables.value(element.energy))
+            parts.append(translator.value(element.energy))
     parts += [tie.energy(tree.definitions) for tie in ties(tree)]
     return Add(*parts)

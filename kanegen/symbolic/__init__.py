@@ -1,4 +1,13 @@
-"""The literal derivation in SymPy: Eqs. (2)-(45) of the notes, to read and to simplify."""
+"""The equations of motion in SymPy.
+
+`literal` derives Eqs. (2)-(45) of the notes matrix by matrix, for reading; `closed` simplifies the result of
+a small tree; `printing` writes it as text, Markdown, LaTeX or Python. `Equations` is what `derive` returns.
+
+Three modules are shared with the recursive derivation in `kanegen.recursion`: `symbols` makes all SymPy
+symbols, `definitions` names intermediate results, and `expressions` translates the expressions of force
+elements. They hold notation and no mechanics, so the two derivations stay independent. Nothing else may be
+shared: mechanics belongs to `literal`, and only what reads its matrices may enter beside it.
+"""
 
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import Equations, derive

@@ -1,8 +1,8 @@
-"""Named intermediates: what keeps every expression of a recursion small.
+"""Named intermediates, which keep every expression of a derivation small; shared by both derivations.
 
 A recursion over a tree writes each result in terms of symbols that stand for earlier results. The list of
-definitions is in order of evaluation and every symbol is defined once, so it can be read, substituted back
-or lowered to a program, and nothing ever grows.
+definitions is in order of evaluation and every symbol is defined once, so the list can be read, substituted
+back or lowered to a program, and no expression ever grows.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from sympy import Expr, Symbol
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 
 AXES = "xyz"
+"""Endings of the names of vector components."""
 
 
 class Vector(NamedTuple):
-    """Three components in some frame."""
+    """The three components of a vector in some frame."""
 
     x: Expr
     y: Expr
@@ -40,7 +41,13 @@ class Symmetric(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """`symbol` stands for `value`; `note` says what group of quantities it belongs to."""
+    """A named intermediate.
+
+    Attributes:
+        symbol: The symbol that stands for the value.
+        value: An expression in earlier symbols and in the variables of the system.
+        note: Name of the group of quantities that it belongs to, used as a comment.
+    """
 
     symbol: Symbol
     value: Expr
@@ -52,7 +59,7 @@ class Definitions:
 
     Args:
         taken: Names that definitions must not use, such as those of parameters.
-        constants: How exact sines of constant angles are.
+        constants: Arithmetic in which the sines and cosines of constant angles are computed.
     """
 
     def __init__(self, taken: Iterable[str] = (), constants: Constants = DOUBLE_CONSTANTS) -> None:
@@ -63,15 +70,18 @@ class Definitions:
         self._note = ""
 
     def listed(self) -> tuple[Definition, ...]:
-        """Everything defined so far, in order of evaluation."""
+        """Return all definitions so far, in order of evaluation."""
         return tuple(self._list)
 
     def about(self, note: str) -> None:
-        """Say what the following definitions are."""
+        """Set the note of the following definitions."""
         self._note = note
 
     def define(self, name: str, value: Expr) -> Expr:
-        """A symbol for `value`; `value` itself where it is a number or a symbol up to its sign."""
+        """Return a symbol for `value`, or `value` itself where it is a number or a symbol up to its sign.
+
+        Equal values share one symbol. A name that is taken gets an underscore at its end.
+        """
         if is_atom(value):
             return value
         known = self._known.get(value)
@@ -86,17 +96,17 @@ class Definitions:
         return symbol
 
     def vector(self, name: str, value: Vector) -> Vector:
-        """Symbols `name_x`, `name_y`, `name_z` for the components of `value`."""
+        """Return symbols `name_x`, `name_y`, `name_z` for the components of `value`."""
         return Vector(*(self.define(f"{name}_{axis}", v) for axis, v in zip(AXES, value, strict=True)))
 
     def symmetric(self, name: str, value: Symmetric) -> Symmetric:
-        """Symbols `name_xx` ... `name_yz` for the entries of `value`."""
+        """Return symbols `name_xx` ... `name_yz` for the entries of `value`."""
         entries = zip(Symmetric._fields, value, strict=True)
         return Symmetric(*(self.define(f"{name}_{entry}", v) for entry, v in entries))
 
 
 def is_atom(value: Expr) -> bool:
-    """Whether `value` costs nothing: a number, or a symbol up to its sign."""
+    """Return whether `value` costs nothing to evaluate: it is a number, or a symbol up to its sign."""
     if value.is_Number or value.is_Symbol:
         return True
     return (

@@ -3,11 +3,11 @@
     equations = derive(system)
     equations.A, equations.f              # Eqs. (43), (44): [A]{ydot} = {f}
     equations.bodies[2].rotation          # [R_3]: bodies[k] is body k + 1
-    equations.closed_form()               # the same, simplified, for small trees
+    equations.closed_form()               # simplified [A] and {f} of a small tree
 
 Matrices are computed on first use. Where a tree has many freedoms, intermediate quantities are named by
-symbols, so that nothing grows; `equations.definitions` says what each stands for. C comes from the
-recursive form instead; both have equal values.
+symbols, so that no expression grows; `equations.definitions` lists what the symbols stand for. C comes from
+the recursive derivation instead; both have equal values.
 """
 
 from __future__ import annotations
@@ -25,26 +25,31 @@ from kanegen.symbolic.closed.form import ClosedForm, close
 from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.force_elements import ElementForces
+from kanegen.symbolic.literal.intermediates import Intermediates
 from kanegen.symbolic.literal.numeric import NumericEquations, numeric
-from kanegen.symbolic.naming import Names
 from kanegen.symbolic.symbols import accelerations, coordinates, force, prescribed, speed, speeds, torque
 
 MOST_FREEDOMS = 8
-"""Closed forms are not tried beyond this many freedoms."""
+"""Number of freedoms up to which closed forms are made."""
 
 MOST_OPERATIONS = 500
-"""Closed forms hold at most this many operations of force elements."""
+"""Number of operations of force elements that a closed form may hold."""
 
 MOST_FREEDOMS_WITHOUT_NAMES = 6
-"""Up to this many freedoms `derive` writes everything out; beyond, it names intermediates."""
+"""Number of freedoms up to which `derive` writes everything out; beyond, it names intermediates."""
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """[A]{ydot} = {f} and everything that leads to it.
+    """[A]{ydot} = {f} of a system and everything that leads to it.
+
+    Example:
+        equations = kg.derive(kg.load("models/double_pendulum.toml"))
+        equations.A[0, 1]
+        equations.bodies[1].rotation
 
     Attributes:
-        system: What was derived.
+        system: The system whose equations they are.
         intermediates: Whether intermediate quantities are named by symbols.
         bodies: The equations of each body; `bodies[k]` is body k + 1.
     """
@@ -54,7 +59,7 @@ class Equations:
     bodies: tuple[BodyEquations, ...]
 
     def __repr__(self) -> str:
-        """The system and its size."""
+        """The name of the system, its number of bodies and its number of freedoms."""
         return f"<Equations of {self.system.name}: {len(self.bodies)} bodies, {len(self.y)} freedoms>"
 
     @cached_property
@@ -69,14 +74,14 @@ class Equations:
 
     @cached_property
     def xdot(self) -> ImmutableMatrix:
-        """{xdot}, like {x}, from {y}: Eq. (45), or Eq. (9) where speeds are angular velocities."""
-        own: dict[int, Iterator[Expr]] = {}
+        """{xdot}, a column as long as {x}: Eq. (45), or Eq. (9) where speeds are angular velocities."""
+        rates: dict[int, Iterator[Expr]] = {}
         for body in self.bodies:
             if body.body.joint.spins:
-                own[body.number] = iter(body.angle_rate_inverse * body.relative_angular_velocity)
+                rates[body.number] = iter(body.angle_rate_inverse * body.relative_angular_velocity)
         return ImmutableMatrix(
             [
-                speed(c.body, c.index) if c.is_translation or c.body not in own else next(own[c.body])
+                speed(c.body, c.index) if c.is_translation or c.body not in rates else next(rates[c.body])
                 for c in self.system.coordinates
             ]
         )
@@ -88,7 +93,7 @@ class Equations:
 
     @cached_property
     def prescribed(self) -> ImmutableMatrix:
-        """(3, p): values (rad, m), rates and second derivatives of the prescribed freedoms."""
+        """Values (rad, m), rates and second derivatives of the prescribed freedoms, (3, p)."""
         return ImmutableMatrix(3, len(self.system.prescribed), prescribed(self.system))
 
     @cached_property
@@ -104,17 +109,17 @@ class Equations:
 
     @cached_property
     def f(self) -> ImmutableMatrix:
-        """{f}, (n, 1): the right side, Eq. (44); weight, loads and force elements are its forces."""
+        """{f}, (n, 1): the right side, Eq. (44), with weight, loads and force elements as its forces."""
         return total([*(body.forcing for body in self.bodies), self.element_forces])
 
     @cached_property
     def generalized_forces(self) -> ImmutableMatrix:
-        """{F_y}, (n, 1): the part of {f} that weight, loads and force elements make, Eq. (37)."""
+        """{F_y}, (n, 1): the part of {f} from weight, loads and force elements, Eq. (37)."""
         return total([*(body.generalized_forces for body in self.bodies), self.element_forces])
 
     @cached_property
     def element_forces(self) -> ImmutableMatrix:
-        """(n, 1): the part of {F_y} that force elements and loads on points make."""
+        """The part of {F_y} from force elements and loads on points, (n, 1)."""
         return self._elements.total
 
     @cached_property
@@ -124,18 +129,22 @@ class Equations:
 
     @cached_property
     def definitions(self) -> tuple[Definition, ...]:
-        """What every symbol of an intermediate stands for, in order of evaluation; empty without them."""
+        """The definitions of all intermediates in order of evaluation; empty if `intermediates` is False."""
         if not self.intermediates:
             return ()
         of_bodies = tuple(definition for body in self.bodies for definition in body.definitions)
         return of_bodies + self._elements.definitions
 
     def closed_form(self) -> ClosedForm:
-        """[A] and {f} without intermediates, simplified; what force elements add is as it was given.
+        """Return [A] and {f} without intermediates, simplified; terms of force elements stay as they are.
+
+        Example:
+            equations = kg.derive(kg.load("models/double_pendulum.toml"))
+            equations.closed_form().A[0, 1]  # l2*m2*(l1*cos(theta_2_3) + l2)
 
         Raises:
             OptionError: If there are more than `MOST_FREEDOMS` freedoms or there is a quaternion, or an entry
-                grows too long to read.
+                is too long to read.
         """
         if len(self.y) > MOST_FREEDOMS:
             raise OptionError(
@@ -161,17 +170,26 @@ class Equations:
         return replace(closed, f=total([closed.f, literal.element_forces]))
 
     def lambdify(self) -> NumericEquations:
-        """NumPy functions of [A] and {f}, for looking into small things; `kg.build` is faster by far."""
+        """Return NumPy functions of [A] and {f} for small tasks; the library of `kg.build` is faster by far.
+
+        Example:
+            equations = kg.derive(kg.load("models/double_pendulum.toml"))
+            equations.lambdify().forcing([0.1, 0.2], [0.0, 0.0])
+        """
         return numeric(self.system, self.A, self.f, self.definitions)
 
 
 def derive(system: System, intermediates: bool | None = None) -> Equations:
-    """Kane's equations of `system`.
+    """Derive Kane's equations of `system` in SymPy.
+
+    Example:
+        equations = derive(kg.load("models/eight_body.toml"), intermediates=True)
+        equations.definitions[0]
 
     Args:
         system: A tree of bodies.
-        intermediates: Whether to name intermediate quantities by symbols; by default, only where there are
-            more than `MOST_FREEDOMS_WITHOUT_NAMES` freedoms.
+        intermediates: Whether to name intermediate quantities by symbols; by default, only if there are more
+            than `MOST_FREEDOMS_WITHOUT_NAMES` freedoms.
 
     Returns:
         The equations; their matrices are derived when they are first read.
@@ -182,5 +200,6 @@ def derive(system: System, intermediates: bool | None = None) -> Equations:
     bodies: list[BodyEquations] = []
     for number, body in enumerate(system.bodies, start=1):
         lower = bodies[body.lower - 1] if body.lower else None
-        bodies.append(BodyEquations(number, system, lower, Names(number, body.lower, intermediates, taken)))
+        names = Intermediates(number, body.lower, intermediates, taken)
+        bodies.append(BodyEquations(number, system, lower, names))
     return Equations(system, intermediates, tuple(bodies))

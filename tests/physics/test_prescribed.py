@@ -20,7 +20,7 @@ from kanegen.program.evaluate import evaluate
 from kanegen.recursion.outputs import DERIVATIVES, available, chosen
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
-from kanegen.symbolic.literal.orientation import skew
+from kanegen.symbolic.literal.joint import skew
 from kanegen.symbolic.printing.formats import render
 from tests.physics.test_quaternions import with_some
 from tests.physics.test_speeds import SPINS, close, mixed

@@ -233,21 +233,21 @@ def _factor(factor: Factor, body: BodyKinematics, system: System, k: int) -> Any
     joint, skew = arrays.joint_orientation[k], kinematics.skew
     return {
         Kind.ROTATION: body.relative_rotation,
-        Kind.FIRST_ROTATION: body.relative_rotation,
-        Kind.RATE: body.rate_matrix,
-        Kind.RATE_DOT: body.rate_matrix_dot,
-        Kind.RELATIVE_SPIN: skew(body.relative_omega).T,
-        Kind.FIRST_SPIN: skew(body.relative_omega).T,
-        Kind.SPIN: skew(body.omega),
+        Kind.ROTATION_FROM_GROUND: body.relative_rotation,
+        Kind.ANGLE_RATE_MATRIX: body.rate_matrix,
+        Kind.ANGLE_RATE_MATRIX_RATE: body.rate_matrix_dot,
+        Kind.RELATIVE_OMEGA_TILDE_T: skew(body.relative_omega).T,
+        Kind.OMEGA_TILDE_T: skew(body.relative_omega).T,
+        Kind.OMEGA_TILDE: skew(body.omega),
         Kind.OFFSET_TILDE: skew(body.offset),
-        Kind.OFFSET_DOT_TILDE: skew(body.offset_dot),
-        Kind.CENTER_TILDE: skew(arrays.mass_center[k]),
+        Kind.OFFSET_RATE_TILDE: skew(body.offset_dot),
+        Kind.MASS_CENTER_TILDE: skew(arrays.mass_center[k]),
         Kind.IDENTITY: np.eye(3),
-        Kind.TURNED_BACK: joint.T,
-        Kind.POSITION: arrays.joint_position[k],
+        Kind.JOINT_ORIENTATION_T: joint.T,
+        Kind.JOINT_POSITION: arrays.joint_position[k],
         Kind.TRANSLATION: joint @ (body.offset - arrays.joint_position[k]),
-        Kind.TRANSLATION_DOT: joint @ body.offset_dot,
-        Kind.CENTER: arrays.mass_center[k],
+        Kind.TRANSLATION_RATE: joint @ body.offset_dot,
+        Kind.MASS_CENTER: arrays.mass_center[k],
     }[factor.kind]
 
 

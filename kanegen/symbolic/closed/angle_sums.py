@@ -1,4 +1,4 @@
-"""Shorter forms of trigonometric polynomials: sums and differences of angles, the better square to keep."""
+"""Shorter forms of trigonometric polynomials, by sums of angles and by a choice between sin^2 and cos^2."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from kanegen.symbolic.closed.polynomials import (
 )
 
 MOST_CHOICES = 4
-"""Angles with squares for which both forms are tried; 2 to this power combinations."""
+"""Number of angles with squares for which sin^2 and cos^2 are both tried, in 2 to this power combinations."""
 
 
 def shortest(polynomial: Polynomial) -> Polynomial:
-    """An equal polynomial in sines and cosines of sums of angles, with as few terms as found.
+    """Return an equal polynomial in sines and cosines of sums of angles, with as few terms as are found.
 
     Args:
-        polynomial: In sines and cosines only, without squares of sines.
+        polynomial: A polynomial in sines and cosines only, without squares of sines.
     """
     starts = (polynomial, _merged(polynomial))
     candidates = [contract(form) for start in starts for form in _forms(start)]
-    return min(candidates, key=_size)  # the first of the shortest: the order of trial decides
+    return min(candidates, key=_size)  # of several shortest ones the first
 
 
 def _merged(polynomial: Polynomial) -> Polynomial:
-    """Written in sums and differences of angles, as long as that leaves fewer terms."""
+    """Replace angles by sums and differences of two angles, as long as that leaves fewer terms."""
     angles = sorted({f.args[0] for term in polynomial for f, _ in term}, key=str)
     trials = [_replaced(polynomial, a, b, sign) for a, b in permutations(angles, 2) for sign in (1, -1)]
     best = min(trials, key=len, default=polynomial)
@@ -42,7 +42,7 @@ def _merged(polynomial: Polynomial) -> Polynomial:
 
 
 def _replaced(polynomial: Polynomial, a: Expr, b: Expr, sign: int) -> Polynomial:
-    """Angle b = sign (c - a), with c = a + sign b as the new angle."""
+    """Replace angle b by sign (c - a), where c = a + sign b is a new angle."""
     c = a + sign * b
     with_sine, with_cosine = ((sin(a), 1),), ((cos(a), 1),)
     plus, minus = Fraction(sign), Fraction(-sign)
@@ -52,11 +52,12 @@ def _replaced(polynomial: Polynomial, a: Expr, b: Expr, sign: int) -> Polynomial
 
 
 def _size(polynomial: Polynomial) -> tuple[int, int]:
+    """Return the number of terms, and the sum of all powers."""
     return len(polynomial), sum(power for term in polynomial for _, power in term)
 
 
 def _forms(polynomial: Polynomial) -> Iterator[Polynomial]:
-    """The polynomial with sines or cosines squared, for each angle that has squares."""
+    """Yield the polynomial with squares of sines or of cosines, in all combinations of its angles."""
     squared = {f.args[0] for term in polynomial for f, power in term if power > 1}
     angles = sorted(squared, key=str)[:MOST_CHOICES]
     for choice in product((False, True), repeat=len(angles)):
@@ -68,7 +69,7 @@ def _forms(polynomial: Polynomial) -> Iterator[Polynomial]:
 
 
 def contract(polynomial: Polynomial) -> Polynomial:
-    """Pairs of terms joined by the addition theorems, until there are none."""
+    """Join pairs of terms by the addition theorems until no pair is left."""
     current, shorter = polynomial, _contract_once(polynomial)
     while len(shorter) < len(current):
         current, shorter = shorter, _contract_once(shorter)
@@ -76,7 +77,7 @@ def contract(polynomial: Polynomial) -> Polynomial:
 
 
 def _contract_once(polynomial: Polynomial) -> Polynomial:
-    """Every pair that is there now, joined; the new angles may make new pairs."""
+    """Join every present pair of terms; the new angles may make new pairs."""
     angles = sorted({f.args[0] for term in polynomial for f, _ in term}, key=str)
     result = dict(polynomial)
     for term in sorted(polynomial, key=_term_key):
@@ -88,6 +89,7 @@ def _contract_once(polynomial: Polynomial) -> Polynomial:
 
 
 def _replace(polynomial: dict[Monomial, Fraction], change: Polynomial) -> None:
+    """Add `change` to a polynomial in place."""
     for term, value in change.items():
         total = polynomial.pop(term, Fraction(0)) + value
         if total:
@@ -95,7 +97,10 @@ def _replace(polynomial: dict[Monomial, Fraction], change: Polynomial) -> None:
 
 
 def _addition(polynomial: Polynomial, term: Monomial, a: Expr, b: Expr) -> Polynomial:
-    """What to add: cos a cos b +- sin a sin b = cos(a -+ b), sin a cos b +- cos a sin b = sin(a +- b)."""
+    """Return the change that joins `term` with another by an addition theorem, empty without another.
+
+    cos a cos b +- sin a sin b = cos(a -+ b), and sin a cos b +- cos a sin b = sin(a +- b).
+    """
     for function, other in ((cos, sin), (sin, cos)):
         rest = _without(term, (function(a), 1), (cos(b), 1))
         if rest is None or term not in polynomial:
@@ -110,7 +115,7 @@ def _addition(polynomial: Polynomial, term: Monomial, a: Expr, b: Expr) -> Polyn
 
 
 def _double_angle(polynomial: Polynomial, term: Monomial, a: Expr) -> Polynomial:
-    """What to add: 2 cos^2 a - 1 = cos 2a."""
+    """Return the change that joins `term` with another by 2 cos^2 a - 1 = cos 2a, empty without another."""
     rest = _without(term, (cos(a), 2))
     value = polynomial.get(term)
     if rest is None or value is None or polynomial.get(rest) != -value / 2:
@@ -119,13 +124,14 @@ def _double_angle(polynomial: Polynomial, term: Monomial, a: Expr) -> Polynomial
 
 
 def _times(factor: Expr, rest: Monomial, coefficient: Fraction) -> dict[Monomial, Fraction]:
-    if factor.is_Mul:  # SymPy writes sin(a - b) as -sin(b - a) where it likes that better
+    """Return the polynomial of one term, the product of the arguments."""
+    if factor.is_Mul:  # in its order of symbols, SymPy may write sin(a - b) as -sin(b - a)
         return {monomial([*rest, (-factor, 1)]): -coefficient}
     return {monomial([*rest, (factor, 1)]): coefficient}
 
 
 def _without(term: Monomial, *factors: tuple[Expr, int]) -> Monomial | None:
-    """`term` divided by factors with their powers; None if it lacks one."""
+    """Return `term` divided by factors with their powers, or None if it lacks one."""
     powers = dict(term)
     if any(powers.get(factor, 0) < power for factor, power in factors):
         return None
@@ -133,4 +139,5 @@ def _without(term: Monomial, *factors: tuple[Expr, int]) -> Monomial | None:
 
 
 def _term_key(term: Monomial) -> list[tuple[tuple[int, str], int]]:
+    """Return a key by which terms are sorted."""
     return [(factor_key(factor), power) for factor, power in term]

@@ -1,4 +1,4 @@
-"""Polynomials as short expressions: common factors outside, terms that share a factor together."""
+"""Polynomials as short expressions: common factors are taken out, terms with a common factor are grouped."""
 
 from __future__ import annotations
 
@@ -20,25 +20,24 @@ from kanegen.symbolic.closed.polynomials import (
 )
 
 FEWEST_TERMS_OF_A_PRODUCT = 4
-"""A product of two sums has at least four terms."""
+"""Number of terms from which a polynomial may be a product of two sums."""
 
 MOST_TERMS_TO_FACTOR = 16
-"""Longer polynomials are not tried: factoring is slow, and seldom succeeds."""
-
+"""Number of terms up to which a polynomial is factored: factoring longer ones is slow and seldom succeeds."""
 
 LARGEST_MULTIPLE = 4
-"""Up to this multiple of each other, decimal numbers show it by a common factor."""
+"""Ratio of decimal coefficients up to which their common factor is taken out."""
 
 WORTH_NESTING = 0.6
-"""A nested form is harder to read; it must be shorter by more than this."""
+"""Ratio of operations below which a nested form, which is harder to read, is preferred."""
 
 
 def collected(polynomial: Polynomial, motion: Collection[Expr] = ()) -> Expr:
-    """The shortest of three ways to collect.
+    """Return a polynomial as an expression: the shortest of three ways to collect terms.
 
     Args:
-        polynomial: Any.
-        motion: Speeds and loads, whose products may gather the rest in their coefficients.
+        polynomial: The polynomial.
+        motion: Speeds, loads and prescribed motion, by whose products terms may be grouped.
     """
     if not polynomial:
         return S.Zero
@@ -56,10 +55,12 @@ def _operations(expr: Expr) -> int:
 
 
 def _by_angle(polynomial: Polynomial) -> Expr:
+    """Group terms by their product of sines and cosines."""
     return _grouped(polynomial, lambda factor: not factor.is_Symbol, _factored)
 
 
 def _coefficient(polynomial: Polynomial) -> Expr:
+    """Write the coefficient of a product of speeds or loads, grouped by sines and cosines."""
     content, common, rest = _without_common(polynomial)
     return _product(content, common, _by_angle(rest))
 
@@ -67,7 +68,13 @@ def _coefficient(polynomial: Polynomial) -> Expr:
 def _grouped(
     polynomial: Polynomial, leads: Callable[[Expr], bool], inner: Callable[[Polynomial], Expr]
 ) -> Expr:
-    """Terms with the same product of leading factors together, the rest written by `inner`."""
+    """Group terms by the product of their leading factors.
+
+    Args:
+        polynomial: The polynomial.
+        leads: Whether a factor is a leading one.
+        inner: Writes the coefficient of a product of leading factors.
+    """
     groups: dict[Monomial, dict[Monomial, Fraction]] = {}
     for term, coefficient in polynomial.items():
         part = tuple((factor, power) for factor, power in term if leads(factor))
@@ -77,7 +84,7 @@ def _grouped(
 
 
 def _factored(polynomial: Polynomial) -> Expr:
-    """`_collect`, or a product of sums where that is shorter."""
+    """Collect the terms of a polynomial, or write it as a product of sums where that is shorter."""
     plain = _collect(polynomial)
     short = all(value.denominator <= LARGEST_DENOMINATOR for value in polynomial.values())
     if not short or not FEWEST_TERMS_OF_A_PRODUCT <= len(polynomial) <= MOST_TERMS_TO_FACTOR:
@@ -87,12 +94,13 @@ def _factored(polynomial: Polynomial) -> Expr:
 
 
 def _collect(polynomial: Polynomial) -> Expr:
+    """Take out what all terms have in common, then nest by the commonest factor."""
     content, common, rest = _without_common(polynomial)
     return _product(content, common, _by_commonest_factor(rest))
 
 
 def _by_commonest_factor(polynomial: Polynomial) -> Expr:
-    """A polynomial without a common factor, split again and again by the factor that most terms have."""
+    """Nest a polynomial without a common factor: split it repeatedly by the factor that most terms have."""
     count = Counter(factor for term in polynomial for factor, _ in term)
     shared = [factor for factor, terms in count.items() if terms > 1]
     if not shared:
@@ -104,7 +112,7 @@ def _by_commonest_factor(polynomial: Polynomial) -> Expr:
 
 
 def _without_common(polynomial: Polynomial) -> tuple[Fraction, Monomial, Polynomial]:
-    """Rational content, common monomial, and what is left: their product is the polynomial."""
+    """Return rational content, common monomial and remaining polynomial, whose product is the polynomial."""
     terms = iter(polynomial)
     lowest = dict(next(terms))
     for term in terms:
@@ -120,10 +128,10 @@ def _without_common(polynomial: Polynomial) -> tuple[Fraction, Monomial, Polynom
 
 
 def _content(values: Iterable[Fraction]) -> Fraction:
-    """A factor of all coefficients, 1 where none makes them easier to read.
+    """Return a common factor of coefficients, 1 where none makes them easier to read.
 
-    Of short fractions it is the greatest, as 2 of 4 and 6; of others it must leave small multiples, as
-    0.0015 of 0.003 and 0.0045.
+    Of short fractions it is the greatest common divisor, such as 2 for 4 and 6. Of decimal numbers it must
+    leave small multiples, such as 0.0015 for 0.003 and 0.0045.
     """
     fractions = list(values)
     smallest = min(abs(value) for value in fractions)
@@ -136,7 +144,7 @@ def _content(values: Iterable[Fraction]) -> Fraction:
 
 
 def _divisor(values: list[Fraction]) -> Fraction:
-    """Greatest common divisor."""
+    """Return the greatest common divisor of fractions."""
     return Fraction(gcd(*(v.numerator for v in values)), lcm(*(v.denominator for v in values)))
 
 

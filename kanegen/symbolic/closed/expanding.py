@@ -1,4 +1,4 @@
-"""Expressions of the derivation as polynomials."""
+"""Expansion of the expressions of the derivation into polynomials."""
 
 from __future__ import annotations
 
@@ -13,22 +13,24 @@ from kanegen.symbolic.closed.polynomials import Polynomial, add, fraction, monom
 from kanegen.symbolic.literal.dynamics import BodyEquations
 
 ANGLES = 3
+"""Number of angles of a joint."""
 
 
 @dataclass
 class Expander:
-    """Expands expressions that have much in common, each shared part once.
+    """Expands expressions that share many parts, each part once.
 
     Attributes:
-        sums: For an angle whose axis is that of the hinges below it, the sum of their angles. Sines and
-            cosines of such angles are expanded in those of sums, in which parallel hinges stay short.
+        sums: By angle of a hinge that is parallel to the hinges below it, the sum of their angles. Sines and
+            cosines of such angles are expanded in those of sums, in which the terms of parallel hinges stay
+            few.
     """
 
     sums: Mapping[Expr, Expr]
     _known: dict[Expr, Polynomial] = field(default_factory=dict)
 
     def polynomial(self, expr: Expr) -> Polynomial:
-        """`expr` as a polynomial without squares of sines.
+        """Return `expr` as a polynomial without squares of sines.
 
         Raises:
             OptionError: If it has more than `polynomials.MOST_TERMS` terms.
@@ -53,7 +55,7 @@ class Expander:
 
 
 def _of_difference(function: type[Expr], a: Expr, b: Expr) -> Polynomial:
-    """sin(a - b) or cos(a - b) by the addition theorems."""
+    """Expand sin(a - b) or cos(a - b) by the addition theorems."""
     other, sign = (cos, -1) if function is sin else (sin, 1)
     return {
         monomial([(function(a), 1), (cos(b), 1)]): Fraction(1),
@@ -62,7 +64,7 @@ def _of_difference(function: type[Expr], a: Expr, b: Expr) -> Polynomial:
 
 
 def parallel_sums(bodies: tuple[BodyEquations, ...]) -> dict[Expr, Expr]:
-    """`Expander.sums` of a tree."""
+    """Return `Expander.sums` for a tree: by angle of a parallel hinge, the sum of the angles below it."""
     hinges = [_hinge(body) for body in bodies]
     totals: list[Expr] = []
     sums: dict[Expr, Expr] = {}
@@ -80,7 +82,7 @@ def parallel_sums(bodies: tuple[BodyEquations, ...]) -> dict[Expr, Expr]:
 
 
 def _hinge(body: BodyEquations) -> tuple[int, Expr] | None:
-    """Axis and angle of a body that turns about one basis vector which it shares with its lower body."""
+    """Return axis and angle of a body that turns about one basis vector of its own and of its lower body."""
     turning = [index for index in range(ANGLES) if body.body.joint.moving[index]]
     if len(turning) != 1:
         return None

@@ -1,4 +1,4 @@
-"""Closed forms: [A] and {f} of a small tree without intermediates, simplified to be read.
+"""The closed form of [A] and {f}: no intermediates, short enough to be read.
 
 Every entry becomes a polynomial in which equal parts are identical. Its terms are grouped by their
 parameters, speeds and loads; the trigonometric polynomial that multiplies each group is brought into its
@@ -22,7 +22,7 @@ from kanegen.symbolic.literal.dynamics import BodyEquations
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """[A]{ydot} = {f} in coordinates, speeds, loads and parameters alone.
+    """[A]{ydot} = {f} in coordinates, speeds, loads and parameters alone, without intermediates.
 
     Attributes:
         A: (n, n) generalized mass matrix, Eq. (43).
@@ -36,20 +36,19 @@ class ClosedForm:
 def close(
     A: ImmutableMatrix, f: ImmutableMatrix, bodies: tuple[BodyEquations, ...], motion: Collection[Expr]
 ) -> ClosedForm:
-    """The closed form of matrices that hold no intermediates.
+    """Return the closed form of [A] and {f}.
 
     Args:
-        A: (n, n), symmetric.
-        f: (n, 1).
-        bodies: Those that [A] and {f} come from.
-        motion: Speeds, loads and what is prescribed; their products may gather the rest of an entry in their
-            coefficients.
+        A: (n, n) [A] without intermediates.
+        f: (n, 1) {f} without intermediates.
+        bodies: The equations of all bodies.
+        motion: Speeds, loads and prescribed motion, by whose products the terms of an entry may be grouped.
 
     Raises:
         OptionError: If an entry grows too long to be read.
     """
     simplifier = Simplifier(parallel_sums(bodies), frozenset(motion), _has_rounded_rotations(bodies))
-    for entry in (*f, *A):  # too long a one is found before any time is spent on the others
+    for entry in (*f, *A):  # an entry that is too long is found before any is simplified
         simplifier.expand(entry)
     n = A.shape[0]
     upper = {(i, j): simplifier.simplify(A[i, j]) for i in range(n) for j in range(i, n)}
@@ -60,17 +59,17 @@ def close(
 
 
 def _has_rounded_rotations(bodies: tuple[BodyEquations, ...]) -> bool:
-    """Whether a constant orientation holds numbers like 0.7071..., so that 1 may come out as 1 - 2e-16."""
+    """Return whether a constant orientation holds floats like 0.7071..., by which 1 may become 1 - 2e-16."""
     return any(entry.has(Float) for body in bodies for entry in body.relative_rotation)
 
 
 class Simplifier:
-    """Simplifies expressions that have much in common.
+    """Simplifies expressions that share many parts.
 
     Args:
-        sums: As `Expander.sums`.
-        motion: Speeds, loads and what is prescribed.
-        rounded: Whether coefficients within rounding of a short decimal number are that number.
+        sums: By angle of a parallel hinge the sum of the angles below it, see `Expander.sums`.
+        motion: Speeds, loads and prescribed motion.
+        rounded: Whether coefficients within rounding of a short decimal number are replaced by it.
     """
 
     def __init__(self, sums: Mapping[Expr, Expr], motion: Collection[Expr], rounded: bool) -> None:
@@ -80,7 +79,7 @@ class Simplifier:
         self._shortest: dict[tuple[tuple[Monomial, Fraction], ...], Polynomial] = {}
 
     def expand(self, expr: Expr) -> Polynomial:
-        """`expr` as a polynomial.
+        """Return `expr` as a polynomial.
 
         Raises:
             OptionError: If it has too many terms.
@@ -88,10 +87,10 @@ class Simplifier:
         return self._expander.polynomial(expr)
 
     def simplify(self, expr: Expr) -> Expr:
-        """An equal expression, short enough to read.
+        """Return an equal expression that is short enough to read.
 
         Raises:
-            OptionError: If it grows too long.
+            OptionError: If it has too many terms.
         """
         groups: dict[Monomial, dict[Monomial, Fraction]] = {}
         for term, coefficient in self.expand(expr).items():
@@ -101,10 +100,12 @@ class Simplifier:
         return collected(add(self._times(symbols, group) for symbols, group in groups.items()), self._motion)
 
     def _times(self, symbols: Monomial, group: Polynomial) -> Polynomial:
+        """Return the product of a monomial of symbols and the shortest form of a trigonometric polynomial."""
         short = self._shortest_of(group)
         return {monomial([*symbols, *term]): coefficient for term, coefficient in short.items()}
 
     def _shortest_of(self, polynomial: Polynomial) -> Polynomial:
+        """Return the shortest form of a trigonometric polynomial; multiples of one polynomial share it."""
         scale = next(iter(polynomial.values()))
         key = tuple((term, coefficient / scale) for term, coefficient in polynomial.items())
         if key not in self._shortest:

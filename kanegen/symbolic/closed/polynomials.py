@@ -1,7 +1,7 @@
 """Polynomials in sines, cosines, coordinates, speeds, loads and parameters, with exact coefficients.
 
-Every entry of [A] and {f} is one. Reducing with sin^2 = 1 - cos^2 makes equal entries identical, which is
-what simplification stands on.
+Every entry of [A] and {f} is such a polynomial. Reduction by sin^2 = 1 - cos^2 makes equal entries identical,
+on which simplification rests.
 """
 
 from __future__ import annotations
@@ -20,25 +20,27 @@ Monomial = tuple[tuple[Expr, int], ...]
 """Factors with their powers, in the order of `factor_key`; empty for a constant."""
 
 Polynomial = Mapping[Monomial, Fraction]
-"""Coefficients; no zeros."""
+"""Coefficients by monomial; none is zero."""
 
 MOST_TERMS = 500
-"""A polynomial with more terms is not worth writing out."""
+"""Number of terms up to which a polynomial is worth writing out."""
 
 CANCELLED = Fraction(1, 10**14)
-"""A sum that is smaller than this part of its last term is zero: the rest of rotations like 0.7071..., whose
-squares do not add up to one exactly."""
+"""Ratio of a sum to its last term below which the sum counts as zero: squares of rounded rotations, such as
+0.7071..., do not add up to one exactly."""
 
 READABLE_DIGITS = 12
-"""A coefficient within rounding of a decimal number with so few digits is that number."""
+"""Number of digits of a decimal number that replaces a coefficient within rounding of it."""
 
 LARGEST_DENOMINATOR = 4
+"""Denominator up to which a number is printed as a fraction, beyond as a decimal number."""
+
 LARGEST_NUMERATOR = 12
-"""Up to these a number is printed as a fraction, beyond as a decimal number."""
+"""Numerator up to which a number is printed as a fraction, beyond as a decimal number."""
 
 
 def monomial(factors: Iterable[tuple[Expr, int]]) -> Monomial:
-    """Factors in their order, equal ones joined, powers of zero dropped."""
+    """Return the monomial of some factors: sorted, with equal ones joined and powers of zero dropped."""
     powers: dict[Expr, int] = {}
     for factor, power in factors:
         powers[factor] = powers.get(factor, 0) + power
@@ -47,12 +49,12 @@ def monomial(factors: Iterable[tuple[Expr, int]]) -> Monomial:
 
 @cache
 def factor_key(factor: Expr) -> tuple[int, str]:
-    """Symbols first, by name, then cosines and sines."""
+    """Return a key that sorts factors: symbols by name, then cosines and sines."""
     return (int(not factor.is_Symbol), str(factor))
 
 
 def add(polynomials: Iterable[Polynomial]) -> Polynomial:
-    """Their sum."""
+    """Return the sum of polynomials."""
     result: dict[Monomial, Fraction] = {}
     for polynomial in polynomials:
         for term, coefficient in polynomial.items():
@@ -61,10 +63,10 @@ def add(polynomials: Iterable[Polynomial]) -> Polynomial:
 
 
 def multiply(a: Polynomial, b: Polynomial) -> Polynomial:
-    """Their product, not reduced.
+    """Return the product of two polynomials without reducing squares.
 
     Raises:
-        OptionError: If it has more than `MOST_TERMS` terms.
+        OptionError: If the product has more than `MOST_TERMS` terms.
     """
     result: dict[Monomial, Fraction] = {}
     for term_a, u in a.items():
@@ -79,6 +81,7 @@ def multiply(a: Polynomial, b: Polynomial) -> Polynomial:
 
 
 def _add_term(result: dict[Monomial, Fraction], term: Monomial, value: Fraction) -> None:
+    """Add one term to a polynomial in place; a sum that cancels is dropped."""
     total = result.get(term, 0) + value
     if abs(total) > CANCELLED * abs(value):
         result[term] = total
@@ -87,7 +90,7 @@ def _add_term(result: dict[Monomial, Fraction], term: Monomial, value: Fraction)
 
 
 def eliminate(polynomial: Polynomial, function: type[Expr], other: type[Expr], angle: Expr) -> Polynomial:
-    """Even powers of function(angle) written with function^2 = 1 - other^2."""
+    """Replace even powers of function(angle) by function^2 = 1 - other^2."""
     factor, square = function(angle), ((other(angle), 2),)
     parts: list[Polynomial] = []
     for term, coefficient in polynomial.items():
@@ -102,7 +105,7 @@ def eliminate(polynomial: Polynomial, function: type[Expr], other: type[Expr], a
 
 
 def reduced_product(a: Polynomial, b: Polynomial) -> Polynomial:
-    """Their product without squares of sines."""
+    """Return the product of two polynomials without squares of sines."""
     result = multiply(a, b)
     angles = {f.args[0] for term in result for f, power in term if power > 1 and f.func is sympy.sin}
     for angle in sorted(angles, key=str):
@@ -111,7 +114,7 @@ def reduced_product(a: Polynomial, b: Polynomial) -> Polynomial:
 
 
 def substitute(polynomial: Polynomial, values: Mapping[Expr, Polynomial]) -> Polynomial:
-    """Polynomials in place of factors, without squares of sines."""
+    """Replace factors by polynomials; the result has no squares of sines."""
     parts: list[Polynomial] = []
     for term, coefficient in polynomial.items():
         kept = tuple((factor, power) for factor, power in term if factor not in values)
@@ -121,20 +124,20 @@ def substitute(polynomial: Polynomial, values: Mapping[Expr, Polynomial]) -> Pol
 
 
 def fraction(number: Expr) -> Fraction:
-    """The decimal number that a model's author wrote, exactly."""
+    """Return a number as an exact fraction, a float as the shortest decimal number that reads back to it."""
     if isinstance(number, Float):
         return Fraction(repr(float(number)))
     return Fraction(int(number.p), int(number.q))
 
 
 def readable(value: Fraction) -> Fraction:
-    """0.5 for 0.5000000000000001; the value itself where no short decimal number is within rounding."""
+    """Return the short decimal number within rounding of `value`, such as 0.5, or else `value` itself."""
     short = Fraction(f"{float(value):.{READABLE_DIGITS}g}")
     return short if abs(short - value) <= 4 * Fraction(math.ulp(float(value))) else value
 
 
 def expression(value: Fraction) -> Expr:
-    """A coefficient to read: a short fraction, or the nearest binary floating-point number."""
+    """Return a coefficient in SymPy: a short fraction, or the nearest binary floating-point number."""
     is_short = value.denominator <= LARGEST_DENOMINATOR and abs(value.numerator) <= LARGEST_NUMERATOR
     if value.denominator == 1 or is_short:
         return Rational(value.numerator, value.denominator)

@@ -1,4 +1,4 @@
-"""What a body adds to the equations of motion: Eqs. (36)-(44), body by body."""
+"""What a body contributes to the equations of motion, Eqs. (36)-(44)."""
 
 from __future__ import annotations
 
@@ -9,46 +9,46 @@ from functools import cached_property
 from sympy import Add, Expr, ImmutableMatrix, S
 
 from kanegen.symbolic.definitions import Definition
-from kanegen.symbolic.literal.linear import LinearEquations
-from kanegen.symbolic.literal.orientation import skew
-from kanegen.symbolic.naming import QUANTITIES
+from kanegen.symbolic.literal.intermediates import QUANTITIES
+from kanegen.symbolic.literal.joint import skew
+from kanegen.symbolic.literal.linear_motion import LinearEquations
 from kanegen.symbolic.symbols import column, expression, force, matrix, torque
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BodyEquations(LinearEquations):
-    """Everything the notes say about body K; each matrix is computed on first use and kept.
+    """All equations of the notes for body K; each matrix is computed on first use and kept.
 
-    Columns are resolved in body K; those of the origin O_K in the lower body J. A (3, n) matrix is the
-    notes' 3 x 6N matrix with the columns of locked freedoms left out, in the order of {y}.
+    Columns are resolved in body K; those of the origin O_K in the lower body J. A (3, n) matrix is the notes'
+    3 x 6N matrix without the columns of locked freedoms, in the order of {y}.
     """
 
     def __repr__(self) -> str:
-        """Which body of which system."""
+        """The number and name of the body, and the name of its system."""
         return f"<BodyEquations of body {self.number} ({self.body.name}) of {self.system.name}>"
 
     @property
     def definitions(self) -> tuple[Definition, ...]:
-        """What the symbols of this body's intermediates stand for; later ones use earlier ones."""
+        """The definitions of this body's intermediates in order of evaluation."""
         found: list[Definition] = []
         for name in QUANTITIES:
             getattr(self, name)
-            found += self.names.definitions(name)
+            found += self.intermediates.definitions(name)
         return tuple(found)
 
     @cached_property
     def mass(self) -> Expr:
-        """m_K (kg), as in Eq. (39)."""
+        """Mass m_K (kg), as in Eq. (39)."""
         return expression(self.body.mass)
 
     @cached_property
     def inertia(self) -> ImmutableMatrix:
-        """[I'_GK], about the mass centre (kg m^2), as in Eq. (40)."""
+        """[I'_GK], (3, 3): inertia about the mass centre in K components (kg m^2), as in Eq. (40)."""
         return matrix(self.body.inertia)
 
     @cached_property
     def force(self) -> ImmutableMatrix:
-        """{F'_K} of Eq. (37), at G_K (N): load symbols, if the body takes loads, and weight m_K [R_K] {g}."""
+        """{F'_K} of Eq. (37), (3, 1): weight m_K [R_K] {g} and the load on the body at G_K (N)."""
         weight = self.mass * self.rotation * column(self.system.gravity)
         if self.body.loads:
             weight += ImmutableMatrix([force(self.number, axis) for axis in range(3)])
@@ -56,50 +56,50 @@ class BodyEquations(LinearEquations):
 
     @cached_property
     def torque(self) -> ImmutableMatrix:
-        """{M'_K} of Eq. (37) (N m): the load symbols, or zeros."""
+        """{M'_K} of Eq. (37), (3, 1): the symbols of the load on the body, or zeros (N m)."""
         if not self.body.loads:
             return ImmutableMatrix.zeros(3, 1)
         return ImmutableMatrix([torque(self.number, axis) for axis in range(3)])
 
     @cached_property
     def generalized_forces(self) -> ImmutableMatrix:
-        """(n, 1) what this body adds to {F_y}, Eq. (37)."""
+        """The contribution of this body to {F_y}, (n, 1), Eq. (37)."""
         by_force = self.partial_velocity_of_center.T * self.force
         return by_force + self.partial_angular_velocity.T * self.torque
 
     @cached_property
     def partial_angular_momentum(self) -> ImmutableMatrix:
-        """(3, n) [I'_GK] times the partial angular velocities, as in Eq. (40)."""
+        """[I'_GK] times the partial angular velocities, (3, n), as in Eq. (40)."""
         return self._named("partial_angular_momentum", self.inertia * self.partial_angular_velocity)
 
     @cached_property
     def mass_matrix(self) -> ImmutableMatrix:
-        """(n, n) what this body adds to [A], Eq. (43)."""
+        """The contribution of this body to [A], (n, n), Eq. (43)."""
         velocity = self.partial_velocity_of_center
         by_mass = _symmetric_product(velocity, self.mass * velocity)
         return by_mass + _symmetric_product(self.partial_angular_velocity, self.partial_angular_momentum)
 
     @cached_property
     def net_force(self) -> ImmutableMatrix:
-        """{F'_K} less mass times the acceleration that is left where {ydot} is zero (N), Eqs. (33), (39)."""
+        """{F'_K} less m_K times the acceleration where {ydot} is zero, (3, 1) (N), Eqs. (33), (39)."""
         return self._named("net_force", self.force - self.mass * self.acceleration_bias)
 
     @cached_property
     def net_torque(self) -> ImmutableMatrix:
-        """{M'_K} less the inertia torque that is left where {ydot} is zero (N m), Eqs. (40), (41)."""
+        """{M'_K} less the inertia torque where {ydot} is zero, (3, 1) (N m), Eqs. (40), (41)."""
         accelerating = self.inertia * self.angular_acceleration_bias
         gyroscopic = skew(self.angular_velocity) * (self.inertia * self.angular_velocity)
         return self._named("net_torque", self.torque - accelerating - gyroscopic)
 
     @cached_property
     def forcing(self) -> ImmutableMatrix:
-        """(n, 1) what this body adds to {f}, Eq. (44)."""
+        """The contribution of this body to {f}, (n, 1), Eq. (44)."""
         by_force = self.partial_velocity_of_center.T * self.net_force
         return by_force + self.partial_angular_velocity.T * self.net_torque
 
 
 def total(parts: Iterable[ImmutableMatrix]) -> ImmutableMatrix:
-    """The sum of matrices of one shape, each entry added up at once: adding in turn is quadratic."""
+    """Add matrices of one shape, each entry at once: adding one matrix after another takes quadratic time."""
     matrices = list(parts)
     rows, columns = matrices[0].shape
     entries = zip(*(matrix.flat() for matrix in matrices), strict=True)
@@ -107,7 +107,7 @@ def total(parts: Iterable[ImmutableMatrix]) -> ImmutableMatrix:
 
 
 def _symmetric_product(a: ImmutableMatrix, b: ImmutableMatrix) -> ImmutableMatrix:
-    """[a]^T [b] where it is known to be symmetric: only one half is worked out."""
+    """Return [a]^T [b], which is known to be symmetric; only one half is computed."""
     columns_a, columns_b = a.T.tolist(), b.T.tolist()
     n = len(columns_a)
     result = [[S.Zero] * n for _ in range(n)]

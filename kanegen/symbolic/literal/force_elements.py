@@ -1,4 +1,4 @@
-"""What force elements and loads on points add to {F_y}, by partial velocities of points, Eq. (37)."""
+"""What force elements and loads on points contribute to {F_y}, by partial velocities of points, Eq. (37)."""
 
 from __future__ import annotations
 
@@ -14,147 +14,149 @@ from kanegen.model.force_elements.elements import Drive, End, JointSpring, Point
 from kanegen.model.force_elements.names import Place, coordinate_places, speed_places
 from kanegen.model.system import System
 from kanegen.symbolic.definitions import Definition, Definitions
+from kanegen.symbolic.expressions import ExpressionTranslator
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
-from kanegen.symbolic.literal.expressions import Variables
-from kanegen.symbolic.literal.orientation import skew
+from kanegen.symbolic.literal.joint import skew
 from kanegen.symbolic.symbols import column, expression, point_force, point_moment
 
 
 @dataclass(frozen=True)
-class _Place:
-    """A point in inertial components.
+class _PointKinematics:
+    """The motion of a point in inertial components.
 
     Attributes:
-        position: (3, 1) where it is (m).
-        velocity: (3, 1) of it (m/s).
-        velocity_y: (3, n) its partial velocities.
+        position: (3, 1) position from the inertial origin (m).
+        velocity: (3, 1) velocity (m/s).
+        partial_velocity: (3, n) partial velocities with respect to {y}.
     """
 
     position: ImmutableMatrix
     velocity: ImmutableMatrix
-    velocity_y: ImmutableMatrix
+    partial_velocity: ImmutableMatrix
 
 
 @dataclass(frozen=True, eq=False)
 class ElementForces:
-    """What they add.
+    """The generalized forces of the force elements of a system and of the loads on its points.
 
     Attributes:
         system: The tree.
         bodies: The equations of its bodies.
-        named: Takes the intermediates; None where nothing is named.
+        intermediates: Collects the intermediates; None where nothing is named.
     """
 
     system: System
     bodies: Sequence[BodyEquations]
-    named: Definitions | None
+    intermediates: Definitions | None
 
     @property
     def total(self) -> ImmutableMatrix:
-        """(n, 1) generalized forces; zeros where there are no elements and no loads on points."""
+        """The generalized forces, (n, 1); zeros where there are no elements and no loads on points."""
         return self._derived[0]
 
     @property
     def definitions(self) -> tuple[Definition, ...]:
-        """What the symbols in `total` stand for beside those of the bodies."""
+        """The definitions of the symbols in `total` that the bodies do not define."""
         return self._derived[1]
 
     @cached_property
     def _derived(self) -> tuple[ImmutableMatrix, tuple[Definition, ...]]:
         none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
-        forces = total([none, *self._efforts(), *self._pulls(), *self._loads()])
-        return forces, () if self.named is None else self.named.listed()
+        forces = total([none, *self._joint_forces(), *self._spring_forces(), *self._point_loads()])
+        return forces, () if self.intermediates is None else self.intermediates.listed()
 
-    def _efforts(self) -> Iterator[ImmutableMatrix]:
-        """On freedoms; on locked ones they move nothing."""
+    def _joint_forces(self) -> Iterator[ImmutableMatrix]:
+        """Yield the forces of elements that act on freedoms; on locked freedoms they are zero."""
         coordinates, speeds = coordinate_places(self.system.bodies), speed_places(self.system.bodies)
+        translate = self._translator
         for element in self.system.force_elements:
             match element:
                 case JointSpring(name, stiffness, rest, damping):
-                    pull = expression(stiffness) * (self._variables.coordinate(name) - expression(rest))
-                    drag = expression(damping) * self._variables.rate(name)
-                    yield self._on(coordinates[name], -pull - drag)
+                    pull = expression(stiffness) * (translate.coordinate(name) - expression(rest))
+                    drag = expression(damping) * translate.speed(name)
+                    yield self._on_freedom(coordinates[name], -pull - drag)
                 case Drive(name, effort):
-                    yield self._on(speeds[name], self._variables.value(effort))
+                    yield self._on_freedom(speeds[name], translate.value(effort))
                 case Potential(energy):
-                    for place, slope in self._variables.slopes(energy).items():
-                        yield self._on(place, -slope)
+                    for place, slope in translate.gradient(energy).items():
+                        yield self._on_freedom(place, -slope)
 
-    def _pulls(self) -> Iterator[ImmutableMatrix]:
-        """Of springs between points."""
+    def _spring_forces(self) -> Iterator[ImmutableMatrix]:
+        """Yield the forces of springs between points."""
         for spring in self.system.force_elements:
             if isinstance(spring, Spring):
-                one, two = map(self._place, spring.between)
+                one, two = map(self._kinematics, spring.between)
                 stiffness, rest, damping = map(
                     expression, (spring.stiffness, spring.rest_length, spring.damping)
                 )
                 way = two.position - one.position
-                velocity_y = two.velocity_y - one.velocity_y
-                length = self._value("length", sympy.sqrt(way.dot(way)))
+                partial_velocity = two.partial_velocity - one.partial_velocity
+                length = self._named("length", sympy.sqrt(way.dot(way)))
                 rate = way.dot(two.velocity - one.velocity) / length
-                yield velocity_y.T * way * (-(stiffness * (length - rest) + damping * rate) / length)
+                yield partial_velocity.T * way * (-(stiffness * (length - rest) + damping * rate) / length)
 
-    def _loads(self) -> Iterator[ImmutableMatrix]:
-        """On points, by elements and by the caller."""
-        value = self._variables.value
+    def _point_loads(self) -> Iterator[ImmutableMatrix]:
+        """Yield the forces of loads on points: those of elements, then those that are inputs."""
+        value = self._translator.value
         for element in self.system.force_elements:
             if isinstance(element, PointLoad):
                 force, moment = (
                     ImmutableMatrix([*map(value, three)]) for three in (element.force, element.moment)
                 )
-                yield self._loaded(element.point, force, moment)
+                yield self._of_point_load(element.point, force, moment)
         for number, (_, point) in enumerate(self.system.points, start=1):
             if point.loads:
                 force, moment = (
                     ImmutableMatrix([symbol(number, axis) for axis in range(3)])
                     for symbol in (point_force, point_moment)
                 )
-                yield self._loaded(point.name, force, moment)
+                yield self._of_point_load(point.name, force, moment)
 
-    def _loaded(self, name: str, force: ImmutableMatrix, moment: ImmutableMatrix) -> ImmutableMatrix:
-        """A force at a point and a moment on its body."""
+    def _of_point_load(self, name: str, force: ImmutableMatrix, moment: ImmutableMatrix) -> ImmutableMatrix:
+        """Return (n, 1) generalized forces of a force at a point (N) and a moment on its body (N m)."""
         _, body, _ = self._points[name]
-        turning_y = body.rotation.T * body.partial_angular_velocity
-        return self._place(name).velocity_y.T * force + turning_y.T * moment
+        partial_angular_velocity = body.rotation.T * body.partial_angular_velocity
+        return self._kinematics(name).partial_velocity.T * force + partial_angular_velocity.T * moment
 
-    def _on(self, place: Place, effort: Expr) -> ImmutableMatrix:
-        """An effort on a freedom."""
+    def _on_freedom(self, place: Place, effort: Expr) -> ImmutableMatrix:
+        """Return (n, 1) generalized forces of a force or torque on one freedom (N, N m)."""
         rows = [effort if Freedom(*place) == freedom else S.Zero for freedom in self.system.freedoms]
         return ImmutableMatrix(len(rows), 1, rows)
 
-    def _place(self, end: End) -> _Place:
+    def _kinematics(self, end: End) -> _PointKinematics:
+        """Return the motion of an end of a spring: the name of a point, or inertial coordinates (m)."""
         if not isinstance(end, str):
             still = ImmutableMatrix.zeros(3, 1)
-            return _Place(column(end), still, ImmutableMatrix.zeros(3, len(self.system.freedoms)))
+            return _PointKinematics(column(end), still, ImmutableMatrix.zeros(3, len(self.system.freedoms)))
         number, body, arm = self._points[end]
         carried = body.relative_rotation * body.velocity_of_origin
         carried_y = body.relative_rotation * body.partial_velocity_of_origin
         position = body.rotation.T * (body.position_of_origin + arm)
         velocity = body.rotation.T * (carried + skew(body.angular_velocity) * arm)
-        velocity_y = body.rotation.T * (carried_y - skew(arm) * body.partial_angular_velocity)
-        return _Place(
-            self._matrix(f"pP_{number}", position),
-            self._matrix(f"vP_{number}", velocity),
-            self._matrix(f"vPy_{number}", velocity_y),
+        partial_velocity = body.rotation.T * (carried_y - skew(arm) * body.partial_angular_velocity)
+        return _PointKinematics(
+            self._named_matrix(f"pP_{number}", position),
+            self._named_matrix(f"vP_{number}", velocity),
+            self._named_matrix(f"vPy_{number}", partial_velocity),
         )
 
     @cached_property
-    def _variables(self) -> Variables:
-        return Variables(self.system, expression)
+    def _translator(self) -> ExpressionTranslator:
+        return ExpressionTranslator(self.system, expression)
 
     @cached_property
     def _points(self) -> dict[str, tuple[int, BodyEquations, ImmutableMatrix]]:
-        """By name its number, its body and where it is there (m)."""
+        """By name of a point its number, the equations of its body and its place there, (3, 1) (m)."""
         return {
             point.name: (number, self.bodies[k - 1], column(point.position))
             for number, (k, point) in enumerate(self.system.points, start=1)
         }
 
-    def _matrix(self, name: str, value: ImmutableMatrix) -> ImmutableMatrix:
+    def _named_matrix(self, name: str, value: ImmutableMatrix) -> ImmutableMatrix:
         rows, columns = value.shape
         places = ((i, j) for i in range(rows) for j in range(columns))
-        entries = [self._value(f"{name}_{i + 1}_{j + 1}", value[i, j]) for i, j in places]
+        entries = [self._named(f"{name}_{i + 1}_{j + 1}", value[i, j]) for i, j in places]
         return ImmutableMatrix(rows, columns, entries)
 
-    def _value(self, name: str, value: Expr) -> Expr:
-        return value if self.named is None else self.named.define(name, value)
+    def _named(self, name: str, value: Expr) -> Expr:
+        return value if self.intermediates is None else self.intermediates.define(name, value)

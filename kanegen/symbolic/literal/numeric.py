@@ -1,4 +1,4 @@
-"""The literal equations as NumPy functions: slow, but made of nothing except SymPy's own printing."""
+"""The literal equations as NumPy functions, made by SymPy's own `lambdify`: slow, to look and to check."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class NumericEquations:
     """[A] and {f} as functions of NumPy arrays.
 
     Attributes:
-        system: What was derived.
+        system: The system whose equations they are.
     """
 
     system: System
@@ -47,7 +47,11 @@ class NumericEquations:
         parameters: Mapping[str, float] | None = None,
         prescribed: ArrayLike | None = None,
     ) -> Floats:
-        """[A], (n, n).
+        """Return the generalized mass matrix [A], (n, n), of Eq. (43).
+
+        Example:
+            numeric = kg.derive(kg.load("models/double_pendulum.toml")).lambdify()
+            numeric.mass_matrix([0.1, 0.2])
 
         Args:
             x: Coordinates (rad, m, 1).
@@ -74,17 +78,21 @@ class NumericEquations:
         point_moment: ArrayLike | None = None,
         t: float = 0.0,
     ) -> Floats:
-        """{f}, (n,).
+        """Return the right side {f}, (n,), of Eq. (44).
+
+        Example:
+            numeric = kg.derive(kg.load("models/double_pendulum.toml")).lambdify()
+            numeric.forcing([0.1, 0.2], [0.0, 0.0])
 
         Args:
             x: Coordinates (rad, m, 1).
             y: (n,) generalized speeds (rad/s, m/s).
             force: (N, 3) loads {F'_K} (N); rows of bodies that take no loads are not read.
-            torque: (N, 3) loads {M'_K} (N m), likewise.
+            torque: (N, 3) loads {M'_K} (N m); rows of bodies that take no loads are not read.
             parameters: Values of parameters that differ from their defaults, by name.
-            prescribed: As in `mass_matrix`.
+            prescribed: (3, p) values, rates and second derivatives of the prescribed freedoms.
             point_force: (P, 3) forces at the points (N); rows of points that take no loads are not read.
-            point_moment: (P, 3) moments (N m), likewise.
+            point_moment: (P, 3) moments on the bodies of the points (N m), read for the same rows.
             t: Time (s).
 
         Raises:
@@ -93,7 +101,7 @@ class NumericEquations:
         """
         m, n, bodies = (len(self.system.coordinates), len(self.system.freedoms), self.system.number_of_bodies)
         points = len(self.system.points)
-        given = (
+        arrays = (
             (force, bodies, "force"),
             (torque, bodies, "torque"),
             (point_force, points, "point_force"),
@@ -101,52 +109,61 @@ class NumericEquations:
         )
         loads = [
             np.zeros(3 * rows) if load is None else _array(load, (rows, 3), what).ravel()
-            for load, rows, what in given
+            for load, rows, what in arrays
         ]
         state = (_array(x, (m,), "x"), _array(y, (n,), "y"), self._motion(prescribed))
         arguments = (*state, *loads, [float(t)], self._values(parameters))
         return np.array(self._forcing(*arguments), dtype=float).ravel()
 
     def _motion(self, prescribed: ArrayLike | None) -> Floats:
-        """Row after row; None is for systems without prescribed freedoms."""
+        """Return (3 p,) prescribed values, rates and second derivatives; None stands for p = 0."""
         count = len(self.system.prescribed)
-        given = np.zeros((3, 0)) if prescribed is None else prescribed
-        return _array(given, (3, count), "prescribed").ravel()
+        rows = np.zeros((3, 0)) if prescribed is None else prescribed
+        return _array(rows, (3, count), "prescribed").ravel()
 
     def _values(self, changed: Mapping[str, float] | None) -> list[float]:
+        """Return the values of all parameters, some of them changed by name."""
         system = self.system.with_parameters(changed or {})
-        return [given.value for given in system.parameters]
+        return [parameter.value for parameter in system.parameters]
 
 
 def numeric(
     system: System, A: ImmutableMatrix, f: ImmutableMatrix, definitions: Sequence[Definition]
 ) -> NumericEquations:
-    """Functions that evaluate [A] and {f}, which may hold the symbols of `definitions`."""
+    """Return functions that evaluate [A] and {f}.
+
+    Args:
+        system: The system whose equations they are.
+        A: (n, n) [A].
+        f: (n, 1) {f}.
+        definitions: The definitions of the intermediates in [A] and {f}.
+    """
     every = [(k, axis) for k in range(1, system.number_of_bodies + 1) for axis in range(3)]
     x, y = list(coordinates(system)), list(speeds(system))
     at_points = [(k, axis) for k in range(1, len(system.points) + 1) for axis in range(3)]
-    kinds = (force, every), (torque, every), (point_force, at_points), (point_moment, at_points)
-    loads = [[symbol(k, axis) for k, axis in places] for symbol, places in kinds]
+    inputs = (force, every), (torque, every), (point_force, at_points), (point_moment, at_points)
+    loads = [[symbol(k, axis) for k, axis in places] for symbol, places in inputs]
     # A parameter may have the name of a function, such as sin; a Dummy cannot.
-    private = {parameter(given): Dummy(given.name) for given in system.parameters}
+    private = {parameter(each): Dummy(each.name) for each in system.parameters}
     if private:
         A, f = A.xreplace(private), f.xreplace(private)
         definitions = [replace(d, value=d.value.xreplace(private)) for d in definitions]
-    parameters, told = list(private.values()), list(prescribed(system))
+    parameters, motion = list(private.values()), list(prescribed(system))
     return NumericEquations(
         system,
-        _function([x, told, parameters], A, definitions),
-        _function([x, y, told, *loads, [time()], parameters], f, definitions),
+        _function([x, motion, parameters], A, definitions),
+        _function([x, y, motion, *loads, [time()], parameters], f, definitions),
     )
 
 
 def _function(
     arguments: list[list[Symbol]], matrix: ImmutableMatrix, definitions: Sequence[Definition]
 ) -> Callable[..., Any]:
+    """Return the NumPy function of a matrix, which evaluates the definitions that it needs first."""
     needed = needed_definitions(definitions, matrix)
 
     def common(expressions: Any) -> tuple[list[tuple[Symbol, Expr]], Any]:
-        """Definitions first, where there are any; else what SymPy finds in common."""
+        """Return (replacements, reduced): the definitions, or the common subexpressions that SymPy finds."""
         if needed:
             return [(definition.symbol, definition.value) for definition in needed], expressions
         replacements, reduced = sympy.cse(expressions, list=False)
@@ -159,7 +176,7 @@ def _function(
 def needed_definitions(
     definitions: Sequence[Definition], expressions: Iterable[Expr]
 ) -> tuple[Definition, ...]:
-    """Those of `definitions` that `expressions` need, directly or through others, in their order."""
+    """Return the definitions that `expressions` depend on, directly or through others, in their order."""
     wanted: set[Symbol] = set()
     for expression in expressions:
         wanted |= expression.free_symbols
@@ -172,6 +189,7 @@ def needed_definitions(
 
 
 def _array(value: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
+    """Return an argument as an array of that shape; `what` is its name in error messages."""
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Products and sums of the notes' 3 x 3 blocks as they are printed: never multiplied out."""
+"""Symbolic products and sums of the notes' 3 x 3 blocks, which are printed and never multiplied out."""
 
 from __future__ import annotations
 
@@ -7,65 +7,75 @@ from enum import Enum
 
 
 class Kind(Enum):
-    """What a factor is: its text and its LaTeX, with {K} for the body and {J} for its lower body."""
+    """The kinds of factors by text and LaTeX, with {K} for the body and {J} for its lower body."""
 
     ROTATION = "[^{J}R_{K}]", r"[{{}}^{{{J}}}R_{{{K}}}]"
-    FIRST_ROTATION = "[R_{K}]", r"[R_{{{K}}}]"
-    RATE = "[P̂_{K}]", r"[\hat{{P}}_{{{K}}}]"
-    RATE_DOT = "[Ṗ̂_{K}]", r"[\dot{{\hat{{P}}}}_{{{K}}}]"
-    RELATIVE_SPIN = "[^{J}ω̃'_{K}]^T", r"[{{}}^{{{J}}}\tilde{{\omega}}'_{{{K}}}]^T"
-    FIRST_SPIN = "[ω̃'_{K}]^T", r"[\tilde{{\omega}}'_{{{K}}}]^T"
-    SPIN = "[ω̃'_{K}]", r"[\tilde{{\omega}}'_{{{K}}}]"
+    ROTATION_FROM_GROUND = "[R_{K}]", r"[R_{{{K}}}]"
+    ANGLE_RATE_MATRIX = "[P̂_{K}]", r"[\hat{{P}}_{{{K}}}]"
+    ANGLE_RATE_MATRIX_RATE = "[Ṗ̂_{K}]", r"[\dot{{\hat{{P}}}}_{{{K}}}]"
+    RELATIVE_OMEGA_TILDE_T = "[^{J}ω̃'_{K}]^T", r"[{{}}^{{{J}}}\tilde{{\omega}}'_{{{K}}}]^T"
+    OMEGA_TILDE_T = "[ω̃'_{K}]^T", r"[\tilde{{\omega}}'_{{{K}}}]^T"
+    OMEGA_TILDE = "[ω̃'_{K}]", r"[\tilde{{\omega}}'_{{{K}}}]"
     OFFSET_TILDE = "([q̃'_{K}]+[s̃'_{K}])", r"([\tilde{{q}}'_{{{K}}}]+[\tilde{{s}}'_{{{K}}}])"
-    OFFSET_DOT_TILDE = "[ṡ̃'_{K}]", r"[\dot{{\tilde{{s}}}}'_{{{K}}}]"
-    CENTER_TILDE = "[r̃'_{K}]", r"[\tilde{{r}}'_{{{K}}}]"
+    OFFSET_RATE_TILDE = "[ṡ̃'_{K}]", r"[\dot{{\tilde{{s}}}}'_{{{K}}}]"
+    MASS_CENTER_TILDE = "[r̃'_{K}]", r"[\tilde{{r}}'_{{{K}}}]"
     IDENTITY = "[I]", "[I]"
-    TURNED_BACK = "[C_{K}]^T", r"[C_{{{K}}}]^T"
-    POSITION = "{{q'_{K}}}", r"\lbrace q'_{{{K}}}\rbrace "
+    JOINT_ORIENTATION_T = "[C_{K}]^T", r"[C_{{{K}}}]^T"
+    JOINT_POSITION = "{{q'_{K}}}", r"\lbrace q'_{{{K}}}\rbrace "
     TRANSLATION = "{{s'_{K}}}", r"\lbrace s'_{{{K}}}\rbrace "
-    TRANSLATION_DOT = "{{ṡ'_{K}}}", r"\lbrace \dot{{s}}'_{{{K}}}\rbrace "
-    CENTER = "{{r'_{K}}}", r"\lbrace r'_{{{K}}}\rbrace "
+    TRANSLATION_RATE = "{{ṡ'_{K}}}", r"\lbrace \dot{{s}}'_{{{K}}}\rbrace "
+    MASS_CENTER = "{{r'_{K}}}", r"\lbrace r'_{{{K}}}\rbrace "
 
     @property
     def text(self) -> str:
-        """Template of the plain form."""
+        """The template in plain text."""
         return str(self.value[0])
 
     @property
     def latex(self) -> str:
-        """Template of the LaTeX form."""
+        """The template in LaTeX."""
         return str(self.value[1])
 
 
 @dataclass(frozen=True)
 class Factor:
-    """One matrix or column of body K on its lower body J."""
+    """One matrix or column of body K on its lower body J.
+
+    Attributes:
+        kind: What it is.
+        body: K.
+        lower: J, 0 for the ground.
+    """
 
     kind: Kind
     body: int
     lower: int
 
     def text(self) -> str:
-        """As in `[^1R_2]`."""
+        """Return the factor in plain text, such as `[^1R_2]`."""
         return self.kind.text.format(K=self.body, J=self.lower)
 
     def latex(self) -> str:
-        """As in `[{}^{1}R_{2}]`."""
+        """Return the factor in LaTeX, such as `[{}^{1}R_{2}]`."""
         return self.kind.latex.format(K=self.body, J=self.lower)
 
 
 @dataclass(frozen=True)
 class Product:
-    """Factors from left to right; the last may be a sum or a row."""
+    """A product.
+
+    Attributes:
+        factors: Factors from left to right; the last may be a sum or a row.
+    """
 
     factors: tuple[Term, ...]
 
     def text(self) -> str:
-        """The factors side by side, a sum in parentheses."""
+        """Return the factors side by side in plain text, a sum in parentheses."""
         return "".join(f"({f.text()})" if isinstance(f, Sum) else f.text() for f in self.factors)
 
     def latex(self) -> str:
-        """The factors side by side, a sum in parentheses."""
+        """Return the factors side by side in LaTeX, a sum in parentheses."""
         return "".join(
             rf"\left({f.latex()}\right)" if isinstance(f, Sum) else f.latex() for f in self.factors
         )
@@ -73,17 +83,22 @@ class Product:
 
 @dataclass(frozen=True)
 class Row:
-    """3 x 3 blocks side by side, None for a zero: N of them for {y_1}, or 2N for {y}."""
+    """A row of 3 x 3 blocks.
+
+    Attributes:
+        blocks: N blocks for {y_1} or 2N for {y}; None for a zero.
+        bodies: N.
+    """
 
     blocks: tuple[Term | None, ...]
     bodies: int
 
     def text(self) -> str:
-        """The blocks in brackets; a half of zeros is one block."""
+        """Return the blocks in brackets in plain text; a half of zeros is one block."""
         return f"[{', '.join(self._parts('text'))}]"
 
     def latex(self) -> str:
-        """The blocks in brackets; a half of zeros is one block."""
+        """Return the blocks in brackets in LaTeX; a half of zeros is one block."""
         return rf"\left[{', '.join(self._parts('latex'))}\right]"
 
     def _parts(self, form: str) -> list[str]:
@@ -100,20 +115,24 @@ class Row:
 
 @dataclass(frozen=True)
 class Sum:
-    """Terms with their signs, +1 or -1."""
+    """A sum.
+
+    Attributes:
+        terms: Signs, +1 or -1, and terms from left to right.
+    """
 
     terms: tuple[tuple[int, Term], ...]
 
     def text(self) -> str:
-        """The terms in one line."""
+        """Return the terms in one line of plain text."""
         return self._joined([term.text() for _, term in self.terms])
 
     def latex(self) -> str:
-        """The terms in one line."""
+        """Return the terms in one line of LaTeX."""
         return self._joined([term.latex() for _, term in self.terms])
 
     def lines(self, form: str = "text") -> list[str]:
-        """The terms, one a line, each but a positive first with its sign; `form` is "text" or "latex"."""
+        """Return a line for each term with its sign, + omitted in the first; `form` is "text" or "latex"."""
         printed = [f"{'+' if sign > 0 else '-'} {getattr(term, form)()}" for sign, term in self.terms]
         return [printed[0].removeprefix("+ "), *printed[1:]] if printed else ["0"]
 
@@ -126,10 +145,11 @@ class Sum:
 
 
 Term = Factor | Product | Row | Sum
+"""Whatever can be printed as a part of an equation in blocks."""
 
 
 def product(*factors: Term) -> Term:
-    """Factors side by side; products and sums of one term among them are opened."""
+    """Return the product of factors; products and positive sums of one term among them are opened."""
     flat: list[Term] = []
     for factor in factors:
         single = factor.terms[0] if isinstance(factor, Sum) and len(factor.terms) == 1 else None
@@ -139,7 +159,7 @@ def product(*factors: Term) -> Term:
 
 
 def total(*terms: Term) -> Sum:
-    """Terms in order; sums among them are opened."""
+    """Return the sum of terms in order; sums among them are opened."""
     flat: list[tuple[int, Term]] = []
     for term in terms:
         flat += term.terms if isinstance(term, Sum) else [(1, term)]
@@ -147,5 +167,5 @@ def total(*terms: Term) -> Sum:
 
 
 def times(factors: tuple[Factor, ...], terms: Sum, sign: int = 1) -> Sum:
-    """`factors` in front of every term."""
+    """Return a sum with `factors` in front of every term, and with its signs multiplied by `sign`."""
     return Sum(tuple((sign * s, product(*factors, term)) for s, term in terms.terms))

@@ -3,8 +3,8 @@
     Blocks(system).partial_angular_velocity(3).text()
     # [[^2R_3][^1R_2][P̂_1], [^2R_3][P̂_2], [P̂_3], [0], ...]
 
-A block of which no freedom is free is [0]. Where a joint frame is turned, [s̃'_K] is made of the J
-components [C_K]^T {s'_K}, and [C_K]^T stands in the place of [I].
+A block without a free freedom is [0]. For a joint frame that is turned, [s̃'_K] is made of the J components
+[C_K]^T {s'_K}, and [C_K]^T replaces [I].
 """
 
 from __future__ import annotations
@@ -15,15 +15,28 @@ from dataclasses import dataclass
 from kanegen.model.joint import IDENTITY
 from kanegen.model.system import System
 from kanegen.symbolic.printing.block_terms import Factor, Kind, Product, Row, Sum, Term, product, times, total
+from kanegen.symbolic.printing.statements import PrintedStatement, Section
+
+MOST_BODIES_IN_BLOCKS = 16
+"""Number of bodies up to which rows of blocks, two for each body, help a reader."""
 
 GROUND = 0
+"""Number of the ground among the lower bodies."""
+
 FIRST_TRANSLATION = 3
+"""Index of the first translation in `FREEDOMS`."""
+
 NOTHING = Sum(())
+"""A sum of no terms."""
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Rows of blocks and block sums of the bodies of a system; bodies count from 1.
+    """The equations of the bodies of a system in blocks; bodies count from 1.
+
+    Example:
+        blocks = Blocks(kg.load("models/eight_body.toml"))
+        print(blocks.position_of_center(2).text())
 
     Attributes:
         system: The tree.
@@ -32,29 +45,29 @@ class Blocks:
     system: System
 
     def position_of_origin(self, k: int) -> Sum:
-        """{p'_OK} in K, Eq. (22)."""
+        """Return {p'_OK}, the position of O_K in K components, Eq. (22)."""
         j = self._lower(k)
         below = NOTHING if j == GROUND else self.position_of_origin(j)
         return total(product(self._rotation(k), total(below, self._offset(k))))
 
     def position_of_center(self, k: int) -> Sum:
-        """{p'_GK} in K, Eq. (23)."""
-        return total(self.position_of_origin(k), self._factor(Kind.CENTER, k))
+        """Return {p'_GK}, the position of G_K in K components, Eq. (23)."""
+        return total(self.position_of_origin(k), self._factor(Kind.MASS_CENTER, k))
 
     def velocity_of_origin(self, k: int) -> Sum:
-        """{v'_OK} in J, Eq. (25)."""
+        """Return {v'_OK}, the velocity of O_K in J components, Eq. (25)."""
         j = self._lower(k)
-        rate = total(self._turned_back(k, Kind.TRANSLATION_DOT)) if self._slides(k) else NOTHING
+        rate = total(self._in_lower_components(k, Kind.TRANSLATION_RATE)) if self._slides(k) else NOTHING
         if j == GROUND:
             return rate
         return total(self._carried(j), rate, self._swung(j, self._offset(k)))
 
     def velocity_of_center(self, k: int) -> Sum:
-        """{v'_GK} in K, Eq. (27)."""
-        return total(self._carried(k), self._swung(k, self._factor(Kind.CENTER, k)))
+        """Return {v'_GK}, the velocity of G_K in K components, Eq. (27)."""
+        return total(self._carried(k), self._swung(k, self._factor(Kind.MASS_CENTER, k)))
 
     def partial_angular_velocity(self, k: int) -> Row:
-        """[omega'_K,y1], N blocks, Eq. (15)."""
+        """Return [omega'_K,y1], the partial angular velocities in N blocks, Eq. (15)."""
         blocks: list[Term | None] = [None] * self.system.number_of_bodies
         prefix: tuple[Factor, ...] = ()
         for body in self._path(k):
@@ -64,34 +77,34 @@ class Blocks:
         return Row(tuple(blocks), len(blocks))
 
     def partial_angular_velocity_rate(self, k: int) -> Sum:
-        """Time derivative of [omega'_K,y1], Eq. (20)."""
-        changes = self._turns_freely(k) and not self._spins(k)
-        own = self._unit_row(self._factor(Kind.RATE_DOT, k), k, half=0) if changes else NOTHING
+        """Return the time derivative of [omega'_K,y1], Eq. (20)."""
+        changes = self._turns_freely(k) and not self._has_angular_velocity_speeds(k)
+        own = self._unit_row(self._factor(Kind.ANGLE_RATE_MATRIX_RATE, k), k, half=0) if changes else NOTHING
         j = self._lower(k)
         if j == GROUND:
             return total(own)
         carried = times((self._rotation(k),), self.partial_angular_velocity_rate(j))
-        return total(carried, self._turning(k, self._spin_row(j)), own)
+        return total(carried, self._turning(k, self._angular_row(j)), own)
 
     def partial_velocity_of_origin(self, k: int) -> Sum:
-        """[v'_OK,y] in J, 2N blocks, Eqs. (28)-(30)."""
-        unit = self._turned_back(k, Kind.IDENTITY)
+        """Return [v'_OK,y], the partial velocities of O_K in J components, in 2N blocks, Eqs. (28)-(30)."""
+        unit = self._in_lower_components(k, Kind.IDENTITY)
         own = self._unit_row(unit, k, half=1) if self._slides_freely(k) else NOTHING
         j = self._lower(k)
         if j == GROUND:
             return _both_halves(total(own))
         carried = times((self._rotation(j),), self.partial_velocity_of_origin(j))
-        swung = times((self._factor(Kind.OFFSET_TILDE, k),), self._spin_row(j), sign=-1)
+        swung = times((self._factor(Kind.OFFSET_TILDE, k),), self._angular_row(j), sign=-1)
         return _both_halves(total(carried, swung, own))
 
     def partial_velocity_of_center(self, k: int) -> Sum:
-        """[v'_GK,y] in K, 2N blocks, Eq. (32)."""
+        """Return [v'_GK,y], the partial velocities of G_K in K components, in 2N blocks, Eq. (32)."""
         carried = times((self._rotation(k),), self.partial_velocity_of_origin(k))
-        swung = times((self._factor(Kind.CENTER_TILDE, k),), self._spin_row(k), sign=-1)
+        swung = times((self._factor(Kind.MASS_CENTER_TILDE, k),), self._angular_row(k), sign=-1)
         return _both_halves(total(carried, swung))
 
     def partial_velocity_of_origin_rate(self, k: int) -> Sum:
-        """Time derivative of [v'_OK,y] in J, Eq. (35)."""
+        """Return the time derivative of [v'_OK,y] in J components, Eq. (35)."""
         j = self._lower(k)
         if j == GROUND:
             return NOTHING
@@ -99,66 +112,71 @@ class Blocks:
         turned = self._turning(j, self.partial_velocity_of_origin(j))
         sliding = NOTHING
         if self._slides(k):
-            sliding = times((self._factor(Kind.OFFSET_DOT_TILDE, k),), self._spin_row(j), sign=-1)
+            sliding = times((self._factor(Kind.OFFSET_RATE_TILDE, k),), self._angular_row(j), sign=-1)
         rate = self.partial_angular_velocity_rate(j)
         swung = times((self._factor(Kind.OFFSET_TILDE, k),), rate, sign=-1)
         return _both_halves(total(carried, turned, sliding, swung))
 
     def partial_velocity_of_center_rate(self, k: int) -> Sum:
-        """Time derivative of [v'_GK,y] in K, Eq. (34)."""
+        """Return the time derivative of [v'_GK,y] in K components, Eq. (34)."""
         carried = times((self._rotation(k),), self.partial_velocity_of_origin_rate(k))
         turned = self._turning(k, self.partial_velocity_of_origin(k))
         rate = self.partial_angular_velocity_rate(k)
-        swung = times((self._factor(Kind.CENTER_TILDE, k),), rate, sign=-1)
+        swung = times((self._factor(Kind.MASS_CENTER_TILDE, k),), rate, sign=-1)
         return _both_halves(total(carried, turned, swung))
 
     def _factor(self, kind: Kind, k: int) -> Factor:
         return Factor(kind, k, self._lower(k))
 
     def _rotation(self, k: int) -> Factor:
-        return self._factor(Kind.FIRST_ROTATION if self._lower(k) == GROUND else Kind.ROTATION, k)
+        return self._factor(Kind.ROTATION_FROM_GROUND if self._lower(k) == GROUND else Kind.ROTATION, k)
 
     def _turning(self, k: int, terms: Sum) -> Sum:
-        """The derivative of [^J R_K], Eq. (7), in front of `terms`."""
+        """Return `terms` behind the time derivative of [^J R_K], Eq. (7)."""
         if not self._turns(k):
             return NOTHING
-        spin = Kind.FIRST_SPIN if self._lower(k) == GROUND else Kind.RELATIVE_SPIN
-        return times((self._factor(spin, k), self._rotation(k)), terms)
+        omega = Kind.OMEGA_TILDE_T if self._lower(k) == GROUND else Kind.RELATIVE_OMEGA_TILDE_T
+        return times((self._factor(omega, k), self._rotation(k)), terms)
 
     def _turned_rates(self, prefix: tuple[Factor, ...], k: int) -> Term:
-        """[P_K] behind rotations; speeds that are components of an angular velocity need none."""
-        if self._spins(k):
+        """Return [P_K] behind rotations, without [P_K] where the speeds are those of an angular velocity."""
+        if self._has_angular_velocity_speeds(k):
             return product(*prefix) if prefix else self._factor(Kind.IDENTITY, k)
-        return product(*prefix, self._factor(Kind.RATE, k))
+        return product(*prefix, self._factor(Kind.ANGLE_RATE_MATRIX, k))
 
-    def _turned_back(self, k: int, kind: Kind) -> Term:
+    def _in_lower_components(self, k: int, kind: Kind) -> Term:
+        """Return a factor in joint-frame components, behind [C_K]^T where the joint frame is turned."""
         if self.system.bodies[k - 1].joint.orientation == IDENTITY:
             return self._factor(kind, k)
-        back = self._factor(Kind.TURNED_BACK, k)
+        back = self._factor(Kind.JOINT_ORIENTATION_T, k)
         return back if kind is Kind.IDENTITY else product(back, self._factor(kind, k))
 
     def _offset(self, k: int) -> Sum:
-        """{q'_K} + {s'_K}; q'_1 = 0 by definition, so a zero {q'_K} on the ground is left out."""
+        """Return {q'_K} + {s'_K}, without a zero {q'_K} on the ground: the notes define q'_1 = 0."""
         joint = self.system.bodies[k - 1].joint
-        translation = total(self._turned_back(k, Kind.TRANSLATION))
+        translation = total(self._in_lower_components(k, Kind.TRANSLATION))
         if self._lower(k) == GROUND and not any(joint.position):
             return translation
-        return total(self._factor(Kind.POSITION, k), translation)
+        return total(self._factor(Kind.JOINT_POSITION, k), translation)
 
     def _carried(self, k: int) -> Sum:
+        """Return the velocity of O_K in K components."""
         velocity = self.velocity_of_origin(k)
         return total(product(self._rotation(k), velocity)) if velocity.terms else NOTHING
 
     def _swung(self, k: int, arm: Term) -> Sum:
+        """Return the cross product of the angular velocity of K and an arm, nothing if K never turns."""
         if not any(self._turns(body) for body in self._path(k)):
             return NOTHING
-        return total(product(self._factor(Kind.SPIN, k), arm))
+        return total(product(self._factor(Kind.OMEGA_TILDE, k), arm))
 
-    def _spin_row(self, k: int) -> Sum:
+    def _angular_row(self, k: int) -> Sum:
+        """Return [omega'_K,y1] as a sum, nothing if all its blocks are zero."""
         row = self.partial_angular_velocity(k)
         return total(row) if any(row.blocks) else NOTHING
 
     def _unit_row(self, block: Term, k: int, half: int) -> Sum:
+        """Return a row of zeros but for `block` at body k of {y_1} (`half` 0) or {y_2} (`half` 1)."""
         count = self.system.number_of_bodies
         blocks: list[Term | None] = [None] * (count * (half + 1))
         blocks[count * half + k - 1] = block
@@ -168,39 +186,76 @@ class Blocks:
         return self.system.connection[k - 1]
 
     def _path(self, k: int) -> Iterator[int]:
-        """k, its lower body, and so on to the ground."""
+        """Yield body k, its lower body, and so on to the ground."""
         while k != GROUND:
             yield k
             k = self._lower(k)
 
     def _turns(self, k: int) -> bool:
-        """Whether any angle moves, free or prescribed."""
+        """Return whether any angle of body k moves, free or prescribed."""
         return any(self.system.bodies[k - 1].joint.moving[:FIRST_TRANSLATION])
 
     def _turns_freely(self, k: int) -> bool:
-        """Whether it has columns of angles."""
+        """Return whether any angle of body k is free."""
         return any(self.system.bodies[k - 1].joint.free[:FIRST_TRANSLATION])
 
-    def _spins(self, k: int) -> bool:
+    def _has_angular_velocity_speeds(self, k: int) -> bool:
         return self.system.bodies[k - 1].joint.spins
 
     def _slides(self, k: int) -> bool:
-        """Whether any translation moves, free or prescribed."""
+        """Return whether any translation of body k moves, free or prescribed."""
         return any(self.system.bodies[k - 1].joint.moving[FIRST_TRANSLATION:])
 
     def _slides_freely(self, k: int) -> bool:
-        """Whether it has columns of translations."""
+        """Return whether any translation of body k is free."""
         return any(self.system.bodies[k - 1].joint.free[FIRST_TRANSLATION:])
 
 
 def _both_halves(terms: Sum) -> Sum:
-    """Every row with N blocks for {y_1} continued by N zeros for {y_2}."""
+    """Return the same terms with every row of N blocks for {y_1} continued by N zeros for {y_2}."""
     return Sum(tuple((sign, _continued(term)) for sign, term in terms.terms))
 
 
 def _continued(term: Term) -> Term:
+    """Return a term whose last factor, if it is a row of N blocks, has N zeros more."""
     factors = term.factors if isinstance(term, Product) else (term,)
     row = factors[-1]
     if not isinstance(row, Row) or len(row.blocks) > row.bodies:
         return term
     return product(*factors[:-1], Row(row.blocks + (None,) * row.bodies, row.bodies))
+
+
+def body_sections(system: System) -> Iterator[Section]:
+    """Yield a section for each body in blocks, unless there are too many bodies."""
+    if system.number_of_bodies > MOST_BODIES_IN_BLOCKS:
+        return
+    blocks = Blocks(system)
+    for k, body in enumerate(system.bodies, start=1):
+        statements = (*_one_line_statements(blocks, k), *_many_line_statements(blocks, k))
+        yield Section(f"Body {k} ({body.name}) in blocks", "Blocks are 3 x 3.", statements)
+
+
+def _one_line_statements(blocks: Blocks, k: int) -> Iterator[PrintedStatement]:
+    """Yield the equations of body k that take one line each."""
+    columns: list[tuple[str, str, Term]] = [
+        ("{p'_G%d}", r"\lbrace p'_{G_{%d}} \rbrace", blocks.position_of_center(k)),
+        ("{v'_O%d}", r"\lbrace v'_{O_{%d}} \rbrace", blocks.velocity_of_origin(k)),
+        ("{v'_G%d}", r"\lbrace v'_{G_{%d}} \rbrace", blocks.velocity_of_center(k)),
+        ("[ω'_%d,y1]", r"[\omega'_{%d,y_1}]", blocks.partial_angular_velocity(k)),
+    ]
+    for plain, formula, value in columns:
+        yield PrintedStatement(f"{plain % k} = {value.text()}", formula % k, (value.latex(),))
+
+
+def _many_line_statements(blocks: Blocks, k: int) -> Iterator[PrintedStatement]:
+    """Yield the equations of body k that take a line for each of their terms."""
+    rows: list[tuple[str, str, Sum]] = [
+        ("[ω̇'_%d,y1]", r"[\dot{\omega}'_{%d,y_1}]", blocks.partial_angular_velocity_rate(k)),
+        ("[v'_O%d,y]", r"[v'_{O_{%d},y}]", blocks.partial_velocity_of_origin(k)),
+        ("[v̇'_O%d,y]", r"[\dot{v}'_{O_{%d},y}]", blocks.partial_velocity_of_origin_rate(k)),
+        ("[v'_G%d,y]", r"[v'_{G_{%d},y}]", blocks.partial_velocity_of_center(k)),
+        ("[v̇'_G%d,y]", r"[\dot{v}'_{G_{%d},y}]", blocks.partial_velocity_of_center_rate(k)),
+    ]
+    for plain, formula, terms in rows:
+        text_lines = "\n    ".join([f"{plain % k} =", *terms.lines()])
+        yield PrintedStatement(text_lines, formula % k, tuple(terms.lines("latex")))

@@ -1,25 +1,40 @@
-"""What there is to say about a system's equations, before it is put into a format."""
+"""What is said about a system's equations, section by section, before it is written in a format."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import accumulate, groupby
 
-from sympy import ImmutableMatrix
+from sympy import ImmutableMatrix, Symbol
 
+from kanegen.model.system import System
 from kanegen.symbolic.equations import Equations
-from kanegen.symbolic.printing.block_sections import bodies_in_blocks
-from kanegen.symbolic.printing.given_sections import force_elements, loads, parameters
-from kanegen.symbolic.printing.latex_names import latex_names
-from kanegen.symbolic.printing.matrices import matrix
-from kanegen.symbolic.printing.state_sections import kinematics, prescribed, rates, state
-from kanegen.symbolic.printing.statements import Section, equation
+from kanegen.symbolic.printing.blocks import body_sections
+from kanegen.symbolic.printing.printers import escaped, latex, latex_names
+from kanegen.symbolic.printing.statements import (
+    Equation,
+    PrintedStatement,
+    Section,
+    Statement,
+    SymbolLatex,
+    equation,
+)
+from kanegen.symbolic.symbols import coordinate_rates, expression, parameter
+
+SHORT_MATRIX = 600
+"""Number of characters of LaTeX up to which a matrix is printed whole; a longer one is printed by entries."""
 
 
 @dataclass(frozen=True)
 class Document:
-    """Everything that a format prints."""
+    """The content of a printed document.
+
+    Attributes:
+        title: Name and size of the system.
+        note: A sentence about all equations.
+        sections: The sections in order.
+    """
 
     title: str
     note: str
@@ -27,12 +42,12 @@ class Document:
 
 
 def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Document:
-    """A document of [A] and {f}, and of the definitions that they need.
+    """Return a document of [A] and {f}, and of the definitions that they need.
 
     Args:
-        equations: Where they come from.
+        equations: The equations to which [A] and {f} belong.
         A: (n, n) [A], with or without intermediates.
-        f: (n, 1) {f}.
+        f: (n, 1) {f}, with or without intermediates.
     """
     system = equations.system
     n, count = len(equations.y), system.number_of_bodies
@@ -40,23 +55,165 @@ def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Do
     freedoms = "1 freedom" if n == 1 else f"{n} freedoms"
     return Document(
         f"{system.name}: {bodies}, {freedoms}",
-        f"Equations of motion [A]{{ydot}} = {{f}}, with {kinematics(system)}. SI units.",
+        f"Equations of motion [A]{{ydot}} = {{f}}, with {kinematic_relation(system)}. SI units.",
         tuple(_sections(equations, A, f)),
     )
+
+
+def kinematic_relation(system: System) -> str:
+    """Return how the rates of the coordinates follow from the speeds."""
+    return "{xdot} = {y}" if system.speeds_are_rates else "{xdot} from {y} by Eqs. (9), (45)"
 
 
 def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Iterator[Section]:
     system, definitions = equations.system, equations.definitions
     names = latex_names(equations)
-    yield state(equations, names)
-    yield from prescribed(equations, names)
-    yield from rates(equations, names)
-    yield from parameters(equations, names)
-    yield from loads(system)
-    yield from force_elements(system)
+    yield _state(equations, names)
+    yield from _prescribed(equations, names)
+    yield from _coordinate_rates(equations, names)
+    yield from _parameters(equations, names)
+    yield from _loads(system)
+    yield from _force_elements(system)
     if definitions:
-        yield from bodies_in_blocks(system)
+        yield from body_sections(system)
     for note, group in groupby(definitions, key=lambda definition: definition.note):
         yield Section(note, "", tuple(equation(each.symbol, each.value, names) for each in group))
-    yield Section("Mass matrix", "[A] of Eq. (43); it is symmetric.", matrix("A", A, names))
-    yield Section("Forcing", "{f} of Eq. (44).", matrix("f", f, names))
+    yield Section("Mass matrix", "[A] of Eq. (43); it is symmetric.", _matrix("A", A, names))
+    yield Section("Forcing", "{f} of Eq. (44).", _matrix("f", f, names))
+
+
+def _state(equations: Equations, names: SymbolLatex) -> Section:
+    """Return the section on {x} and {y}: side by side if each coordinate has its speed, else one by one."""
+    side_by_side = len(equations.x) == len(equations.y)
+    statements = _state_pairs(equations, names) if side_by_side else _state_elements(equations, names)
+    return Section("Coordinates and speeds", "Eq. (1).", tuple(statements), is_list=True)
+
+
+def _state_pairs(equations: Equations, names: SymbolLatex) -> Iterator[PrintedStatement]:
+    """Yield a statement for each coordinate and its speed."""
+    for i, (x, y) in enumerate(zip(equations.x, equations.y, strict=True)):
+        name, unit = _pair_label(equations.system, i)
+        yield PrintedStatement(
+            f"x[{i + 1}] = {x}, y[{i + 1}] = {y}: {name} ({unit})",
+            f"x_{{{i + 1}}}",
+            (rf"{names[x]}, \quad y_{{{i + 1}}} = {names[y]} \quad {_latex_label(name, unit)}",),
+        )
+
+
+def _pair_label(system: System, place: int) -> tuple[str, str]:
+    """Return name and unit of an element of {x}, and those of {y} where the speed has a name of its own."""
+    name, unit = system.freedom_names[place], system.freedoms[place].unit
+    speed_name = system.speed_names[place]
+    return (name, unit) if name == speed_name else (f"{name}, {speed_name}", f"{unit}, {unit}/s")
+
+
+def _state_elements(equations: Equations, names: SymbolLatex) -> Iterator[PrintedStatement]:
+    """Yield a statement for each coordinate, then one for each speed."""
+    system = equations.system
+    units = [coordinate.unit for coordinate in system.coordinates]
+    rates = [f"{freedom.unit}/s" for freedom in system.freedoms]
+    yield from _elements("x", equations.x, zip(system.coordinate_names, units, strict=True), names)
+    yield from _elements("y", equations.y, zip(system.speed_names, rates, strict=True), names)
+
+
+def _elements(
+    array: str, symbols: Iterable[Symbol], labels: Iterable[tuple[str, str]], names: SymbolLatex
+) -> Iterator[PrintedStatement]:
+    """Yield a statement for each element of {x} or {y}.
+
+    Args:
+        array: Name of the array, "x" or "y".
+        symbols: Its elements.
+        labels: Names and units of its elements.
+        names: LaTeX of symbols.
+    """
+    for i, (symbol, (name, unit)) in enumerate(zip(symbols, labels, strict=True), start=1):
+        plain = f"{array}[{i}] = {symbol}: {name} ({unit})"
+        yield PrintedStatement(
+            plain, f"{array}_{{{i}}}", (rf"{names[symbol]} \quad {_latex_label(name, unit)}",)
+        )
+
+
+def _prescribed(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
+    """Yield the section on prescribed freedoms, if there are any."""
+    system, statements = equations.system, []
+    for i, (name, freedom) in enumerate(zip(system.prescribed_names, system.prescribed, strict=True)):
+        symbols = list(equations.prescribed[:, i])
+        plain = f"prescribed[{i + 1}] = {', '.join(map(str, symbols))}: {name} ({freedom.unit})"
+        formula = r", \quad ".join(names[symbol] for symbol in symbols)
+        right = rf"{formula} \quad {_latex_label(name, freedom.unit)}"
+        statements.append(PrintedStatement(plain, rf"\text{{prescribed}}_{{{i + 1}}}", (right,)))
+    if statements:
+        note = "Their values, rates and second derivatives are given; they are no coordinates."
+        yield Section("Prescribed freedoms", note, tuple(statements), is_list=True)
+
+
+def _coordinate_rates(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
+    """Yield the section on {xdot}, if some coordinates have rates that are not speeds."""
+    every = zip(coordinate_rates(equations.system), equations.xdot, strict=True)
+    statements = tuple(equation(symbol, rate, names) for symbol, rate in every if rate != symbol)
+    if statements:
+        note = (
+            "Eq. (9), where the speeds are components of a relative angular velocity; {xdot} = {y} elsewhere."
+        )
+        yield Section("Rates of the coordinates", note, statements)
+
+
+def _parameters(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
+    """Yield the section on default values of parameters, if there are any."""
+    values = [(parameter(each), expression(each.value)) for each in equations.system.parameters]
+    if values:
+        statements = tuple(equation(symbol, value, names) for symbol, value in values)
+        yield Section("Parameters", "Default values.", statements, is_list=True)
+
+
+def _loads(system: System) -> Iterator[Section]:
+    """Yield the sections on loads on bodies and on points, if there are any."""
+    if loaded := [(k, body.name) for k, body in enumerate(system.bodies, start=1) if body.loads]:
+        note = (
+            "F_K_i and M_K_i, Eq. (37), are components in body K of a force at its mass centre (N) and of a "
+            f"torque (N m). Loaded: {_numbered(loaded)}."
+        )
+        yield Section("Loads", note)
+    if loaded := [(p, point.name) for p, (_, point) in enumerate(system.points, start=1) if point.loads]:
+        note = (
+            "FP_P_i and MP_P_i are inertial components of a force at point P (N) and of a moment on its body "
+            f"(N m). Loaded: {_numbered(loaded)}."
+        )
+        yield Section("Loads on points", note)
+
+
+def _numbered(names: Iterable[tuple[int, str]]) -> str:
+    return ", ".join(f"{number} ({name})" for number, name in names)
+
+
+def _force_elements(system: System) -> Iterator[Section]:
+    """Yield the section on force elements, if there are any."""
+    if system.force_elements:
+        words = "; ".join(element.words for element in system.force_elements)
+        yield Section("Force elements", f"{words}.")
+
+
+def _matrix(name: str, value: ImmutableMatrix, names: SymbolLatex) -> tuple[Statement, ...]:
+    """Return the statements about [A] or {f}: one where the matrix is short in LaTeX, else one an entry."""
+    entries = tuple(_entries(name, value, names))
+    lengths = accumulate(len(line) for entry in entries for line in entry.right)
+    if any(length > SHORT_MATRIX for length in lengths):  # stops printing a long matrix early
+        return entries
+    plain = "\n".join(entry.text for entry in entries) or f"{name} = 0"
+    return (PrintedStatement(plain, name, (latex(value, names),)),)
+
+
+def _entries(name: str, value: ImmutableMatrix, names: SymbolLatex) -> Iterator[Equation]:
+    """Yield entries that are not zero, of a symmetric matrix those on and above the diagonal."""
+    rows, columns = value.shape
+    is_column = columns == 1
+    for i in range(rows):
+        for j in range(0 if is_column else i, columns):
+            if value[i, j]:
+                index = f"{i + 1}" if is_column else f"{i + 1},{j + 1}"
+                yield Equation(f"{name}[{index}]", f"{name}_{{{index}}}", value[i, j], names)
+
+
+def _latex_label(name: str, unit: str) -> str:
+    return rf"\text{{{escaped(name)} ({unit})}}"

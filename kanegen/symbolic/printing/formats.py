@@ -1,4 +1,4 @@
-"""Equations as text, Markdown, LaTeX or a Python module."""
+"""The formats in which equations are printed: text, Markdown, LaTeX and a Python module."""
 
 from __future__ import annotations
 
@@ -11,16 +11,19 @@ from kanegen.errors import OptionError
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import MOST_FREEDOMS_WITHOUT_NAMES, Equations, derive
 from kanegen.symbolic.printing.document import document
-from kanegen.symbolic.printing.latex_names import escaped
+from kanegen.symbolic.printing.printers import escaped
 from kanegen.symbolic.printing.python_module import python_module
 from kanegen.symbolic.printing.statements import Statement
 
 
 def render(equations: Equations, format: str = "text", closed: bool | None = None) -> str:
-    """`equations` to read, or as a Python module to run.
+    """Return equations as text to read, or as a Python module to run.
+
+    Example:
+        print(render(kg.derive(kg.load("models/double_pendulum.toml")), "markdown"))
 
     Args:
-        equations: What `derive` gives.
+        equations: The equations that `derive` returns.
         format: One of `FORMATS`.
         closed: Whether to print the closed form, without intermediates; by default where there are at most
             `MOST_FREEDOMS_WITHOUT_NAMES` freedoms and it is short enough.
@@ -38,6 +41,7 @@ def render(equations: Equations, format: str = "text", closed: bool | None = Non
 
 
 def _closed_form(equations: Equations, closed: bool | None) -> ClosedForm | None:
+    """Return the closed form, or None where it is not wanted or not asked for and too long."""
     small = len(equations.x) <= MOST_FREEDOMS_WITHOUT_NAMES
     if closed is False or (closed is None and not small):
         return None
@@ -72,6 +76,7 @@ def _markdown(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> s
 
 
 def _markdown_lines(statement: Statement) -> str:
+    """Return a statement as the content of a formula, aligned if it has several lines."""
     if len(statement.right) == 1:
         return f"{statement.left} = {statement.right[0]}"
     rows = " \\\\\n".join(_aligned(statement))
@@ -98,6 +103,7 @@ def _latex(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
 
 
 def _aligned(statement: Statement) -> Iterator[str]:
+    """Yield the lines of a statement for an aligned environment of LaTeX."""
     first, *others = statement.right
     yield f"{statement.left} ={{}}& {first}"
     for line in others:
@@ -110,4 +116,4 @@ FORMATS: dict[str, Callable[[Equations, ImmutableMatrix, ImmutableMatrix], str]]
     "latex": _latex,
     "python": python_module,
 }
-"""How equations can be printed."""
+"""Functions that print equations with their [A] and {f}, by name of format."""

@@ -1,4 +1,8 @@
-"""SymPy's printers, with numbers that lose no digit: 0.1 prints as 0.1 and reads back as the same double."""
+"""Expressions and symbols as text, Python and LaTeX.
+
+The printers are SymPy's, with numbers that lose no digit: 0.1 prints as 0.1 and reads back as the same
+double.
+"""
 
 from __future__ import annotations
 
@@ -10,59 +14,123 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
+from kanegen.symbolic.equations import Equations
+from kanegen.symbolic.symbols import (
+    acceleration,
+    coordinate,
+    force,
+    parameter,
+    quaternion,
+    quaternion_rate,
+    relative_angular_velocity,
+    relative_angular_velocity_rate,
+    speed,
+    torque,
+)
+
 LINE = 90
-"""Width in characters after which a long sum goes on in the next line of LaTeX."""
+"""Width in characters after which a long sum continues in the next line of LaTeX."""
+
+_LETTER = re.compile("[A-Za-z]|alpha|beta|gamma|delta|epsilon|theta|kappa|mu|nu|rho|sigma|tau|phi|psi|omega")
+_LETTER_AND_INDEX = re.compile(rf"(?:{_LETTER.pattern})(?:_?[A-Za-z]{{0,2}}\d*)")
+"""Names of parameters that SymPy prints well in LaTeX: a letter, perhaps with an index."""
 
 
-class _Text(StrPrinter):  # type: ignore[misc]  # SymPy has no types
+class _TextPrinter(StrPrinter):  # type: ignore[misc]  # SymPy has no types
     def _print_Float(self, number: Float) -> str:
         return repr(float(number))
 
 
-class _Latex(LatexPrinter):  # type: ignore[misc]  # SymPy has no types
+class _LatexPrinter(LatexPrinter):  # type: ignore[misc]  # SymPy has no types
     def _print_Float(self, number: Float) -> str:
         mantissa, _, exponent = repr(float(number)).partition("e")
         return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
-class _Python(PythonCodePrinter):  # type: ignore[misc]  # SymPy has no types
+class _PythonPrinter(PythonCodePrinter):  # type: ignore[misc]  # SymPy has no types
     def _print_Float(self, number: Float) -> str:
         return repr(float(number))
 
 
 def text(expr: Expr) -> str:
-    """`expr` in SymPy's plain notation."""
-    return str(_Text().doprint(expr))
+    """Return `expr` in SymPy's plain notation."""
+    return str(_TextPrinter().doprint(expr))
 
 
 def python(expr: Expr) -> str:
-    """`expr` in Python, with `sin` and `cos` as bare names."""
-    return str(_Python({"fully_qualified_modules": False}).doprint(expr))
+    """Return `expr` in Python, with `sin` and `cos` as bare names."""
+    return str(_PythonPrinter({"fully_qualified_modules": False}).doprint(expr))
 
 
 def latex(expr: Expr, names: Mapping[Symbol, str]) -> str:
-    """`expr` in LaTeX, its symbols as `names` says, others as SymPy likes."""
+    """Return `expr` in LaTeX.
+
+    Args:
+        expr: An expression or a matrix.
+        names: LaTeX of symbols; SymPy prints all others.
+    """
     settings = {"symbol_names": dict(names), "fold_func_brackets": True}
-    return str(_Latex(settings).doprint(expr))
+    return str(_LatexPrinter(settings).doprint(expr))
 
 
 def latex_lines(expr: Expr, names: Mapping[Symbol, str]) -> list[str]:
-    """The same, a long sum broken between its terms; every line but the first begins with its sign."""
+    """Return `expr` in LaTeX, a long sum broken into lines of which all but the first begin with a sign.
+
+    Args:
+        expr: An expression.
+        names: LaTeX of symbols; SymPy prints all others.
+    """
     whole = latex(expr, names)
-    if not isinstance(expr, Add) or _width(whole) <= LINE:
+    if not isinstance(expr, Add) or _visible_width(whole) <= LINE:
         return [whole]
     lines = [""]
     for term in expr.as_ordered_terms():
         printed = latex(term, names)
         signed = printed if printed.startswith("-") or lines == [""] else f"+ {printed}"
-        if lines[-1] and _width(lines[-1]) + _width(signed) > LINE:
+        if lines[-1] and _visible_width(lines[-1]) + _visible_width(signed) > LINE:
             lines.append(signed)
         else:
             lines[-1] = f"{lines[-1]} {signed}".strip()
     return lines
 
 
-def _width(printed: str) -> int:
-    """About how many characters a reader sees."""
+def _visible_width(printed: str) -> int:
+    """Estimate how many characters of LaTeX a reader sees."""
     seen = re.sub(r"\\(left|right|cdot|quad|,| )|[{}_^\\]", "", printed)
     return len(re.sub(r"theta|omega|dot|hat|tilde|sin|cos", "x", seen))
+
+
+def latex_names(equations: Equations) -> dict[Symbol, str]:
+    """Return the LaTeX of coordinates, speeds, accelerations, loads, intermediates and some parameters.
+
+    Parameters whose names SymPy prints well are left to SymPy.
+    """
+    names: dict[Symbol, str] = {}
+    for given in equations.system.parameters:
+        if not _LETTER_AND_INDEX.fullmatch(given.name):
+            names[parameter(given)] = rf"\mathit{{{escaped(given.name)}}}"
+    for freedom in equations.system.freedoms + equations.system.prescribed:
+        k, index = freedom.body, freedom.index
+        letter, place = r"\theta" if freedom.is_angle else "s", f"_{{{k},{freedom.axis + 1}}}"
+        names[coordinate(k, index)] = letter + place
+        if equations.system.spins(freedom):
+            names[relative_angular_velocity(k, index)] = rf"{{\hat{{\omega}}'}}{place}"
+            names[relative_angular_velocity_rate(k, index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
+        names[speed(k, index)] = rf"\dot{{{letter}}}" + place
+        names[acceleration(k, index)] = rf"\ddot{{{letter}}}" + place
+    for body in equations.bodies:
+        if body.body.joint.is_quaternion:
+            k = body.number
+            for i, (element, rate) in enumerate(zip(quaternion(k), quaternion_rate(k), strict=True)):
+                names[element] = rf"\epsilon_{{{k},{i}}}"
+                names[rate] = rf"\dot{{\epsilon}}_{{{k},{i}}}"
+        for axis in range(3):
+            names[force(body.number, axis)] = f"{{F'}}_{{{body.number},{axis + 1}}}"
+            names[torque(body.number, axis)] = f"{{M'}}_{{{body.number},{axis + 1}}}"
+        names |= body.intermediates.latex
+    return names
+
+
+def escaped(plain: str) -> str:
+    """Return plain text for LaTeX, with characters that would be commands escaped."""
+    return "".join(f"\\{character}" if character in "{}_&%$#" else character for character in plain)

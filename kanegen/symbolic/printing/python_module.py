@@ -10,8 +10,8 @@ from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.literal.numeric import needed_definitions
+from kanegen.symbolic.printing.document import kinematic_relation
 from kanegen.symbolic.printing.printers import python
-from kanegen.symbolic.printing.state_sections import kinematics
 from kanegen.symbolic.symbols import force, parameter, point_force, point_moment, real, torque
 
 TAKEN = frozenset(
@@ -21,14 +21,14 @@ TAKEN = frozenset(
         *keyword.kwlist,
     ]
 )
-"""Names in the module that a parameter cannot have."""
+"""Names in the module that the symbol of a parameter cannot have."""
 
 
 def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
-    """A module with the functions `mass_matrix` and `forcing`.
+    """Return a module with the functions `mass_matrix`, `forcing` and, where needed, `coordinate_rates`.
 
     Args:
-        equations: Where they come from, with the definitions that they need.
+        equations: The equations to which [A] and {f} belong.
         A: (n, n) [A].
         f: (n, 1) {f}.
     """
@@ -51,7 +51,7 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
 
 
 def _roots(equations: Equations, f: ImmutableMatrix) -> Iterable[str]:
-    """Functions of `math` beside sine and cosine, which force elements may need."""
+    """Yield the functions of `math` beside sine and cosine that force elements need."""
     values = [*f, *(definition.value for definition in equations.definitions)]
     if any(value.has(sympy.Pow) and any(p.exp.q == 2 for p in value.atoms(sympy.Pow)) for value in values):
         yield "sqrt"
@@ -60,7 +60,7 @@ def _roots(equations: Equations, f: ImmutableMatrix) -> Iterable[str]:
 
 
 def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
-    """Symbols of parameters, and those that stand for them in the module, where some names are taken."""
+    """Return by symbol of a parameter its symbol in the module, with another name where its own is taken."""
     used = TAKEN.union(parameters)
     names: dict[Symbol, Symbol] = {}
     for name in parameters:
@@ -74,8 +74,9 @@ def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
 
 def _docstring(equations: Equations) -> str:
     system = equations.system
+    relation = kinematic_relation(system)
     lines = [
-        f'"""Equations of motion [A]{{ydot}} = {{f}} of {system.name}, with {kinematics(system)}. SI units.',
+        f'"""Equations of motion [A]{{ydot}} = {{f}} of {system.name}, with {relation}. SI units.',
         "",
         "The elements of x; those of y are their time derivatives"
         + (":" if system.speeds_are_rates else ", or components of relative angular velocities:"),
@@ -105,13 +106,13 @@ def _parameters(equations: Equations) -> str:
 
 def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
     n = len(equations.y)
-    told = _argument(equations)
+    prescribed = _prescribed_argument(equations)
     entries = {(i, j): A[i, j] for i in range(n) for j in range(i, n) if A[i, j]}
     lines = [
-        f"def mass_matrix(x{told}, parameters=PARAMETERS):",
+        f"def mass_matrix(x{prescribed}, parameters=PARAMETERS):",
         f'    """[A] of Eq. (43), ({n}, {n}), at the coordinates x, ({len(equations.x)},)."""',
         *_unpacked(equations.x, "x"),
-        *_motion(equations),
+        *_prescribed_assignments(equations),
         *_body(equations, list(entries.values()), names),
         f"    A = np.zeros(({n}, {n}))",
     ]
@@ -124,14 +125,15 @@ def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, S
 def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
     m, n, bodies = len(equations.x), len(equations.y), len(equations.bodies)
     system = equations.system
+    prescribed = _prescribed_argument(equations)
     further = ", point_force=None, point_moment=None" * any(point.loads for _, point in system.points)
     further += ", t=0.0" * system.depends_on_time
     lines = [
-        f"def forcing(x, y{_argument(equations)}, force=None, torque=None, parameters=PARAMETERS{further}):",
+        f"def forcing(x, y{prescribed}, force=None, torque=None, parameters=PARAMETERS{further}):",
         f'    """{{f}} of Eq. (44), ({n},), at x, ({m},), and y, ({n},), under loads, ({bodies}, 3)."""',
         *_unpacked(equations.x, "x"),
         *_unpacked(equations.y, "y"),
-        *_motion(equations),
+        *_prescribed_assignments(equations),
         *_loads(equations),
         *_body(equations, list(f), names),
         f"    f = np.zeros({n})",
@@ -152,18 +154,19 @@ def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
     return "\n".join(lines)
 
 
-def _argument(equations: Equations) -> str:
+def _prescribed_argument(equations: Equations) -> str:
     return ", prescribed" if equations.system.prescribed else ""
 
 
-def _motion(equations: Equations) -> Iterable[str]:
-    """Assignments of what is prescribed, a row a line."""
+def _prescribed_assignments(equations: Equations) -> Iterable[str]:
+    """Yield the assignments of prescribed values, rates and second derivatives, a line each."""
     if equations.system.prescribed:
         for i in range(3):
             yield from _unpacked(equations.prescribed[i, :], f"prescribed[{i}]")
 
 
 def _loads(equations: Equations) -> Iterable[str]:
+    """Yield the assignments of loads on bodies and on points."""
     bodies = [body.body.loads for body in equations.bodies]
     points = [point.loads for _, point in equations.system.points]
     yield from _rows("force", force, bodies)
@@ -173,7 +176,13 @@ def _loads(equations: Equations) -> Iterable[str]:
 
 
 def _rows(name: str, symbol: Callable[..., Symbol], loaded: Sequence[bool]) -> Iterable[str]:
-    """Assignments of the components of a load in the rows that take any."""
+    """Yield the assignments of the components of a load, for the rows that take loads.
+
+    Args:
+        name: Name of the argument.
+        symbol: Makes the symbol of a component.
+        loaded: Whether each row of the argument takes loads.
+    """
     for row, takes in enumerate(loaded):
         if takes:
             components = ", ".join(str(symbol(row + 1, axis)) for axis in range(3))
@@ -181,18 +190,19 @@ def _rows(name: str, symbol: Callable[..., Symbol], loaded: Sequence[bool]) -> I
 
 
 def _body(equations: Equations, values: Sequence[Expr], names: dict[Symbol, Symbol]) -> Iterable[str]:
-    """Assignments of the parameters and definitions that `values` need."""
+    """Yield the assignments of the parameters and definitions that `values` depend on."""
     definitions = needed_definitions(equations.definitions, values)
     used: set[Symbol] = set()
     for expr in (*values, *(definition.value for definition in definitions)):
         used |= expr.free_symbols
-    for given in equations.system.parameters:
-        if parameter(given) in used:
-            yield f'    {names[parameter(given)]} = parameters["{given.name}"]'
+    for each in equations.system.parameters:
+        if parameter(each) in used:
+            yield f'    {names[parameter(each)]} = parameters["{each.name}"]'
     for definition in definitions:
         yield f"    {definition.symbol} = {python(definition.value.xreplace(names))}"
 
 
 def _unpacked(symbols: Iterable[Symbol], name: str) -> Iterable[str]:
+    """Yield the assignment of the elements of an argument to symbols."""
     names = [str(symbol) for symbol in symbols]
     yield f"    {', '.join(names)} = {name}" if len(names) > 1 else f"    {names[0]} = {name}[0]"

@@ -1,4 +1,4 @@
-"""What a document consists of: statements, printed when they are read, and sections of them."""
+"""The parts of a document: sections, and the statements in them."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from sympy import Expr, Symbol
 
 from kanegen.symbolic.printing.printers import latex, latex_lines, text
 
-Names = dict[Symbol, str]
-"""LaTeX of symbols."""
+SymbolLatex = dict[Symbol, str]
+"""LaTeX by symbol."""
 
 
 @dataclass(frozen=True)
-class Written:
-    """A statement whose words are there already.
+class PrintedStatement:
+    """A statement that is printed already.
 
     Attributes:
-        text: In plain text, one line or several.
-        left: Left side in LaTeX.
-        right: Lines of the right side in LaTeX.
+        text: The statement in plain text, one line or several.
+        left: Its left side in LaTeX.
+        right: The lines of its right side in LaTeX.
     """
 
     text: str
@@ -30,7 +30,7 @@ class Written:
 
 @dataclass(frozen=True)
 class Equation:
-    """A statement that is printed when it is read: SymPy is slow, and no format needs both text and LaTeX.
+    """An equation that is printed when it is read: SymPy is slow, and no format needs both text and LaTeX.
 
     Attributes:
         name: Left side in plain text.
@@ -42,31 +42,32 @@ class Equation:
     name: str
     left: str
     value: Expr
-    names: Names
+    names: SymbolLatex
 
     @property
     def text(self) -> str:
-        """In plain text, one line."""
+        """The equation in plain text, one line."""
         return f"{self.name} = {text(self.value)}"
 
     @cached_property
     def right(self) -> tuple[str, ...]:
-        """Lines of the right side in LaTeX."""
+        """The lines of the right side in LaTeX."""
         return tuple(latex_lines(self.value, self.names))
 
 
-Statement = Written | Equation
+Statement = PrintedStatement | Equation
+"""A line of a section, printed already or when it is read."""
 
 
 @dataclass(frozen=True)
 class Section:
-    """A title, a sentence, equations.
+    """A section of a document.
 
     Attributes:
         title: Heading.
-        note: What to know about the equations; may be empty.
-        statements: The equations.
-        is_list: Whether they are so short that they make a list.
+        note: A sentence about the statements; may be empty.
+        statements: The statements in order.
+        is_list: Whether the statements are short enough for a list.
     """
 
     title: str
@@ -75,6 +76,6 @@ class Section:
     is_list: bool = False
 
 
-def equation(left: Symbol, right: Expr, names: Names) -> Equation:
-    """The definition of a symbol."""
+def equation(left: Symbol, right: Expr, names: SymbolLatex) -> Equation:
+    """Return the definition of a symbol as an equation."""
     return Equation(str(left), latex(left, names), right, names)

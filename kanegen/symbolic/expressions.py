@@ -1,4 +1,4 @@
-"""Expressions of force elements in SymPy."""
+"""The expressions of force elements in SymPy; shared by both derivations."""
 
 from __future__ import annotations
 
@@ -38,50 +38,52 @@ _OPERATIONS: dict[str, Callable[..., Expr]] = {
     "sqrt": sympy.sqrt,
     "tan": lambda angle: sympy.sin(angle) / sympy.cos(angle),
 }
+"""SymPy's functions for the operations of expressions."""
 
 
 @dataclass(frozen=True)
-class Variables:
-    """What names in force elements are in SymPy.
+class ExpressionTranslator:
+    """Translates expressions of force elements, and the names of coordinates and speeds in them, to SymPy.
 
     Attributes:
-        system: Of which.
-        number: How its numbers are written.
-        opened: Whether locked coordinates stay symbols.
+        system: The system to which the force elements belong.
+        number: Converts a number of the model to SymPy.
+        keeps_locked: Whether locked coordinates stay symbols instead of becoming the numbers they are locked
+            at.
     """
 
     system: System
     number: Callable[[Number], Expr]
-    opened: bool = False
+    keeps_locked: bool = False
 
     def value(self, expression: Expression) -> Expr:
-        """An expression.
+        """Return an expression in SymPy.
 
         Raises:
             ModelError: If it divides by zero, or takes the root of a negative number, in every state.
         """
-        return _existing(self._value(expression.root), expression)
+        return _finite(self._value(expression.root), expression)
 
-    def slopes(self, energy: Expression) -> dict[Place, Expr]:
-        """The derivatives of an energy by the coordinates that it depends on, locked ones included.
+    def gradient(self, energy: Expression) -> dict[Place, Expr]:
+        """Return by place the derivatives of an energy with respect to its coordinates, locked ones too.
 
         Raises:
-            ModelError: As `value`.
+            ModelError: If one divides by zero, or takes the root of a negative number, in every state.
         """
         places = {name: self._places[name] for name in energy.variables}
-        held = {coordinate(*place): self._coordinate(place) for place in places.values()}
-        value = replace(self, opened=True).value(energy)
+        locked = {coordinate(*place): self._coordinate(place) for place in places.values()}
+        value = replace(self, keeps_locked=True).value(energy)
         return {
-            place: _existing(sympy.diff(value, coordinate(*place)).xreplace(held), energy)
+            place: _finite(sympy.diff(value, coordinate(*place)).xreplace(locked), energy)
             for place in places.values()
         }
 
     def coordinate(self, name: str) -> Expr:
-        """A coordinate, or the value at which it is locked."""
+        """Return the coordinate of that name (rad, m), or the value at which it is locked."""
         return self._variable(f"x.{name}")
 
-    def rate(self, name: str) -> Expr:
-        """A speed; zero where it is locked."""
+    def speed(self, name: str) -> Expr:
+        """Return the speed of that name (rad/s, m/s), zero where it is locked."""
         return self._variable(f"y.{name}")
 
     def _value(self, node: Node) -> Expr:
@@ -108,8 +110,8 @@ class Variables:
         joint = self.system.bodies[k - 1].joint
         if index >= len(FREEDOMS):
             return quaternion(k)[index - len(FREEDOMS)]
-        is_open = joint.moving[index] or self.opened
-        return coordinate(k, index) if is_open else self.number(joint.locked[index])
+        is_symbol = joint.moving[index] or self.keeps_locked
+        return coordinate(k, index) if is_symbol else self.number(joint.locked[index])
 
     def _speed(self, place: Place) -> Expr:
         k, index = place
@@ -119,7 +121,8 @@ class Variables:
         return relative_angular_velocity(k, index) if joint.spins and index < 3 else speed(k, index)
 
 
-def _existing(value: Expr, expression: Expression) -> Expr:
+def _finite(value: Expr, expression: Expression) -> Expr:
+    """Return `value`, the translation of `expression`, after a test that it is finite and real."""
     if value.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
         raise ModelError(
             f"expression {str(expression)!r} has no value: in every state it divides by zero or takes the "

@@ -1,7 +1,7 @@
-"""Names for intermediate quantities of the literal derivation, so that big trees stay readable.
+"""Symbols for intermediate quantities of the literal derivation, so that big trees stay readable.
 
-Each quantity of a body is a matrix. Where intermediates are wanted, every entry that is more than a number
-or a symbol is replaced by a symbol of its own; the replaced expression becomes a `Definition`.
+Each quantity of a body is a matrix. Where intermediates are wanted, every entry that is more than a number or
+a symbol is replaced by a symbol of its own; the replaced expression becomes a `Definition`.
 """
 
 from __future__ import annotations
@@ -16,30 +16,30 @@ from kanegen.symbolic.symbols import real
 
 
 class Index(Enum):
-    """How an entry is told from others of its matrix, in a name and in LaTeX."""
+    """The index by which a name, and its LaTeX, distinguish an entry from others of its matrix."""
 
     COMPONENT = "{row}", "{row}"
     ENTRY = "{row}{column}", "{row}{column}"
     PARTIAL = "{row}_y{column}", "{row},y_{{{column}}}"
 
     def ending(self, row: int, column: int) -> str:
-        """End of a name; rows and columns count from 1."""
+        """Return the end of a name; rows and columns count from 1."""
         return str(self.value[0]).format(row=row, column=column)
 
     def latex(self, row: int, column: int) -> str:
-        """Index in LaTeX; rows and columns count from 1."""
+        """Return the index in LaTeX; rows and columns count from 1."""
         return str(self.value[1]).format(row=row, column=column)
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """How the entries of one quantity are named.
+    """The naming scheme of the entries of one quantity.
 
     Attributes:
         stem: Start of the name; `{K}` and `{J}` stand for the body and its lower body.
-        latex: The same for LaTeX, with `{I}` for the entry.
-        note: What it is, with its equation.
-        index: How an entry's row and column, from 1, end the name.
+        latex: Template of the LaTeX, where `{I}` stands for the index of the entry.
+        note: Description of the quantity, with its equation.
+        index: Form of the index of an entry.
     """
 
     stem: str
@@ -144,17 +144,17 @@ QUANTITIES = {
         Index.COMPONENT,
     ),
 }
-"""Every named quantity of a body, in an order in which each needs only earlier ones."""
+"""All named quantities of a body by the name of their property, each after those that it depends on."""
 
 
 @dataclass(frozen=True)
-class Names:
-    """Replaces the entries of one body's quantities by symbols, where that is wanted.
+class Intermediates:
+    """Replaces entries of the quantities of one body by symbols and keeps the definitions.
 
     Attributes:
-        body: K.
-        lower: J.
-        wanted: Whether to name anything.
+        body: Number K of the body.
+        lower: Number J of its lower body, 0 for the ground.
+        wanted: Whether entries are replaced; if not, nothing is defined.
         taken: Names that must not be used, those of parameters.
         latex: LaTeX of the symbols made so far.
     """
@@ -166,8 +166,13 @@ class Names:
     latex: dict[Symbol, str] = field(default_factory=dict, init=False, repr=False)
     _definitions: dict[str, tuple[Definition, ...]] = field(default_factory=dict, init=False, repr=False)
 
-    def apply(self, name: str, matrix: ImmutableMatrix) -> ImmutableMatrix:
-        """`matrix`, the quantity `name` of `QUANTITIES`, with symbols for its longer entries."""
+    def named(self, name: str, matrix: ImmutableMatrix) -> ImmutableMatrix:
+        """Return a matrix with symbols for its longer entries.
+
+        Args:
+            name: Name of the quantity in `QUANTITIES`.
+            matrix: Its value.
+        """
         if not self.wanted:
             return matrix
         quantity = QUANTITIES[name]
@@ -186,10 +191,11 @@ class Names:
         return ImmutableMatrix(entries)
 
     def definitions(self, name: str) -> tuple[Definition, ...]:
-        """The definitions that `apply` made for the quantity `name`."""
+        """Return the definitions of the entries of the quantity `name`."""
         return self._definitions.get(name, ())
 
     def _symbol(self, quantity: Quantity, row: int, column: int) -> Symbol:
+        """Return the symbol of an entry, and record its LaTeX; rows and columns count from 1."""
         stem = quantity.stem.format(K=self.body, J=self.lower)
         name = f"{stem}_{quantity.index.ending(row, column)}"
         while name in self.taken:
