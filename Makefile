@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes receipts clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -48,9 +48,10 @@ tradeoff: $(VENV)/.bench
 scenes: $(VENV)/.bench
 	$(BIN)/python -m benchmarks.scenes
 
-# What every model costs beside the general program of its tree; rewrites docs/models in a minute.
-receipts: $(VENV)/.tests
-	$(BIN)/python -m benchmarks.receipts
+# Compare the operations of every model with those of the general program of its tree; rewrites docs/models in a
+# minute.
+cost-reports: $(VENV)/.tests
+	$(BIN)/python -m benchmarks.cost_reports
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -16,6 +16,7 @@ from kanegen.studies.bench.peers.pinocchio_peer import FREE_FLYER, PINOCCHIO
 from kanegen.studies.bench.peers.problem import MOST_DERIVATIVE_FREEDOMS
 from kanegen.studies.bench.peers.pydy_peer import MOST_FREEDOMS, PYDY, TIME_LIMIT
 from kanegen.studies.bench.results import QUANTITIES, TOLERANCE
+from kanegen.studies.markdown import markdown_table
 
 PEERS = (PINOCCHIO, FREE_FLYER, MUJOCO, CASADI, PYDY)
 
@@ -70,7 +71,7 @@ def section(comparison: Comparison) -> str:
     parts = [f"### {comparison.model}, {comparison.n} freedoms"]
     for quantity in QUANTITIES:
         parts.append(
-            _markdown(table.head(comparison, quantity), table.TEXTS, table.rows(comparison, quantity))
+            markdown_table(table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXTS)
         )
     return "\n\n".join([*parts, *table.notes(comparison), *table.left_out(comparison)])
 
@@ -84,7 +85,7 @@ def _summaries(comparisons: Sequence[Comparison], setting: Setting, batch: bool 
             own = comparison.best(KANEGEN, quantity, setting, batch)
             shares = [table.ratio(own, comparison.best(peer, quantity)) for peer in PEERS]
             rows.append([comparison.model, str(comparison.n), _ns(own), *shares])
-        yield _markdown(["", "freedoms", title, *(f"over {peer}" for peer in PEERS)], 1, rows)
+        yield markdown_table(["", "freedoms", title, *(f"over {peer}" for peer in PEERS)], rows)
 
 
 def _calls(comparisons: Sequence[Comparison]) -> str:
@@ -96,17 +97,11 @@ def _calls(comparisons: Sequence[Comparison]) -> str:
             own, call = comparison.best(KANEGEN, quantity, EXACT), comparison.best(PYTHON, quantity)
             beyond = table.ns(comparison.overhead(quantity))
             row += [_ns(own), _ns(call), beyond]
-    return _markdown(head, 1, rows)
+    return markdown_table(head, rows)
 
 
 def _ns(entry: Entry | None) -> str:
     return table.ns(None if entry is None else entry.median)
-
-
-def _markdown(head: Sequence[str], texts: int, rows: Sequence[Sequence[str]]) -> str:
-    """A table whose first `texts` columns are text, the others numbers."""
-    rule = ["---"] * texts + ["---:"] * (len(head) - texts)
-    return "\n".join(f"| {' | '.join(row)} |" for row in (head, rule, *rows))
 
 
 def _method(terms: BenchOptions) -> str:

@@ -1,4 +1,4 @@
-"""Five scenes and what they do without: writes docs/scenes.md.
+"""Five scenes and the costs that their programs save, written into docs/scenes.md.
 
 python -m benchmarks.scenes [--rounds R] [--docs FOLDER]
 """
@@ -13,31 +13,40 @@ from pathlib import Path
 import numpy as np
 
 import kanegen as kg
-from benchmarks import receipts
+from benchmarks import cost_reports
 from kanegen import compiler
 from kanegen.c import description, render
 from kanegen.files import write_whole
 from kanegen.library import load
 from kanegen.measure import machine
 from kanegen.options import TIERS
-from kanegen.studies.explain import receipt
-from kanegen.studies.explain.general import steps
-from kanegen.studies.explain.markdown import table
+from kanegen.studies.explain import cost_report
+from kanegen.studies.explain.general_form import steps
 from kanegen.studies.explain.tables import bodies, heads, rows
+from kanegen.studies.markdown import markdown_table
 
 FAST = TIERS["fast"]
 STATES = 256
-"""Of a batch, whose evaluation is timed."""
+"""Number of states of the batch that is timed."""
 
 INTRODUCTION = """\
-Written by `python -m benchmarks.scenes`; nobody edits it by hand. `kanegen explain MODEL` says the same of
-one model. *once*: operations that depend on parameters alone. *compiling*: of the functions for one state, at
--O2. Times are those of a state in a batch of the tier *fast*, general and specialised code taking turns."""
+Written by `make scenes` (`python -m benchmarks.scenes`); do not edit it by hand. `kanegen explain MODEL`
+prints the same for one model. The first row of a table is the general program of the tree; every further
+row leaves out one thing more. *operations* are those of one evaluation; *once* are those that depend on
+parameters alone and run once for each set of parameters; *inputs* are the numbers that an evaluation reads;
+*compiling* is the time for the functions of one state at -O2. Run times are those of a state in a batch of
+the tier *fast*; the general and the specialised program were timed in turns."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A model of models/ under a title of its own."""
+    """A model of models/ and the text about it.
+
+    Attributes:
+        title: Title of the section.
+        words: Sentence about the scene.
+        name: Name of the model.
+    """
 
     title: str
     words: str
@@ -45,8 +54,8 @@ class Scene:
 
     @property
     def model(self) -> Path:
-        """Its file."""
-        return receipts.ROOT / "models" / f"{self.name}.toml"
+        """The file of the model."""
+        return cost_reports.ROOT / "models" / f"{self.name}.toml"
 
 
 SCENES = (
@@ -81,10 +90,10 @@ SCENES = (
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.scenes", description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=9)
-    parser.add_argument("--docs", type=Path, default=receipts.ROOT / "docs")
+    parser.add_argument("--docs", type=Path, default=cost_reports.ROOT / "docs")
     options = parser.parse_args()
     parts = [
-        "# What scenes do without",
+        "# Scenes and what their programs save",
         INTRODUCTION,
     ]
     for scene in SCENES:
@@ -95,25 +104,26 @@ def main() -> None:
 
 
 def _section(scene: Scene, rounds: int) -> list[str]:
-    system, wanted = kg.load(scene.model), receipts.outputs(scene.model)
-    found = receipt(system, wanted, timed=True)
+    system, wanted = kg.load(scene.model), cost_reports.outputs(scene.model)
+    found = cost_report(system, wanted, timed=True)
     (_, general), *_ = steps(system)
     slow, fast = _times([general, system], wanted, rounds)
     before, after = found.steps[0].total, found.steps[-1].total
     return [
         f"## {scene.title}",
         f"{scene.words} Outputs: {', '.join(wanted)}. The model is "
-        f"[models/{scene.name}.toml](../models/{scene.name}.toml), its whole receipt "
+        f"[models/{scene.name}.toml](../models/{scene.name}.toml), its cost report "
         f"[models/{scene.name}.md](models/{scene.name}.md).",
-        table(heads(found), rows(found)),
-        f"{after} operations where the general program of the same tree takes {before}: 1/{found.ratio:.1f}. "
-        f"A state takes {fast:.0f} ns where it takes {slow:.0f}: 1/{slow / fast:.1f}.",
-        f"They go to {', '.join(f'{name} ({cost})' for name, cost in bodies(found))}.",
+        markdown_table(heads(found), rows(found)),
+        f"The program takes {after} operations, the general program of the same tree {before}: "
+        f"1/{found.ratio:.1f}. "
+        f"A state takes {fast:.0f} ns instead of {slow:.0f} ns: 1/{slow / fast:.1f}.",
+        f"Operations by body: {', '.join(f'{name} ({cost})' for name, cost in bodies(found))}.",
     ]
 
 
 def _times(systems: list[kg.System], outputs: tuple[str, ...], rounds: int) -> list[float]:
-    """ns of a state in a batch, medians of rounds in which all take turns."""
+    """Return nanoseconds of a state in a batch for each system: medians of rounds in which all take turns."""
     libraries = [_library(system, outputs) for system in systems]
     rng = np.random.default_rng(0)
     states = [rng.uniform(-0.5, 0.5, (STATES, len(system.coordinates))) for system in systems]
@@ -129,7 +139,7 @@ def _times(systems: list[kg.System], outputs: tuple[str, ...], rounds: int) -> l
 
 
 def _library(system: kg.System, outputs: tuple[str, ...]) -> kg.Library:
-    """Compiled; the general program may have an [A] that is singular in every state."""
+    """Compile the C of a system, also of a general program whose [A] is singular in every state."""
     made = compiler.compile_module(system, outputs, variant=FAST, regular=False)
     words = {"refinement": made.refinement}
     return load(render(description(system), made.module, made.operations, FAST, words))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from benchmarks.growth.cases import CURVES, LARGEST
 from benchmarks.growth.results import FROM, MEASURES, Measure, Point, Study, exponent, series
 from kanegen.measure import machine
 from kanegen.options import STRICT
+from kanegen.studies.markdown import markdown_table
 
 _INTRODUCTION = f"""\
 Written by `make growth` (`python -m benchmarks.growth`); nobody edits it by hand. *chain*: hinges about
@@ -94,12 +95,12 @@ def _exponents(study: Study) -> str:
         found = (exponent(series(points, measure.name)) for measure in measures)
         rows.append([str(curve), *("-" if p is None else f"{p:.2f}" for p in found)])
     titles = [measure.title.partition(", ")[0] for measure in measures]
-    return "\n".join(_markdown(["", *titles], rows))
+    return markdown_table(["", *titles], rows)
 
 
 def _numbers(points: Sequence[Point]) -> str:
     rows = [[str(point.case.bodies), *(_number(point, measure) for measure in MEASURES)] for point in points]
-    return "\n".join(_markdown(["bodies", *(measure.title for measure in MEASURES)], rows))
+    return markdown_table(["bodies", *(measure.title for measure in MEASURES)], rows)
 
 
 def _number(point: Point, measure: Measure) -> str:
@@ -110,9 +111,3 @@ def _number(point: Point, measure: Measure) -> str:
         return f"{value:.0f}"
     scaled = value / measure.unit
     return f"{scaled:.0f}" if scaled >= 100 else f"{scaled:.3g}"
-
-
-def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Lines of a table whose first column is text, the others numbers."""
-    for row in (head, ["---", *["---:"] * (len(head) - 1)], *rows):
-        yield f"| {' | '.join(row)} |"

@@ -28,7 +28,7 @@ from kanegen.errors import OptionError
 from kanegen.files import require_writable, write_whole
 
 if TYPE_CHECKING:
-    from kanegen.studies.explain import Receipt
+    from kanegen.studies.explain import CostReport
 
 
 def explain(
@@ -59,8 +59,7 @@ def explain(
 
     In the general program every freedom is free, every number a run-time parameter, every body loaded.
     """
-    from kanegen.studies.explain import markdown as markdown_page
-    from kanegen.studies.explain import page, receipt
+    from kanegen.studies.explain import cost_report, page, tables
 
     for option, path, ending in (("--html", html, ".html"), ("--markdown", markdown, ".md")):
         if path is not None and path.suffix.lower() != ending:
@@ -68,8 +67,8 @@ def explain(
     require_writable(html, markdown)
     system = load_system(model, floating_base, right_angles, speeds, coordinates)
     system = with_selection(system, output, poses, reactions)
-    with progress() as report:
-        found = receipt(system, output, compile_, report)
+    with progress() as show_stage:
+        found = cost_report(system, output, compile_, show_stage)
     if as_json:
         typer.echo(json.dumps(found.as_dict(), indent=2))
     else:
@@ -77,23 +76,23 @@ def explain(
     if html is not None:
         write_whole(html, page.html(found))
     if markdown is not None:
-        write_whole(markdown, markdown_page.markdown(found))
+        write_whole(markdown, tables.markdown(found))
 
 
-def _show(receipt: Receipt) -> None:
+def _show(report: CostReport) -> None:
     """Print a cost report for people."""
     from kanegen.studies.explain import tables
 
-    names = ", ".join(receipt.outputs)
+    names = ", ".join(report.outputs)
     screen.print(
-        f"[bold]{escape(receipt.system.name)}[/]: {names} in {receipt.steps[-1].total} operations, "
-        f"1/{receipt.ratio:.1f} of the general program of the same tree\n",
+        f"[bold]{escape(report.system.name)}[/]: {names} in {report.steps[-1].total} operations, "
+        f"1/{report.ratio:.1f} of the general program of the same tree\n",
         soft_wrap=True,
     )
     screen.print("[bold]What the scene does without[/], one after the other")
-    screen.print(text_table(tables.heads(receipt), tables.rows(receipt)))
+    screen.print(text_table(tables.heads(report), tables.rows(report)))
     screen.print("[bold]Where the operations go[/]")
-    screen.print(text_table(["body", "operations"], tables.bodies(receipt)))
-    if alone := tables.outputs(receipt):
+    screen.print(text_table(["body", "operations"], tables.bodies(report)))
+    if alone := tables.outputs(report):
         screen.print("[bold]Each output by itself[/]")
         screen.print(text_table(["output", "operations"], alone))

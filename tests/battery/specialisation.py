@@ -8,7 +8,7 @@ import numpy as np
 
 from kanegen.measure.truth import truth
 from kanegen.reference.states import random_states
-from kanegen.studies.explain.general import opened
+from kanegen.studies.explain.general_form import with_numbers_as_parameters
 from tests.battery import scenes
 from tests.battery.measuring import PRECISIONS, built, promise, rounded, worst
 from tests.battery.rows import Point, Row, Size, subject
@@ -22,7 +22,9 @@ def specialisation(size: Size) -> Iterator[Row]:
         for name, system in (("many zeros", straight), ("no zeros", crooked)):
             states = random_states(system, size.pick(4, 64), 29).rounded(precision)
             special = built(system, precision).forward_dynamics(states.x, states.y)
-            general = built(opened(system), precision).forward_dynamics(states.x, states.y)
+            general = built(with_numbers_as_parameters(system), precision).forward_dynamics(
+                states.x, states.y
+            )
             found: list[Point] = []
             for x, y, one, other in zip(states.x, states.y, special, general, strict=True):
                 exact = truth(system, x, y, unit_roundoff=precision.roundoff)

@@ -29,7 +29,7 @@ from tests.c.test_c_compilers import CPP, WARNINGS, C, run
 from tests.cli.test_cli import kanegen
 from tests.recursion.test_energies import values
 from tests.recursion.test_reactions import efforts, reactions
-from tests.studies.test_receipt import require_equal
+from tests.studies.test_cost_report import require_equal
 from tests.support import systems
 from tests.support.acting import acted_on, pointed
 from tests.support.paths import MODELS

@@ -17,8 +17,8 @@ from kanegen.model.sequences import SEQUENCES
 from kanegen.program.count import count
 from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
-from kanegen.studies.explain import receipt
-from kanegen.studies.explain.general import opened, steps, with_freedoms
+from kanegen.studies.explain import cost_report
+from kanegen.studies.explain.general_form import steps, with_all_freedoms, with_numbers_as_parameters
 from tests.physics.test_quaternions import state, with_some
 from tests.physics.test_speeds import SPINS, mixed
 from tests.support import moving_bodies, systems
@@ -94,7 +94,7 @@ TREES = {
     "welded": lambda seed: turned(seed, free=np.arange(30).reshape(5, 6) == 12, connection=(0, 1, 2, 3, 2)),
     "angular velocities": lambda seed: mixed(seed).with_speeds(SPINS),
     "quaternions": with_some,
-    "parameters": lambda seed: opened(turned(seed, 3)),
+    "parameters": lambda seed: with_numbers_as_parameters(turned(seed, 3)),
 }
 
 
@@ -165,7 +165,7 @@ def test_the_ground_changes_the_momentum(seed: int) -> None:
 
 def test_compiled_code() -> None:
     """One state and many, alone and with others, under values of parameters of its own; no warning."""
-    system = opened(turned(4, 3, loads=True)).with_parameters({"number7": 0.5})
+    system = with_numbers_as_parameters(turned(4, 3, loads=True)).with_parameters({"number7": 0.5})
     library = kg.build(system, ("reaction_loads", "inverse_dynamics"), flags=WARNINGS)
     assert library.reaction_names == system.reaction_names
     given = [state(system, seed) for seed in range(9)]
@@ -215,12 +215,12 @@ def test_the_header_says_which_is_which() -> None:
     assert "| 1 | `upper.theta1` | N m |" in readme
 
 
-def test_a_receipt_sets_them_beside_efforts() -> None:
+def test_a_cost_report_compares_them_with_efforts() -> None:
     """Nothing is locked in the general program, so what holds a direction is an effort there."""
     system = kg.load(MODELS / "double_pendulum.toml").with_reactions(["lower.s2"])
-    found = receipt(system, ("reaction_loads", "body_poses"))
+    found = cost_report(system, ("reaction_loads", "body_poses"))
     (_, general), (_, locked), *_ = steps(system)
-    assert general.reaction_names == with_freedoms(system).reaction_names == ()
+    assert general.reaction_names == with_all_freedoms(system).reaction_names == ()
     assert locked.reaction_names == ("lower.s2",)
     efforts = compile_module(general, ("inverse_dynamics", "body_poses"), regular=False)
     assert found.steps[0].operations == efforts.operations

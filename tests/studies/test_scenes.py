@@ -9,22 +9,22 @@ import pytest
 from typer.testing import CliRunner
 
 import kanegen as kg
-from benchmarks import receipts, scenes
+from benchmarks import cost_reports, scenes
 from kanegen.cli.app import app
 from kanegen.compiler import compile_module
-from kanegen.studies.explain import receipt
-from kanegen.studies.explain.markdown import markdown
+from kanegen.studies.explain import cost_report
+from kanegen.studies.explain.tables import markdown
 from tests.support.robots import robot_file
 
 LARGE = {"eight_body", "front_of_eight", "panda_arm", "six_revolute_arm"}
 """Whose general programs take seconds each."""
 
-SMALL = [model for model in receipts.MODELS if model.stem not in LARGE]
+SMALL = [model for model in cost_reports.MODELS if model.stem not in LARGE]
 FIXED = (False,) * 6
 
 
 def written(name: str) -> str:
-    return (receipts.DOCS / name).read_text(encoding="utf-8")
+    return (cost_reports.DOCS / name).read_text(encoding="utf-8")
 
 
 def index_row(cells: list[str]) -> str:
@@ -32,9 +32,11 @@ def index_row(cells: list[str]) -> str:
 
 
 def require_current(model: Path) -> None:
-    found = receipt(kg.load(model), receipts.outputs(model))
-    assert written(f"{model.stem}.md") == receipts.page(model, found), "run `make receipts`, if that is meant"
-    assert index_row(receipts.line(model, found)) in written("README.md")
+    found = cost_report(kg.load(model), cost_reports.outputs(model))
+    assert written(f"{model.stem}.md") == cost_reports.page(model, found), (
+        "run `make cost-reports`, if that is meant"
+    )
+    assert index_row(cost_reports.line(model, found)) in written("README.md")
 
 
 @pytest.mark.parametrize("model", SMALL, ids=lambda path: path.stem)
@@ -45,35 +47,35 @@ def test_pages_are_current(model: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(LARGE))
 def test_large_pages_are_current(name: str) -> None:
-    require_current(receipts.ROOT / "models" / f"{name}.toml")
+    require_current(cost_reports.ROOT / "models" / f"{name}.toml")
 
 
 @pytest.mark.parametrize("name", sorted(LARGE))
 def test_large_pages_count_what_the_scene_costs(name: str) -> None:
     """The specialised program alone."""
-    model = receipts.ROOT / "models" / f"{name}.toml"
-    operations = compile_module(kg.load(model), receipts.outputs(model)).operations
+    model = cost_reports.ROOT / "models" / f"{name}.toml"
+    operations = compile_module(kg.load(model), cost_reports.outputs(model)).operations
     total = sum(operations.values()) - operations["prepare"]
     assert f"**{total} operations** where" in written(f"{name}.md")
 
 
 def test_every_model_has_a_page_and_every_scene_a_model() -> None:
-    pages = {path.stem for path in receipts.DOCS.glob("*.md")} - {"README"}
-    assert pages == {model.stem for model in receipts.MODELS}
+    pages = {path.stem for path in cost_reports.DOCS.glob("*.md")} - {"README"}
+    assert pages == {model.stem for model in cost_reports.MODELS}
     assert len(scenes.SCENES) == 5
     assert {scene.name for scene in scenes.SCENES} <= pages
-    for model in receipts.MODELS:
-        paragraph, *_ = receipts.description(model)
+    for model in cost_reports.MODELS:
+        paragraph, *_ = cost_reports.description(model)
         assert len(paragraph) > 80  # says what it is
         assert paragraph in written(f"{model.stem}.md")
 
 
-def test_the_command_writes_the_same_receipt(tmp_path: Path) -> None:
-    model = receipts.ROOT / "models" / "satellite.toml"
+def test_the_command_writes_the_same_page(tmp_path: Path) -> None:
+    model = cost_reports.ROOT / "models" / "satellite.toml"
     options = ("--output", "momentum", "--output", "kinetic_energy", "--markdown", str(tmp_path / "page.md"))
     done = CliRunner().invoke(app, ["explain", str(model), *options])
     assert done.exit_code == 0
-    found = receipt(kg.load(model), receipts.outputs(model))
+    found = cost_report(kg.load(model), cost_reports.outputs(model))
     assert (tmp_path / "page.md").read_text() == markdown(found)
     assert markdown(found).split("\n\n")[-1] in written("satellite.md")
     for option in ("--html", "--markdown"):

@@ -1,6 +1,11 @@
-"""What a scene does not need, and what that saves: the specialised program beside the general one."""
+"""The cost report of a scene: its specialised program beside the general program of the same tree.
+
+`general_form` makes the general program and the steps from it to the scene, `report` counts their operations,
+`tables` and `page` show the result. `exactness` compares a scene with the same scene whose right angles are
+exact.
+"""
 
 from kanegen.studies.explain.exactness import Exactness, exactness
-from kanegen.studies.explain.receipt import Receipt, Step, receipt
+from kanegen.studies.explain.report import CostReport, Step, cost_report
 
-__all__ = ["Exactness", "Receipt", "Step", "exactness", "receipt"]
+__all__ = ["CostReport", "Exactness", "Step", "cost_report", "exactness"]

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -16,6 +16,7 @@ from kanegen.measure.timing import OBJECTIVES, Times
 from kanegen.measure.truth.bounds import FACTOR
 from kanegen.measure.truth.errors import GATE
 from kanegen.measure.truth.measurement import Measurement
+from kanegen.studies.markdown import markdown_table
 from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
 from kanegen.studies.tradeoff.pareto_front import TIE
 from kanegen.studies.tradeoff.tables import (
@@ -72,9 +73,9 @@ def markdown(study: Study) -> str:
     for objective in OBJECTIVES:
         parts += [
             f"## Front, {TITLES[objective]}",
-            _table(FRESH, fresh_rows(study, objective), texts=1),
+            markdown_table(FRESH, fresh_rows(study, objective)),
             f"## All variants, {TITLES[objective]}",
-            _table(head(study), rows(study, objective), texts=1),
+            markdown_table(head(study), rows(study, objective)),
         ]
     if study.runs:
         picture = "![Simulations](tradeoff-simulation.svg)"
@@ -82,7 +83,7 @@ def markdown(study: Study) -> str:
             "## Simulation",
             simulation_method(study),
             picture,
-            _table(SIMULATION, simulation_rows(study), SIMULATION_TEXTS),
+            markdown_table(SIMULATION, simulation_rows(study), SIMULATION_TEXTS),
         ]
     same = [entry for entry in study.entries if entry.same_as]
     if same:
@@ -145,11 +146,6 @@ def _method(study: Study) -> str:
         tie=100 * TIE,
     )
     return "\n\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], texts: int) -> str:
-    rule = ["---"] * texts + ["---:"] * (len(head) - texts)
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in (head, rule, *rows))
 
 
 def json_record(study: Study) -> str:

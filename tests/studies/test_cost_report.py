@@ -1,4 +1,4 @@
-"""The receipt of a scene; and that what is specialised computes what the general program does."""
+"""Cost reports of scenes; and specialised programs compute the same as the general program of their tree."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from kanegen.reference.magnitudes import (
 )
 from kanegen.reference.matrices import skew
 from kanegen.reference.states import random_states
-from kanegen.studies.explain import receipt
-from kanegen.studies.explain.general import steps
+from kanegen.studies.explain import cost_report
+from kanegen.studies.explain.general_form import steps
 from kanegen.studies.explain.page import drawing, html
 from tests.physics.test_robots import FIXED, FLOATING
 from tests.support import systems
@@ -162,7 +162,7 @@ def test_a_locked_joint_stands_where_it_was() -> None:
 
 
 def test_operations_fall_and_add_up() -> None:
-    found = receipt(kg.load(MODELS / "gantry_crane.toml"), ("mass_matrix", "forcing"))
+    found = cost_report(kg.load(MODELS / "gantry_crane.toml"), ("mass_matrix", "forcing"))
     totals = [step.total for step in found.steps]
     assert totals == sorted(totals, reverse=True)
     assert sum(found.bodies.values()) == totals[-1]
@@ -182,7 +182,7 @@ def test_operations_fall_and_add_up() -> None:
 def test_two_rods_locked_to_a_plane() -> None:
     """[A] and {f} of the textbook's pendulum, from bodies that know more than a plane."""
     pendulum = kg.load(MODELS / "planar_pendulum.toml")
-    assert receipt(pendulum).steps[-1].total <= 30
+    assert cost_report(pendulum).steps[-1].total <= 30
     x, y = np.random.default_rng(2).uniform(-1, 1, (2, 2))
     a, f = compiled(pendulum)({"x": x, "y": y})
     m1, m2, r1, r2, long, i1, i2, g = 1.2, 0.8, 0.3, 0.25, 0.6, 0.04, 0.02, 9.81
@@ -244,9 +244,9 @@ def test_welded_bodies_cost_what_lumped_ones_do() -> None:
     rng = np.random.default_rng(8)
     welded = remade(eight, free=free, locked=rng.uniform(-1, 1, (8, 6)) * ~free)
     direct = lumped(welded, 3)
-    found = receipt(welded)
+    found = cost_report(welded)
     assert all(found.bodies.get(k, 0) == 0 for k in range(4, 9))
-    assert found.steps[-1].total <= 1.1 * receipt(direct).steps[-1].total
+    assert found.steps[-1].total <= 1.1 * cost_report(direct).steps[-1].total
     sample = random_states(direct, 2)
     given = {"x": sample.x[0], "y": sample.y[0]}
     for one, other in zip(compiled(welded)(given), compiled(direct)(given), strict=True):
@@ -254,7 +254,7 @@ def test_welded_bodies_cost_what_lumped_ones_do() -> None:
 
 
 def test_the_page_draws_every_body(tmp_path: Path) -> None:
-    found = receipt(systems.eight_body(), ("mass_matrix",))
+    found = cost_report(systems.eight_body(), ("mass_matrix",))
     places = [(box.x, box.y) for box in drawing(found).boxes]
     assert len(set(places)) == 8
     assert len(drawing(found).lines) == 7
