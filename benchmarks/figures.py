@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 
 import kanegen as kg
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from tests.support import systems
 from tests.support.robots import dynamics, floating_model, places, robot_file
 

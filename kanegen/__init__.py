@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from kanegen.library.simulation.simulate import simulate as simulate
     from kanegen.measure.report import Report as Report
     from kanegen.model.body import Body as Body
+    from kanegen.model.body import Point as Point
     from kanegen.model.force_elements import Drive as Drive
     from kanegen.model.force_elements import Expression as Expression
     from kanegen.model.force_elements import ForceElement as ForceElement
@@ -50,7 +51,6 @@ if TYPE_CHECKING:
     from kanegen.model.force_elements import parse as parse
     from kanegen.model.joint import Joint as Joint
     from kanegen.model.numbers import Parameter as Parameter
-    from kanegen.model.point import Point as Point
     from kanegen.model.reanchoring import reanchored as reanchored
     from kanegen.model.system import System as System
     from kanegen.options import Variant as Variant
@@ -74,7 +74,7 @@ _MODULES = {
     "library.library": ("Library",),
     "library.simulation.simulate": ("simulate",),
     "measure.report": ("Report",),
-    "model.body": ("Body",),
+    "model.body": ("Body", "Point"),
     "model.force_elements": (
         "Drive",
         "Expression",
@@ -87,7 +87,6 @@ _MODULES = {
     ),
     "model.joint": ("Joint",),
     "model.numbers": ("Parameter",),
-    "model.point": ("Point",),
     "model.reanchoring": ("reanchored",),
     "model.system": ("System",),
     "options": ("Variant",),

@@ -9,7 +9,7 @@ import numpy as np
 
 import kanegen as kg
 from benchmarks.models import revolute_chain
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 
 LARGEST = {"forcing": 256, "forward_dynamics": 256, "mass_matrix": 64}
 """Bodies; [A] itself has as many entries as freedoms squared."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kanegen.model.reanchorable import Anchor, reanchorable
-from kanegen.model.sequences import NOTES
+from kanegen.model.coordinates import NOTES
+from kanegen.model.reanchorable import ReanchorableJoint, reanchorable_joints
 from kanegen.model.system import System
 from kanegen.recursion.legend import legend
 
@@ -57,7 +57,7 @@ class ModelDescription:
     poses: tuple[str, ...] = ()
     reactions: tuple[tuple[str, str], ...] = ()
     prescribed: tuple[tuple[str, str], ...] = ()
-    reanchorable: tuple[Anchor, ...] = ()
+    reanchorable: tuple[ReanchorableJoint, ...] = ()
 
     @property
     def prescribed_names(self) -> tuple[str, ...]:
@@ -110,16 +110,18 @@ def description(system: System) -> ModelDescription:
         speed_names=system.speed_names,
         points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
         loaded_points=tuple(point.loads for _, point in system.points),
-        force_elements=tuple(element.words for element in system.force_elements),
+        force_elements=tuple(element.summary for element in system.force_elements),
         poses=system.pose_names,
-        reactions=tuple(zip(system.reaction_names, (f.effort for f in system.reacting), strict=True)),
+        reactions=tuple(
+            zip(system.reaction_names, (f.effort for f in system.reaction_freedoms), strict=True)
+        ),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
         prescribed=tuple(
             (name, freedom.unit)
             for name, freedom in zip(system.prescribed_names, system.prescribed, strict=True)
         ),
-        reanchorable=reanchorable(system),
+        reanchorable=reanchorable_joints(system),
     )
 
 
@@ -131,8 +133,8 @@ def _sequences(system: System) -> tuple[tuple[str, str], ...]:
 
 def _planar(system: System) -> tuple[tuple[int, str], ...]:
     """Return what is 0 at gimbal lock: cos(theta2) of three different axes, else sin(theta2)."""
-    found = []
+    found: list[tuple[int, str]] = []
     for k, body in enumerate(system.bodies, start=1):
-        if body.joint.turns_freely and not body.joint.spins:
-            found.append((system.coordinate_place(k, 1), "sin" if body.joint.ends_alike else "cos"))
+        if body.joint.mass_matrix_singularity:
+            found.append((system.coordinate_place(k, 1), body.joint.mass_matrix_singularity))
     return tuple(found)

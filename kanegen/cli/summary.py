@@ -8,8 +8,7 @@ from typing import Any
 
 from kanegen import compiler
 from kanegen import options as variants
-from kanegen.model.coordinates import Freedom
-from kanegen.model.freedoms import FREEDOMS, named
+from kanegen.model.coordinates import FREEDOMS, Freedom, selected_freedoms
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.program.passes import Stage, savings
@@ -102,7 +101,7 @@ def summarize(
 def _contents(system: System) -> dict[str, Any]:
     """Everything that the system holds, by the keys of the JSON."""
     coordinates = zip(system.coordinate_names, system.coordinates, strict=True)
-    efforts = [freedom.effort for freedom in system.reacting]
+    efforts = [freedom.effort for freedom in system.reaction_freedoms]
     return {
         "name": system.name,
         "gravity": map_numbers(system.gravity, value_of),
@@ -115,7 +114,7 @@ def _contents(system: System) -> dict[str, Any]:
         "prescribed": _directions(system.prescribed_names, system.prescribed),
         "speeds": list(system.speed_names),
         "poses": list(system.pose_names),
-        "reactions": _directions(system.reaction_names, system.reacting, efforts),
+        "reactions": _directions(system.reaction_names, system.reaction_freedoms, efforts),
         "parameters": {parameter.name: parameter.value for parameter in system.parameters},
         "force_elements": [{"kind": element.KEY, **element.as_table()} for element in system.force_elements],
     }
@@ -128,8 +127,8 @@ def _bodies(system: System) -> list[dict[str, Any]]:
             "name": body.name,
             "connection": body.lower,
             "mass": value_of(body.mass),
-            "free": named(body.joint.free),
-            "prescribed": named(body.joint.prescribed),
+            "free": selected_freedoms(body.joint.free),
+            "prescribed": selected_freedoms(body.joint.prescribed),
             "coordinates": body.joint.coordinates,
             "sequence": body.joint.sequence,
             "loads": body.loads,

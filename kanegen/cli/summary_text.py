@@ -14,9 +14,8 @@ from rich.tree import Tree
 
 from kanegen.cli.summary import TOGETHER, RightAngleChanges, Summary
 from kanegen.model.body import Body
-from kanegen.model.freedoms import named
+from kanegen.model.coordinates import NOTES, ORIENTATIONS, selected_freedoms
 from kanegen.model.numbers import Number, Parameter
-from kanegen.model.sequences import NOTES
 from kanegen.model.system import System
 from kanegen.program.passes import savings
 from kanegen.studies.explain.exactness import STATES
@@ -62,7 +61,7 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
     if system.parameters:
         yield "Parameters", ", with their defaults", _parameters(system)
     if system.force_elements:
-        yield "Force elements", "", escape("\n".join(element.words for element in system.force_elements))
+        yield "Force elements", "", escape("\n".join(element.summary for element in system.force_elements))
     yield "Operations", " of one evaluation", _costs(summary)
 
 
@@ -71,8 +70,8 @@ def _tree(system: System) -> Tree:
     branches = [tree]
     for k, body in enumerate(system.bodies, start=1):
         free = escape(_moving(body) or "welded")
-        if body.joint.is_quaternion:
-            free = f"{free} (quaternion)"
+        if body.joint.coordinates != ORIENTATIONS[0]:
+            free = f"{free} ({body.joint.coordinates})"
         if body.joint.sequence != NOTES:
             free = f"{free} ({body.joint.sequence})"
         loads = ", takes loads" if body.loads else ""
@@ -135,7 +134,7 @@ def _show_right_angles(changes: RightAngleChanges, console: Console) -> None:
 
 def _moving(body: Body) -> str:
     kinds = (("", body.joint.free), ("prescribed ", body.joint.prescribed))
-    return ", ".join(word + " ".join(named(flags)) for word, flags in kinds if any(flags))
+    return ", ".join(word + " ".join(selected_freedoms(flags)) for word, flags in kinds if any(flags))
 
 
 def _text(value: Number) -> str:

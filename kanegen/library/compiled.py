@@ -13,8 +13,7 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.library.native.calls import Native
 from kanegen.library.results import Evaluation
-from kanegen.model.arguments import ARGUMENTS, FURTHER, Floats, Values
-from kanegen.model.load_arguments import Given as NamedInputs
+from kanegen.model.arguments import ARGUMENTS, FURTHER, Floats, NamedInputs, Values
 from kanegen.model.numbers import finite
 from kanegen.program.ir import EVALUATE
 from kanegen.program.precision import precision_named

@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 
 from kanegen.choices import require_one
 from kanegen.library.compiled import Compiled
-from kanegen.model.arguments import Floats
-from kanegen.model.load_arguments import Given as NamedInputs
+from kanegen.model.arguments import Floats, NamedInputs
 from kanegen.recursion.outputs import DERIVATIVES
 
 

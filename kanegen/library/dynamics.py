@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from kanegen.errors import ArrayError, KanegenWarning
 from kanegen.library.compiled import Compiled
 from kanegen.library.results import Diagnosis, diagnosis
-from kanegen.model.arguments import Floats
-from kanegen.model.load_arguments import Given as NamedInputs
+from kanegen.model.arguments import Floats, NamedInputs
 
 
 class Dynamics(Compiled):

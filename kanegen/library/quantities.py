@@ -7,8 +7,7 @@ from typing import Unpack
 from numpy.typing import ArrayLike
 
 from kanegen.library.compiled import Compiled
-from kanegen.model.arguments import Floats
-from kanegen.model.load_arguments import Given as NamedInputs
+from kanegen.model.arguments import Floats, NamedInputs
 
 
 class Quantities(Compiled):

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from kanegen.errors import OptionError
 from kanegen.lowering.compilation import Request
+from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 from kanegen.model.system import System
 from kanegen.options import Variant
 from kanegen.recursion.outputs import chosen, require_available
@@ -45,9 +46,9 @@ def reformulated(system: System, speeds: str | None = None, coordinates: str | N
         OptionError: If there are no such speeds or coordinates, or they do not go together.
     """
     require_system(system)
-    if (speeds, coordinates) == ("angle_rates", "quaternion"):
+    if speeds == SPEEDS[0] and coordinates in ORIENTATIONS[1:]:
         raise OptionError(
-            'speeds "angle_rates" are for angles, and coordinates "quaternion" leave none. Leave out one.'
+            f'speeds "{speeds}" are for angles, and coordinates "{coordinates}" leave none. Leave out one.'
         )
     if coordinates is not None:
         system = system.with_coordinates(coordinates)

@@ -1,25 +1,25 @@
-"""What a user may pass, and how it becomes what C can read: contiguous arrays of its type and exact shape."""
+"""Arrays that a caller passes: their names, and their conversion to contiguous arrays that C can read."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kanegen.errors import ArrayError
 
 Floats = NDArray[np.floating[Any]]
-"""Numbers of the precision of a library, or parts of them."""
+"""Numbers in the precision of a library, or parts of such numbers (double-double) along a last axis."""
 
 Shape = tuple[int, ...]
 
 LOADS = {"force": "body", "torque": "body", "point_force": "point", "point_moment": "point"}
-"""Arguments with a row for everything of a kind, of which only some take any."""
+"""Load arguments with one row for each body or point, of which only some may take loads."""
 
 OPTIONAL = LOADS.keys() | {"tau"}
-"""Arguments that may be left out, which is zero."""
+"""Arguments that may be left out, which means zero."""
 
 FURTHER = {
     "point_force": "in N",
@@ -27,26 +27,56 @@ FURTHER = {
     "t": "the time in s",
     "prescribed": "(3, {count}) values, rates and second derivatives of {prescribed}",
 }
-"""Arguments that only some models have, and what they are."""
+"""Arguments that only some models have, and descriptions of them for error messages."""
 
 ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *FURTHER)
-"""What a user may pass, in the order in which `Call` takes it."""
+"""Names of all arguments, in the order in which `Call` takes them."""
 
 COMMON = OPTIONAL | FURTHER.keys()
-"""Arguments of which one may serve all states of a batch."""
+"""Arguments that may have one value for all states of a batch."""
 
 Values = tuple[object, ...]
-"""One for each of `ARGUMENTS`, None where there is none."""
+"""One value for each of `ARGUMENTS`, None where the caller passed none."""
+
+
+class LoadInputs(TypedDict, total=False):
+    """Loads on points, and the time, as keyword arguments; each may have one value for all states of a batch.
+
+    Attributes:
+        point_force: (P, 3) or (B, P, 3) force on each point that takes loads, inertial components (N); None
+            means zero.
+        point_moment: (P, 3) or (B, P, 3) moment on the body of each such point, inertial components (N m).
+        t: () or (B,) time (s), where a force element depends on it.
+    """
+
+    point_force: ArrayLike | None
+    point_moment: ArrayLike | None
+    t: ArrayLike
+
+
+class NamedInputs(LoadInputs, total=False):
+    """Inputs that only some systems have, as keyword arguments: those of `LoadInputs`, and prescribed motion.
+
+    Attributes:
+        prescribed: (3, p) or (B, 3, p) values (rad, m), rates and second derivatives of the prescribed
+            freedoms, in the order of `prescribed_names`.
+    """
+
+    prescribed: ArrayLike
 
 
 def floats(name: str, value: object, dtype: np.dtype[Any]) -> Floats:
-    """`value` as a contiguous array of the type `dtype`, itself if it is one.
+    """Return `value` as a contiguous array of type `dtype`; an array that is one already is not copied.
 
-    Integers and other floats are rounded to it, and so are lists and arrays in any order of memory; NaN and
-    infinity pass.
+    Integers and other floats are rounded to the type; NaN and infinity pass.
+
+    Args:
+        name: Name of the argument, used in error messages.
+        value: What the caller passed.
+        dtype: Type of the numbers.
 
     Raises:
-        ArrayError: If it is ragged, masked, holds anything but real numbers, or one that is too large.
+        ArrayError: If it is ragged, masked, contains anything but real numbers, or one that is too large.
     """
     if type(value) is np.ndarray and value.dtype == dtype and value.flags.carray:
         return value
@@ -66,10 +96,10 @@ def floats(name: str, value: object, dtype: np.dtype[Any]) -> Floats:
 
 
 def state(name: str, value: object, shape: Shape, dtype: np.dtype[Any]) -> Floats:
-    """One state, `shape`, or a batch of them, `(B, *shape)`.
+    """Return an argument that is one state, `shape`, or a batch of states, `(B, *shape)`.
 
     Raises:
-        ArrayError: If it is neither.
+        ArrayError: If it has neither shape.
     """
     array = floats(name, value, dtype)
     if array.shape != shape and array.shape[1:] != shape:
@@ -81,7 +111,15 @@ def state(name: str, value: object, shape: Shape, dtype: np.dtype[Any]) -> Float
 def companion(
     name: str, value: object, shape: Shape, batch: Shape, dtype: np.dtype[Any], first: str
 ) -> Floats:
-    """What goes with the states of the argument `first`, which is a batch of shape `batch`.
+    """Return an argument with one value for each state of the argument `first`.
+
+    Args:
+        name: Name of the argument, used in error messages.
+        value: What the caller passed.
+        shape: Shape for one state.
+        batch: Shape of the batch: `()` or `(B,)`.
+        dtype: Type of the numbers.
+        first: Name of the argument that sets the batch.
 
     Raises:
         ArrayError: If the shape is not `(*batch, *shape)`.
@@ -93,10 +131,10 @@ def companion(
 
 
 def required(name: str, value: object, what: str) -> object:
-    """What must be passed where a function reads it.
+    """Return an argument on which the result depends.
 
     Raises:
-        ArrayError: If it was not.
+        ArrayError: If the caller passed none; describes it by `what`.
     """
     if value is None:
         raise ArrayError(f"{name}: it is missing, and the result depends on it. Pass {name}=..., {what}.")
@@ -106,18 +144,18 @@ def required(name: str, value: object, what: str) -> object:
 def load(
     name: str, value: object, shape: Shape, batch: Shape, dtype: np.dtype[Any], unloaded: Mapping[int, str]
 ) -> Floats:
-    """Loads: None for none, `shape` for the same in every state, or `(*batch, *shape)`.
+    """Return loads of shape `(*batch, *shape)`.
 
     Args:
-        name: Of the argument.
-        value: What was passed.
-        shape: (N, 3) for loads on bodies, and a last axis for numbers in parts.
-        batch: `()` or `(B,)`.
-        dtype: Of the numbers.
-        unloaded: Rows of what takes no loads, and what it is.
+        name: Name of the argument, used in error messages.
+        value: None for no loads, `shape` for the same loads in every state, or `(*batch, *shape)`.
+        shape: (N, 3) for loads on bodies; numbers in parts have a further last axis.
+        batch: Shape of the batch: `()` or `(B,)`.
+        dtype: Type of the numbers.
+        unloaded: Rows of bodies or points that take no loads, with their names.
 
     Raises:
-        ArrayError: If the shape is another, or a body that takes no loads would get one.
+        ArrayError: If the shape is another, or a row that takes no loads is not zero.
     """
     full = (*batch, *shape)
     if value is None:

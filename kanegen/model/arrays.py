@@ -1,4 +1,4 @@
-"""Arrays of a system: reading what a user passes, and handing the model out as NumPy arrays."""
+"""A system as NumPy arrays: bodies from arrays that a user passes, and the numbers of a model as arrays."""
 
 from __future__ import annotations
 
@@ -11,9 +11,13 @@ from numpy.typing import NDArray
 
 from kanegen.errors import ModelError
 from kanegen.model import validation
+from kanegen.model.body import Body
+from kanegen.model.coordinates import Rotation, rotation_of
+from kanegen.model.description import Description
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.names import Place
-from kanegen.model.numbers import listed, numbers
+from kanegen.model.force_elements.names import Place, variable_places
+from kanegen.model.joint import IDENTITY, Joint
+from kanegen.model.numbers import listed, map_numbers, numbers, value_of
 from kanegen.model.rotations import rotation_123
 
 Floats = NDArray[np.float64]
@@ -22,12 +26,13 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class ForceArrays:
-    """What acts beside gravity and loads on bodies.
+    """The force elements and points of a system, as numbers.
 
     Attributes:
-        elements: Parameters at their defaults.
-        variables: Of expressions, by name.
-        points: By name the body, from 1, and the (3,) position from its origin, in its components (m).
+        elements: Force elements, parameters at their defaults.
+        variables: Body and freedom or coordinate of each variable of expressions, by name.
+        points: By name of the point the number of its body, from 1, and its (3,) position from the origin of
+            the body, in body components (m).
         loaded: (P,) which points take a force and a moment.
     """
 
@@ -58,45 +63,113 @@ class SystemArrays:
     prescribed: Flags  # (N, 6)
 
     def rows(self) -> dict[str, Any]:
-        """The arguments of `System.from_arrays` that give these numbers again: all but `forces`."""
+        """Return the arguments of `System.from_arrays` that give these numbers again, without `forces`."""
         return {field.name: getattr(self, field.name) for field in fields(self) if field.name != "forces"}
 
+    @property
+    def rotations(self) -> tuple[Rotation, ...]:
+        """(N,) how each body is oriented in its joint frame."""
+        return tuple(map(rotation_of, self.coordinates, self.sequence))
 
-def system_arrays(
-    *,
-    connection: Sequence[int],
-    joint_orientation: Sequence[Any],
-    free: Any,
-    loads: Any,
-    sequence: tuple[str, ...],
-    speeds: tuple[str, ...],
-    coordinates: tuple[str, ...],
-    forces: ForceArrays,
-    prescribed: Any,
-    **floats: Any,
-) -> SystemArrays:
-    """`SystemArrays` from nested tuples; orientations given as 1-2-3 angles become matrices."""
+
+def system_arrays(system: Description) -> SystemArrays:
+    """Return every number of a system, parameters at their defaults, orientations as matrices."""
+    bodies = tuple(body.map_numbers(value_of) for body in system.bodies)
+    joints = tuple(body.joint for body in bodies)
     return SystemArrays(
-        connection=np.array(connection, dtype=np.int64),
-        joint_orientation=np.array([_matrix(value) for value in joint_orientation]),
-        free=np.array(free, dtype=np.bool_),
-        loads=np.array(loads, dtype=np.bool_),
-        sequence=sequence,
-        speeds=speeds,
-        coordinates=coordinates,
-        forces=forces,
-        prescribed=np.array(prescribed, dtype=np.bool_),
-        **{name: np.array(value, dtype=np.float64) for name, value in floats.items()},
+        connection=np.array(system.connection, dtype=np.int64),
+        mass=_floats([body.mass for body in bodies]),
+        inertia=_floats([body.inertia for body in bodies]),
+        mass_center=_floats([body.mass_center for body in bodies]),
+        joint_position=_floats([joint.position for joint in joints]),
+        joint_orientation=np.array([_matrix(joint.orientation) for joint in joints]),
+        free=np.array([joint.free for joint in joints], dtype=np.bool_),
+        locked=_floats([joint.locked for joint in joints]),
+        gravity=_floats(map_numbers(system.gravity, value_of)),
+        loads=np.array([body.loads for body in bodies], dtype=np.bool_),
+        sequence=tuple(joint.sequence for joint in joints),
+        speeds=tuple(joint.speeds for joint in joints),
+        coordinates=tuple(joint.coordinates for joint in joints),
+        forces=_force_arrays(system),
+        prescribed=np.array([joint.prescribed for joint in joints], dtype=np.bool_),
     )
 
 
+def _force_arrays(system: Description) -> ForceArrays:
+    points = {point.name: (k, _floats(map_numbers(point.position, value_of))) for k, point in system.points}
+    return ForceArrays(
+        elements=tuple(element.map_numbers(value_of) for element in system.force_elements),
+        variables=variable_places(system.bodies),
+        points=points,
+        loaded=np.array([point.loads for _, point in system.points], dtype=np.bool_),
+    )
+
+
+def _floats(values: Any) -> Floats:
+    return np.array(values, dtype=np.float64)
+
+
 def _matrix(orientation: Any) -> Floats:
-    value = np.array(orientation, dtype=np.float64)
+    """Return (3, 3) an orientation that is a matrix or three 1-2-3 angles."""
+    value = _floats(orientation)
     return value if value.shape == (3, 3) else np.array(rotation_123(orientation))
 
 
-def integers(value: Any, what: str) -> tuple[int, ...]:
-    """`value` as a tuple of ints."""
+def bodies_from_arrays(
+    *,
+    connection: Any,
+    mass: Any,
+    inertia: Any,
+    mass_center: Any,
+    joint_position: Any,
+    joint_orientation: Any,
+    free: Any,
+    locked: Any,
+    loads: Any,
+    sequence: Any,
+    speeds: Any,
+    coordinates: Any,
+    prescribed: Any,
+) -> tuple[Body, ...]:
+    """Return the bodies of a tree from the arguments of `System.from_arrays`.
+
+    Raises:
+        ModelError: If a shape or a number is not usable; names the array, and the body where it is one.
+    """
+    lower = validation.connection(_integers(connection, "connection"))
+    rows = _Rows(len(lower))
+    prescribed = rows.flags(prescribed, 6, False, "prescribed")
+    not_prescribed = tuple(tuple(not flag for flag in row) for row in prescribed)
+    of_joints = {
+        "position": numbers(joint_position, (rows.count, 3), "joint_position"),
+        "orientation": rows.numbers(joint_orientation, (3, 3), IDENTITY, "joint_orientation"),
+        "free": not_prescribed if free is None else rows.flags(free, 6, True, "free"),
+        "locked": rows.numbers(locked, (6,), (0.0,) * 6, "locked"),
+        "speeds": rows.names(speeds, "speeds"),
+        "sequence": rows.names(sequence, "sequence"),
+        "coordinates": rows.names(coordinates, "coordinates"),
+        "prescribed": prescribed,
+    }
+    of_bodies = {
+        "lower": lower,
+        "mass": numbers(mass, (rows.count,), "mass"),
+        "inertia": numbers(inertia, (rows.count, 3, 3), "inertia"),
+        "mass_center": numbers(mass_center, (rows.count, 3), "mass_center"),
+        "loads": rows.loads(loads),
+    }
+    bodies = []
+    for k in range(rows.count):
+        try:
+            joint = Joint(**{name: values[k] for name, values in of_joints.items()})
+        except ModelError as error:
+            raise ModelError(f"body {k + 1}: {error}") from None
+        own = {name: values[k] for name, values in of_bodies.items()}
+        bodies.append(Body(name=f"body{k + 1}", joint=joint, **own))
+    return tuple(bodies)
+
+
+def _integers(value: Any, what: str) -> tuple[int, ...]:
+    """Return `value` as a tuple of integers."""
     items = listed(value)
     if items is None:
         raise ModelError(f"{what}: expected a sequence of integers, got {value!r}.")
@@ -104,30 +177,30 @@ def integers(value: Any, what: str) -> tuple[int, ...]:
 
 
 @dataclass(frozen=True)
-class Rows:
-    """Reads optional arrays with one row a body."""
+class _Rows:
+    """Reads optional arrays that have one row for each of `count` bodies."""
 
     count: int
 
     def numbers(self, value: Any, shape: tuple[int, ...], default: Any, what: str) -> Any:
-        """(count, *shape) numbers, or `default` in every row where `value` is None."""
+        """Return (count, *shape) numbers, or `default` in every row where `value` is None."""
         return (default,) * self.count if value is None else numbers(value, (self.count, *shape), what)
 
     def flags(self, value: Any, length: int, default: bool, what: str) -> tuple[tuple[bool, ...], ...]:
-        """(count, length) bools, or `default` everywhere where `value` is None."""
+        """Return (count, length) flags, or `default` everywhere where `value` is None."""
         if value is None:
             return ((default,) * length,) * self.count
         rows = validation.sequence(value, self.count, what)
         return tuple(validation.flags(row, length, f"{what}[{k}]") for k, row in enumerate(rows))
 
     def names(self, value: Any, what: str) -> Sequence[Any]:
-        """(count,) names from one name for all or one a body."""
+        """Return (count,) names, from one name for all bodies or one for each."""
         if isinstance(value, str):
             return (value,) * self.count
         return validation.sequence(value, self.count, what)
 
     def loads(self, value: Any) -> tuple[bool, ...]:
-        """(count,) bools from None, one bool or one a body."""
+        """Return (count,) flags, from None, one flag for all bodies or one for each."""
         if value is None or isinstance(value, bool | np.bool_):
             return (bool(value),) * self.count
         return validation.flags(value, self.count, "loads")

@@ -10,23 +10,72 @@ from kanegen.errors import ModelError
 from kanegen.model import validation
 from kanegen.model.joint import Joint
 from kanegen.model.names import check_label
-from kanegen.model.numbers import Matrix, Number, Vector, map_numbers, number, numbers, word
-from kanegen.model.point import Point
+from kanegen.model.numbers import Matrix, Number, Vector, map_numbers, number, numbers, toml_number
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point that is fixed in a body, such as the tip of a tool.
+
+    Attributes:
+        name: Label, unique in the system.
+        position: (3,) position from the origin O_K of its body, in body components (m).
+        loads: Whether a force and a moment on the point are inputs, in inertial components.
+
+    Raises:
+        ModelError: If the name or the position is not usable.
+
+    Example:
+        kg.Point("tip", (0.0, 0.0, 0.12), loads=True)
+    """
+
+    name: str
+    position: Vector
+    loads: bool = False
+
+    def __post_init__(self) -> None:
+        check_label(self.name, "point name")
+        what = f"point {self.name!r}"
+        position = numbers(self.position, (3,), what)
+        validation.store(self, position=position, loads=validation.flags((self.loads,), 1, what)[0])
+
+    def map_numbers(self, change: Callable[[Number], Number]) -> Point:
+        """Return the same point with `change` applied to every number.
+
+        Example:
+            doubled = point.map_numbers(lambda number: 2 * number)
+        """
+        return replace(self, position=map_numbers(self.position, change))
+
+    def as_toml(self) -> Any:
+        """Return the point as a model file holds it: its position, or a table where it takes loads.
+
+        Example:
+            kg.Point("tip", (0, 0, 0.1)).as_toml()  # (0.0, 0.0, 0.1)
+        """
+        position = map_numbers(self.position, toml_number)
+        return {"position": position, "loads": True} if self.loads else position
 
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body and the joint below it.
+    """A rigid body K and the joint that connects it to its lower body J.
 
     Attributes:
         name: Label, unique in the system.
         lower: Number of the lower body, 0 for the ground.
-        mass: kg.
-        inertia: `[I'_{G_K}]`, about the mass centre, in body components (kg m^2).
-        mass_center: `r'_K`, from O_K to G_K, in body components (m).
-        joint: How it hangs on its lower body.
-        loads: Whether it takes a force and a torque as inputs.
-        points: Points of it that outputs are about.
+        mass: Mass (kg).
+        inertia: (3, 3) central inertia [I'_{G_K}], about the mass centre, in body components (kg m^2).
+        mass_center: (3,) position r'_K of the mass centre G_K from O_K, in body components (m).
+        joint: The joint between the lower body and this one.
+        loads: Whether a force and a torque on the body are inputs.
+        points: Points of the body that outputs, springs and loads refer to.
+
+    Raises:
+        ModelError: If a number, a shape or the name is not usable.
+
+    Example:
+        link = kg.Body("link", 0, 2.0, ((0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.02)), (0, 0, 0.3))
     """
 
     name: str
@@ -54,31 +103,46 @@ class Body:
         except ModelError as error:
             raise ModelError(f"body {self.name!r}: {error}") from None
 
-    def changed(self, change: Callable[[Number], Number]) -> Body:
-        """The same body with `change` applied to every number of it and its joint."""
+    def map_numbers(self, change: Callable[[Number], Number]) -> Body:
+        """Return the same body with `change` applied to every number of it, its points and its joint.
+
+        Example:
+            plain = body.map_numbers(value_of)  # parameters at their defaults
+        """
         return replace(
             self,
             mass=change(self.mass),
             inertia=map_numbers(self.inertia, change),
             mass_center=map_numbers(self.mass_center, change),
-            joint=self.joint.changed(change),
-            points=tuple(point.changed(change) for point in self.points),
+            joint=self.joint.map_numbers(change),
+            points=tuple(point.map_numbers(change) for point in self.points),
         )
 
-    def unloaded(self) -> Body:
-        """The same body without loads as inputs, on it and its points."""
+    def without_loads(self) -> Body:
+        """Return the same body without forces and torques as inputs, on it and on its points.
+
+        Example:
+            bodies = [body.without_loads() for body in system.bodies]
+        """
         points = tuple(replace(point, loads=False) for point in self.points)
         return replace(self, loads=False, points=points)
 
     def as_table(self, lower: int | str) -> dict[str, Any]:
-        """The body in the words of a model file, `lower` being its connection there; defaults left out."""
+        """Return the table `[[body]]` of a model file, defaults left out.
+
+        Args:
+            lower: Number or name of the lower body, as the file says it.
+
+        Example:
+            system.bodies[1].as_table("base")
+        """
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia
-        table: dict[str, Any] = {"name": self.name, "connection": lower, "mass": word(self.mass)}
+        table: dict[str, Any] = {"name": self.name, "connection": lower, "mass": toml_number(self.mass)}
         if any(self.mass_center):
-            table["mass_center"] = map_numbers(self.mass_center, word)
-        table["inertia"] = map_numbers(self.inertia if xy or xz or yz else (xx, yy, zz), word)
+            table["mass_center"] = map_numbers(self.mass_center, toml_number)
+        table["inertia"] = map_numbers(self.inertia if xy or xz or yz else (xx, yy, zz), toml_number)
         if self.loads:
             table["loads"] = True
         if self.points:
-            table["points"] = {point.name: point.as_word() for point in self.points}
+            table["points"] = {point.name: point.as_toml() for point in self.points}
         return {**table, "joint": self.joint.as_table()}

@@ -1,28 +1,31 @@
-"""What a system is: its fields, and the freedoms, coordinates and parameters that follow from them."""
+"""What a system is: its fields, and the orders and names of everything that follows from them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
-from kanegen.errors import ModelError
-from kanegen.model.body import Body
-from kanegen.model.coordinates import Coordinate, Freedom
+from kanegen.errors import ModelError, OptionError
+from kanegen.model import selection
+from kanegen.model.body import Body, Point
+from kanegen.model.coordinates import FREEDOMS, Coordinate, Freedom, Speed
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
-from kanegen.model.freedoms import FREEDOMS, QUATERNION
 from kanegen.model.joint import Joint
 from kanegen.model.numbers import Number, Parameter, Vector, map_numbers
-from kanegen.model.point import Point
 
 GRAVITY: Vector = (0.0, 0.0, -9.81)
-"""Default gravity, inertial components, m/s^2."""
+"""Default gravity in inertial components (m/s^2)."""
 
 
 @dataclass(frozen=True)
 class Description:
-    """The fields of a `System`."""
+    """The fields of a `System`, and what follows from them: {x}, {y}, parameters, names.
+
+    Bodies count from 1, places in {x} and {y} from 0.
+    """
 
     name: str
     bodies: tuple[Body, ...]
@@ -33,85 +36,95 @@ class Description:
 
     @property
     def number_of_bodies(self) -> int:
-        """N."""
+        """Number N of bodies, without the ground."""
         return len(self.bodies)
 
     @cached_property
     def connection(self) -> tuple[int, ...]:
-        """The connection array: `connection[K-1]` is the lower body of body K."""
+        """The connection array: `connection[K-1]` is the number of the lower body of body K."""
         return tuple(body.lower for body in self.bodies)
 
     @cached_property
     def freedoms(self) -> tuple[Freedom, ...]:
-        """The freedoms in the order of {y}: those of angles of all bodies, then of translations (Eq. 1)."""
+        """The free freedoms in the order of {y}: angles of all bodies, then translations, Eq. (1)."""
         return self._ordered(lambda joint: joint.free)
 
     @cached_property
     def prescribed(self) -> tuple[Freedom, ...]:
-        """The freedoms whose motion is an input, in the same order."""
+        """The freedoms whose motion is an input, in the order of Eq. (1)."""
         return self._ordered(lambda joint: joint.prescribed)
 
     def _ordered(self, which: Callable[[Joint], tuple[bool, ...]]) -> tuple[Freedom, ...]:
-        """Some freedoms of each joint in the order of Eq. (1)."""
-        every = [
+        """Return the freedoms that `which` selects at each joint, in the order of Eq. (1)."""
+        selected = [
             Freedom(k, index)
             for k, body in enumerate(self.bodies, start=1)
-            for index, is_one in enumerate(which(body.joint))
-            if is_one
+            for index, is_selected in enumerate(which(body.joint))
+            if is_selected
         ]
-        return tuple(f for f in every if f.is_angle) + tuple(f for f in every if not f.is_angle)
+        return (*(f for f in selected if f.is_angle), *(f for f in selected if not f.is_angle))
 
     @cached_property
     def places(self) -> dict[Freedom, int]:
-        """The place of every freedom in {y}, from 0."""
+        """The place of every free freedom in {y}."""
         return {freedom: i for i, freedom in enumerate(self.freedoms)}
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """{x}: as the freedoms, but with the four of a quaternion where its joint has one."""
-        found: list[Coordinate] = []
-        for freedom in self.freedoms:
-            if not (freedom.is_angle and self.bodies[freedom.body - 1].joint.is_quaternion):
-                found.append(Coordinate(freedom.body, freedom.index))
-            elif freedom.index == 0:
-                four = range(len(FREEDOMS), len(FREEDOMS) + len(QUATERNION))
-                found += [Coordinate(freedom.body, index) for index in four]
-        return tuple(found)
+        """{x}: the coordinates of orientations of all bodies, then the translations, Eq. (1)."""
+        found = [
+            Coordinate(k, kind)
+            for k, body in enumerate(self.bodies, start=1)
+            for kind in body.joint.free_coordinate_kinds
+        ]
+        return (*(c for c in found if not c.is_translation), *(c for c in found if c.is_translation))
 
     @cached_property
     def coordinate_places(self) -> dict[Coordinate, int]:
-        """The place of every coordinate in {x}, from 0."""
+        """The place of every coordinate in {x}."""
         return {coordinate: i for i, coordinate in enumerate(self.coordinates)}
 
-    def coordinate_place(self, body: int, index: int) -> int:
-        """The place of a coordinate in {x}, from 0.
+    def coordinate_place(self, body: int, kind: int) -> int:
+        """Return the place of a coordinate in {x}.
 
         Args:
-            body: From 1.
-            index: Counts `FREEDOMS`, and `QUATERNION` behind them.
+            body: Number of the body, from 1.
+            kind: Place of the coordinate in `COORDINATE_KINDS`.
 
         Raises:
-            KeyError: If {x} does not hold it.
+            KeyError: If the coordinate is not in {x}.
+
+        Example:
+            x[system.coordinate_place(1, 2)]  # theta3 of body 1
         """
-        return self.coordinate_places[Coordinate(body, index)]
+        return self.coordinate_places[Coordinate(body, kind)]
+
+    def speed_of(self, freedom: Freedom) -> Speed:
+        """Return the generalized speed at the place of `freedom` in {y}.
+
+        Example:
+            system.speed_of(system.freedoms[0]).kind.is_rate
+        """
+        return Speed(freedom.body, self.bodies[freedom.body - 1].joint.speed_kinds[freedom.index])
+
+    @cached_property
+    def speeds(self) -> tuple[Speed, ...]:
+        """{y}: the generalized speeds, at the places of `freedoms`."""
+        return tuple(map(self.speed_of, self.freedoms))
+
+    @property
+    def speeds_are_rates(self) -> bool:
+        """Whether {xdot} = {y}, Eq. (45)."""
+        return all(speed.kind.is_rate for speed in self.speeds)
 
     @cached_property
     def points(self) -> tuple[tuple[int, Point], ...]:
         """The points of all bodies, body by body, each with the number of its body."""
         return tuple((k, point) for k, body in enumerate(self.bodies, start=1) for point in body.points)
 
-    def spins(self, freedom: Freedom) -> bool:
-        """Whether the speed at the place of `freedom` is a component of a relative angular velocity."""
-        return freedom.is_angle and self.bodies[freedom.body - 1].joint.spins
-
-    @property
-    def speeds_are_rates(self) -> bool:
-        """Whether {xdot} = {y}, Eq. (45)."""
-        return not any(body.joint.spins for body in self.bodies)
-
     @cached_property
     def depends_on_time(self) -> bool:
-        """Whether a force element does."""
+        """Whether an expression of a force element contains the time t."""
         return any(
             TIME in expression.variables
             for element in self.force_elements
@@ -120,7 +133,11 @@ class Description:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The run-time parameters, each once, in the order of first use."""
+        """The run-time parameters, each once, in the order of first use.
+
+        Raises:
+            ModelError: If two parameters have one name and different values.
+        """
         found: dict[str, Parameter] = {}
 
         def collect(value: Number) -> None:
@@ -140,3 +157,108 @@ class Description:
             for value in element.numbers():
                 collect(value)
         return tuple(found.values())
+
+    @cached_property
+    def freedom_names(self) -> tuple[str, ...]:
+        """(n,) unique names of the free freedoms: the joint's name, or `<body>.theta1` to `<body>.s3`.
+
+        A freedom without a coordinate of its own in {x}, as with a quaternion, has the name of its speed.
+        """
+        names = zip(self.freedoms, self.speed_names, strict=True)
+        return tuple(
+            self._freedom_name(freedom)
+            if freedom.index in self.bodies[freedom.body - 1].joint.coordinate_kinds
+            else speed_name
+            for freedom, speed_name in names
+        )
+
+    @cached_property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """(m,) unique names in the order of {x}: of the freedoms, or `<body>.e0` to `<body>.e3`."""
+        return tuple(
+            self._freedom_name(Freedom(coordinate.body, coordinate.index))
+            if coordinate.index < len(FREEDOMS)
+            else f"{self.bodies[coordinate.body - 1].name}.{coordinate.name}"
+            for coordinate in self.coordinates
+        )
+
+    @cached_property
+    def speed_names(self) -> tuple[str, ...]:
+        """(n,) unique names in the order of {y}.
+
+        A rate has the name of its coordinate; the components of a relative angular velocity, Eq. (8), are
+        `<body>.omega1`, `<body>.omega2`, `<body>.omega3`.
+        """
+        return tuple(
+            self._freedom_name(freedom)
+            if speed.kind.is_rate
+            else f"{self.bodies[speed.body - 1].name}.{speed.kind.name}"
+            for freedom, speed in zip(self.freedoms, self.speeds, strict=True)
+        )
+
+    @cached_property
+    def prescribed_names(self) -> tuple[str, ...]:
+        """(p,) names of the prescribed freedoms: the order of the columns of the input `prescribed`."""
+        return tuple(self._freedom_name(freedom) for freedom in self.prescribed)
+
+    def _freedom_name(self, freedom: Freedom) -> str:
+        body = self.bodies[freedom.body - 1]
+        if body.joint.name and body.joint.moving[freedom.index] and sum(body.joint.moving) == 1:
+            return body.joint.name
+        return f"{body.name}.{FREEDOMS[freedom.index]}"
+
+    @cached_property
+    def point_names(self) -> tuple[str, ...]:
+        """(P,) names of the points, in the order of the rows of outputs about points."""
+        return tuple(point.name for _, point in self.points)
+
+    @cached_property
+    def pose_names(self) -> tuple[str, ...]:
+        """Names of the bodies in the output `body_poses`, in the order of its rows."""
+        return tuple(body.name for body in self.bodies) if self.poses is None else self.poses
+
+    @cached_property
+    def pose_numbers(self) -> tuple[int, ...]:
+        """Numbers of the bodies in the output `body_poses`, in the order of its rows."""
+        numbers_of = {body.name: k for k, body in enumerate(self.bodies, start=1)}
+        return tuple(numbers_of[name] for name in self.pose_names)
+
+    @cached_property
+    def reaction_names(self) -> tuple[str, ...]:
+        """Names of the locked directions in the output `reaction_loads`; by default all, as in Eq. (1)."""
+        return tuple(selection.locked(self.bodies)) if self.reactions is None else self.reactions
+
+    @cached_property
+    def reaction_freedoms(self) -> tuple[Freedom, ...]:
+        """The locked freedoms in the output `reaction_loads`, in its order."""
+        known = selection.locked(self.bodies)
+        return tuple(Freedom(*known[name]) for name in self.reaction_names)
+
+
+class HasPrescribedNames(Protocol):
+    """A system or a summary of one."""
+
+    @property
+    def name(self) -> str:
+        """Name of the system."""
+
+    @property
+    def prescribed_names(self) -> Iterable[str]:
+        """Names of the freedoms whose motion is an input."""
+
+
+def require_unprescribed(system: HasPrescribedNames, what: str) -> None:
+    """Make sure that no freedom is prescribed, where a caller cannot pass the motion of one.
+
+    Args:
+        system: The system.
+        what: Name of the function or study that needs this, for the message.
+
+    Raises:
+        OptionError: If a freedom is prescribed.
+    """
+    if names := tuple(system.prescribed_names):
+        raise OptionError(
+            f"{what}: system {system.name!r} has prescribed freedoms ({', '.join(names)}), "
+            "whose motion cannot be passed here. Free them or lock them."
+        )

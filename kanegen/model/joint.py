@@ -1,42 +1,78 @@
-"""How a body is attached to its lower body."""
+"""The joint below a body: the one description of it that every derivation reads.
+
+A joint consists of steps from its lower body J outward: the constant position {q'_K} and orientation [C_K],
+three translations in the joint frame, and a rotation, which is an `AxisRotations` or a `QuaternionRotation`.
+Each of the six freedoms is free, prescribed or locked. `Joint.coordinate_kinds` and `Joint.speed_kinds` say
+what stands for them in {x} and {y}. All of it is plain data; the mathematics stands in the derivations.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
+from typing import Any, Literal
 
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
-from kanegen.model import right_angles, sequences, validation
-from kanegen.model.freedoms import FREEDOMS, ORIENTATIONS, SPEEDS, named
+from kanegen.model import right_angles, validation
+from kanegen.model.coordinates import (
+    ANGLES,
+    ANGULAR_VELOCITY,
+    FREEDOMS,
+    NOTES,
+    ORIENTATIONS,
+    SEQUENCES,
+    SPEED_KINDS,
+    SPEEDS,
+    TRANSLATIONS,
+    Axes,
+    Rotation,
+    check_sequence,
+    rotation_of,
+    selected_freedoms,
+)
 from kanegen.model.names import check_label
-from kanegen.model.numbers import Matrix, Number, Parameter, Vector, map_numbers, numbers, value_of, word
+from kanegen.model.numbers import (
+    Matrix,
+    Number,
+    Parameter,
+    Vector,
+    map_numbers,
+    numbers,
+    toml_number,
+    value_of,
+)
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
 class Joint:
-    """How a body is attached to its lower body J.
+    """The joint between body K and its lower body J.
 
     Attributes:
-        position: `q'_K`, from O_J to Q_K, in J (m).
-        orientation: `[C_K]`, from J components to joint-frame components: a (3, 3) rotation, or three
+        position: (3,) position {q'_K} of the joint point Q_K from O_J, in J (m).
+        orientation: [C_K], from J components to joint-frame components: a (3, 3) rotation, or three
             constant 1-2-3 angles (rad) where an angle is to stay a parameter. Angles that are all plain
             numbers become the matrix, with exact zeros and ones at right angles.
-        free: Which of `FREEDOMS` are free.
-        locked: Values of those that neither are free nor prescribed (rad, m); 0 at the others.
-        name: Name of the joint in a robot file; names the freedom where there is only one.
-        speeds: One of `SPEEDS`. The components of `omega_hat'_K`, Eq. (8), keep [A] regular where the rates
-            of the angles lose their meaning; they need three free angles.
-        sequence: About which axes the angles turn, one of `sequences.SEQUENCES`: "3-1-3" has theta1 turn
-            about axis 3 of the joint frame, theta2 about axis 1 of the frame it finds, theta3 about axis 3
-            of body K.
-        coordinates: One of `ORIENTATIONS`. Instead of three free angles, {x} then holds `QUATERNION`; their
-            length has no meaning. The speeds are the components of `omega_hat'_K`, whatever `speeds` says.
-        prescribed: Which of `FREEDOMS` move as they are told: their values, rates and second derivatives are
-            inputs. None of them is free.
+        free: (6,) which of `FREEDOMS` are free.
+        locked: (6,) values of the locked freedoms (rad, m); 0 at the others.
+        name: Name of the joint in a robot file; it names the freedom where only one moves.
+        speeds: One of `SPEEDS`: "angle_rates", or "angular_velocity" for the components of {omega_hat'_K},
+            Eq. (8), which keep [A] regular in every orientation and need three free angles.
+        sequence: One of `SEQUENCES`, the axes of the three angles: with "3-1-3" theta1 turns about axis 3 of
+            the joint frame, theta2 about axis 1 of the frame after that, theta3 about axis 3 of body K.
+        coordinates: One of `ORIENTATIONS`: "angles", or "quaternion" for four Euler parameters of any common
+            length in place of three free angles. The speeds of a quaternion are "angular_velocity".
+        prescribed: (6,) which of `FREEDOMS` have a motion that is an input: values, rates and second
+            derivatives. None of them is free.
+
+    Raises:
+        ModelError: If a number, a shape, a name or a combination of choices is not usable.
+
+    Example:
+        hinge = kg.Joint(position=(0, 0, 0.4), free=(False, False, True, False, False, False))
     """
 
     position: Vector = (0.0, 0.0, 0.0)
@@ -45,7 +81,7 @@ class Joint:
     locked: tuple[Number, ...] = (0.0,) * 6
     name: str = ""
     speeds: str = SPEEDS[0]
-    sequence: str = sequences.NOTES
+    sequence: str = NOTES
     coordinates: str = ORIENTATIONS[0]
     prescribed: tuple[bool, ...] = (False,) * 6
 
@@ -60,7 +96,7 @@ class Joint:
         validation.store(self, position=position, orientation=orientation, free=free, locked=locked)
         validation.store(self, prescribed=validation.flags(self.prescribed, 6, "prescribed"))
         self._check_prescribed()
-        sequences.check(self.sequence)
+        check_sequence(self.sequence)
         self._check_coordinates()
         self._check_speeds()
 
@@ -71,31 +107,32 @@ class Joint:
                 raise ModelError(f"prescribed: {name!r} is free as well. A freedom is one or the other.")
             if is_prescribed and value != 0:
                 raise ModelError(
-                    f"prescribed: {name!r} is locked at {word(value)!r}. Leave one out: a prescribed freedom "
-                    "gets its values at run time."
+                    f"prescribed: {name!r} is locked at {toml_number(value)!r}. Leave one out: a prescribed "
+                    "freedom gets its values at run time."
                 )
 
     def _check_coordinates(self) -> None:
         if self.coordinates not in ORIENTATIONS:
             hint = did_you_mean(self.coordinates, ORIENTATIONS)
             raise ModelError(f"joint coordinates: {self.coordinates!r} is unknown. {hint}")
-        if self.is_quaternion and not self.turns_freely:
+        if self.coordinates == ORIENTATIONS[0]:
+            return
+        if not self.has_free_orientation:
             raise ModelError(
-                'joint coordinates: "quaternion" needs three free angles, because it reaches every '
+                f'joint coordinates: "{self.coordinates}" needs three free angles, because it reaches every '
                 'orientation. Free theta1, theta2 and theta3, or keep "angles".'
             )
-        if self.is_quaternion and self.sequence != sequences.NOTES:
+        if self.sequence != NOTES:
             raise ModelError(
-                f"joint sequence: a quaternion turns about no sequence of axes, so {self.sequence!r} says "
-                'nothing. Leave it out, or keep the coordinates "angles".'
+                f"joint sequence: a {self.coordinates} turns about no sequence of axes, so {self.sequence!r} "
+                'says nothing. Leave it out, or keep the coordinates "angles".'
             )
-        if self.is_quaternion:
-            validation.store(self, speeds="angular_velocity")
+        validation.store(self, speeds=SPEEDS[1])
 
     def _check_speeds(self) -> None:
         if self.speeds not in SPEEDS:
             raise ModelError(f"joint speeds: {self.speeds!r} is unknown. {did_you_mean(self.speeds, SPEEDS)}")
-        if self.spins and not self.turns_freely:
+        if self.speeds != SPEEDS[0] and not self.has_free_orientation:
             raise ModelError(
                 'joint speeds: "angular_velocity" needs three free angles, because with fewer its components '
                 'depend on each other. Free theta1, theta2 and theta3, or keep "angle_rates".'
@@ -103,42 +140,74 @@ class Joint:
 
     @property
     def moving(self) -> tuple[bool, ...]:
-        """Which of `FREEDOMS` move: those that are free or prescribed."""
+        """(6,) which of `FREEDOMS` move: those that are free or prescribed."""
         return tuple(a or b for a, b in zip(self.free, self.prescribed, strict=True))
 
     @property
-    def turns_freely(self) -> bool:
-        """Whether all three angles are free."""
+    def has_free_orientation(self) -> bool:
+        """Whether all three angles are free, so that the body reaches every orientation."""
         return all(self.free[:3])
 
-    @property
-    def is_quaternion(self) -> bool:
-        """Whether a quaternion stands in {x} in place of the three angles."""
-        return self.coordinates == "quaternion"
+    @cached_property
+    def rotation(self) -> Rotation:
+        """How body K is oriented in the joint frame: rotations about axes, or a quaternion."""
+        return rotation_of(self.coordinates, self.sequence)
+
+    @cached_property
+    def coordinate_kinds(self) -> tuple[int, ...]:
+        """Places in `COORDINATE_KINDS` of all coordinates: of the rotation, then translations; locked too."""
+        return (*self.rotation.coordinates, *TRANSLATIONS)
+
+    @cached_property
+    def free_coordinate_kinds(self) -> tuple[int, ...]:
+        """Places in `COORDINATE_KINDS` of what the joint adds to {x}: of the rotation, then translations."""
+        return tuple(kind for kind in self.coordinate_kinds if kind >= len(FREEDOMS) or self.free[kind])
+
+    @cached_property
+    def speed_kinds(self) -> tuple[int, ...]:
+        """(6,) places in `SPEED_KINDS` of the speeds of the six freedoms, locked ones too."""
+        angular = ANGLES if self.speeds == SPEEDS[0] else ANGULAR_VELOCITY
+        return (*angular, *TRANSLATIONS)
 
     @property
-    def spins(self) -> bool:
-        """Whether the three speeds of the angles are components of the relative angular velocity."""
-        return self.speeds == "angular_velocity"
+    def speeds_are_rates(self) -> bool:
+        """Whether the speeds of the angles are their rates, not components of the angular velocity."""
+        return SPEED_KINDS[self.speed_kinds[0]].is_rate
 
     @property
-    def axes(self) -> sequences.Axes:
-        """Basis vectors about which theta1, theta2, theta3 turn, from 0."""
-        return sequences.SEQUENCES[self.sequence]
+    def axes(self) -> Axes:
+        """Basis vectors, from 0, about which theta1, theta2, theta3 turn."""
+        return SEQUENCES[self.sequence]
 
     @property
-    def ends_alike(self) -> bool:
-        """Whether the last angle turns about the axis of the first, as in 3-1-3."""
-        return self.axes[0] == self.axes[2]
+    def gimbal_lock(self) -> Literal["sin", "cos"] | None:
+        """The function of theta2 that vanishes at gimbal lock; None if the body cannot reach it that way.
 
-    def prescribing(self, index: int) -> Joint:
-        """The same joint where freedom `index` of `FREEDOMS`, free so far, is prescribed."""
+        Gimbal lock is where the axes of three free angles lie in a plane; a quaternion has none.
+        """
+        return self.rotation.gimbal_lock if self.has_free_orientation else None
+
+    @property
+    def mass_matrix_singularity(self) -> Literal["sin", "cos"] | None:
+        """The function of theta2 that vanishes where [A] is singular: gimbal lock, with rates as speeds."""
+        return self.gimbal_lock if self.speeds_are_rates else None
+
+    def with_prescribed(self, index: int) -> Joint:
+        """Return the same joint with freedom `index` of `FREEDOMS`, free so far, prescribed.
+
+        Example:
+            driven = joint.with_prescribed(2)  # theta3 becomes an input
+        """
         free = tuple(flag and i != index for i, flag in enumerate(self.free))
-        told = tuple(flag or i == index for i, flag in enumerate(self.prescribed))
-        return replace(self, free=free, prescribed=told)
+        prescribed = tuple(flag or i == index for i, flag in enumerate(self.prescribed))
+        return replace(self, free=free, prescribed=prescribed)
 
-    def changed(self, change: Callable[[Number], Number]) -> Joint:
-        """The same joint with `change` applied to every number."""
+    def map_numbers(self, change: Callable[[Number], Number]) -> Joint:
+        """Return the same joint with `change` applied to every number.
+
+        Example:
+            plain = joint.map_numbers(value_of)  # parameters at their defaults
+        """
         return replace(
             self,
             position=map_numbers(self.position, change),
@@ -147,7 +216,11 @@ class Joint:
         )
 
     def with_right_angles(self, tolerance: float) -> Joint:
-        """The same joint; constant angles that miss a right one by no more than `tolerance` (rad) are it."""
+        """Return the same joint, with constant angles within `tolerance` (rad) of a right angle made exact.
+
+        Example:
+            exact = joint.with_right_angles(5e-5)  # 1.5708 becomes pi/2
+        """
 
         def exact(value: Number) -> Number:
             return value if isinstance(value, Parameter) else right_angles.angle(value, tolerance)
@@ -161,22 +234,26 @@ class Joint:
         return replace(self, orientation=orientation, locked=(*map(exact, self.locked[:3]), *self.locked[3:]))
 
     def as_table(self) -> dict[str, Any]:
-        """The joint in the words of a model file, defaults left out."""
+        """Return the table `joint` of a model file, defaults left out.
+
+        Example:
+            kg.Joint(free=(False, False, True, False, False, False)).as_table()
+        """
         table: dict[str, Any] = {"name": self.name} if self.name else {}
         if any(self.position):
-            table["position"] = map_numbers(self.position, word)
+            table["position"] = map_numbers(self.position, toml_number)
         if self.orientation != IDENTITY:
             key = "orientation" if isinstance(self.orientation[0], tuple) else "orientation_angles"
-            table[key] = map_numbers(self.orientation, word)
-        if self.sequence != sequences.NOTES:
+            table[key] = map_numbers(self.orientation, toml_number)
+        if self.sequence != NOTES:
             table["sequence"] = self.sequence
-        table["free"] = "all" if all(self.free) else named(self.free) or "none"
+        table["free"] = "all" if all(self.free) else selected_freedoms(self.free) or "none"
         if any(self.prescribed):
-            table["prescribed"] = named(self.prescribed)
+            table["prescribed"] = selected_freedoms(self.prescribed)
         locked = zip(FREEDOMS, self.locked, strict=True)
-        table["locked"] = {name: word(value) for name, value in locked if value}
-        if self.is_quaternion:
+        table["locked"] = {name: toml_number(value) for name, value in locked if value}
+        if self.coordinates != ORIENTATIONS[0]:
             table["coordinates"] = self.coordinates
-        elif self.spins:
+        elif self.speeds != SPEEDS[0]:
             table["speeds"] = self.speeds
         return table

@@ -104,6 +104,6 @@ def value_of(value: Number) -> float:
     return value.value if isinstance(value, Parameter) else value
 
 
-def word(value: Number) -> float | str:
-    """A number in a model file: itself, or its parameter's name."""
+def toml_number(value: Number) -> float | str:
+    """Return a number as a model file holds it: the number itself, or the name of its parameter."""
     return value.name if isinstance(value, Parameter) else value

@@ -1,6 +1,6 @@
-"""What outputs are about where a system names it: the bodies of `body_poses`, directions of `reaction_loads`.
+"""The rows of outputs that a system selects: bodies of `body_poses`, directions of `reaction_loads`.
 
-Names stand in the order in which results hold them; None stands for all that there are.
+Names stand in the order in which results have their rows; None stands for all that there are.
 """
 
 from __future__ import annotations
@@ -11,21 +11,21 @@ from typing import Any
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
 from kanegen.model.body import Body
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import ANGLES, FREEDOMS, TRANSLATIONS
 
 POSES, REACTIONS = "body poses", "reaction loads"
 
 
 def body_number(bodies: Sequence[Body], body: Any, what: str) -> int:
-    """The number of a body, from 1, that is called by its name or that number.
+    """Return the number of a body, from 1.
 
     Args:
-        bodies: Of the system.
-        body: Name or number.
-        what: What it is asked for.
+        bodies: The bodies of the system.
+        body: Name or number of one.
+        what: Name of what refers to the body, for the message.
 
     Raises:
-        ModelError: If there is none.
+        ModelError: If there is no such body.
     """
     names = [one.name for one in bodies]
     if body in names:
@@ -36,14 +36,14 @@ def body_number(bodies: Sequence[Body], body: Any, what: str) -> int:
 
 
 def locked(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
-    """Every locked direction in the order of {y}: angles of all bodies, then translations.
+    """Return every locked direction in the order of Eq. (1): angles of all bodies, then translations.
 
     Returns:
-        By name, `<body>.theta2` or `<body>.s1`, the number of its body, from 1, and its index in `FREEDOMS`.
+        By name, `<body>.theta2` or `<body>.s1`, the number of the body, from 1, and the place in `FREEDOMS`.
     """
     return {
         f"{body.name}.{FREEDOMS[index]}": (k, index)
-        for indices in (range(3), range(3, 6))
+        for indices in (ANGLES, TRANSLATIONS)
         for k, body in enumerate(bodies, start=1)
         for index in indices
         if not body.joint.moving[index]
@@ -51,7 +51,7 @@ def locked(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
 
 
 def poses(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
-    """Names of the bodies that are chosen by name or number.
+    """Return the names of bodies that are chosen by name or number; None for all.
 
     Raises:
         ModelError: If one does not exist or is there twice, or there is none.
@@ -64,7 +64,7 @@ def poses(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
 
 
 def reactions(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
-    """Names of the locked directions that are chosen.
+    """Return the names of the locked directions that are chosen; None for all.
 
     Raises:
         ModelError: If one is free, does not exist or is there twice, or there is none.
@@ -74,13 +74,13 @@ def reactions(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
     known, names = locked(bodies), _listed(chosen, REACTIONS)
     for name in names:
         if not isinstance(name, str) or name not in known:
-            raise ModelError(f"{REACTIONS}: {_refusal(bodies, name, known)}")
+            raise ModelError(f"{REACTIONS}: {_reason(bodies, name, known)}")
     _require_once(names, REACTIONS)
     return names
 
 
-def _refusal(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
-    """Why a name is no locked direction, and what to do."""
+def _reason(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
+    """Return why a name is no locked direction, and what to do."""
     for body in bodies:
         for index, freedom in enumerate(FREEDOMS):
             if name == f"{body.name}.{freedom}":
@@ -101,6 +101,7 @@ def _require_once(names: Sequence[str], what: str) -> None:
 
 
 def _listed(chosen: Any, what: str) -> tuple[Any, ...]:
+    """Return one or several chosen items as a tuple."""
     items = tuple(chosen) if isinstance(chosen, Iterable) and not isinstance(chosen, str) else (chosen,)
     if not items:
         raise ModelError(f"{what}: none is chosen. Name one, or leave the choice out for all.")

@@ -1,41 +1,39 @@
-"""The class of systems: how one is made, checked, handed out and saved."""
+"""The class of systems: how one is made, varied, handed out as arrays and saved."""
 
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
-import numpy as np
-
+from kanegen.choices import did_you_mean, require_one
 from kanegen.errors import ModelError, WriteError
 from kanegen.files import write_whole
-from kanegen.model import arrays, validation
-from kanegen.model import selection as reported
-from kanegen.model.body import Body
-from kanegen.model.changing import Changing
-from kanegen.model.description import GRAVITY
+from kanegen.model import selection, validation
+from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
+from kanegen.model.body import Body, Point
+from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
+from kanegen.model.description import GRAVITY, Description
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.elements import KINDS
 from kanegen.model.force_elements.expression import TIME
-from kanegen.model.force_elements.names import resolved, variable_places
-from kanegen.model.freedoms import ORIENTATIONS, SPEEDS
-from kanegen.model.joint import IDENTITY, Joint
+from kanegen.model.force_elements.names import resolved
+from kanegen.model.joint import Joint
 from kanegen.model.names import check_identifier
-from kanegen.model.numbers import map_numbers, numbers, value_of, word
-from kanegen.model.sequences import NOTES
-from kanegen.model.toml_text import toml_text
+from kanegen.model.numbers import Number, Parameter, map_numbers, numbers
+from kanegen.model.right_angles import checked
+from kanegen.model.saving import system_table, toml_text
 
 
 @dataclass(frozen=True)
-class System(Changing):
-    """A tree of rigid bodies, its gravity, what else acts on it, its name, and what outputs are about.
+class System(Description):
+    """A tree of rigid bodies with gravity, force elements, and the selection of what outputs contain.
 
     Attributes:
         name: A C identifier; prefix of everything in the generated code.
-        bodies: Lower bodies first.
-        gravity: Inertial components (m/s^2).
+        bodies: The bodies, lower bodies first.
+        gravity: (3,) acceleration of gravity, inertial components (m/s^2).
         force_elements: Springs, dampers, drives, loads on points, potentials.
         poses: Names of the bodies that `body_poses` gives, in the order of its rows; None for all.
         reactions: Names of the locked directions that `reaction_loads` gives, `<body>.theta2` or `<body>.s1`,
@@ -43,6 +41,10 @@ class System(Changing):
 
     Raises:
         ModelError: If the tree, a number or a name is not usable.
+
+    Example:
+        body = kg.Body("bob", 0, 1.0, ((0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)), (0, 0, -0.5))
+        system = kg.System("pendulum", (body,))
     """
 
     def __post_init__(self) -> None:
@@ -52,8 +54,8 @@ class System(Changing):
         validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
-        validation.store(self, poses=reported.poses(self.bodies, self.poses))
-        validation.store(self, reactions=reported.reactions(self.bodies, self.reactions))
+        validation.store(self, poses=selection.poses(self.bodies, self.poses))
+        validation.store(self, reactions=selection.reactions(self.bodies, self.reactions))
         if not self.freedoms:
             what = "locked or prescribed" if self.prescribed else "locked"
             raise ModelError(f"system {self.name!r} has no free freedom: every joint is {what}.")
@@ -85,111 +87,265 @@ class System(Changing):
         coordinates: Any = ORIENTATIONS[0],
         prescribed: Any = None,
     ) -> Self:
-        """A system from one array a quantity; body K is row K - 1 and is called `bodyK`.
+        """Return a system from one array for each quantity; body K is row K - 1 and is called `bodyK`.
 
         Any number may be a `Parameter`, which stays open until run time.
 
         Args:
-            connection: (N,) lower body of each body, 0 for the ground.
-            mass: (N,) kg.
-            inertia: (N, 3, 3) about the mass centre, in body components, kg m^2.
-            mass_center: (N, 3) from O_K to G_K, in body components, m.
-            joint_position: (N, 3) from O_J to Q_K, in lower body components, m.
-            joint_orientation: (N, 3, 3) rotations, lower body to joint frame; default identity.
-            free: (N, 6) bool, columns as `FREEDOMS`; default all but those that are prescribed.
-            locked: (N, 6) values of the locked freedoms, rad and m; default 0.
-            gravity: (3,) inertial components, m/s^2.
-            loads: None, True or (N,) bool: bodies that take force and torque inputs.
+            connection: (N,) number of the lower body of each body, 0 for the ground.
+            mass: (N,) masses (kg).
+            inertia: (N, 3, 3) inertias about the mass centre, in body components (kg m^2).
+            mass_center: (N, 3) positions of G_K from O_K, in body components (m).
+            joint_position: (N, 3) positions of Q_K from O_J, in components of the lower body (m).
+            joint_orientation: (N, 3, 3) rotations from lower body to joint frame; default identity.
+            free: (N, 6) flags, columns as `FREEDOMS`; default all but those that are prescribed.
+            locked: (N, 6) values of the locked freedoms (rad, m); default 0.
+            gravity: (3,) inertial components (m/s^2).
+            loads: None, True or (N,) flags: bodies that take force and torque inputs.
             name: A C identifier; prefix of everything in the generated code.
-            sequence: One name or (N,) names of `sequences.SEQUENCES`: about which axes the angles turn.
-            speeds: One name or (N,) names of `body.SPEEDS`: what the speeds of the angles are.
-            coordinates: One name or (N,) names of `body.ORIENTATIONS`: what stands for the orientation.
-            prescribed: (N, 6) bool: freedoms whose motion is an input; default none.
+            sequence: One name or (N,) names of `coordinates.SEQUENCES`: axes of the three angles.
+            speeds: One name or (N,) names of `coordinates.SPEEDS`: the generalized speeds of the angles.
+            coordinates: One name or (N,) names of `coordinates.ORIENTATIONS`: coordinates of orientations.
+            prescribed: (N, 6) flags: freedoms whose motion is an input; default none.
 
         Raises:
             ModelError: If a shape, a number, the tree or the name is not usable.
+
+        Example:
+            pendulum = kg.System.from_arrays([0], [1.0], [np.eye(3)], [[0, 0, -0.5]], [[0, 0, 0]])
         """
-        lower = validation.connection(arrays.integers(connection, "connection"))
-        count = len(lower)
-        rows = arrays.Rows(count)
-        masses = numbers(mass, (count,), "mass")
-        inertias = numbers(inertia, (count, 3, 3), "inertia")
-        centers = numbers(mass_center, (count, 3), "mass_center")
-        positions = numbers(joint_position, (count, 3), "joint_position")
-        orientations = rows.numbers(joint_orientation, (3, 3), IDENTITY, "joint_orientation")
-        told = rows.flags(prescribed, 6, False, "prescribed")
-        rest = tuple(tuple(not flag for flag in row) for row in told)
-        frees = rest if free is None else rows.flags(free, 6, True, "free")
-        lockeds = rows.numbers(locked, (6,), (0.0,) * 6, "locked")
-        loaded = rows.loads(loads)
-        kinds = rows.names(speeds, "speeds")
-        order = rows.names(sequence, "sequence")
-        held = rows.names(coordinates, "coordinates")
-        bodies = []
-        for k in range(count):
-            try:
-                turning = {"sequence": order[k], "speeds": kinds[k], "coordinates": held[k]}
-                joint = Joint(
-                    positions[k], orientations[k], frees[k], lockeds[k], **turning, prescribed=told[k]
-                )
-            except ModelError as error:
-                raise ModelError(f"body {k + 1}: {error}") from None
-            label = f"body{k + 1}"
-            bodies.append(Body(label, lower[k], masses[k], inertias[k], centers[k], joint, loaded[k]))
-        return cls(name=name, bodies=tuple(bodies), gravity=gravity)
-
-    def values(self) -> arrays.SystemArrays:
-        """Every number of the model as NumPy arrays, parameters at their defaults."""
-        joints = [body.joint for body in self.bodies]
-        return arrays.system_arrays(
-            connection=self.connection,
-            mass=map_numbers(tuple(body.mass for body in self.bodies), value_of),
-            inertia=map_numbers(tuple(body.inertia for body in self.bodies), value_of),
-            mass_center=map_numbers(tuple(body.mass_center for body in self.bodies), value_of),
-            joint_position=map_numbers(tuple(joint.position for joint in joints), value_of),
-            joint_orientation=tuple(map_numbers(joint.orientation, value_of) for joint in joints),
-            free=tuple(joint.free for joint in joints),
-            locked=map_numbers(tuple(joint.locked for joint in joints), value_of),
-            gravity=map_numbers(self.gravity, value_of),
-            loads=tuple(body.loads for body in self.bodies),
-            sequence=tuple(joint.sequence for joint in joints),
-            speeds=tuple(joint.speeds for joint in joints),
-            coordinates=tuple(joint.coordinates for joint in joints),
-            prescribed=tuple(joint.prescribed for joint in joints),
-            forces=self._forces(),
+        bodies = bodies_from_arrays(
+            connection=connection,
+            mass=mass,
+            inertia=inertia,
+            mass_center=mass_center,
+            joint_position=joint_position,
+            joint_orientation=joint_orientation,
+            free=free,
+            locked=locked,
+            loads=loads,
+            sequence=sequence,
+            speeds=speeds,
+            coordinates=coordinates,
+            prescribed=prescribed,
         )
+        return cls(name=name, bodies=bodies, gravity=gravity)
 
-    def _forces(self) -> arrays.ForceArrays:
-        places = {p.name: (k, np.array(map_numbers(p.position, value_of))) for k, p in self.points}
-        return arrays.ForceArrays(
-            elements=tuple(element.changed(value_of) for element in self.force_elements),
-            variables=variable_places(self.bodies),
-            points=places,
-            loaded=np.array([point.loads for _, point in self.points], dtype=np.bool_),
-        )
+    def values(self) -> SystemArrays:
+        """Return every number of the model as NumPy arrays, parameters at their defaults.
+
+        Example:
+            system.values().mass  # (N,)
+        """
+        return system_arrays(self)
 
     def as_table(self) -> dict[str, Any]:
-        """The model in the words of a model file: what `save` writes."""
-        table: dict[str, Any] = {"name": self.name, "gravity": map_numbers(self.gravity, word)}
-        if self.parameters:
-            table["parameters"] = {parameter.name: parameter.value for parameter in self.parameters}
-        outputs = {"body_poses": self.poses, "reaction_loads": self.reactions}
-        if chosen := {output: names for output, names in outputs.items() if names}:
-            table["outputs"] = chosen
-        # In a file, "ground" always means the ground; a body of this name is called by its number.
-        names = ["ground", *(body.name for body in self.bodies)]
-        words = [k if k > 0 and name == "ground" else name for k, name in enumerate(names)]
-        table["body"] = [body.as_table(words[body.lower]) for body in self.bodies]
-        elements = {kind: [e.as_table() for e in self.force_elements if type(e) is kind] for kind in KINDS}
-        return table | {kind.KEY: tables for kind, tables in elements.items() if tables}
+        """Return the model as nested tables: the keys and values that `save` writes.
+
+        Example:
+            system.as_table()["body"][0]["mass"]
+        """
+        return system_table(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a TOML model file; loading it gives an equal system.
 
         Raises:
             WriteError: If `path` does not end in .toml or cannot be written.
+
+        Example:
+            kg.load("robot.urdf").save("robot.toml")
         """
         file = Path(path)
         if file.suffix.lower() != ".toml":
             raise WriteError(f"{file}: a model file ends in .toml.")
         write_whole(file, toml_text(self.as_table()))
+
+    def with_points(self, points: Mapping[str, tuple[str | int, Any]]) -> Self:
+        """Return the same system with further points.
+
+        Args:
+            points: By name of the point its body, name or number from 1, and its (3,) position from the
+                origin of the body, in body components (m).
+
+        Raises:
+            ModelError: If there is no such body, a name is taken or unusable, or a position is not three
+                numbers.
+
+        Example:
+            system.with_points({"tip": ("hand", (0, 0, 0.1))})
+        """
+        bodies = list(self.bodies)
+        for name, (body, position) in points.items():
+            k = selection.body_number(bodies, body, f"point {name!r}") - 1
+            bodies[k] = replace(bodies[k], points=(*bodies[k].points, Point(name, position)))
+        return replace(self, bodies=tuple(bodies))
+
+    def with_force_elements(self, *elements: ForceElement) -> Self:
+        """Return the same system with further force elements.
+
+        Raises:
+            ModelError: If a name in an element is unknown, or an element makes no sense where it acts.
+
+        Example:
+            system.with_force_elements(kg.JointSpring("elbow.theta3", stiffness=40.0))
+        """
+        return replace(self, force_elements=(*self.force_elements, *elements))
+
+    def with_poses(self, bodies: Iterable[str | int] | None) -> Self:
+        """Return the same system with another selection of bodies in `body_poses`.
+
+        Args:
+            bodies: Names, or numbers from 1, in the order of the rows; None for all.
+
+        Raises:
+            ModelError: If one does not exist or is there twice, or there is none.
+
+        Example:
+            system.with_poses(["hand"])
+        """
+        return replace(self, poses=selection.poses(self.bodies, bodies))
+
+    def with_reactions(self, directions: Iterable[str] | None) -> Self:
+        """Return the same system with another selection of directions in `reaction_loads`.
+
+        Args:
+            directions: Names of locked freedoms such as `<body>.theta2`, in the order of the loads; None for
+                all.
+
+        Raises:
+            ModelError: If one is free, does not exist or is there twice, or there is none.
+
+        Example:
+            system.with_reactions(["arm.s3"])
+        """
+        return replace(self, reactions=selection.reactions(self.bodies, directions))
+
+    def with_prescribed(self, names: Iterable[str] | str) -> Self:
+        """Return the same system with the motion of some freedoms as an input; they leave {x}, {y}, [A], {f}.
+
+        Args:
+            names: Names of free freedoms, one or several: `freedom_names`, or `<body>.theta1` to `<body>.s3`.
+
+        Raises:
+            ModelError: If there is no such freedom, it is locked, or its joint needs it free.
+
+        Example:
+            system.with_prescribed("trolley.s1")
+        """
+        every = {self._freedom_name(freedom): freedom for freedom in self._ordered(lambda joint: (True,) * 6)}
+        bodies = list(self.bodies)
+        for name in (names,) if isinstance(names, str) else names:
+            if name not in every:
+                free = [known for known, freedom in every.items() if freedom in self.places]
+                raise ModelError(f"prescribed: there is no freedom {name!r}. {did_you_mean(name, free)}")
+            k, index = every[name].body - 1, every[name].index
+            if not bodies[k].joint.moving[index]:
+                raise ModelError(f"prescribed: {name!r} is locked; free it, then prescribe it.")
+            try:
+                bodies[k] = replace(bodies[k], joint=bodies[k].joint.with_prescribed(index))
+            except ModelError as error:
+                raise ModelError(f"prescribed: {name!r}: {error}") from None
+        return replace(self, bodies=tuple(bodies))
+
+    def with_speeds(self, speeds: str) -> Self:
+        """Return the same system with other generalized speeds at every joint that has three free angles.
+
+        Args:
+            speeds: One of `coordinates.SPEEDS`: "angle_rates", or "angular_velocity" for the components of
+                {omega_hat'_K}, Eq. (8), with which [A] is regular everywhere. Joints with fewer free angles
+                and joints with a quaternion stay as they are.
+
+        Raises:
+            OptionError: If there are no such speeds.
+
+        Example:
+            system.with_speeds("angular_velocity")
+        """
+        require_one("speeds", speeds, SPEEDS)
+        return self._with_free_orientations(lambda joint: replace(joint, speeds=speeds))
+
+    def with_coordinates(self, coordinates: str) -> Self:
+        """Return the same system with other coordinates at every joint that has three free angles.
+
+        Args:
+            coordinates: One of `coordinates.ORIENTATIONS`: "angles", in the sequence 1-2-3 where there were
+                none, or "quaternion", with which neither [A] nor {xdot} is singular in any orientation.
+                Other joints stay as they are. The speeds of a joint that had a quaternion stay its angular
+                velocity.
+
+        Raises:
+            OptionError: If there are no such coordinates.
+
+        Example:
+            system.with_coordinates("quaternion")
+        """
+        require_one("coordinates", coordinates, ORIENTATIONS)
+
+        def change(joint: Joint) -> Joint:
+            sequence = joint.sequence if coordinates == ORIENTATIONS[0] else NOTES
+            return replace(joint, coordinates=coordinates, sequence=sequence)
+
+        return self._with_free_orientations(change)
+
+    def with_right_angles(self, tolerance: float) -> Self:
+        """Return the same system with exact right angles where constant orientations nearly are right angles.
+
+        Args:
+            tolerance: Largest distance (rad) of an orientation or a locked angle from a right angle that
+                counts as rounding; 0 changes nothing. Parameters stay as they are.
+
+        Raises:
+            OptionError: If it makes no sense, see `right_angles.checked`.
+
+        Example:
+            kg.load("robot.urdf").with_right_angles(5e-5)
+        """
+        limit = checked(tolerance)
+
+        def exact(body: Body) -> Body:
+            joint = body.joint.with_right_angles(limit)
+            return body if joint == body.joint else replace(body, joint=joint)
+
+        return replace(self, bodies=tuple(map(exact, self.bodies)))
+
+    def _with_free_orientations(self, change: Callable[[Joint], Joint]) -> Self:
+        """Return the same system with `change` applied to every joint that has three free angles."""
+        bodies = (
+            replace(body, joint=change(body.joint)) if body.joint.has_free_orientation else body
+            for body in self.bodies
+        )
+        return replace(self, bodies=tuple(bodies))
+
+    def with_parameters(self, values: Mapping[str, float]) -> Self:
+        """Return the same system with other default values of its parameters.
+
+        Raises:
+            ModelError: If a name is unknown or a value makes the model unusable.
+
+        Example:
+            system.with_parameters({"payload": 2.5})
+        """
+        known = [parameter.name for parameter in self.parameters]
+        for name in values:
+            if name not in known:
+                raise ModelError(f"unknown parameter {name!r}. {did_you_mean(name, known)}")
+
+        def change(value: Number) -> Number:
+            if isinstance(value, Parameter) and value.name in values:
+                return Parameter(value.name, values[value.name])
+            return value
+
+        return self.map_numbers(change)
+
+    def map_numbers(self, change: Callable[[Number], Number]) -> Self:
+        """Return the same system with `change` applied to every number.
+
+        Example:
+            fixed = system.map_numbers(value_of)  # parameters become numbers
+        """
+        bodies = tuple(body.map_numbers(change) for body in self.bodies)
+        elements = tuple(element.map_numbers(change) for element in self.force_elements)
+        return replace(
+            self, bodies=bodies, gravity=map_numbers(self.gravity, change), force_elements=elements
+        )

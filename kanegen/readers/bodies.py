@@ -7,9 +7,8 @@ from typing import Any
 
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
-from kanegen.model.body import Body
+from kanegen.model.body import Body, Point
 from kanegen.model.numbers import numbers
-from kanegen.model.point import Point
 from kanegen.readers.joints import read_joint
 from kanegen.readers.keys import ORIGIN, Table, check_keys
 from kanegen.readers.parameters import Parameters

@@ -47,7 +47,7 @@ def _element(kind: type[ForceElement], table: Table, parameters: Parameters) -> 
     for name, value in table.items():
         if name in NAMES:
             values[name] = _end(value, parameters) if name == "between" else value
-        elif name in kind.WRITTEN:
+        elif name in kind.EXPRESSION_FIELDS:
             values[name] = _written(value, parameters)
         else:
             values[name] = parameters.resolve(value, name)

@@ -8,11 +8,10 @@ from typing import Any
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
 from kanegen.model import validation
-from kanegen.model.freedoms import FREEDOMS, ORIENTATIONS, SPEEDS, named
+from kanegen.model.coordinates import FREEDOMS, NOTES, ORIENTATIONS, SPEEDS, selected_freedoms
 from kanegen.model.joint import IDENTITY, Joint
 from kanegen.model.numbers import Parameter, numbers
 from kanegen.model.right_angles import angle
-from kanegen.model.sequences import NOTES
 from kanegen.readers.keys import ORIGIN, Table, check_keys
 from kanegen.readers.parameters import Parameters
 
@@ -45,7 +44,7 @@ def read_joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
         raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
     check_keys(table, KEYS, what="joint: ")
     prescribed = _flags("prescribed", table.get("prescribed", []))
-    rest = named(not flag for flag in prescribed)
+    rest = selected_freedoms(not flag for flag in prescribed)
     free = _flags("free", table.get("free", list(rest)))
     return Joint(
         position=parameters.resolve(table.get("position", ORIGIN), "joint position"),
@@ -88,7 +87,7 @@ def _locked(table: Any, moving: Mapping[str, tuple[bool, ...]], parameters: Para
         raise ModelError("locked: write a table such as {theta1 = 0.5}.")
     check_keys(table, FREEDOMS, what="locked: ")
     for key, flags in moving.items():
-        for name in named(flags):
+        for name in selected_freedoms(flags):
             if name in table:
                 raise ModelError(f"locked: {name!r} is {key}. Delete it here, or leave it out of {key}.")
     return tuple(parameters.resolve(table.get(name, 0), f"locked {name}") for name in FREEDOMS)

@@ -8,15 +8,15 @@ from sympy import Expr, S
 
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.joint_motion import JointMotion
-from kanegen.recursion.rates import angle_rates, quaternion_rates
+from kanegen.recursion.rates import angle_rates, rotation_rates
 from kanegen.recursion.tree import Tree
-from kanegen.symbolic.symbols import speed
+from kanegen.symbolic.symbols import coordinate_rate
 
 
 def coordinate_rates(tree: Tree) -> Derived:
     """The entries of {xdot}; what must be positive for the rates of three angles to exist."""
     system = tree.system
-    rates: list[Expr] = [speed(coordinate.body, coordinate.index) for coordinate in system.coordinates]
+    rates: list[Expr] = [coordinate_rate(one.body, one.index) for one in system.coordinates]
     positive: dict[int, Expr] = {}
     for motion in tree.motions:
         if motion.spins:
@@ -27,7 +27,9 @@ def coordinate_rates(tree: Tree) -> Derived:
                 if coordinate.body == motion.body and not coordinate.is_translation
             ]
             names = [f"xdot_{place}" for place in places]
-            found = _angles(motion, tree, names, positive) if motion.behind else _four(motion, tree, names)
+            found = (
+                _angles(motion, tree, names, positive) if motion.behind else _as_a_whole(motion, tree, names)
+            )
             for place, rate in zip(places, found, strict=True):
                 rates[place] = rate
     if not positive:
@@ -47,7 +49,8 @@ def _angles(
     return found.rates(motion.spinning, (one, two, three))
 
 
-def _four(motion: JointMotion, tree: Tree, names: Sequence[str]) -> Sequence[Expr]:
-    """Of a quaternion."""
-    rates = quaternion_rates(motion.body, motion.spinning)
+def _as_a_whole(motion: JointMotion, tree: Tree, names: Sequence[str]) -> Sequence[Expr]:
+    """Return the rates of the coordinates of a rotation that is not made of turns about axes."""
+    rotation = tree.system.bodies[motion.body - 1].joint.rotation
+    rates = rotation_rates(motion.body, rotation, motion.spinning)
     return [tree.definitions.define(name, rate) for name, rate in zip(names, rates, strict=True)]

@@ -31,7 +31,7 @@ accurate there."""
 def worth_trying(system: System) -> bool:
     """Whether a factorisation may be the cheaper way, and loses no accuracy."""
     cost = sum(len(carrying) ** 2 for carrying in carriers(system).values())
-    angles = max(0 if body.joint.spins else sum(body.joint.free[:3]) for body in system.bodies)
+    angles = max(sum(body.joint.free[:3]) if body.joint.speeds_are_rates else 0 for body in system.bodies)
     return angles <= MOST_ANGLES and cost <= ARTICULATED_COST * len(system.freedoms)
 
 

@@ -8,23 +8,16 @@ import sympy
 from sympy import Expr
 
 from kanegen.model.body import Body
-from kanegen.model.coordinates import Freedom
+from kanegen.model.coordinates import ANGLES, Freedom, Rotation
 from kanegen.model.numbers import Number, Parameter
 from kanegen.model.system import System
 from kanegen.recursion.constants import constant_rotation, constant_sine_cosine
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Slide, Spin, Step, down
-from kanegen.recursion.orientations import by_quaternion, constant_turns, planar, whole
+from kanegen.recursion.orientations import constant_turns, planar, rotated_as_a_whole, whole
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import (
-    acceleration,
-    coordinate,
-    quaternion,
-    relative_angular_velocity,
-    relative_angular_velocity_rate,
-    speed,
-)
+from kanegen.symbolic.symbols import acceleration, coordinate, speed
 
 
 def exact(value: Number) -> Expr:
@@ -55,23 +48,17 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     slides = tuple(slide for slide in sliding if slide.freedom != NO_FREEDOM)
     drives = tuple(slide for slide in sliding if slide.freedom == NO_FREEDOM)
     fixed = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
-    angles: list[Step] = []
-    if not body.joint.is_quaternion:
-        angles = [_angle_step(system, Freedom(k, index), definitions) for index in range(3)]
+    about_axes = [index for index in body.joint.rotation.coordinates if index in ANGLES]
+    angles = [_angle_step(system, Freedom(k, index), definitions) for index in about_axes]
     offset = subtract(arm, below)
     turning = _changing(fixed), _changing(angles)
     motion = JointMotion(k, body.lower, arm, directions, offset, ZERO, slides, *turning, drives=drives)
-    if body.joint.spins:
+    if not body.joint.speeds_are_rates:
+        kinds = body.joint.speed_kinds
         spins = [
-            Spin(
-                number[Freedom(k, i)],
-                i,
-                relative_angular_velocity(k, i),
-                relative_angular_velocity_rate(k, i),
-            )
-            for i in range(3)
+            Spin(number[Freedom(k, i)], i, speed(k, kinds[i]), acceleration(k, kinds[i])) for i in ANGLES
         ]
-        motion = _spinning(replace(motion, spins=tuple(spins)), definitions)
+        motion = _spinning(replace(motion, spins=tuple(spins)), body.joint.rotation, definitions)
     return _with_origin(motion, body, definitions)
 
 
@@ -87,10 +74,10 @@ def _numbers(system: System, freedom: Freedom) -> tuple[int, int]:
     return place, len(system.places) + system.prescribed.index(freedom) if place == NO_FREEDOM else place
 
 
-def _spinning(motion: JointMotion, definitions: Definitions) -> JointMotion:
+def _spinning(motion: JointMotion, rotation: Rotation, definitions: Definitions) -> JointMotion:
     """A joint whose angles have no rates of their own turns as a whole, with [C_K] if a body is below."""
     k = motion.body
-    parts = [step.turn for step in motion.angles] or [by_quaternion(k, quaternion(k), definitions)]
+    parts = [step.turn for step in motion.angles] or [rotated_as_a_whole(k, rotation, definitions)]
     turned = Step(whole(f"R_{k}", parts, definitions), f"{k}a")
     motion = replace(motion, angles=(turned,), behind=motion.angles)
     if not motion.constant or not motion.lower:

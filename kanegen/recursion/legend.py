@@ -1,5 +1,6 @@
 """What the names of definitions mean, for those who read them in the generated code."""
 
+from kanegen.model.coordinates import QuaternionRotation
 from kanegen.model.system import System
 
 LEGEND = (
@@ -64,7 +65,11 @@ FORCES = (
 
 def legend(system: System) -> tuple[tuple[str, str], ...]:
     """Names in the code for `system`, and meanings."""
-    quaternions = QUATERNIONS if any(body.joint.is_quaternion for body in system.bodies) else ()
+    quaternions = (
+        QUATERNIONS
+        if any(isinstance(body.joint.rotation, QuaternionRotation) for body in system.bodies)
+        else ()
+    )
     spins = () if system.speeds_are_rates else SPINS
     is_acted_on = system.force_elements or any(point.loads for _, point in system.points)
     return (*quaternions, *spins, *LEGEND, *(FORCES if is_acted_on else ()))

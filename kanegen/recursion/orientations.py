@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 from sympy import Expr, S
 
+from kanegen.model.coordinates import QuaternionRotation, Rotation
 from kanegen.recursion.turns import MatrixTurn, PlanarTurn, Turn, WholeTurn
 from kanegen.recursion.vectors import unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
+from kanegen.symbolic.symbols import rotation_coordinates
 
 
 def planar(axis: int, sine: Expr, cosine: Expr) -> Turn:
@@ -23,7 +25,19 @@ def planar(axis: int, sine: Expr, cosine: Expr) -> Turn:
     return MatrixTurn((Vector(*rows[0]), Vector(*rows[1]), Vector(*rows[2])))
 
 
-def by_quaternion(body: int, elements: Sequence[Expr], definitions: Definitions) -> MatrixTurn:
+def rotated_as_a_whole(body: int, rotation: Rotation, definitions: Definitions) -> MatrixTurn:
+    """Return the turn by a rotation that is not made of turns about axes, from the joint frame to body K.
+
+    Raises:
+        TypeError: If the rotation is made of turns about axes.
+    """
+    match rotation:
+        case QuaternionRotation():
+            return _by_quaternion(body, rotation_coordinates(body, rotation), definitions)
+    raise TypeError(rotation)
+
+
+def _by_quaternion(body: int, elements: Sequence[Expr], definitions: Definitions) -> MatrixTurn:
     """The turn by a quaternion of any length but 0, from the frame that it turns to the turned one.
 
     Twice the products of its elements, over their squared length, make up the matrix.

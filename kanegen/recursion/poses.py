@@ -52,7 +52,7 @@ def body_poses(tree: Tree) -> Derived:
     """For every body that the system reports the rows of [R_K], then {p_O_K}, inertial components."""
     entries: list[Expr] = []
     seen = poses(tree)
-    for pose in (seen[k] for k in tree.system.posed):
+    for pose in (seen[k] for k in tree.system.pose_numbers):
         entries += [direction[row] for row in range(3) for direction in pose.columns]
         entries += pose.origin
     return Derived(entries)

@@ -8,14 +8,16 @@ rates exist. For 1-2-3 it is the middle cosine, for a sequence that begins and e
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sympy import Expr, Rational
 
+from kanegen.model.coordinates import QuaternionRotation, Rotation
 from kanegen.recursion.joint_motion import JointMotion, Step
 from kanegen.recursion.vectors import add, cross, dot, scale, unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import quaternion
+from kanegen.symbolic.symbols import rotation_coordinates
 
 
 @dataclass(frozen=True)
@@ -84,14 +86,26 @@ class AngleRates:
         return self.definitions.define(f"Ci_{self.second.frame}", 1 / self.across)
 
 
-def quaternion_rates(body: int, omega: Vector) -> tuple[Expr, ...]:
-    """The rates of the four in place of a body's angles, which keep their length.
+def rotation_rates(body: int, rotation: Rotation, omega: Vector) -> tuple[Expr, ...]:
+    """Return the rates of the coordinates of a rotation that is not made of turns about axes.
 
     Args:
-        body: K.
+        body: Number of body K.
+        rotation: Its rotation in the joint frame.
         omega: Relative angular velocity, in K (rad/s).
+
+    Raises:
+        TypeError: If the rotation is made of turns about axes.
     """
-    scalar, *elements = quaternion(body)
+    match rotation:
+        case QuaternionRotation():
+            return _quaternion_rates(rotation_coordinates(body, rotation), omega)
+    raise TypeError(rotation)
+
+
+def _quaternion_rates(quaternion: Sequence[Expr], omega: Vector) -> tuple[Expr, ...]:
+    """Return the rates of a quaternion, which keep its length, from the angular velocity in K (rad/s)."""
+    scalar, *elements = quaternion
     vector, half = Vector(*elements), scale(Rational(1, 2), omega)
     return (-dot(vector, half), *add(scale(scalar, half), cross(vector, half)))
 

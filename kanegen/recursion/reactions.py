@@ -34,7 +34,7 @@ def reaction_loads(tree: Tree) -> Derived:
         found |= {(k, angle): load for angle, load in _moments(passage, joint, tree.definitions)}
         found |= {(k, 3 + axis): load for axis, load in _forces(passage, joint, tree.definitions)}
     acting = efforts(tree)
-    places = [(freedom.body, freedom.index) for freedom in tree.system.reacting]
+    places = [(freedom.body, freedom.index) for freedom in tree.system.reaction_freedoms]
     return Derived([found[place] - acting.get(place, S.Zero) for place in places])
 
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.errors import ArrayError
+from kanegen.model.arguments import LoadInputs
 from kanegen.model.arrays import SystemArrays
-from kanegen.model.load_arguments import GivenLoads
 from kanegen.model.system import System
 from kanegen.reference.freedoms import UNPRESCRIBED, coordinate_count, free_columns
 from kanegen.reference.matrices import Numbers
@@ -62,7 +62,7 @@ def arguments(
     force: ArrayLike | None,
     torque: ArrayLike | None,
     prescribed: ArrayLike | None,
-    **given: Unpack[GivenLoads],
+    **given: Unpack[LoadInputs],
 ) -> Arguments:
     """All of them; see `reference.forcing`.
 
@@ -122,7 +122,7 @@ def motion(system: SystemArrays, value: ArrayLike | None, x: Numbers) -> Numbers
     return array
 
 
-def acting(system: SystemArrays, x: Numbers, **given: Unpack[GivenLoads]) -> Acting:
+def acting(system: SystemArrays, x: Numbers, **given: Unpack[LoadInputs]) -> Acting:
     """What acts on points in the states `x`, and the time; nothing, and 0, where they are not given."""
     none = np.zeros((len(system.forces.points), 3))
     force, moment, t = given.get("point_force"), given.get("point_moment"), given.get("t")

@@ -14,8 +14,8 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kanegen.model.arguments import LoadInputs
 from kanegen.model.arrays import SystemArrays
-from kanegen.model.load_arguments import GivenLoads
 from kanegen.model.system import System
 from kanegen.reference.arguments import Arguments, arguments, arrays_of, coordinates, motion, speeds
 from kanegen.reference.force_elements import contributions
@@ -87,7 +87,7 @@ def forcing(
     force: ArrayLike | None = None,
     torque: ArrayLike | None = None,
     prescribed: ArrayLike | None = None,
-    **given: Unpack[GivenLoads],
+    **given: Unpack[LoadInputs],
 ) -> Numbers:
     """{f} of Eq. (44).
 
@@ -118,7 +118,7 @@ def prescribed_efforts(
     prescribed: ArrayLike,
     force: ArrayLike | None = None,
     torque: ArrayLike | None = None,
-    **given: Unpack[GivenLoads],
+    **given: Unpack[LoadInputs],
 ) -> Numbers:
     """(p,) or (B, p) generalized forces that act at the prescribed freedoms, beside loads and gravity.
 
@@ -137,7 +137,7 @@ def forcing_terms(
     force: ArrayLike | None = None,
     torque: ArrayLike | None = None,
     prescribed: ArrayLike | None = None,
-    **given: Unpack[GivenLoads],
+    **given: Unpack[LoadInputs],
 ) -> ForcingTerms:
     """The separate sums of Eq. (44); arguments as `forcing`."""
     system = arrays_of(system)

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.model.arrays import SystemArrays
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.force_elements.elements import Drive, End, JointSpring, PointLoad, Potential, Spring
 from kanegen.model.force_elements.expression import TIME, Expression
-from kanegen.model.freedoms import FREEDOMS
 from kanegen.model.numbers import Number, value_of
 from kanegen.reference import expressions
 from kanegen.reference.arguments import Acting

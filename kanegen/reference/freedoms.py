@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kanegen.model.arrays import SystemArrays
+from kanegen.model.coordinates import ANGLES
 from kanegen.reference.matrices import Numbers
 
 UNPRESCRIBED = np.zeros((3, 0))
@@ -34,7 +35,8 @@ def column(system: SystemArrays, k: int, index: int) -> int:
 
 def coordinate_count(system: SystemArrays) -> int:
     """m, the elements of {x}: of a quaternion four, where there are three freedoms."""
-    return int(free_columns(system).sum()) + system.coordinates.count("quaternion")
+    extra = sum(len(rotation.coordinates) - 3 for rotation in system.rotations)
+    return int(free_columns(system).sum()) + extra
 
 
 def by_body(system: SystemArrays, x: Numbers, prescribed: Numbers) -> tuple[list[Numbers], list[Numbers]]:
@@ -43,9 +45,9 @@ def by_body(system: SystemArrays, x: Numbers, prescribed: Numbers) -> tuple[list
     dtype = np.result_type(x.dtype, prescribed.dtype, system.locked.dtype)
     for columns in (slice(0, 3), slice(3, 6)):
         found = []
-        for k, held in enumerate(system.coordinates):
-            if held == "quaternion" and columns.start == 0:
-                own, rest = rest[..., :4], rest[..., 4:]
+        for k, rotation in enumerate(system.rotations):
+            if columns.start == 0 and rotation.coordinates != ANGLES:
+                own, rest = np.split(rest, [len(rotation.coordinates)], axis=-1)
             else:
                 free, moved = system.free[k, columns], system.prescribed[k, columns]
                 own = np.empty((*x.shape[:-1], 3), dtype)

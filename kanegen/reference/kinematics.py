@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from kanegen.model.arrays import SystemArrays
-from kanegen.model.sequences import SEQUENCES
+from kanegen.model.coordinates import SPEEDS, QuaternionRotation
 from kanegen.reference.freedoms import UNPRESCRIBED, by_body, full_order, rates_by_body
 from kanegen.reference.matrices import (
     Numbers,
@@ -167,14 +167,15 @@ def _turning(
     system: SystemArrays, k: int, orientation: Numbers, rates: Numbers
 ) -> tuple[Numbers, Numbers, Numbers]:
     """(..., 3, 3) turn from the joint frame, Eq. (4), [P^AV_K] of Eq. (17), and its rate."""
-    if system.coordinates[k] == "quaternion":
+    rotation = system.rotations[k]
+    if isinstance(rotation, QuaternionRotation):
         turn = rotation_by_quaternion(orientation)
         still = np.zeros_like(turn)
         return turn, still + np.eye(3), still
-    named = renaming(SEQUENCES[system.sequence[k]])
+    named = renaming(rotation.axes)
     turns = sines_cosines(orientation, named)
     turn = named.after @ rotation_123(*turns) @ named.before
-    if system.speeds[k] == "angular_velocity":
+    if system.speeds[k] != SPEEDS[0]:
         still = np.zeros_like(turn)
         return turn, still + np.eye(3), still
     rate_matrix = named.after @ angle_rate_matrix(*turns)

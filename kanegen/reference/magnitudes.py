@@ -15,8 +15,8 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kanegen.model.arguments import LoadInputs
 from kanegen.model.arrays import Floats, SystemArrays
-from kanegen.model.load_arguments import GivenLoads
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.reference.arguments import acting, motion
 from kanegen.reference.force_elements import contributions
@@ -142,7 +142,7 @@ def element_magnitude(
     x: Numbers,
     y: Numbers,
     prescribed: ArrayLike | None = None,
-    **given: Unpack[GivenLoads],
+    **given: Unpack[LoadInputs],
 ) -> Floats:
     """(..., n) what the generalized forces of force elements and loads on points are rounded by.
 

@@ -14,6 +14,7 @@ from typing import Any, Self
 import numpy as np
 
 from kanegen.model.arrays import Floats, SystemArrays
+from kanegen.model.coordinates import ANGLES
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.system import System
 from kanegen.program.precision import Precision
@@ -106,8 +107,10 @@ def ranges(system: System | SystemArrays) -> Ranges:
     free = free_columns(arrays)
     lengths = np.repeat(size, 3)[arrays.free[:, 3:].ravel()]
     turning = [
-        np.ones(4) if held == "quaternion" else np.full(free[:3].sum(), np.pi)
-        for held, free in zip(arrays.coordinates, arrays.free, strict=True)
+        np.full(free[:3].sum(), np.pi)
+        if rotation.coordinates == ANGLES
+        else np.ones(len(rotation.coordinates))
+        for rotation, free in zip(arrays.rotations, arrays.free, strict=True)
     ]
     weight = np.where(arrays.loads, mass, 0.0) * acceleration
     of_points = [k - 1 for k, _ in arrays.forces.points.values()]
@@ -181,8 +184,8 @@ def states_away_from_gimbal_lock(system: System, count: int, seed: int = 0) -> A
     x, y, tau = rng.uniform(-1, 1, (3, count, len(system.freedoms)))
     joints = [system.bodies[freedom.body - 1].joint for freedom in system.freedoms]
     pairs = list(zip(system.freedoms, joints, strict=True))
-    hinges = [freedom.is_angle and not joint.turns_freely for freedom, joint in pairs]
-    bent = [freedom.index == 1 and joint.turns_freely and joint.ends_alike for freedom, joint in pairs]
+    hinges = [freedom.is_angle and not joint.has_free_orientation for freedom, joint in pairs]
+    bent = [freedom.index == 1 and joint.gimbal_lock == "sin" for freedom, joint in pairs]
     return ActuatedStates(np.where(hinges, np.pi * x, x) + np.pi / 2 * np.array(bent), y, tau=tau)
 
 

@@ -77,7 +77,7 @@ class Equations:
         """{xdot}, a column as long as {x}: Eq. (45), or Eq. (9) where speeds are angular velocities."""
         rates: dict[int, Iterator[Expr]] = {}
         for body in self.bodies:
-            if body.body.joint.spins:
+            if not body.body.joint.speeds_are_rates:
                 rates[body.number] = iter(body.angle_rate_inverse * body.relative_angular_velocity)
         return ImmutableMatrix(
             [
@@ -151,7 +151,7 @@ class Equations:
                 f"system {self.system.name!r} has {len(self.y)} freedoms; closed forms are written for at "
                 f"most {MOST_FREEDOMS}. Read equations.A, equations.f and equations.definitions instead."
             )
-        if any(body.body.joint.is_quaternion for body in self.bodies):
+        if any(coordinate.unit == "1" for coordinate in self.system.coordinates):
             raise OptionError(
                 f"system {self.system.name!r} has a quaternion; closed forms are written in sines and "
                 'cosines. Take the coordinates "angles", or read equations.A, equations.f and '

@@ -11,6 +11,7 @@ import sympy
 from sympy import Expr, S
 
 from kanegen.errors import ModelError
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.force_elements.expression import (
     TIME,
     Constant,
@@ -21,10 +22,9 @@ from kanegen.model.force_elements.expression import (
     Variable,
 )
 from kanegen.model.force_elements.names import Place, variable_places
-from kanegen.model.freedoms import FREEDOMS
 from kanegen.model.numbers import Number
 from kanegen.model.system import System
-from kanegen.symbolic.symbols import coordinate, quaternion, relative_angular_velocity, speed, time
+from kanegen.symbolic.symbols import coordinate, speed, time
 
 _OPERATIONS: dict[str, Callable[..., Expr]] = {
     "+": operator.add,
@@ -106,19 +106,15 @@ class ExpressionTranslator:
         return variable_places(self.system.bodies)
 
     def _coordinate(self, place: Place) -> Expr:
-        k, index = place
+        k, kind = place
         joint = self.system.bodies[k - 1].joint
-        if index >= len(FREEDOMS):
-            return quaternion(k)[index - len(FREEDOMS)]
-        is_symbol = joint.moving[index] or self.keeps_locked
-        return coordinate(k, index) if is_symbol else self.number(joint.locked[index])
+        is_symbol = kind >= len(FREEDOMS) or joint.moving[kind] or self.keeps_locked
+        return coordinate(k, kind) if is_symbol else self.number(joint.locked[kind])
 
     def _speed(self, place: Place) -> Expr:
         k, index = place
         joint = self.system.bodies[k - 1].joint
-        if not joint.moving[index]:
-            return S.Zero
-        return relative_angular_velocity(k, index) if joint.spins and index < 3 else speed(k, index)
+        return speed(k, joint.speed_kinds[index]) if joint.moving[index] else S.Zero
 
 
 def _finite(value: Expr, expression: Expression) -> Expr:

@@ -8,12 +8,12 @@ parameter is the symbol of its own name. Every symbol is real.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import sympy
 from sympy import Expr, Float, Integer, Symbol
 
-from kanegen.model.freedoms import FREEDOMS, QUATERNION
+from kanegen.model.coordinates import COORDINATE_KINDS, SPEED_KINDS, Rotation
 from kanegen.model.numbers import Number, Parameter
 from kanegen.model.system import System
 
@@ -21,65 +21,53 @@ WHOLE = 2**31
 """Whole numbers below this size become exact integers; larger ones stay binary floating-point numbers."""
 
 
-def coordinate(body: int, index: int) -> Symbol:
-    """Return the coordinate of freedom `index` (0 to 5, as in `FREEDOMS`) of `body`, from 1 (rad, m)."""
-    return _freedom("theta", "s", body, index)
+def coordinate(body: int, kind: int) -> Symbol:
+    """Return a coordinate of `body` (from 1); `kind` counts `COORDINATE_KINDS` (rad, m, 1)."""
+    of = COORDINATE_KINDS[kind]
+    return real(f"{of.symbol}_{body}_{of.number}")
 
 
-def quaternion(body: int) -> tuple[Symbol, ...]:
-    """Return the elements e0, e1, e2, e3 of the quaternion of `body`, from 1."""
-    return tuple(real(f"epsilon_{body}_{i}") for i in range(len(QUATERNION)))
+def coordinate_rate(body: int, kind: int) -> Symbol:
+    """Return the time derivative of `coordinate(body, kind)` (rad/s, m/s, 1/s)."""
+    of = COORDINATE_KINDS[kind]
+    return real(f"{of.symbol}dot_{body}_{of.number}")
 
 
-def quaternion_rate(body: int) -> tuple[Symbol, ...]:
-    """Return the time derivatives of the elements of the quaternion of `body` (1/s)."""
-    return tuple(real(f"epsilondot_{body}_{i}") for i in range(len(QUATERNION)))
+def rotation_coordinates(body: int, rotation: Rotation) -> tuple[Symbol, ...]:
+    """Return the coordinates that orient `body` (from 1) in its joint frame."""
+    return tuple(coordinate(body, kind) for kind in rotation.coordinates)
 
 
 def coordinates(system: System) -> tuple[Symbol, ...]:
     """Return the coordinates {x}."""
-    return _elements(system, coordinate, quaternion)
+    return tuple(coordinate(c.body, c.index) for c in system.coordinates)
 
 
 def coordinate_rates(system: System) -> tuple[Symbol, ...]:
-    """Return the symbols of {xdot}, the time derivatives of the coordinates."""
-    return _elements(system, speed, quaternion_rate)
+    """Return the time derivatives {xdot} of the coordinates."""
+    return tuple(coordinate_rate(c.body, c.index) for c in system.coordinates)
 
 
-def speed(body: int, index: int) -> Symbol:
-    """Return the time derivative of `coordinate(body, index)` (rad/s, m/s)."""
-    return _freedom("thetadot", "sdot", body, index)
+def speed(body: int, kind: int) -> Symbol:
+    """Return a generalized speed of `body` (from 1); `kind` counts `SPEED_KINDS` (rad/s, m/s)."""
+    of = SPEED_KINDS[kind]
+    return real(f"{of.symbol}_{body}_{of.number}")
 
 
-def acceleration(body: int, index: int) -> Symbol:
-    """Return the time derivative of `speed(body, index)` (rad/s^2, m/s^2)."""
-    return _freedom("thetaddot", "sddot", body, index)
-
-
-def relative_angular_velocity(body: int, axis: int) -> Symbol:
-    """Return component `axis` (0 to 2) of the relative angular velocity of Eq. (8), in the body (rad/s)."""
-    return real(f"omegahat_{body}_{axis + 1}")
-
-
-def relative_angular_velocity_rate(body: int, axis: int) -> Symbol:
-    """Return the time derivative of `relative_angular_velocity(body, axis)` (rad/s^2)."""
-    return real(f"omegahatdot_{body}_{axis + 1}")
+def acceleration(body: int, kind: int) -> Symbol:
+    """Return the time derivative of `speed(body, kind)` (rad/s^2, m/s^2)."""
+    of = SPEED_KINDS[kind]
+    return real(f"{of.derivative}_{body}_{of.number}")
 
 
 def speeds(system: System) -> tuple[Symbol, ...]:
     """Return the generalized speeds {y}."""
-    return tuple(
-        relative_angular_velocity(f.body, f.axis) if system.spins(f) else speed(f.body, f.index)
-        for f in system.freedoms
-    )
+    return tuple(speed(one.body, one.index) for one in system.speeds)
 
 
 def accelerations(system: System) -> tuple[Symbol, ...]:
-    """Return the symbols of {ydot}, the time derivatives of the generalized speeds."""
-    return tuple(
-        relative_angular_velocity_rate(f.body, f.axis) if system.spins(f) else acceleration(f.body, f.index)
-        for f in system.freedoms
-    )
+    """Return the time derivatives {ydot} of the generalized speeds."""
+    return tuple(acceleration(one.body, one.index) for one in system.speeds)
 
 
 def prescribed(system: System) -> tuple[Symbol, ...]:
@@ -149,25 +137,3 @@ def matrix(values: Sequence[Sequence[Number]]) -> sympy.ImmutableMatrix:
 def real(name: str) -> Symbol:
     """Return the real symbol of that name."""
     return Symbol(name, real=True)
-
-
-def _elements(
-    system: System, single: Callable[[int, int], Symbol], four: Callable[[int], Sequence[Symbol]]
-) -> tuple[Symbol, ...]:
-    """Return a symbol for each element of {x}.
-
-    Args:
-        system: The system with the coordinates.
-        single: Makes the symbol of an angle or a translation from the body and the index of the freedom.
-        four: Makes the four symbols of the quaternion of a body.
-    """
-    first = len(FREEDOMS)
-    return tuple(
-        single(c.body, c.index) if c.index < first else four(c.body)[c.index - first]
-        for c in system.coordinates
-    )
-
-
-def _freedom(angle: str, translation: str, body: int, index: int) -> Symbol:
-    """Return the symbol of a freedom, whose name begins with `angle` or `translation`."""
-    return real(f"{angle if index < 3 else translation}_{body}_{index % 3 + 1}")

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import kanegen as kg
 from kanegen.measure.truth import errors, truth
-from kanegen.model.toml_text import toml_text
+from kanegen.model.saving import toml_text
 from kanegen.program.precision import DOUBLE
 from kanegen.reference.states import random_states
 from tests.battery import scenes

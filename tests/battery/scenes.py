@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kanegen as kg
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 
 Floats = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import math
 import pytest
 from hypothesis import strategies as st
 
-from kanegen.model.toml_text import toml_text
+from kanegen.model.saving import toml_text
 from kanegen.program.precision import DOUBLE
 from tests.battery import fuzzing, plot, scenes, searching
 from tests.battery.battery import subjects

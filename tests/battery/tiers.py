@@ -48,7 +48,7 @@ def _states(system: kg.System, angle: float | None, amount: int) -> tuple[States
     if angle is not None:
         states.x[:] = angle
     for i, freedom in enumerate(system.freedoms):
-        if system.bodies[freedom.body - 1].joint.turns_freely and freedom.index == 1:
+        if system.bodies[freedom.body - 1].joint.has_free_orientation and freedom.index == 1:
             states.x[:, i] = np.pi / 2 - 1e-6
     return states, efforts(system, states, np.random.default_rng(37))
 

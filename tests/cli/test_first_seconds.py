@@ -14,7 +14,7 @@ from kanegen.cli import options as cli_options
 from kanegen.cli.app import COMMANDS, app
 from kanegen.cli.bench import DEFAULT_PEERS
 from kanegen.cli.options import DEFAULT_OUTPUTS
-from kanegen.model.freedoms import ORIENTATIONS, SPEEDS
+from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 from kanegen.model.right_angles import AS_WRITTEN, TYPED
 from kanegen.program import passes, precision
 from kanegen.recursion.outputs import EQUATIONS, OUTPUTS

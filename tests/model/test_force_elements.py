@@ -16,6 +16,7 @@ import kanegen as kg
 from kanegen.cli.app import app
 from kanegen.compiler import compile_module
 from kanegen.library.simulation import simulate
+from kanegen.measure.comparison import compare
 from kanegen.measure.truth import truth
 from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
 from kanegen.model.force_elements.grammar import parse
@@ -99,11 +100,11 @@ def test_a_wrong_stiffness_is_no_rounding() -> None:
     """The bound sees an error of a billionth in one element."""
     system = driven(3)
     library = kg.build(system, flags=FLAGS)
-    assert kg.check.compare.compare(system, library, 50).passed
+    assert compare(system, library, 50).passed
     spring = next(e for e in system.force_elements if isinstance(e, Spring) and e.stiffness == 4.0)
     others = tuple(e for e in system.force_elements if e is not spring)
     other = replace(system, force_elements=(*others, replace(spring, stiffness=4.0 * (1 + 1e-9))))
-    assert not kg.check.compare.compare(other, library, 50).passed
+    assert not compare(other, library, 50).passed
 
 
 def test_states_alone_and_in_batches_have_the_same_bits() -> None:
@@ -301,7 +302,7 @@ def test_derivatives_go_through_force_elements() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_specialised_and_general_programs_agree(seed: int) -> None:
     system = driven(seed, 3)
-    require_equal(replace(system, bodies=tuple(body.unloaded() for body in system.bodies)), seed)
+    require_equal(replace(system, bodies=tuple(body.without_loads() for body in system.bodies)), seed)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -318,7 +319,7 @@ def test_locked_joints_carry_what_acts_on_them(seed: int) -> None:
     rows = {"ydot": states.y[0][::-1], "force": np.zeros((3, 3)), "torque": np.zeros((3, 3))}
     state = given(states, system) | rows
     every = efforts(system, state)
-    expected = np.array([every[freedom] for freedom in system.reacting])
+    expected = np.array([every[freedom] for freedom in system.reaction_freedoms])
     assert reactions(system, state) == pytest.approx(expected, abs=1e-13 * max(map(abs, every.values())))
 
 

@@ -137,7 +137,7 @@ def test_only_where_something_is_prescribed() -> None:
 
 def test_who_cannot_be_told_refuses() -> None:
     system = pendulum()
-    message = r"system 'double_pendulum' has prescribed freedoms \(q1\), whose motion cannot be given here"
+    message = r"system 'double_pendulum' has prescribed freedoms \(q1\), whose motion cannot be passed here"
     for refuse in (
         lambda: compare(system, BenchOptions()),
         lambda: study(system),

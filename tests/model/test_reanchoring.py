@@ -15,9 +15,8 @@ from kanegen.errors import ArrayError, OptionError
 from kanegen.measure.truth.balls import column
 from kanegen.measure.truth.tree import _orientation, turned
 from kanegen.model.body import Body
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS, SEQUENCES
 from kanegen.model.joint import Joint
-from kanegen.model.sequences import SEQUENCES
 from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics

@@ -11,7 +11,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.cli.app import app
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.joint import Joint
 from kanegen.studies.bench import BenchOptions, compare
 from kanegen.symbolic.printing import render

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 
 HOSTILE = ('a; system("x")', "../../x", "a b", "größe", "1abc", "a\n", "a*/", "x" * 64)
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 
 import kanegen as kg
 from kanegen.measure.comparison import compare
-from kanegen.model.sequences import SEQUENCES
+from kanegen.model.coordinates import SEQUENCES
 from kanegen.reference import equations as reference
 from kanegen.reference.states import random_states
 from tests.support import systems

@@ -14,8 +14,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.coordinates import Freedom
-from kanegen.model.sequences import SEQUENCES
+from kanegen.model.coordinates import SEQUENCES, Freedom
 from kanegen.program.evaluate import evaluate
 from kanegen.recursion.outputs import DERIVATIVES, available, chosen
 from kanegen.reference import equations as reference
@@ -52,7 +51,7 @@ def tree(kind: str, seed: int) -> kg.System:
         pairs = zip(system.bodies, kinds, strict=True)
         turned = (replace(b, joint=replace(b.joint, sequence=str(sequence))) for b, sequence in pairs)
         system = replace(system, bodies=tuple(turned))
-    able = [f for f in system.freedoms if not (f.is_angle and system.bodies[f.body - 1].joint.spins)]
+    able = [f for f in system.freedoms if system.speed_of(f).kind.is_rate]
     chosen = [system.freedom_names[system.places[f]] for f in able if rng.random() < 0.45]
     system = system.with_prescribed(chosen[: len(system.freedoms) - 1])
     points = {f"p{k}": (k, rng.normal(size=3)) for k in (1, system.number_of_bodies)}

@@ -34,8 +34,10 @@ def with_some(seed: int) -> kg.System:
     """A random tree in which about half of the bodies that turn freely have a quaternion."""
     rng = np.random.default_rng(seed)
     tree = mixed(seed)
-    held = ["quaternion" if b.joint.turns_freely and rng.random() < 0.7 else "angles" for b in tree.bodies]
-    first = next(k for k, body in enumerate(tree.bodies) if body.joint.turns_freely)
+    held = [
+        "quaternion" if b.joint.has_free_orientation and rng.random() < 0.7 else "angles" for b in tree.bodies
+    ]
+    first = next(k for k, body in enumerate(tree.bodies) if body.joint.has_free_orientation)
     held[first] = "quaternion"
     return remade(tree, "coordinates", held)
 

@@ -15,9 +15,8 @@ from kanegen.compiler import compile_module
 from kanegen.errors import ModelError, ReadError
 from kanegen.measure.truth import truth
 from kanegen.model.body import Body
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS, SEQUENCES
 from kanegen.model.joint import Joint
-from kanegen.model.sequences import SEQUENCES
 from kanegen.program.evaluate import evaluate
 from kanegen.recursion.outputs import output_array
 from kanegen.reference import equations as reference

@@ -52,7 +52,7 @@ def state(system: kg.System, seed: int = 0) -> dict[str, np.ndarray]:
     n, bodies = len(system.freedoms), system.number_of_bodies
     values = {name: rng.normal(size=n) for name in ("x", "y", "ydot", "tau")}
     for k, body in enumerate(system.bodies, start=1):
-        if body.joint.turns_freely:  # away from where the rates of the angles do not exist
+        if body.joint.has_free_orientation:  # away from where the rates of the angles do not exist
             values["x"][system.places[Freedom(k, 1)]] = rng.uniform(-1.2, 1.2)
     return values | {name: rng.normal(size=(bodies, 3)) for name in ("force", "torque")}
 
@@ -70,7 +70,7 @@ def maps(system: kg.System, given: dict[str, np.ndarray]) -> tuple[np.ndarray, n
     n = len(system.freedoms)
     whole, rate, xdot = np.eye(n), np.zeros((n, n)), given["y"].copy()
     for k, body in enumerate(system.bodies, start=1):
-        if body.joint.spins:
+        if not body.joint.speeds_are_rates:
             place = [system.places[Freedom(k, i)] for i in range(3)]
             (s2, s3), (c2, c3) = np.sin(given["x"][place[1:]]), np.cos(given["x"][place[1:]])
             block = np.array([[c2 * c3, s3, 0.0], [-c2 * s3, c3, 0.0], [s2, 0.0, 1.0]])

@@ -16,7 +16,7 @@ from sympy import Expr, Matrix, cos, sin
 
 from kanegen import Parameter, System
 from kanegen.errors import OptionError
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
 from kanegen.symbolic.closed.form import ClosedForm

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from kanegen.errors import KanegenWarning, WriteError
 from kanegen.model.body import Body
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.joint import Joint
 from kanegen.model.numbers import Parameter
 from kanegen.model.system import System
@@ -115,7 +115,7 @@ def test_outputs_are_about_bodies_and_directions(tmp_path: Path) -> None:
     outputs = '[outputs]\nbody_poses = ["c", 1]\nreaction_loads = ["c.s1", "c.theta2"]\n'
     other = ONE_BODY.replace('"b"', '"c"') + 'joint.free = ["theta3"]\n'
     system = read(tmp_path, outputs + ONE_BODY + other)
-    assert (system.poses, system.posed) == (("c", "b"), (2, 1))
+    assert (system.poses, system.pose_numbers) == (("c", "b"), (2, 1))
     assert system.reactions == system.reaction_names == ("c.s1", "c.theta2")
     plain = read(tmp_path, ONE_BODY + other)
     assert (plain.poses, plain.reactions) == (None, None)

@@ -10,7 +10,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.program.evaluate import evaluate
 from kanegen.recursion import fixed_frame_choice as routes
 from kanegen.recursion import force_combinations as triads

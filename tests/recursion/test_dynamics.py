@@ -11,7 +11,7 @@ import pytest
 import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.lowering.lower import lower_definitions
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.program import passes
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Program

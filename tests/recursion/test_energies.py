@@ -11,7 +11,8 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
+from kanegen.model.numbers import value_of
 from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
@@ -203,7 +204,7 @@ def test_run_time_parameters_are_prepared(free: tuple[str, ...]) -> None:
     named = iter(range(1000))
 
     def parameter(value: kg.numbers.Number) -> kg.Parameter:
-        return kg.Parameter(f"p{next(named)}", kg.numbers.value_of(value))
+        return kg.Parameter(f"p{next(named)}", value_of(value))
 
     bodies = [
         replace(

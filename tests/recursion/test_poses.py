@@ -9,7 +9,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.program.evaluate import evaluate
 from tests.support import moving_bodies, systems
 from tests.support.moving_bodies import Values
@@ -135,7 +135,7 @@ def test_chosen_bodies_are_rows_of_all_and_cost_what_they_need() -> None:
     rng = np.random.default_rng(9)
     system = systems.random_system(rng, 6, connection=(0, 1, 2, 1, 4, 4), free=JOINTS["gimbals"])
     some = system.with_poses([5, "body1"])
-    assert (some.posed, some.pose_names) == ((5, 1), ("body5", "body1"))
+    assert (some.pose_numbers, some.pose_names) == ((5, 1), ("body5", "body1"))
     library, every = kg.build(some, "body_poses", flags="-O1"), kg.build(system, "body_poses", flags="-O1")
     assert library.pose_names == ("body5", "body1")
     x = rng.normal(size=(5, len(system.freedoms)))

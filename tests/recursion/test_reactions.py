@@ -10,10 +10,8 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.coordinates import Freedom
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS, SEQUENCES, Freedom
 from kanegen.model.numbers import value_of
-from kanegen.model.sequences import SEQUENCES
 from kanegen.program.count import count
 from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
@@ -68,7 +66,7 @@ def efforts(system: kg.System, given: Arrays) -> dict[Freedom, float]:
 def require_right(system: kg.System, seed: int) -> None:
     given = state(system, seed)
     every = efforts(system, given)
-    expected = np.array([every[freedom] for freedom in system.reacting])
+    expected = np.array([every[freedom] for freedom in system.reaction_freedoms])
     size = max(map(abs, every.values()))
     assert reactions(system, given) == pytest.approx(expected, abs=ROUNDING * size)
 
@@ -108,7 +106,7 @@ def test_they_are_efforts_of_the_same_tree_with_nothing_locked(kind: str) -> Non
 @pytest.mark.parametrize("seed", range(100))
 def test_a_hundred_random_trees(seed: int) -> None:
     system = turned(seed, 1 + seed % 7, locked=bool(seed % 3), orientations=bool(seed % 2))
-    if system.reacting:
+    if system.reaction_freedoms:
         require_right(system, seed)
 
 
@@ -173,7 +171,7 @@ def test_compiled_code() -> None:
         np.array([one[name] for one in given]) for name in ("x", "y", "ydot", "force", "torque")
     )
     batch = library.reaction_loads(x, y, ydot, force, torque)
-    assert batch.shape == (9, len(system.reacting))
+    assert batch.shape == (9, len(system.reaction_freedoms))
     together = library.evaluate(x, y, force, torque, ydot=ydot)
     size = np.abs(batch).max()
     assert together.reaction_loads == pytest.approx(batch, abs=ROUNDING * size)
@@ -181,7 +179,7 @@ def test_compiled_code() -> None:
         one = library.reaction_loads(x[row], y[row], ydot[row], force[row], torque[row])
         assert one.tolist() == batch[row].tolist()
         every = efforts(system, given[row])
-        expected = [every[freedom] for freedom in system.reacting]
+        expected = [every[freedom] for freedom in system.reaction_freedoms]
         assert one == pytest.approx(expected, abs=ROUNDING * max(map(abs, every.values())))
     other = library.with_parameters({"number7": 1.5}).reaction_loads(x[0], y[0], ydot[0], force[0], torque[0])
     expected = reactions(system.with_parameters({"number7": 1.5}), given[0])

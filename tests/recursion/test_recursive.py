@@ -8,7 +8,7 @@ import sympy
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Program
 from kanegen.reference import equations as reference

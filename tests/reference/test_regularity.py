@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import kanegen as kg
 from kanegen.errors import SingularError
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.reference import equations as reference
 from kanegen.reference.regularity import inertia_axes, require_regular
 from kanegen.reference.states import random_states

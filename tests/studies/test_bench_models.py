@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import kanegen as kg
 from kanegen.errors import MissingError
-from kanegen.model.sequences import SEQUENCES
+from kanegen.model.coordinates import SEQUENCES
 from kanegen.reference.kinematics import kinematics
 from kanegen.studies.bench.peers.joints import KINDS, Placement, floating_joints, single_joints
 from kanegen.studies.bench.peers.mujoco_peer import links, mjcf

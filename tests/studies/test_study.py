@@ -12,7 +12,7 @@ import pytest
 import kanegen as kg
 from kanegen.measure.errors import Errors
 from kanegen.measure.timing import BATCH, OBJECTIVES
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.options import Variant
 from kanegen.reference.equations import forcing, mass_matrix
 from kanegen.studies.tradeoff import variants

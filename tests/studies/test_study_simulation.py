@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 import kanegen as kg
 from kanegen.measure.timing import OBJECTIVES
 from kanegen.measure.truth.errors import GATE
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.options import STRICT, Variant
 from kanegen.reference import equations as reference
 from kanegen.studies.bench.states import without_loads_and_parameters

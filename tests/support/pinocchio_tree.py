@@ -13,7 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from kanegen.model.arrays import SystemArrays
-from kanegen.model.sequences import SEQUENCES
+from kanegen.model.coordinates import SEQUENCES
 from kanegen.model.system import System
 
 Floats = NDArray[np.float64]

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from kanegen.model.arrays import SystemArrays
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.system import System
 from kanegen.reference.states import States, random_states
 

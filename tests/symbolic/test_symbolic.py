@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kanegen import Body, Joint, Parameter, System
 from kanegen.errors import ArrayError, ModelError, OptionError
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.reference import equations as reference
 from kanegen.reference import kinematics
 from kanegen.reference.freedoms import free_columns

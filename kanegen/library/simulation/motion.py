@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from kanegen.errors import OptionError, SingularError
 from kanegen.library import Library
-from kanegen.model.arguments import Floats
-from kanegen.model.load_arguments import Given as NamedInputs
+from kanegen.model.arguments import Floats, NamedInputs
 
 Effort = Callable[[float, Floats, Floats], ArrayLike]
 """Function that returns {tau}, of the shape of {y}, from the time (s), {x} and {y}."""

@@ -11,9 +11,8 @@ import numpy as np
 from kanegen.errors import OptionError
 from kanegen.library import Library
 from kanegen.library.simulation.accuracy import Drift, drift, mescd
-from kanegen.model.arguments import Floats
+from kanegen.model.arguments import Floats, NamedInputs
 from kanegen.model.arrays import Floats as Doubles
-from kanegen.model.load_arguments import Given as NamedInputs
 
 
 @dataclass(frozen=True, repr=False)

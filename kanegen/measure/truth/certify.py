@@ -21,7 +21,7 @@ from kanegen.measure.truth.errors import Units, units
 from kanegen.measure.truth.kane import Equations
 from kanegen.measure.truth.tree import State, Tree, tree
 from kanegen.model.arrays import Floats
-from kanegen.model.prescribed import require_unprescribed
+from kanegen.model.description import require_unprescribed
 from kanegen.model.system import System
 
 WIDTH = 2.0**-20

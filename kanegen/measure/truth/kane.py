@@ -108,8 +108,8 @@ def _directions(link: Link, rotations: list[arb_mat], omega: arb_mat) -> tuple[l
     These are of what carries each axis, and last of the body. An angle's axis is carried by the turns before
     it; the axis of a component of the relative angular velocity by the body.
     """
-    frames = [3, 3, 3] if link.spins else [0, 1, 2]
-    units = [0, 1, 2] if link.spins else link.axes
+    frames = [0, 1, 2] if link.speeds_are_rates else [3, 3, 3]
+    units = link.axes if link.speeds_are_rates else [0, 1, 2]
     directions = [rotations[f].transpose() * unit(axis) for f, axis in zip(frames, units, strict=True)]
     carriers = [omega]
     for direction, rate in zip(directions, link.rates.entries(), strict=True):

@@ -103,7 +103,7 @@ def _effort(link: Link, motion: Motion, moving: bool) -> tuple[arb_mat, arb_mat]
 def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
     """[R_123] of Eq. (4), [P^AV] of Eq. (17), and its rate at the link's speeds.
 
-    The speeds of a link that spins are components of its angular velocity, so [P^AV] is the identity.
+    Where the speeds are components of the relative angular velocity, [P^AV] is the identity.
     """
     if link.quaternion is not None:
         return _rotation(link.quaternion), diagonal(3), zeros(3, 3)
@@ -130,7 +130,7 @@ def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
         ]
     )
     after = square(named.after)
-    if link.spins:
+    if not link.speeds_are_rates:
         return after * rotate * square(named.before), diagonal(3), zeros(3, 3)
     return after * rotate * square(named.before), after * rates, after * rates_dot
 

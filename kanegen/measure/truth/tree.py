@@ -23,11 +23,9 @@ from kanegen.measure.truth.balls import (
     unit,
 )
 from kanegen.model.arrays import Floats
-from kanegen.model.coordinates import Coordinate, Freedom
-from kanegen.model.freedoms import FREEDOMS, QUATERNION
+from kanegen.model.coordinates import NOTES, SEQUENCES, Axes, Coordinate, Freedom, QuaternionRotation
 from kanegen.model.joint import Joint
 from kanegen.model.numbers import Number, Parameter, map_numbers, value_of
-from kanegen.model.sequences import NOTES, SEQUENCES, Axes
 from kanegen.model.system import System
 from kanegen.program.constants import quarter_turns
 
@@ -70,7 +68,7 @@ class Link:
         axes: Basis vectors about which they turn, from 0.
         translation: s'_K, in the joint frame.
         rates: Rates of the angles, 0 where locked; or the components of the relative angular velocity in K.
-        spins: Whether they are these components.
+        speeds_are_rates: Whether they are rates of the angles.
         translation_rates: Rates of the translation.
         force: F'_K.
         torque: M'_K.
@@ -88,7 +86,7 @@ class Link:
     axes: Axes
     translation: arb_mat
     rates: arb_mat
-    spins: bool
+    speeds_are_rates: bool
     translation_rates: arb_mat
     force: arb_mat
     torque: arb_mat
@@ -141,7 +139,7 @@ def _link(system: System, k: int, state: State) -> Link:
         axes=body.joint.axes,
         translation=column(coordinates[3:]),
         rates=column(speeds[:3]),
-        spins=body.joint.spins,
+        speeds_are_rates=body.joint.speeds_are_rates,
         translation_rates=column(speeds[3:]),
         force=column(state.force[k - 1]),
         torque=column(state.torque[k - 1]),
@@ -162,10 +160,10 @@ def _angles(joint: Joint, places: Sequence[int | None], state: State) -> list[fl
 
 
 def _quaternion(system: System, k: int, state: State) -> arb_mat | None:
-    if not system.bodies[k - 1].joint.is_quaternion:
-        return None
-    first = system.coordinate_place(k, len(FREEDOMS))
-    return column(state.x[first : first + len(QUATERNION)])
+    match system.bodies[k - 1].joint.rotation:
+        case QuaternionRotation(coordinates=kinds):
+            return column(state.x[system.coordinate_place(k, kind)] for kind in kinds)
+    return None
 
 
 def _meant(angle: Number) -> float | arb:

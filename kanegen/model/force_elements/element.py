@@ -1,4 +1,4 @@
-"""What every kind of force element can do: its fields hold names, numbers, expressions or tuples."""
+"""What every kind of force element can do: its fields hold names, numbers, expressions or tuples of these."""
 
 from __future__ import annotations
 
@@ -7,70 +7,95 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
 from kanegen.model.force_elements.expression import Constant, Expression
-from kanegen.model.numbers import Number, map_numbers, word
+from kanegen.model.numbers import Number, map_numbers, toml_number
 
 
 @dataclass(frozen=True)
 class ForceElement:
-    """What acts on the bodies beside gravity, inertia and what a caller passes.
+    """A load on the bodies beside gravity, inertia and the loads that a caller passes.
 
     Attributes:
-        KEY: The array of tables of its kind in a model file.
-        WRITTEN: Fields of its kind that hold expressions.
+        KEY: Name of the array of tables of this kind in a model file.
+        EXPRESSION_FIELDS: Names of the fields that hold expressions.
     """
 
     KEY: ClassVar[str]
-    WRITTEN: ClassVar[tuple[str, ...]] = ()
+    EXPRESSION_FIELDS: ClassVar[tuple[str, ...]] = ()
 
-    def changed(self, change: Callable[[Number], Number]) -> Self:
-        """The same with `change` applied to every number."""
+    def map_numbers(self, change: Callable[[Number], Number]) -> Self:
+        """Return the same element with `change` applied to every number, those of expressions included.
 
-        def leaf(held: Any) -> Any:
-            if isinstance(held, Expression):
-                return held.changed(change)
-            return held if isinstance(held, str) else change(held)
+        Example:
+            plain = element.map_numbers(value_of)  # parameters at their defaults
+        """
+
+        def leaf(value: Any) -> Any:
+            if isinstance(value, Expression):
+                return value.map_numbers(change)
+            return value if isinstance(value, str) else change(value)
 
         return self._mapped(leaf)
 
-    def renamed(self, rename: Callable[[str], str]) -> Self:
-        """The same with other names of coordinates and speeds in expressions."""
-        return self._mapped(lambda held: held.renamed(rename) if isinstance(held, Expression) else held)
+    def with_variables_renamed(self, rename: Callable[[str], str]) -> Self:
+        """Return the same element with `rename` applied to the variables of its expressions.
+
+        Example:
+            element.with_variables_renamed(lambda name: name.replace("x.old.", "x.new."))
+        """
+        return self._mapped(
+            lambda value: value.with_variables_renamed(rename) if isinstance(value, Expression) else value
+        )
 
     def numbers(self) -> Iterator[Number]:
-        """Its numbers, those of expressions included."""
-        for held in self._leaves():
-            if isinstance(held, Expression):
-                yield from held.numbers()
-            elif not isinstance(held, str):
-                yield held
+        """Yield every number of the element, those of expressions included.
+
+        Example:
+            list(kg.JointSpring("arm.theta3", stiffness=40.0).numbers())  # [40.0, 0.0, 0.0]
+        """
+        for value in self._leaves():
+            if isinstance(value, Expression):
+                yield from value.numbers()
+            elif not isinstance(value, str):
+                yield value
 
     def expressions(self) -> Iterator[Expression]:
-        """What it holds of them."""
-        return (held for held in self._leaves() if isinstance(held, Expression))
+        """Return the expressions of the element.
+
+        Example:
+            [str(one) for one in kg.Drive("arm.theta3", "2*sin(t)").expressions()]
+        """
+        return (value for value in self._leaves() if isinstance(value, Expression))
 
     @property
-    def words(self) -> str:
-        """In a line, for readers of generated code."""
+    def summary(self) -> str:
+        """The element in one line, as comments in generated code and `kanegen info` show it."""
         return f"{self.KEY}: {', '.join(f'{key} = {_line(value)}' for key, value in self.as_table().items())}"
 
     def as_table(self) -> dict[str, Any]:
-        """In the words of a model file, defaults left out."""
-        held = {field.name: (getattr(self, field.name), field.default) for field in fields(self)}
+        """Return the table of the element in a model file, defaults left out.
+
+        Example:
+            kg.JointSpring("arm.theta3", stiffness=40.0).as_table()
+        """
+        values = {field.name: (getattr(self, field.name), field.default) for field in fields(self)}
         return {
-            name: map_numbers(value, _word) for name, (value, default) in held.items() if value != default
+            name: map_numbers(value, _toml_value)
+            for name, (value, default) in values.items()
+            if value != default
         }
 
     def _mapped(self, function: Callable[[Any], Any]) -> Self:
-        """The same with `function` applied to all that it holds."""
+        """Return the same element with `function` applied to every name, number and expression."""
         return replace(self, **{f.name: map_numbers(getattr(self, f.name), function) for f in fields(self)})
 
     def _leaves(self) -> Iterator[Any]:
-        """All that it holds, in order."""
+        """Yield every name, number and expression in the order of the fields."""
         for field in fields(self):
             yield from _leaves(getattr(self, field.name))
 
 
 def _leaves(value: Any) -> Iterator[Any]:
+    """Yield the items of nested tuples."""
     if isinstance(value, tuple):
         for item in value:
             yield from _leaves(item)
@@ -78,11 +103,11 @@ def _leaves(value: Any) -> Iterator[Any]:
         yield value
 
 
-def _word(held: str | Number | Expression) -> str | float:
-    """In a model file; an expression that is but a number is that number."""
-    if isinstance(held, Expression):
-        return word(held.root.value) if isinstance(held.root, Constant) else str(held)
-    return held if isinstance(held, str) else word(held)
+def _toml_value(value: str | Number | Expression) -> str | float:
+    """Return a value as a model file holds it; an expression that is one number becomes that number."""
+    if isinstance(value, Expression):
+        return toml_number(value.root.value) if isinstance(value.root, Constant) else str(value)
+    return value if isinstance(value, str) else toml_number(value)
 
 
 def _line(value: Any) -> str:

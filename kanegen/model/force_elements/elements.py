@@ -84,7 +84,7 @@ class Drive(ForceElement):
     """
 
     KEY: ClassVar[str] = "drive"
-    WRITTEN: ClassVar[tuple[str, ...]] = ("effort",)
+    EXPRESSION_FIELDS: ClassVar[tuple[str, ...]] = ("effort",)
 
     freedom: str
     effort: Expression
@@ -104,7 +104,7 @@ class PointLoad(ForceElement):
     """
 
     KEY: ClassVar[str] = "point_load"
-    WRITTEN: ClassVar[tuple[str, ...]] = ("force", "moment")
+    EXPRESSION_FIELDS: ClassVar[tuple[str, ...]] = ("force", "moment")
 
     point: str
     force: tuple[Expression, Expression, Expression] = (parse(0),) * 3
@@ -126,7 +126,7 @@ class Potential(ForceElement):
     """
 
     KEY: ClassVar[str] = "potential"
-    WRITTEN: ClassVar[tuple[str, ...]] = ("energy",)
+    EXPRESSION_FIELDS: ClassVar[tuple[str, ...]] = ("energy",)
 
     energy: Expression
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from kanegen.model.numbers import Number, word
+from kanegen.model.numbers import Number, toml_number
 
 FUNCTIONS = ("abs", "cos", "sin", "sqrt", "tan")
 """What an expression may call. All of them are exactly defined on every machine; others, such as exp, are the
@@ -79,16 +79,24 @@ class Expression:
         """Its numbers, from the left."""
         return (leaf.value for leaf in _leaves(self.root) if isinstance(leaf, Constant))
 
-    def changed(self, change: Callable[[Number], Number]) -> Expression:
-        """The same with `change` applied to every number."""
+    def map_numbers(self, change: Callable[[Number], Number]) -> Expression:
+        """Return the same expression with `change` applied to every number.
+
+        Example:
+            plain = expression.map_numbers(value_of)  # parameters at their defaults
+        """
 
         def leaf(found: Leaf) -> Leaf:
             return Constant(change(found.value)) if isinstance(found, Constant) else found
 
         return Expression(_mapped(self.root, leaf))
 
-    def renamed(self, rename: Callable[[str], str]) -> Expression:
-        """The same with other names of variables."""
+    def with_variables_renamed(self, rename: Callable[[str], str]) -> Expression:
+        """Return the same expression with `rename` applied to the names of its variables.
+
+        Example:
+            kg.parse("x.arm.theta3").with_variables_renamed(lambda name: "x.elbow.theta3")
+        """
 
         def leaf(found: Leaf) -> Leaf:
             return Variable(rename(found.name)) if isinstance(found, Variable) else found
@@ -121,8 +129,8 @@ def _leaves(node: Node) -> Iterator[Leaf]:
 def _text(node: Node) -> str:
     match node:
         case Constant(value):
-            held = word(value)
-            return held if isinstance(held, str) else repr(held)
+            number = toml_number(value)
+            return number if isinstance(number, str) else repr(number)
         case Variable(name):
             return _variable(name)
         case Power(base, exponent):

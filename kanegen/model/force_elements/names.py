@@ -12,38 +12,37 @@ from dataclasses import dataclass, replace
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
 from kanegen.model.body import Body
+from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS, SPEED_KINDS
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring
 from kanegen.model.force_elements.expression import TIME
-from kanegen.model.freedoms import FREEDOMS, QUATERNION
 
 Place = tuple[int, int]
-"""A body, from 1, and an index that counts `FREEDOMS`, and `QUATERNION` behind them."""
+"""Number of a body, from 1, and a place in `COORDINATE_KINDS` (coordinate) or in `FREEDOMS` (speed)."""
 
 
 def coordinate_places(bodies: Sequence[Body]) -> dict[str, Place]:
-    """Every coordinate by every name that it has, locked ones too."""
-    found: dict[str, Place] = {}
-    for k, body in enumerate(bodies, start=1):
-        held = range(len(FREEDOMS))
-        if body.joint.is_quaternion:
-            held = range(3, len(FREEDOMS) + len(QUATERNION))
-        found |= {f"{body.name}.{(*FREEDOMS, *QUATERNION)[index]}": (k, index) for index in held}
-    return _aliased(found, bodies)
+    """Return every coordinate, free or not, by every name that it has."""
+    found = {
+        f"{body.name}.{COORDINATE_KINDS[kind].name}": (k, kind)
+        for k, body in enumerate(bodies, start=1)
+        for kind in sorted(body.joint.coordinate_kinds)
+    }
+    return _with_joint_names(found, bodies)
 
 
 def speed_places(bodies: Sequence[Body]) -> dict[str, Place]:
-    """Every speed by every name that it has; one of a locked freedom is zero."""
-    found: dict[str, Place] = {}
-    for k, body in enumerate(bodies, start=1):
-        for index, name in enumerate(FREEDOMS):
-            spins = body.joint.spins and index < 3
-            found[f"{body.name}.omega{index + 1}" if spins else f"{body.name}.{name}"] = (k, index)
-    return _aliased(found, bodies)
+    """Return every speed by every name that it has; the speed of a locked freedom is zero."""
+    found = {
+        f"{body.name}.{SPEED_KINDS[kind].name}": (k, index)
+        for k, body in enumerate(bodies, start=1)
+        for index, kind in enumerate(body.joint.speed_kinds)
+    }
+    return _with_joint_names(found, bodies)
 
 
-def _aliased(found: dict[str, Place], bodies: Sequence[Body]) -> dict[str, Place]:
-    """Also by the name of a joint of which one freedom moves."""
+def _with_joint_names(found: dict[str, Place], bodies: Sequence[Body]) -> dict[str, Place]:
+    """Return `found` with the names of those joints of which exactly one freedom moves."""
     for k, body in enumerate(bodies, start=1):
         if body.joint.name and sum(body.joint.moving) == 1:
             found.setdefault(body.joint.name, (k, body.joint.moving.index(True)))
@@ -108,7 +107,7 @@ class _Resolver:
         self._points = {point.name: k for k, body in enumerate(bodies, start=1) for point in body.points}
 
     def resolved(self, element: ForceElement) -> ForceElement:
-        element = element.renamed(lambda name: self._variable(name, element.KEY))
+        element = element.with_variables_renamed(lambda name: self._variable(name, element.KEY))
         match element:
             case JointSpring():
                 name = self._coordinates.named(element.freedom, element.KEY)
@@ -139,7 +138,7 @@ class _Resolver:
         """Elements that pull at a coordinate need its rate among the speeds."""
         k, index = self._places[variable[2:]]
         body = self._bodies[k - 1]
-        if body.joint.spins and index not in range(3, len(FREEDOMS)):
+        if index >= len(FREEDOMS) or not SPEED_KINDS[body.joint.speed_kinds[index]].is_rate:
             raise ModelError(
                 f"{what}: the speeds of body {body.name!r} are its angular velocity, so none is the rate of "
                 f"{variable!r} alone. Keep angles and their rates there, or use a drive on "

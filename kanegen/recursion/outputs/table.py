@@ -17,7 +17,7 @@ from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import Solution
 
 REACTIONS = Subject(
-    lambda system: system.reacting,
+    lambda system: system.reaction_freedoms,
     "has no locked directions, all joints move freely. Lock some, or ask for inverse_dynamics.",
 )
 
@@ -86,7 +86,7 @@ _ENTRIES = (
         "reaction_loads",
         lambda system: Array(
             "reaction_loads",
-            (len(system.reacting),),
+            (len(system.reaction_freedoms),),
             "N m, N",
             "what holds locked directions, beside loads and gravity: for an angle the moment about O_K and "
             "its axis, for a translation the force along it",
@@ -170,7 +170,7 @@ _ENTRIES = (
     ),
     Output(
         "body_poses",
-        lambda system: Array("body_poses", (len(system.posed), 4, 3), "1, m", _poses_doc(system)),
+        lambda system: Array("body_poses", (len(system.pose_numbers), 4, 3), "1, m", _poses_doc(system)),
         ("x",),
         Recursion("turns of the joints", body_poses),
     ),

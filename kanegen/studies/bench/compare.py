@@ -10,7 +10,7 @@ from pathlib import Path
 
 from kanegen.errors import MissingError, OptionError
 from kanegen.measure.timing import Rounds, Times
-from kanegen.model.prescribed import require_unprescribed
+from kanegen.model.description import require_unprescribed
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
 from kanegen.reference.states import states_away_from_gimbal_lock

@@ -41,6 +41,6 @@ def without_loads_and_parameters(system: System) -> tuple[System, tuple[str, ...
     if system.parameters:
         names = ", ".join(parameter.name for parameter in system.parameters)
         notes.append(f"run-time parameters are constants, at their defaults: {names}")
-    fixed = system.changed(value_of)
-    bodies = tuple(body.unloaded() for body in fixed.bodies)
+    fixed = system.map_numbers(value_of)
+    bodies = tuple(body.without_loads() for body in fixed.bodies)
     return replace(fixed, bodies=bodies, force_elements=()), tuple(notes)

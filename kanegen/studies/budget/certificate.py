@@ -26,8 +26,8 @@ from kanegen.errors import CertificateError, KanegenError
 from kanegen.library import Library
 from kanegen.measure import machine
 from kanegen.measure.timing import OBJECTIVES
+from kanegen.model.saving import toml_text
 from kanegen.model.system import System
-from kanegen.model.toml_text import toml_text
 from kanegen.options import Variant
 from kanegen.readers.text import read_text
 from kanegen.studies.budget.region import Region

@@ -159,7 +159,7 @@ def require_no_gimbal_lock(region: Region) -> None:
         return
     for place, lock in domain.locking.items():
         body = system.bodies[system.coordinates[place].body - 1]
-        if not body.joint.spins and _range_meets(lock, domain.low[place], domain.high[place]):
+        if body.joint.speeds_are_rates and _range_meets(lock, domain.low[place], domain.high[place]):
             name = system.coordinate_names[place]
             raise OptionError(
                 f"domain: [A] is singular where {'cos' if lock else 'sin'}({name}) = 0, which x.{name} from "

@@ -39,7 +39,7 @@ def equivalent_outputs(system: System, outputs: Sequence[str]) -> tuple[str, ...
 
     Where all freedoms are free, reaction loads are among the generalized forces of inverse dynamics.
     """
-    if system.reacting:
+    if system.reaction_freedoms:
         return tuple(outputs)
     return chosen("inverse_dynamics" if name == "reaction_loads" else name for name in outputs)
 
@@ -79,10 +79,10 @@ def with_numbers_as_parameters(system: System) -> System:
             inertia=((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)),
             mass_center=map_numbers(of.mass_center, parameter_for),
             joint=joint(of.joint),
-            points=tuple(point.changed(parameter_for) for point in of.points),
+            points=tuple(point.map_numbers(parameter_for) for point in of.points),
         )
 
-    elements = tuple(element.changed(parameter_for) for element in system.force_elements)
+    elements = tuple(element.map_numbers(parameter_for) for element in system.force_elements)
     return replace(
         _changed(system, body), gravity=map_numbers(system.gravity, parameter_for), force_elements=elements
     )

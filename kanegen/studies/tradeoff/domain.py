@@ -16,7 +16,7 @@ import numpy as np
 
 from kanegen.errors import OptionError
 from kanegen.model.arrays import Floats
-from kanegen.model.prescribed import require_unprescribed
+from kanegen.model.description import require_unprescribed
 from kanegen.model.system import System
 from kanegen.program.precision import FLOAT, Precision
 from kanegen.reference import equations as reference
@@ -156,9 +156,9 @@ class Domain:
         """Angle of gimbal lock (rad), up to half turns, by the index of the angle theta2 in x."""
         joints = [body.joint for body in self.system.bodies]
         return {
-            place: 0.0 if joints[coordinate.body - 1].ends_alike else np.pi / 2
+            place: 0.0 if joints[coordinate.body - 1].gimbal_lock == "sin" else np.pi / 2
             for place, coordinate in enumerate(self.system.coordinates)
-            if coordinate.index == 1 and joints[coordinate.body - 1].turns_freely
+            if coordinate.index == 1 and joints[coordinate.body - 1].gimbal_lock
         }
 
     def sample(self, count: int, seed: int | Sequence[int]) -> Sample:

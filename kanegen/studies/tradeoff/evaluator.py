@@ -19,8 +19,7 @@ from kanegen.library.native import compilers
 from kanegen.measure.timing import BATCH, LATENCY, Rounds, Times
 from kanegen.measure.truth.measurement import Measurement
 from kanegen.model.arrays import Floats
-from kanegen.model.coordinates import Freedom
-from kanegen.model.freedoms import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS, Freedom
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
 from kanegen.reference.kinematics import BodyKinematics, kinematics
@@ -182,7 +181,7 @@ def convert_sample(sample: Sample, system: System, other: System) -> Sample:
     y, tau = sample.y.copy(), sample.tau.copy()
     pairs = zip(system.bodies, other.bodies, strict=True)
     for k, (body, changed) in enumerate(pairs, start=1):
-        if changed.joint.spins and not body.joint.spins:
+        if body.joint.speeds_are_rates and not changed.joint.speeds_are_rates:
             own = [system.places[Freedom(k, index)] for index in range(3)]
             matrix = bodies[k - 1].rate_matrix
             y[:, own] = np.einsum("bij,bj->bi", matrix, y[:, own])

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from kanegen.model.arrays import Floats
-from kanegen.model.freedoms import QUATERNION
+from kanegen.model.coordinates import QUATERNION
 from kanegen.reference import equations as reference
 from kanegen.studies.tradeoff.domain import Domain, Sample, joined
 

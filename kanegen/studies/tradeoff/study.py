@@ -14,7 +14,7 @@ from kanegen.errors import OptionError
 from kanegen.measure.errors import QUANTILES
 from kanegen.measure.timing import OBJECTIVES, Rounds, Times
 from kanegen.measure.truth.measurement import Measurement
-from kanegen.model.prescribed import require_unprescribed
+from kanegen.model.description import require_unprescribed
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
 from kanegen.reference.regularity import require_regular

@@ -49,16 +49,16 @@ class AngularEquations(JointEquations):
 
         It is the identity where the speeds are the components of the relative angular velocity.
         """
-        if self.body.joint.spins:
+        if not self.body.joint.speeds_are_rates:
             return ImmutableMatrix.eye(3)
-        return self._named("angle_rate_matrix", self._angles.rate_matrix)
+        return self._named("angle_rate_matrix", self._orientation.rate_matrix)
 
     @cached_property
     def angle_rate_matrix_rate(self) -> ImmutableMatrix:
         """Time derivative of [P^AV_K], (3, 3), below Eq. (20)."""
-        if self.body.joint.spins:
+        if not self.body.joint.speeds_are_rates:
             return ImmutableMatrix.zeros(3, 3)
-        return self._named("angle_rate_matrix_rate", self._angles.rate_matrix_rate(self._turning_speeds))
+        return self._named("angle_rate_matrix_rate", self._orientation.rate_matrix_rate(self._turning_speeds))
 
     @cached_property
     def angle_rate_inverse(self) -> ImmutableMatrix:

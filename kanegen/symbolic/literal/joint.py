@@ -16,9 +16,17 @@ import sympy
 from sympy import Expr, ImmutableMatrix, S, Symbol
 
 from kanegen.model.body import Body
-from kanegen.model.coordinates import Freedom
+from kanegen.model.coordinates import (
+    ANGLES,
+    NOTES,
+    SEQUENCES,
+    TRANSLATIONS,
+    Axes,
+    AxisRotations,
+    Freedom,
+    QuaternionRotation,
+)
 from kanegen.model.numbers import Number, Parameter
-from kanegen.model.sequences import NOTES, SEQUENCES, Axes
 from kanegen.model.system import System
 from kanegen.program.constants import sine_cosine
 from kanegen.symbolic.literal.intermediates import Intermediates
@@ -29,8 +37,7 @@ from kanegen.symbolic.symbols import (
     expression,
     matrix,
     parameter,
-    quaternion,
-    relative_angular_velocity,
+    rotation_coordinates,
     speed,
     speeds,
 )
@@ -91,9 +98,10 @@ class JointEquations:
     @cached_property
     def quaternion_factor(self) -> ImmutableMatrix:
         """2 over the squared length of the quaternion, (1, 1); empty for a joint without a quaternion."""
-        if not self.body.joint.is_quaternion:
+        if not isinstance(self.body.joint.rotation, QuaternionRotation):
             return ImmutableMatrix([])
-        squares = sum((element**2 for element in quaternion(self.number)), start=S.Zero)
+        elements = rotation_coordinates(self.number, self.body.joint.rotation)
+        squares = sum((element**2 for element in elements), start=S.Zero)
         return self._named("quaternion_factor", ImmutableMatrix([2 / squares]))
 
     def coordinate(self, index: int) -> Expr:
@@ -103,18 +111,18 @@ class JointEquations:
 
     @property
     def _orientation(self) -> Angles | Quaternion:
-        if self.body.joint.is_quaternion:
-            return Quaternion(quaternion(self.number), self.quaternion_factor[0])
-        return self._angles
-
-    @property
-    def _angles(self) -> Angles:
-        return Angles(self.body.joint.axes, list(self.sines), list(self.cosines))
+        match self.body.joint.rotation:
+            case AxisRotations(axes):
+                return Angles(axes, list(self.sines), list(self.cosines))
+            case QuaternionRotation() as rotation:
+                elements = rotation_coordinates(self.number, rotation)
+                return Quaternion(elements, self.quaternion_factor[0])
 
     @property
     def _sines_cosines(self) -> list[tuple[Expr, Expr]]:
         """(sin, cos) of the three angles; empty for a joint with a quaternion."""
-        return [] if self.body.joint.is_quaternion else [self._sine_cosine(index) for index in range(3)]
+        angles = [kind for kind in self.body.joint.rotation.coordinates if kind in ANGLES]
+        return [self._sine_cosine(index) for index in angles]
 
     def _sine_cosine(self, index: int) -> tuple[Expr, Expr]:
         joint = self.body.joint
@@ -126,22 +134,22 @@ class JointEquations:
     @property
     def _turning_speeds(self) -> ImmutableMatrix:
         """(3, 1) rates of the three angles, or the components of the relative angular velocity (rad/s)."""
-        if self.body.joint.spins:
-            return ImmutableMatrix([relative_angular_velocity(self.number, axis) for axis in range(3)])
-        return ImmutableMatrix([self._rate(index) for index in range(3)])
+        return ImmutableMatrix([self._speed(index) for index in ANGLES])
 
     @property
     def _translation(self) -> ImmutableMatrix:
         """{s'_K}, (3, 1), in joint-frame components (m)."""
-        return ImmutableMatrix([self.coordinate(index) for index in range(3, 6)])
+        return ImmutableMatrix([self.coordinate(index) for index in TRANSLATIONS])
 
     @property
     def _translation_rate(self) -> ImmutableMatrix:
         """{sdot'_K}, (3, 1), in joint-frame components (m/s)."""
-        return ImmutableMatrix([self._rate(index) for index in range(3, 6)])
+        return ImmutableMatrix([self._speed(index) for index in TRANSLATIONS])
 
-    def _rate(self, index: int) -> Expr:
-        return speed(self.number, index) if self.body.joint.moving[index] else S.Zero
+    def _speed(self, index: int) -> Expr:
+        """Return the speed of freedom `index` of `FREEDOMS`, zero where it is locked (rad/s, m/s)."""
+        joint = self.body.joint
+        return speed(self.number, joint.speed_kinds[index]) if joint.moving[index] else S.Zero
 
     def _prescribed(self, symbol: Callable[[int, int], Symbol], first: int) -> ImmutableMatrix:
         """Return (3, 1) symbols of freedoms `first` to `first` + 2, zeros where one is not prescribed."""
@@ -273,6 +281,15 @@ class Quaternion:
         scalar, vector = self.elements[0], ImmutableMatrix(self.elements[1:])
         turned = skew(vector) * skew(vector) - scalar * skew(vector)
         return ImmutableMatrix.eye(3) + self.factor * turned
+
+    @property
+    def rate_matrix(self) -> ImmutableMatrix:
+        """[P^AV_K], (3, 3): the identity, because the speeds are the components of the angular velocity."""
+        return ImmutableMatrix.eye(3)
+
+    def rate_matrix_rate(self, _: Sequence[Expr]) -> ImmutableMatrix:
+        """Time derivative of [P^AV_K], (3, 3): zero."""
+        return ImmutableMatrix.zeros(3, 3)
 
     @property
     def rate_inverse(self) -> ImmutableMatrix:

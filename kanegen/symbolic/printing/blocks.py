@@ -200,7 +200,7 @@ class Blocks:
         return any(self.system.bodies[k - 1].joint.free[:FIRST_TRANSLATION])
 
     def _has_angular_velocity_speeds(self, k: int) -> bool:
-        return self.system.bodies[k - 1].joint.spins
+        return not self.system.bodies[k - 1].joint.speeds_are_rates
 
     def _slides(self, k: int) -> bool:
         """Return whether any translation of body k moves, free or prescribed."""

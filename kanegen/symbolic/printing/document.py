@@ -190,7 +190,7 @@ def _numbered(names: Iterable[tuple[int, str]]) -> str:
 def _force_elements(system: System) -> Iterator[Section]:
     """Yield the section on force elements, if there are any."""
     if system.force_elements:
-        words = "; ".join(element.words for element in system.force_elements)
+        words = "; ".join(element.summary for element in system.force_elements)
         yield Section("Force elements", f"{words}.")
 
 

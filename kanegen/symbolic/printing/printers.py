@@ -14,16 +14,14 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
+from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.symbols import (
     acceleration,
     coordinate,
+    coordinate_rate,
     force,
     parameter,
-    quaternion,
-    quaternion_rate,
-    relative_angular_velocity,
-    relative_angular_velocity_rate,
     speed,
     torque,
 )
@@ -109,26 +107,30 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
     for given in equations.system.parameters:
         if not _LETTER_AND_INDEX.fullmatch(given.name):
             names[parameter(given)] = rf"\mathit{{{escaped(given.name)}}}"
-    for freedom in equations.system.freedoms + equations.system.prescribed:
-        k, index = freedom.body, freedom.index
-        letter, place = r"\theta" if freedom.is_angle else "s", f"_{{{k},{freedom.axis + 1}}}"
-        names[coordinate(k, index)] = letter + place
-        if equations.system.spins(freedom):
-            names[relative_angular_velocity(k, index)] = rf"{{\hat{{\omega}}'}}{place}"
-            names[relative_angular_velocity_rate(k, index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
-        names[speed(k, index)] = rf"\dot{{{letter}}}" + place
-        names[acceleration(k, index)] = rf"\ddot{{{letter}}}" + place
+    system = equations.system
+    moving = {(f.body, f.index) for f in system.freedoms + system.prescribed}
+    for k, kind in sorted(moving | {(c.body, c.index) for c in system.coordinates}):
+        letter, place = _letter(COORDINATE_KINDS[kind].symbol), f"_{{{k},{COORDINATE_KINDS[kind].number}}}"
+        names[coordinate(k, kind)] = letter + place
+        names[coordinate_rate(k, kind)] = rf"\dot{{{letter}}}" + place
+        if kind < len(FREEDOMS):
+            names[acceleration(k, kind)] = rf"\ddot{{{letter}}}" + place
+    for one in system.speeds:
+        if not one.kind.is_rate:
+            place = f"_{{{one.body},{one.kind.number}}}"
+            names[speed(one.body, one.index)] = rf"{{\hat{{\omega}}'}}{place}"
+            names[acceleration(one.body, one.index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
     for body in equations.bodies:
-        if body.body.joint.is_quaternion:
-            k = body.number
-            for i, (element, rate) in enumerate(zip(quaternion(k), quaternion_rate(k), strict=True)):
-                names[element] = rf"\epsilon_{{{k},{i}}}"
-                names[rate] = rf"\dot{{\epsilon}}_{{{k},{i}}}"
         for axis in range(3):
             names[force(body.number, axis)] = f"{{F'}}_{{{body.number},{axis + 1}}}"
             names[torque(body.number, axis)] = f"{{M'}}_{{{body.number},{axis + 1}}}"
         names |= body.intermediates.latex
     return names
+
+
+def _letter(symbol: str) -> str:
+    """Return the letter of a coordinate: a command for a Greek one, itself otherwise."""
+    return symbol if len(symbol) == 1 else rf"\{symbol}"
 
 
 def escaped(plain: str) -> str:

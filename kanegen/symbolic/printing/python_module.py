@@ -85,7 +85,7 @@ def _docstring(equations: Equations) -> str:
     speeds = {
         i: f"    y[{i}] = {equations.y[i]}, {system.speed_names[i]} ({freedom.unit}/s)"
         for i, freedom in enumerate(system.freedoms)
-        if system.spins(freedom)
+        if not system.speeds[i].kind.is_rate
     }
     elements = zip(equations.x, system.coordinates, system.coordinate_names, strict=True)
     for i, (x, coordinate, name) in enumerate(elements):

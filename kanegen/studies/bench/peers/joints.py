@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.model.arrays import Floats, SystemArrays
-from kanegen.model.sequences import NOTES, SEQUENCES
+from kanegen.model.coordinates import NOTES, SEQUENCES
 from kanegen.model.system import System
 
 KINDS = ("RX", "RY", "RZ", "PX", "PY", "PZ")
