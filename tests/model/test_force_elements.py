@@ -18,6 +18,7 @@ from kanegen.compiler import compile_module
 from kanegen.library.simulation import simulate
 from kanegen.measure.comparison import compare
 from kanegen.measure.truth import truth
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
 from kanegen.model.force_elements.grammar import parse
 from kanegen.model.numbers import Parameter
@@ -130,7 +131,7 @@ def test_what_is_absent_costs_nothing() -> None:
     locked = next(
         f"{body.name}.{name}"
         for body in bare.bodies
-        for name, free in zip(kg.body.FREEDOMS, body.joint.free, strict=True)
+        for name, free in zip(FREEDOMS, body.joint.free, strict=True)
         if not free
     )
     idle = bare.with_force_elements(JointSpring(locked, 5.0, damping=1.0), Drive(locked, parse("t")))

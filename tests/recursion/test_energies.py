@@ -11,8 +11,8 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.coordinates import FREEDOMS
-from kanegen.model.numbers import value_of
+from kanegen.model.coordinates import FREEDOMS, Freedom
+from kanegen.model.numbers import Number, value_of
 from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
@@ -203,7 +203,7 @@ def test_run_time_parameters_are_prepared(free: tuple[str, ...]) -> None:
     numbers = systems.chain(3, free)
     named = iter(range(1000))
 
-    def parameter(value: kg.numbers.Number) -> kg.Parameter:
+    def parameter(value: Number) -> kg.Parameter:
         return kg.Parameter(f"p{next(named)}", value_of(value))
 
     bodies = [
@@ -229,7 +229,7 @@ def test_far_from_the_origin_nothing_is_lost() -> None:
     """Spin about the mass centre does not feel where a floating tree is, nor how fast it goes."""
     system = systems.chain(3, FREEDOMS)
     x, y = speeds(system, 2)
-    far = x + 1e6 * np.array([freedom == kg.system.Freedom(1, 3) for freedom in system.freedoms])
+    far = x + 1e6 * np.array([freedom == Freedom(1, 3) for freedom in system.freedoms])
     near = values(system, ("momentum",), {"x": x, "y": y})["momentum"]
     distant = values(system, ("momentum",), {"x": far, "y": y})["momentum"]
     fast = values(system, ("momentum",), {"x": far, "y": y + far - x})["momentum"]
