@@ -90,10 +90,10 @@ class Diagnosis:
     def __str__(self) -> str:
         lines = [f"{self.states} states, {self.singular} of them singular"]
         if self.estimate:
-            lines.append(f"largest error before refinement, relative: {self.estimate}")
-        lines.append(f"smallest pivot, of 1: {self.pivot}")
+            lines.append(f"largest relative error before refinement: {self.estimate}")
+        lines.append(f"smallest pivot, relative to its inertia: {self.pivot}")
         if self.singularity:
-            lines.append(f"nearest to where three angles fail, of 1: {self.singularity}")
+            lines.append(f"nearest to gimbal lock, |cos| or |sin| of theta2: {self.singularity}")
         return "\n".join(lines)
 
 

@@ -1,4 +1,4 @@
-"""Finding a compiler, compiling, and a cache that any number of processes may use or be killed in."""
+"""Finding a compiler, compiling, and the cache, which processes may share and be killed in."""
 
 import os
 import shutil
@@ -17,14 +17,14 @@ from tests.support.handmade import source
 from tests.support.paths import ROOT
 
 RUNS = 3
-"""Runs of the compiler for a library: two files at once, then both together."""
+"""Runs of the compiler for a library: one for each of two files, one for the link."""
 
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """An empty cache, and no compiler named by the environment."""
+    """Return an empty cache folder; no environment variable names a compiler."""
     for variable in compilers.VARIABLES:
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
@@ -33,7 +33,7 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def script(tmp_path):
-    """Makes an executable shell script that can stand for a compiler."""
+    """Return a function that makes an executable shell script to stand for a compiler."""
 
     def make(text, name="fake-cc"):
         path = tmp_path / name
@@ -46,7 +46,7 @@ def script(tmp_path):
 
 @pytest.fixture
 def counting(script, tmp_path):
-    """A compiler that notes every compilation but that of the self-test, and the list of its notes."""
+    """Return a compiler that logs its commands, but for the self-test, and a function that reads the log."""
     log = tmp_path / "log"
     log.touch()
     command = script(f'case "$*" in --version|*selftest*) ;; *) echo "$@" >> {log} ;; esac\nexec {CC} "$@"')
@@ -123,7 +123,7 @@ def test_a_compiler_that_fails_shows_command_and_output(folder):
     assert list(folder.iterdir()) == []
 
 
-def test_it_compiles_once(counting):
+def test_a_library_is_compiled_once(counting):
     command, compilations = counting
     path = build(source(), command)
     assert path.is_file()
@@ -183,7 +183,7 @@ def test_a_damaged_entry_is_made_anew(counting, harm):
 
 
 def libraries(folder):
-    """Names of the entries of a cache, but for those of the self-test."""
+    """Return the names of the entries of a cache without those of the self-test."""
     return [entry.name for entry in folder.iterdir() if not (entry / "properties").exists()]
 
 
@@ -206,7 +206,7 @@ def start(**environment):
 
 
 def test_processes_may_build_the_same_at_once(folder, script, tmp_path):
-    """The compiler waits until every process compiles both files, so that all race for the same entry."""
+    """The compiler waits until every process compiles both files, so all make the same entry at once."""
     arrived = tmp_path / "arrived"
     arrived.mkdir()
     wait = f'touch {arrived}/$$; until [ "$(ls {arrived} | wc -l)" -ge 8 ]; do sleep 0.02; done'
@@ -220,7 +220,7 @@ def test_processes_may_build_the_same_at_once(folder, script, tmp_path):
 
 
 def test_a_killed_build_does_no_harm(folder, script):
-    """Killed while the compiler runs: what is left is never used, and swept away a day later."""
+    """What a process leaves that is killed while it compiles is never used, and removed a day later."""
     slow = script(
         f'case "$1" in --version) exec {CC} --version ;; esac\necho half > libhandmade.so; sleep 60'
     )
@@ -240,7 +240,7 @@ def test_a_killed_build_does_no_harm(folder, script):
     assert not left.exists()
 
 
-def test_where_the_cache_is(monkeypatch, tmp_path):
+def test_the_folder_of_the_cache(monkeypatch, tmp_path):
     monkeypatch.delenv(cache.VARIABLE)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert "kanegen" in cache.folder().parts
@@ -255,7 +255,7 @@ def test_a_cache_folder_that_cannot_be_used(monkeypatch, tmp_path):
         build(source())
 
 
-def test_keys_tell_parts_apart():
+def test_keys_depend_on_where_parts_end():
     assert cache.key(["ab", "c"]) != cache.key(["a", "bc"]) != cache.key(["a", "b", "c"])
 
 

@@ -1,4 +1,4 @@
-"""Error estimates against certified truth, regularity against factorised matrices, and their summary."""
+"""Error estimates against certified truth, regularity against NumPy, and the diagnosis of both."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def built(system: kg.System, outputs: tuple[str, ...] = OUTPUTS, **choices: obje
     ],
 )
 def test_the_estimate_is_the_error(ratio: float, precision: str, solver: str) -> None:
-    """Within a factor of three, where the error is more than rounding and forces do not cancel."""
+    """The two agree within a factor of three, where the error is more than rounding and no forces cancel."""
     system = rods(ratio)
     library = built(system, precision=precision, solver=solver, refinement=0)
     kind = precision_named(precision)
@@ -65,8 +65,10 @@ def test_the_estimate_is_the_error(ratio: float, precision: str, solver: str) ->
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_estimate_is_the_difference_that_a_step_makes(solver: str) -> None:
-    """All kinds of joints and loads. Beside an estimate every body keeps its own inertia, so that plain and
-    refined solution begin alike."""
+    """The system has all kinds of joints and loads.
+
+    With an estimate every body keeps its own inertia, so that the plain and the refined solution begin alike.
+    """
     system = mixed(1)
     states, tau = sample(system, 6, 2, DOUBLE)
     both = ("forward_dynamics", "error_estimate")
@@ -91,7 +93,7 @@ def test_the_estimate_shares_the_solution() -> None:
 
 
 def test_regularity_of_a_factorisation() -> None:
-    """By numpy: freedom i, with those outward of it free, keeps 1 over the entry of an inverse."""
+    """Freedom i keeps 1 over the first entry of the inverse of the block of [A] that begins at i."""
     system = systems.chain(4, ["theta2"])
     library = built(system, ("regularity",), solver="factorisation")
     x = random_states(system, 5, 1).x
@@ -105,7 +107,7 @@ def test_regularity_of_a_factorisation() -> None:
     assert bodies == pytest.approx(found, rel=1e-12)
 
 
-def test_regularity_holds_the_distance_to_the_singularity_of_angles() -> None:
+def test_regularity_contains_the_distance_from_gimbal_lock() -> None:
     system = systems.chain(1, ["theta1", "theta2", "theta3"])
     library = built(system, ("regularity",))
     x = np.array([[0.3, angle, -0.8] for angle in (0.0, 0.7, 1.2, np.pi / 2 - 1e-6)])
@@ -118,7 +120,7 @@ def test_regularity_holds_the_distance_to_the_singularity_of_angles() -> None:
 
 
 def test_regularity_of_translations_and_trees() -> None:
-    """Between 0 and 1, and the product of all pivots is the determinant of [A]."""
+    """Every value is between 0 and 1, and the product of all pivots is the determinant of [A]."""
     system = systems.random_system(np.random.default_rng(4), 4, free=systems.flags(4, ["theta1", "s1", "s3"]))
     library = built(system, ("regularity", "mass_matrix"))
     x = random_states(system, 5, 1).x
@@ -149,9 +151,12 @@ def test_diagnose_names_the_worst() -> None:
     assert found.estimate.value == shares.max()
     assert found.estimate.state == np.argmax(shares.max(axis=1))
     text = str(found)
-    assert text.startswith("6 states, 0 of them singular\nlargest error before refinement, relative: ")
-    assert "smallest pivot, of 1: " in text
-    assert "three angles fail, of 1: 1.0e-03 at freedom 'body2.theta2' of body 'body2', state 4" in text
+    assert text.startswith("6 states, 0 of them singular\nlargest relative error before refinement: ")
+    assert "smallest pivot, relative to its inertia: " in text
+    assert (
+        "gimbal lock, |cos| or |sin| of theta2: 1.0e-03 at freedom 'body2.theta2' of body 'body2', state 4"
+        in text
+    )
     with pytest.raises(FrozenInstanceError):
         found.states = 7  # type: ignore[misc]
 
@@ -171,14 +176,14 @@ def test_diagnose_of_one_state_and_of_a_singular_one() -> None:
     assert "1 states, 1 of them singular\nsmallest pivot" in str(broken)
 
 
-def test_a_chain_of_hinges_has_no_singular_angles() -> None:
+def test_a_chain_of_hinges_has_no_gimbal_lock() -> None:
     found = built(rods(30.0)).diagnose(np.full(8, 0.1), np.ones(8))
     assert found.singularity is None
     assert found.estimate is not None
     assert 1e-16 < found.estimate.value < 1e-9
 
 
-def test_axes_of_other_sequences_fail_elsewhere() -> None:
+def test_other_sequences_have_gimbal_lock_elsewhere() -> None:
     joints = {"connection": [0], "mass": [1.0], "inertia": [np.eye(3)], "mass_center": [[0.1, 0.2, 0.3]]}
     system = kg.System.from_arrays(
         **joints,

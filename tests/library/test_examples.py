@@ -1,16 +1,16 @@
-"""The examples in the docstrings of `Library` run as they stand."""
+"""The examples in the docstrings of libraries and simulations run as they stand."""
 
 from __future__ import annotations
 
 import inspect
 import textwrap
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
 import kanegen as kg
 import kanegen.library
+from kanegen.library.simulation import Trajectory, mescd
 from kanegen.recursion.outputs import OUTPUTS, available
 from tests.support.paths import MODELS
 
@@ -25,8 +25,10 @@ def namespace() -> dict[str, object]:
     system = kg.load(MODELS / "double_pendulum.toml").with_points({"tip": ("lower", (0.7, 0.0, 0.0))})
     library = kg.build(system, available(system), flags="-O0")
     x, y, ydot = np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])
-    modules = {"kanegen": kanegen, "kg": kg, "np": np}
-    return {**modules, "system": system, "library": library, "x": x, "y": y, "ydot": ydot}
+    trajectory = kg.simulate(library, x, y, [0.0, 0.1, 0.2], step=0.05)
+    modules = {"kanegen": kanegen, "kg": kg, "np": np, "mescd": mescd}
+    state = {"x": x, "y": y, "ydot": ydot}
+    return {**modules, **state, "system": system, "library": library, "trajectory": trajectory}
 
 
 def example(documented: object) -> str:
@@ -46,16 +48,15 @@ def test_the_example_of_a_method(name: str, namespace: dict[str, object]) -> Non
     exec(compile(code, name, "exec"), dict(namespace))
 
 
-def sections() -> Iterator[str]:
-    """Yield the examples of the class and of `load`."""
-    yield example(kg.Library)
-    yield example(kanegen.library.load)
-
-
-def test_the_examples_of_the_class_and_of_load(
-    namespace: dict[str, object], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    "documented",
+    [kg.Library, kanegen.library.load, kg.simulate, mescd, Trajectory, Trajectory.momentum_drift],
+    ids=lambda documented: documented.__name__,
+)
+def test_other_examples(
+    documented: object, namespace: dict[str, object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    code = example(documented)
+    assert code
     monkeypatch.chdir(MODELS.parent)
-    for code in sections():
-        assert code
-        exec(compile(code, "example", "exec"), dict(namespace))
+    exec(compile(code, "example", "exec"), dict(namespace))

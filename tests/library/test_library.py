@@ -1,4 +1,4 @@
-"""NumPy in, NumPy out: values, shapes, types, errors, parameters, threads and processes."""
+"""A library called with NumPy arrays: values, shapes, types, errors, parameters, threads, processes."""
 
 import multiprocessing
 import pickle
@@ -50,7 +50,7 @@ def expected(function, parameters=(2.0, 0.75), **inputs):
     return evaluate(made.functions[function], prepared=prepared, **inputs)
 
 
-def test_what_it_says_of_itself(library):
+def test_representation_names_and_parameters(library):
     assert repr(library) == "<Library handmade: 2 freedoms, mass_matrix, forcing>"
     assert library.freedom_names == ("arm.theta1", "elbow")
     assert library.parameters == {"m1": 2.0, "sin": 0.75}
@@ -73,7 +73,7 @@ def test_one_state(library):
 
 
 def near(batch, states):
-    """Equal but for one unit in the last place of a sine or cosine, which batches compute their own way."""
+    """Assert that results agree but for a rounding of sines and cosines, which batches compute otherwise."""
     np.testing.assert_allclose(batch, states, rtol=0, atol=8 * np.finfo(float).eps * np.abs(batch).max())
 
 
@@ -148,7 +148,7 @@ def test_other_real_numbers_are_converted(library, kind):
     assert bits(library.mass_matrix([1, 2])) == bits(library.mass_matrix([1.0, 2.0]))
 
 
-def test_read_only_arrays_will_do(library):
+def test_read_only_arrays_are_accepted(library):
     x = np.array([0.1, 0.2])
     x.flags.writeable = False
     assert bits(library.mass_matrix(x)) == bits(library.mass_matrix(x.copy()))
@@ -262,7 +262,7 @@ def test_threads_share_a_library(library):
 
 
 def test_c_runs_without_the_lock_of_the_interpreter(library):
-    """While one thread is in a long call, this one goes on: it counts many ticks before the call ends."""
+    """While one thread is in a long call, this thread counts many ticks before the call ends."""
     x, y = np.zeros((2, 2_000_000, N))
     ticks = 0
     worker = threading.Thread(target=library.evaluate, args=(x, y))
@@ -277,7 +277,7 @@ def _in_another_process(library):
     return library.parameters, library.evaluate([0.1, 0.2], [0.3, 0.4])
 
 
-def test_it_goes_to_other_processes(library):
+def test_a_library_is_pickled_to_another_process(library):
     heavy = library.with_parameters({"m1": 3.0})
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         parameters, result = pool.apply(_in_another_process, (heavy,))

@@ -1,4 +1,4 @@
-"""What compilers make of floating-point arithmetic: found out, promised, refused, kept from the process."""
+"""Floating-point arithmetic of compilers: found out by the self-test, required, and kept off the process."""
 
 import shlex
 import shutil
@@ -25,13 +25,13 @@ TINY = 1e-310
 FAST = "-O3 -ffast-math"
 
 
-def kept(command, flags):
+def properties(command, flags):
     return selftest.properties(compilers.find(command), tuple(shlex.split(flags)))
 
 
 @pytest.mark.parametrize("command", COMPILERS)
-def test_without_optimisation_everything_is_kept(command):
-    assert kept(command, "-O0 -ffp-contract=off") == EVERYTHING
+def test_without_optimisation_everything_is_properties(command):
+    assert properties(command, "-O0 -ffp-contract=off") == EVERYTHING
 
 
 @pytest.mark.parametrize("command", COMPILERS)
@@ -43,7 +43,7 @@ def test_strict_flags_keep_what_is_promised(command, level):
 
 @pytest.mark.parametrize("command", COMPILERS)
 @pytest.mark.parametrize("name", semantics.SEMANTICS)
-def test_a_licence_gives_up_no_more_than_it_says(command, name):
+def test_semantics_give_up_no_more_than_they_say(command, name):
     variant = Variant(semantics=name, machine="native", optimisation=3)
     found = selftest.properties(compilers.find(command), variant.flags)
     assert set(semantics.guaranteed_properties(variant.semantics)) <= found
@@ -61,12 +61,12 @@ def test_a_licence_gives_up_no_more_than_it_says(command, name):
     ],
 )
 def test_the_program_sees_what_flags_do(flags, lost):
-    assert lost not in kept("gcc", flags)
+    assert lost not in properties("gcc", flags)
 
 
 def test_the_remedy_for_dropped_rounding_brings_it_back():
     remedy = selftest.REMEDIES[semantics.NARROWING]
-    assert semantics.NARROWING in kept("gcc", shlex.join(("-O2", *remedy)))
+    assert semantics.NARROWING in properties("gcc", shlex.join(("-O2", *remedy)))
 
 
 def test_the_remedy_is_used_where_doubles_become_floats(monkeypatch):
@@ -103,7 +103,7 @@ def test_no_library_switches_subnormal_numbers_off(tmp_path, monkeypatch):
 
 
 def test_loading_what_others_have_linked_is_undone_and_refused(tmp_path, monkeypatch):
-    """A library with the code that gcc links for -ffast-math: a constructor that sets two bits."""
+    """The library has the code that gcc links for -ffast-math: a constructor that sets two bits of MXCSR."""
     monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
     monkeypatch.setattr(semantics, "linker_flags", tuple)
     constructor = tmp_path / "gcc"

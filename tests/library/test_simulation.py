@@ -1,4 +1,4 @@
-"""Trajectories against elliptic functions, orders, conserved quantities, and what is refused."""
+"""Trajectories against elliptic functions, orders of methods, conserved quantities, and error messages."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ OUTPUTS = ("forward_dynamics", "kinetic_energy", "potential_energy", "momentum")
 
 @functools.cache
 def pendulum(precision: str = "double", outputs: tuple[str, ...] = OUTPUTS) -> kg.Library:
-    """A point mass of 1 kg, 1 m from a hinge; it hangs at theta3 = -pi/2."""
+    """Return a point mass of 1 kg, 1 m from a hinge; it hangs at theta3 = -pi/2."""
     system = kg.System.from_arrays(
         connection=[0],
         mass=[1.0],
@@ -43,7 +43,7 @@ def spinner(
     outputs: tuple[str, ...] = ("coordinate_rates", *OUTPUTS),
     sequence: str = "1-2-3",
 ) -> kg.Library:
-    """A free rigid body without gravity."""
+    """Return a free rigid body without gravity."""
     system = kg.System.from_arrays(
         connection=[0], mass=[1.0], inertia=[np.diag([1.0, 2.0, 2.5])], mass_center=[[0.1, 0.2, 0.3]],
         joint_position=[[0.0, 0.0, 0.0]], gravity=(0.0, 0.0, 0.0), name="spinner", sequence=sequence,
@@ -52,7 +52,10 @@ def spinner(
 
 
 def angle(times: np.ndarray) -> np.ndarray:
-    """theta3 of the pendulum that starts level and at rest: sin(phi/2) = k cd(t sqrt(g) | k^2), k^2 = 1/2."""
+    """Return theta3 of the pendulum that starts level and at rest.
+
+    With phi from the lowest position, sin(phi/2) = k cd(t sqrt(g) | k^2) and k^2 = 1/2.
+    """
     quarter = ellipk(0.5)
     phi = 2 * np.arcsin(math.sqrt(0.5) * ellipj(math.sqrt(GRAVITY) * times + quarter, 0.5)[0])
     return np.asarray(phi - math.pi / 2)
@@ -73,7 +76,7 @@ def test_fixed_steps_have_their_order(method: str, order: int) -> None:
 
 
 def test_adaptive_methods_meet_their_tolerance() -> None:
-    """Errors of steps add up and grow with time, so a hundred tolerances in ten seconds."""
+    """Errors of steps add up and grow, so a hundred tolerances are allowed in ten seconds."""
     for method, tolerance in (("DOP853", 1e-12), ("Radau", 1e-7)):
         path = run(method, tolerance=tolerance)
         assert 0 < error(path) < 100 * tolerance
@@ -81,7 +84,7 @@ def test_adaptive_methods_meet_their_tolerance() -> None:
 
 
 def test_leapfrog_follows_speeds_that_accelerations_depend_on() -> None:
-    """Damping: the order stays two."""
+    """With damping the order stays two."""
 
     def damped(step: float) -> float:
         path = run("leapfrog", step=step, effort=lambda t, x, y: -0.5 * y)
@@ -91,8 +94,8 @@ def test_leapfrog_follows_speeds_that_accelerations_depend_on() -> None:
     assert 3.4 < damped(1 / 50) / damped(1 / 100) < 4.6
 
 
-def test_compensation_keeps_what_small_steps_lose() -> None:
-    """In single precision 20 000 roundings of the state are most of the error."""
+def test_compensated_sums_keep_what_small_steps_lose() -> None:
+    """In single precision the 20 000 roundings of the state are most of the error."""
     plain, kept = (
         error(run("RK4", pendulum("float"), step=1 / 2000, compensated=on)) for on in (False, True)
     )
@@ -114,7 +117,7 @@ def test_a_batch_is_its_states() -> None:
             assert np.abs(alone.work - path.work[:, b]).max() < 1e-13
 
 
-def test_energy_is_what_the_efforts_put_in() -> None:
+def test_the_energy_changes_by_the_work_of_the_efforts() -> None:
     path = run("DOP853", tolerance=1e-12, effort=lambda t, x, y: [math.sin(3 * t)])
     assert np.ptp(path.work) > 0.1
     assert path.energy_drift.largest < 1e-10
@@ -138,7 +141,7 @@ def test_momentum_of_a_free_body() -> None:
     assert path.momentum_drift(linear=2.0)[0].scale == 2.0
 
 
-def test_drift_of_a_line_with_a_wave() -> None:
+def test_drift_of_a_line_and_an_oscillation() -> None:
     times = np.linspace(0.0, 100.0, 10_001)
     found = drift(times, 7.0 + 4.0 * (0.01 * times + 0.5 * np.sin(2 * math.pi * times)), 4.0)
     assert found.slope == pytest.approx(0.01, rel=1e-2)
@@ -147,13 +150,13 @@ def test_drift_of_a_line_with_a_wave() -> None:
 
 
 def test_speeds_that_are_no_rates() -> None:
-    """The same motion of a spinning body, told by angle rates and by its angular velocity."""
+    """A spinning body moves the same with angle rates as with its angular velocity as speeds."""
     x, rates, omega = [0.2, 0.3, -0.1, 0, 0, 0], [0.5, -0.4, 0.3, 0, 0, 0], np.zeros(6)
-    omega[:3] = turned_by(x) @ rates[:3]
+    omega[:3] = rate_matrix(x) @ rates[:3]
     plain = simulate(spinner(), x, rates, [0.0, 1.0, 2.0], step=0.01)
     other = simulate(spinner("angular_velocity"), x, omega, [0.0, 1.0, 2.0], step=0.01)
     assert np.abs(plain.x - other.x).max() < 1e-8
-    assert np.abs(turned_by(plain.x[-1]) @ plain.y[-1, :3] - other.y[-1, :3]).max() < 1e-8
+    assert np.abs(rate_matrix(plain.x[-1]) @ plain.y[-1, :3] - other.y[-1, :3]).max() < 1e-8
     coarse = simulate(spinner("angular_velocity"), x, omega, [0.0, 2.0], "semi-implicit Euler", step=1e-3)
     assert np.abs(plain.x[-1] - coarse.x[-1]).max() < 1e-2
     with pytest.raises(kg.OptionError, match="'leapfrog' is for speeds that are rates"):
@@ -164,8 +167,8 @@ def test_speeds_that_are_no_rates() -> None:
         simulate(spinner("angular_velocity", sequence="3-1-3"), np.zeros(6), omega, [0.0, 1.0], step=0.1)
 
 
-def turned_by(x: Sequence[float]) -> np.ndarray:
-    """Angular velocity in the body over the rates of 1-2-3 angles, Eq. (8)."""
+def rate_matrix(x: Sequence[float]) -> np.ndarray:
+    """Return (3, 3) [P] of 1-2-3 angles, Eq. (8): from their rates to the angular velocity."""
     (s2, c2), (s3, c3) = ((math.sin(angle), math.cos(angle)) for angle in x[1:3])
     return np.array([[c2 * c3, s3, 0.0], [-c2 * s3, c3, 0.0], [s2, 0.0, 1.0]])
 
@@ -238,7 +241,7 @@ def test_arrays_that_do_not_fit(message: str, x: Any, y: Any, times: Any) -> Non
         simulate(pendulum(), x, y, times, step=0.1)
 
 
-def test_motion_that_leaves_the_numbers() -> None:
+def test_states_that_stop_being_finite_and_other_failures() -> None:
     def runaway(t: float, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return 1e6 * y
 
@@ -262,5 +265,5 @@ def test_without_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("RK4", step=0.125).evaluations == 320
 
 
-def test_what_it_calls_itself() -> None:
+def test_representation() -> None:
     assert repr(run("RK4", step=0.25)) == "<Trajectory of pendulum: 41 times from 0 to 10 s, 160 evaluations>"

@@ -1,4 +1,4 @@
-"""Batches shared among threads by OpenMP: the same bits for any number of them, and a way without."""
+"""Batches that OpenMP shares among threads: the same bits for any number of them, also without OpenMP."""
 
 import os
 import shutil
@@ -16,7 +16,7 @@ from tests.support.handmade import bits, source
 from tests.support.paths import ROOT
 
 COUNT = 5003
-"""States: enough for several threads, and no multiple of any width."""
+"""Number of states: enough for several threads, and no multiple of any SIMD width."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -105,7 +105,7 @@ print("libgomp" in Path("/proc/self/maps").read_text())
 
 
 def test_the_runtime_of_the_threads_outlives_the_library():
-    """Its threads wait for more work in code that must not be unmapped under them."""
+    """The threads wait for more work in code that must stay mapped."""
     environment = {**os.environ, "OMP_NUM_THREADS": "4", "PYTHONPATH": str(ROOT)}
     process = subprocess.run(
         [sys.executable, "-c", DROP], env=environment, capture_output=True, check=True, text=True
