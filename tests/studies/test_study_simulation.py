@@ -77,7 +77,7 @@ def test_errors_fall_by_the_order_of_the_method(outcome: Study) -> None:
 def test_the_end_is_that_of_the_reference_in_numpy(outcome: Study) -> None:
     """SciPy with accelerations from the NumPy reference: nothing of the C takes part."""
     model, _ = without_loads_and_parameters(HINGES)
-    start = outcome.domain.sample(1, (outcome.terms.seed, simulation.START)).states
+    start = outcome.domain.sample(1, (outcome.terms.seed, simulation.START))
     x, y, n = start.x[0], 0.5 * start.y[0], 2
 
     def rates(time: float, state: np.ndarray) -> np.ndarray:
