@@ -16,7 +16,7 @@ from kanegen.files import write_whole
 from kanegen.studies.tradeoff import report
 from kanegen.studies.tradeoff.outcome import Study
 from kanegen.studies.tradeoff.plot import simulation_svg, tradeoff_svg
-from kanegen.studies.tradeoff.simulation import simulated
+from kanegen.studies.tradeoff.simulation import with_simulations
 from kanegen.studies.tradeoff.study import study
 
 DOCS = Path(__file__).parents[2] / "docs" / "tradeoff"
@@ -30,7 +30,7 @@ def main() -> None:
     for name in options.models:
         told = functools.partial(_say, name)
         system = models.system(name)
-        found = simulated(system, study(system, progress=told), told)
+        found = with_simulations(system, study(system, progress=told), told)
         _write(found, options.docs / name)
     lines = []
     for name in CERTIFIED if options.budgets else ():

@@ -65,7 +65,7 @@ def tradeoff(
     from kanegen.measure.timing import OBJECTIVES
     from kanegen.readers import load
     from kanegen.studies.tradeoff.outcome import StudyOptions
-    from kanegen.studies.tradeoff.simulation import simulated
+    from kanegen.studies.tradeoff.simulation import with_simulations
     from kanegen.studies.tradeoff.study import study
 
     system = load(model, floating_base, right_angles)
@@ -78,10 +78,10 @@ def tradeoff(
             require_one("objective", name, OBJECTIVES)
         found = study(system, terms, show_stage)
         if simulation:
-            found = simulated(system, found, show_stage)
+            found = with_simulations(system, found, show_stage)
     files.write(found)
     _show(found, objective or OBJECTIVES)
-    if any(entry.wrong for entry in found.entries):
+    if any(entry.wrong for entry in found.results):
         raise typer.Exit(FAILED)
 
 
@@ -127,9 +127,9 @@ def _show(found: Study, objectives: Sequence[str]) -> None:
     """Print a study for people."""
     from kanegen.studies.tradeoff import report, tables
 
-    terms = found.terms
+    terms = found.options
     screen.print(
-        f"[bold]{escape(found.model)}[/]: {found.n} freedoms, {len(found.entries)} variants, "
+        f"[bold]{escape(found.model)}[/]: {found.n} freedoms, {len(found.results)} variants, "
         f"{terms.states} random states, {terms.rounds} x {terms.seconds:g} s\n",
         soft_wrap=True,
     )
@@ -141,7 +141,9 @@ def _show(found: Study, objectives: Sequence[str]) -> None:
         screen.print(text_table(tables.FRESH, tables.fresh_rows(found, objective)))
     if found.runs:
         screen.print(f"[bold]Simulation[/] of {found.duration:.3g} s: the least work for an error")
-        screen.print(text_table(tables.SIMULATION, tables.simulation_rows(found), tables.SIMULATION_TEXTS))
+        screen.print(
+            text_table(tables.SIMULATION, tables.simulation_rows(found), tables.SIMULATION_TEXT_COLUMNS)
+        )
     lines = [f"Refused: {refusal.label}: {refusal.reason}" for refusal in found.refusals]
     lines += [f"Note: {note}." for note in found.notes]
     for line in (*lines, *report.statements(found)):

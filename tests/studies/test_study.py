@@ -20,7 +20,7 @@ from kanegen.studies.tradeoff.domain import UNIFORM, Domain, Sample, default_dom
 from kanegen.studies.tradeoff.evaluator import convert_sample
 from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations
 from kanegen.studies.tradeoff.hard_states import EQUILIBRIUM, GIMBAL_LOCK, STRAIGHT, climb, hard_states
-from kanegen.studies.tradeoff.pareto_front import TIE, Point, front, rank_correlation, verdict
+from kanegen.studies.tradeoff.pareto_front import TIE, Point, pareto_front, rank_correlation, verdict
 from tests.support import systems
 from tests.support.high_precision import true_values
 
@@ -46,8 +46,8 @@ def test_the_table_has_at_least_forty_variants_that_differ() -> None:
 
 def test_every_field_of_a_variant_is_in_the_table() -> None:
     levels = [level for choice in variants.CROSSED for level in choice]
-    varied = {name for level in (*levels, *variants.ALONE) for name in level}
-    assert varied == {field.name for field in fields(Variant)} | set(variants.OF_THE_SYSTEM)
+    varied = {name for level in (*levels, *variants.SINGLE_CHANGES) for name in level}
+    assert varied == {field.name for field in fields(Variant)} | set(variants.SYSTEM_CHOICES)
 
 
 def test_what_no_variant_can_be_is_refused_with_the_reason() -> None:
@@ -71,7 +71,7 @@ def test_front_against_brute_force(seed: int) -> None:
             q.time <= p.time and q.error <= p.error and (q.time, q.error) != (p.time, p.error) for q in finite
         )
     ]
-    found = front(points)
+    found = pareto_front(points)
     assert found == sorted(found, key=lambda p: p.time)
     assert all(any((p.time, p.error) == (q.time, q.error) for q in free) for p in found)
     assert all(b.time > a.time * (1 + TIE) and b.error < a.error for a, b in itertools.pairwise(found))
@@ -82,13 +82,15 @@ def test_front_against_brute_force(seed: int) -> None:
 def test_verdicts_in_words() -> None:
     fast, exact = Point("fast", 10.0, 1e-7), Point("exact", 20.0, 1e-16)
     assert (
-        "fast is 2 times as fast as exact, with 1e+09 times the error. The front: fast 10 ns, 1.0e-07; exact"
-        in verdict([fast, exact], str, [fast, exact])
+        "fast is 2 times as fast as exact, with 1e+09 times the error. "
+        "The Pareto front: fast 10 ns, 1.0e-07; exact" in verdict([fast, exact], str, [fast, exact])
     )
     flat = replace(fast, error=1.5e-16)
-    assert "No trade exists: from exact to fast the error grows only 1.50" in verdict([flat, exact], str, [])
+    assert "There is no trade-off: from exact to fast the error grows only 1.50" in verdict(
+        [flat, exact], str, []
+    )
     alone = verdict([fast], str, [fast, exact])
-    assert "No trade exists: fast is both the fastest (10 ns)" in alone
+    assert "There is no trade-off: fast is both the fastest (10 ns)" in alone
     assert "2.00 times as long" in alone
     assert "nothing to choose" in verdict([], str, [fast])
 

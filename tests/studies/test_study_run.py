@@ -77,7 +77,7 @@ def outcome() -> Study:
 
 @pytest.fixture
 def small_table(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setattr(variants, "choices", lambda: FEW)
+    monkeypatch.setattr(variants, "combinations", lambda: FEW)
     yield
 
 
@@ -95,7 +95,7 @@ def test_what_is_timed_computes_what_is_judged() -> None:
 
 
 def test_a_study_measures_everybody_and_shares_equal_programs(outcome: Study) -> None:
-    by_label = {entry.label: entry for entry in outcome.entries}
+    by_label = {entry.label: entry for entry in outcome.results}
     assert len(by_label) == 4
     spinning = by_label["articulated, -O0, angular velocity"]
     plain = by_label["articulated, -O0"]
@@ -103,14 +103,14 @@ def test_a_study_measures_everybody_and_shares_equal_programs(outcome: Study) ->
     assert (spinning.times, spinning.errors) == (plain.times, plain.errors)
     assert plain.errors["latency"].max < 1e-14
     assert 1e-9 < by_label["float, articulated, -O0"].errors["batch"].max < 1e-4
-    assert not any(entry.wrong for entry in outcome.entries)
+    assert not any(entry.wrong for entry in outcome.results)
     assert plain.times is not None
     assert outcome.points("batch")[0].time == plain.times["batch"].median
-    for objective, front in outcome.fronts.items():
+    for objective, front in outcome.pareto_fronts.items():
         assert any(confirmed.stays for confirmed in front)
         for confirmed in front:
             assert confirmed.found >= confirmed.errors.max
-            assert not np.array_equal(confirmed.errors.normwise, confirmed.entry.errors[objective].normwise)
+            assert not np.array_equal(confirmed.errors.normwise, confirmed.result.errors[objective].normwise)
 
 
 def test_who_cannot_be_built_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -133,12 +133,12 @@ def test_a_wrong_variant_is_not_timed(monkeypatch: pytest.MonkeyPatch, still: No
 
     monkeypatch.setattr(compilation, "generate_variant", generate_variant)
     found = study(HINGES, QUICK, quiet, variants=few())
-    wrong = [entry for entry in found.entries if entry.wrong]
+    wrong = [entry for entry in found.results if entry.wrong]
     assert [entry.label for entry in wrong] == ["factorisation, -O0"]
     assert wrong[0].wrong == 8
     assert wrong[0].times is None
     assert "Wrong, and not timed" in statements(found)[-1]
-    assert not any(c.entry is wrong[0] for front in found.fronts.values() for c in front)
+    assert not any(c.result is wrong[0] for front in found.pareto_fronts.values() for c in front)
     assert "| factorisation, -O0 | wrong |" in markdown(found)
 
 
@@ -153,11 +153,11 @@ def test_documents_are_the_same_but_for_times(still: None) -> None:
 def test_documents_hold_every_variant(outcome: Study) -> None:
     text, facts = markdown(outcome), json.loads(json_record(outcome))
     rows = list(csv.DictReader(io.StringIO(comma_separated(outcome))))
-    assert [row["variant"] for row in rows] == 2 * [entry.label for entry in outcome.entries]
-    assert [entry["variant"] for entry in facts["variants"]] == [entry.label for entry in outcome.entries]
-    for entry in outcome.entries:
+    assert [row["variant"] for row in rows] == 2 * [entry.label for entry in outcome.results]
+    assert [entry["variant"] for entry in facts["variants"]] == [entry.label for entry in outcome.results]
+    for entry in outcome.results:
         assert text.count(f"| {entry.label} |") >= 2
-    assert float(rows[0]["max"]) == outcome.entries[0].errors["latency"].max
+    assert float(rows[0]["max"]) == outcome.results[0].errors["latency"].max
     worst = facts["fronts"]["batch"][0]["worst_state"]
     assert len([float.fromhex(number) for number in worst["tau"]]) == 2
     assert "the same program as articulated, -O0" in text

@@ -24,10 +24,10 @@ from kanegen.studies.tradeoff.domain import default_domain, joined
 from kanegen.studies.tradeoff.evaluator import accelerations_of_driver
 from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations, unit_roundoff
 from kanegen.studies.tradeoff.hard_states import hard_states
-from kanegen.studies.tradeoff.outcome import Run, Study, StudyOptions
+from kanegen.studies.tradeoff.outcome import SimulationRun, Study, StudyOptions
 from kanegen.studies.tradeoff.plot import simulation_svg
 from kanegen.studies.tradeoff.report import json_record, markdown
-from kanegen.studies.tradeoff.simulation import simulated
+from kanegen.studies.tradeoff.simulation import with_simulations
 from kanegen.studies.tradeoff.study import study
 from kanegen.studies.tradeoff.tables import simulation_rows
 from kanegen.studies.tradeoff.variants import Candidate
@@ -51,10 +51,10 @@ def outcome() -> Study:
     patch = pytest.MonkeyPatch()
     patch.setattr(evaluator, "time_variants", invented)
     patch.setattr(simulation, "STEPS", (16, 32, 64))
-    patch.setattr(simulation, "FINEST", 1024)
+    patch.setattr(simulation, "REFERENCE_STEPS", 1024)
     wanted = [Candidate(STRICT), Candidate(Variant(precision="float"))]
     terms = StudyOptions(states=3, hard=1, search=0, rounds=1, seconds=0.0)
-    found = simulated(HINGES, study(HINGES, terms, quiet, variants=wanted), quiet)
+    found = with_simulations(HINGES, study(HINGES, terms, quiet, variants=wanted), quiet)
     patch.undo()
     return found
 
@@ -77,7 +77,7 @@ def test_errors_fall_by_the_order_of_the_method(outcome: Study) -> None:
 def test_the_end_is_that_of_the_reference_in_numpy(outcome: Study) -> None:
     """SciPy with accelerations from the NumPy reference: nothing of the C takes part."""
     model, _ = without_loads_and_parameters(HINGES)
-    start = outcome.domain.sample(1, (outcome.terms.seed, simulation.START))
+    start = outcome.domain.sample(1, (outcome.options.seed, simulation.START))
     x, y, n = start.x[0], 0.5 * start.y[0], 2
 
     def rates(time: float, state: np.ndarray) -> np.ndarray:
@@ -87,11 +87,11 @@ def test_the_end_is_that_of_the_reference_in_numpy(outcome: Study) -> None:
     span = (0.0, outcome.duration)
     end = solve_ivp(rates, span, np.concatenate([x, y]), "DOP853", rtol=1e-12, atol=1e-12).y[:n, -1]
     built = kg.build(model, (OUTPUT,))
-    for way in simulation.ways(built, x, y, outcome.duration):
-        error, evaluations = simulation.tried(way, built, way.motion(built))
+    for way in simulation.integrations(built, x, y, outcome.duration):
+        error, evaluations = simulation.run_integration(way, built, way.motion(built))
         assert error == 0
         assert evaluations > 0
-    finest = simulation.fixed(x, y, outcome.duration, "RK4", 1024, True).motion(built)
+    finest = simulation.fixed_step(x, y, outcome.duration, "RK4", 1024, True).motion(built)
     assert finest.x[-1] == pytest.approx(end, abs=1e-9)
 
 
@@ -102,7 +102,7 @@ def test_the_cheapest_way_to_every_error(outcome: Study) -> None:
         (own,) = [r for r in outcome.runs if (r.variant, r.method, r.setting) == (variant, method, setting)]
         assert own.error <= float(level)
         assert all(r.work >= own.work for r in outcome.runs if r.error <= float(level))
-    assert Run("a", "RK4", "1 step", 4, 250.0, 0.0).work == pytest.approx(1e-6)
+    assert SimulationRun("a", "RK4", "1 step", 4, 250.0, 0.0).work == pytest.approx(1e-6)
 
 
 def test_simulations_in_the_documents(outcome: Study) -> None:
@@ -117,8 +117,8 @@ def test_a_simulation_that_fails_has_an_infinite_error() -> None:
     def fails(library: kg.Library) -> Any:
         raise kg.SingularError("nothing")
 
-    way = simulation.Way("RK4", "1 step", fails)
-    assert simulation.tried(way, kg.build(HINGES, (OUTPUT,)), None) == (np.inf, 0)  # type: ignore[arg-type]
+    way = simulation.Integration("RK4", "1 step", fails)
+    assert simulation.run_integration(way, kg.build(HINGES, (OUTPUT,)), None) == (np.inf, 0)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("variant", PRECISIONS, ids=lambda v: f"{v.precision} {v.storage} {v.sincos}")

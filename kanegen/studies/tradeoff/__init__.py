@@ -1,11 +1,13 @@
-"""Speed against accuracy: every variant of a model measured, and which of them are worth having.
+"""Speed against accuracy: every variant of a model is measured, and the Pareto front is confirmed.
 
-The extra `study` brings what this needs: certified truth, rank correlations and pictures. The module `study`
-has the study itself.
+`study.study` is the study itself, `report`, `tables` and `plot` write it down, and `simulation` shows what
+variants are worth when a motion is integrated. `evaluator.VariantEvaluator` builds, measures and times
+variants for this study and for `studies.budget`. The package needs the extra `study`, which brings certified
+truth, rank correlations and pictures.
 """
 
 EXTRA = "study"
-"""What to install."""
+"""The extra that installs the packages in `NEEDS`."""
 
 NEEDS = ("flint", "matplotlib", "scipy")
-"""Packages that it brings."""
+"""The optional packages that a study needs."""

@@ -1,4 +1,4 @@
-"""Variants become compiled libraries; those that cannot are refused with the reason."""
+"""Variants as compiled libraries; a variant that cannot be built is refused with the reason."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 
 from kanegen import compiler, library
 from kanegen.c import Source
@@ -23,42 +22,46 @@ _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 
 @dataclass(frozen=True)
 class CompiledVariant:
-    """A candidate as compiled code."""
+    """A variant as a compiled library.
+
+    Attributes:
+        candidate: The variant.
+        library: The library of its forward dynamics.
+    """
 
     candidate: Candidate
     library: Library
 
     @property
-    def file(self) -> Path:
-        """The shared library."""
-        return self.library.path
-
-    @property
     def size(self) -> int:
-        """Bytes of the shared library."""
-        return self.file.stat().st_size
+        """Size of the shared library in bytes."""
+        return self.library.path.stat().st_size
 
     @property
     def operations(self) -> int:
-        """Operations of one evaluation, sines and cosines counted as one each."""
+        """Number of operations of one evaluation; a sine and cosine count as one each."""
         return sum(self.library.source.operations.values()) - self.library.source.operations["prepare"]
 
     @property
     def fingerprint(self) -> tuple[str, ...]:
-        """What the machine code depends on: variants with the same one are the same program."""
+        """Compiler flags and C without comments; variants with the same fingerprint are the same program."""
         source = self.library.source
-        return (*source.variant.flags, *_code(source))
+        names = sorted(name for name in source.files if name.endswith((".c", ".h")))
+        return (*source.variant.flags, *(_COMMENT.sub("", source.files[name]) for name in names))
 
 
 def compile_variants(
     system: System, candidates: Iterable[Candidate], progress: Progress
 ) -> tuple[list[CompiledVariant], list[Refusal]]:
-    """Every candidate compiled, in order, and the others with the reason.
+    """Generate and compile candidates, several at a time.
 
     Args:
-        system: The tree.
-        candidates: What to compile.
-        progress: Told the name of each stage.
+        system: The system whose forward dynamics they compute.
+        candidates: The variants to compile.
+        progress: Function that is called with the name of each stage.
+
+    Returns:
+        The compiled variants in the order of the candidates, and the refusals of the others.
     """
     sources: dict[Candidate, Source] = {}
     refused: list[Refusal] = []
@@ -76,25 +79,15 @@ def compile_variants(
         try:
             built.append(CompiledVariant(candidate, future.result()))
         except KanegenError as error:
-            refused.append(Refusal(candidate.label, _first_line(str(error))))
+            first_line, *_ = str(error).splitlines()
+            refused.append(Refusal(candidate.label, first_line))
     return built, refused
 
 
 def generate_variant(system: System, candidate: Candidate) -> Source:
-    """The C of a candidate.
+    """Return the C of the forward dynamics of a system by one variant.
 
     Raises:
         OptionError, ModelError, SingularError: As `kanegen.generate`.
     """
     return compiler.generate(candidate.of(system), (OUTPUT,), tier=candidate.variant)
-
-
-def _code(source: Source) -> list[str]:
-    """The C without its comments."""
-    names = sorted(name for name in source.files if name.endswith((".c", ".h")))
-    return [_COMMENT.sub("", source.files[name]) for name in names]
-
-
-def _first_line(text: str) -> str:
-    """Of the words of a compiler, which may be many."""
-    return text.splitlines()[0]

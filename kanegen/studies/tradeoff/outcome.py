@@ -1,4 +1,4 @@
-"""What comes of a study."""
+"""The options and the outcome of a study as frozen data."""
 
 from __future__ import annotations
 
@@ -18,16 +18,18 @@ RANKED_BY = ("median", "p99", "max")
 
 @dataclass(frozen=True)
 class StudyOptions:
-    """How a study is held.
+    """The options of a study.
 
     Attributes:
-        states: Of the sample by which variants are selected, and of the fresh one that confirms the best.
-        hard: States of each stratum of hard ones.
-        search: States that are tried, for every variant on a front, to find its largest error.
-        rounds: Of timing, in each of which every variant has one turn.
-        seconds: Of each of the two ways to call, in every turn.
-        seed: Of all samples.
-        quantile: The error that counts, one of `RANKED_BY`.
+        states: Number of states of the sample that selects variants and of the fresh sample that confirms
+            them.
+        hard: Number of hard states of each kind.
+        search: Number of states that are tried, for every variant on a Pareto front, to find its largest
+            error.
+        rounds: Number of rounds of timing, in each of which every variant has one turn.
+        seconds: Duration of the timing of one objective in every turn (s).
+        seed: Seed of all samples.
+        quantile: Quantile of the errors that ranks variants, one of `RANKED_BY`.
     """
 
     states: int = 256
@@ -40,16 +42,16 @@ class StudyOptions:
 
 
 @dataclass(frozen=True)
-class Entry:
+class VariantResult:
     """A variant and what was measured of it.
 
     Attributes:
         candidate: The variant.
-        operations: Of one evaluation.
-        size: Bytes of the shared library.
-        errors: In the uniform sample, by objective.
-        hard: In the hard states, by stratum and objective.
-        times: Times by objective; None where results are wrong.
+        operations: Number of operations of one evaluation.
+        size: Size of the shared library in bytes.
+        errors: Errors in the uniform sample, by objective.
+        hard: Errors in the hard states, by the kind of the states and by objective.
+        times: Times by objective; None if results are wrong.
         same_as: Label of the variant with which it shares its program, its errors and its times.
     """
 
@@ -63,39 +65,39 @@ class Entry:
 
     @property
     def label(self) -> str:
-        """Of the variant."""
+        """The choices of the variant in a few words."""
         return self.candidate.label
 
     @property
     def wrong(self) -> int:
-        """States, of either way to call, in which the result does not solve the equations."""
+        """Number of results, over all objectives, that do not solve the equations."""
         return sum(int(errors.wrong.sum()) for errors in self.errors.values())
 
     def failed(self, objective: str) -> int:
-        """States of the uniform sample without a finite result."""
+        """Return the number of states of the uniform sample without a finite result."""
         return int(self.errors[objective].failed.sum())
 
-    def point(self, objective: str, share: float) -> Point[Entry] | None:
-        """Where it stands; None where it is not timed."""
+    def point(self, objective: str, share: float) -> Point[VariantResult] | None:
+        """Return its median time and the error that a share of the states keeps; None if it is not timed."""
         if self.times is None:
             return None
         return Point(self, self.times[objective].median, self.errors[objective].quantile(share))
 
 
 @dataclass(frozen=True)
-class Confirmed:
-    """A variant on a front, measured again: in fresh states, and in other processes.
+class ConfirmedVariant:
+    """A variant on a Pareto front, measured again in fresh states and timed again in other processes.
 
     Attributes:
-        entry: As it was selected.
-        errors: In the fresh states.
-        times: Fresh times, by objective.
-        found: The largest error that a search found, and `state`, the numbers of that state.
-        state: x, y and tau.
-        stays: Whether it is on the front of the fresh figures, too.
+        result: The result by which it was selected.
+        errors: Errors in the fresh states.
+        times: The second times, by objective.
+        found: The largest error that a search found.
+        state: x, y and tau of the state of this error.
+        stays: Whether the variant is on the Pareto front of the second figures as well.
     """
 
-    entry: Entry
+    result: VariantResult
     errors: Measurement
     times: Mapping[str, Times]
     found: float
@@ -104,16 +106,16 @@ class Confirmed:
 
 
 @dataclass(frozen=True)
-class Run:
-    """One simulation.
+class SimulationRun:
+    """One simulation of a motion by one variant.
 
     Attributes:
         variant: Label of the variant.
-        method: Of integration.
-        setting: Its step or tolerance, in words.
-        evaluations: Of forward dynamics.
-        nanoseconds: Of one evaluation.
-        error: Of the coordinates at the end; infinite where it failed.
+        method: Method of integration.
+        setting: Step or tolerance of the method, in words.
+        evaluations: Number of evaluations of forward dynamics.
+        nanoseconds: Time of one evaluation (ns).
+        error: Error of the coordinates at the end; infinite if the simulation failed.
     """
 
     variant: str
@@ -125,60 +127,60 @@ class Run:
 
     @property
     def work(self) -> float:
-        """Seconds that the evaluations take; what an integrator does beside them does not count."""
+        """Time of all evaluations (s), without what the integrator does beside them."""
         return 1e-9 * self.evaluations * self.nanoseconds
 
 
 @dataclass(frozen=True)
 class Study:
-    """One model: every variant, and which are worth having.
+    """The outcome of a study of one model.
 
     Attributes:
-        model: Its name.
+        model: Name of the model.
         n: Number of freedoms.
         notes: What was changed in the model so that variants can be timed.
-        domain: The states.
-        terms: Of the study.
-        entries: Every variant that could be built.
-        refusals: Every other one.
-        fronts: By objective, the fastest variant first.
+        domain: The states of the study.
+        options: Options of the study.
+        results: Results of all variants that could be built.
+        refusals: The variants that could not be built, with the reasons.
+        pareto_fronts: The confirmed variants on the Pareto front of each objective, the fastest first.
         runs: Simulations, if any were made.
-        duration: Of the motion that was simulated, s.
+        duration: Duration of the simulated motion (s).
     """
 
     model: str
     n: int
     notes: tuple[str, ...]
     domain: Domain
-    terms: StudyOptions
-    entries: tuple[Entry, ...]
+    options: StudyOptions
+    results: tuple[VariantResult, ...]
     refusals: tuple[Refusal, ...]
-    fronts: Mapping[str, tuple[Confirmed, ...]]
-    runs: tuple[Run, ...] = ()
+    pareto_fronts: Mapping[str, tuple[ConfirmedVariant, ...]]
+    runs: tuple[SimulationRun, ...] = ()
     duration: float = 0.0
 
     @property
     def share(self) -> float:
-        """The quantile that counts."""
-        return QUANTILES[self.terms.quantile]
+        """Share of the states that keep the error by which variants are ranked."""
+        return QUANTILES[self.options.quantile]
 
-    def points(self, objective: str) -> list[Point[Entry]]:
-        """Where every timed variant stands."""
-        found = (entry.point(objective, self.share) for entry in self.entries)
+    def points(self, objective: str) -> list[Point[VariantResult]]:
+        """Return time and error of every timed variant."""
+        found = (result.point(objective, self.share) for result in self.results)
         return [point for point in found if point is not None]
 
     def verdict(self, objective: str) -> str:
-        """Whether there is a trade, in words, by the fresh figures."""
+        """Return in words whether there is a trade-off, by the second figures of the Pareto front."""
         fresh = [
-            Point(c.entry, c.times[objective].median, c.errors.quantile(self.share))
-            for c in self.fronts[objective]
+            Point(c.result, c.times[objective].median, c.errors.quantile(self.share))
+            for c in self.pareto_fronts[objective]
             if c.stays
         ]
         fresh.sort(key=lambda point: point.time)
-        return verdict(fresh, lambda entry: entry.label, self.points(objective))
+        return verdict(fresh, lambda result: result.label, self.points(objective))
 
     def rank_correlation(self, objective: str) -> float:
-        """Spearman's rho of operations and times, over programs that differ."""
-        timed = [entry for entry in self.entries if entry.times is not None and entry.same_as is None]
-        times = [entry.times[objective].median for entry in timed if entry.times is not None]
-        return rank_correlation([entry.operations for entry in timed], times)
+        """Return Spearman's rho of operation counts and times, over all different programs."""
+        timed = [result for result in self.results if result.times is not None and result.same_as is None]
+        times = [result.times[objective].median for result in timed if result.times is not None]
+        return rank_correlation([result.operations for result in timed], times)

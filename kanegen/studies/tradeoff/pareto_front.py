@@ -1,4 +1,4 @@
-"""Which variants are worth having: those that no other beats in time and error at once."""
+"""The Pareto front: the variants that no other variant beats in both time and error."""
 
 from __future__ import annotations
 
@@ -12,25 +12,31 @@ from scipy import stats
 T = TypeVar("T")
 
 TIE = 0.02
-"""Times that differ by no more count as equal; the more accurate one then stands for both."""
+"""Relative difference up to which two times count as equal; the more accurate point then stands for both."""
 
 FLAT = 2.0
-"""A ratio of errors below which nobody would give up speed."""
+"""Ratio of errors below which a front has no trade-off: nobody would give up speed for so little."""
 
 
 @dataclass(frozen=True)
 class Point(Generic[T]):
-    """Something with a time and an error."""
+    """An object with a time and an error.
+
+    Attributes:
+        what: The object.
+        time: Its time (ns).
+        error: Its error.
+    """
 
     what: T
     time: float
     error: float
 
 
-def front(points: Iterable[Point[T]]) -> list[Point[T]]:
-    """The Pareto front, the fastest first; the errors fall along it.
+def pareto_front(points: Iterable[Point[T]]) -> list[Point[T]]:
+    """Return the points on the Pareto front, the fastest first; the errors fall along it.
 
-    Of points with the same time and error the first stays. A point without a finite time and error is on no
+    Of points with the same time and error the first is kept. A point without a finite time and error is on no
     front.
     """
     usable = [point for point in points if math.isfinite(point.time) and math.isfinite(point.error)]
@@ -42,7 +48,7 @@ def front(points: Iterable[Point[T]]) -> list[Point[T]]:
 
 
 def _without_ties(points: Sequence[Point[T]]) -> list[Point[T]]:
-    """From the most accurate on, whoever is not faster than the last one kept by more than a tie goes."""
+    """Drop each point that is at most a tie faster than the next more accurate point that is kept."""
     kept: list[Point[T]] = []
     for point in reversed(points):
         if not kept or point.time * (1 + TIE) < kept[-1].time:
@@ -50,44 +56,45 @@ def _without_ties(points: Sequence[Point[T]]) -> list[Point[T]]:
     return kept[::-1]
 
 
-def verdict(points: Sequence[Point[T]], label: Callable[[T], str], every: Sequence[Point[T]]) -> str:
-    """A front in words: what a trade costs and brings, or that there is none.
+def verdict(front: Sequence[Point[T]], label: Callable[[T], str], every: Sequence[Point[T]]) -> str:
+    """Return in words what a trade-off costs and brings, or that there is none.
 
     Args:
-        points: The front.
-        label: Names what stands in a point.
-        every: All points, for what they span.
+        front: The points on the Pareto front, the fastest first.
+        label: Function that returns the name of the object of a point.
+        every: All points, whose slowest one is named if there is no trade-off.
     """
-    if not points:
+    if not front:
         return "No variant gives finite results in every state, so there is nothing to choose from."
-    fast, accurate = points[0], points[-1]
-    if len(points) == 1:
+    fast, accurate = front[0], front[-1]
+    if len(front) == 1:
         others = [point for point in every if point is not fast and math.isfinite(point.time)]
         slowest = max((point.time for point in others), default=fast.time)
         return (
-            f"No trade exists: {label(fast.what)} is both the fastest ({fast.time:.3g} ns) and the most "
-            f"accurate ({fast.error:.1e}); the others take up to {slowest / fast.time:.2f} times as long."
+            f"There is no trade-off: {label(fast.what)} is both the fastest ({fast.time:.3g} ns) and the "
+            f"most accurate ({fast.error:.1e}); the others take up to {slowest / fast.time:.2f} times as "
+            "long."
         )
-    speed, loss = accurate.time / fast.time, _ratio(fast.error, accurate.error)
+    speed = accurate.time / fast.time
+    loss = fast.error / accurate.error if accurate.error > 0 else math.inf
     if loss < FLAT:
         return (
-            f"No trade exists: from {label(accurate.what)} to {label(fast.what)} the error grows only "
-            f"{loss:.2f} times, from {accurate.error:.1e} to {fast.error:.1e}, and the time falls "
+            f"There is no trade-off: from {label(accurate.what)} to {label(fast.what)} the error grows "
+            f"only {loss:.2f} times, from {accurate.error:.1e} to {fast.error:.1e}, and the time falls "
             f"{speed:.2f} times, from {accurate.time:.3g} to {fast.time:.3g} ns: the fastest will do for all."
         )
-    steps = "; ".join(f"{label(point.what)} {point.time:.3g} ns, {point.error:.1e}" for point in points)
+    steps = "; ".join(f"{label(point.what)} {point.time:.3g} ns, {point.error:.1e}" for point in front)
     return (
-        f"A trade exists: {label(fast.what)} is {speed:.3g} times as fast as {label(accurate.what)}, with "
-        f"{loss:.2g} times the error. The front: {steps}."
+        f"There is a trade-off: {label(fast.what)} is {speed:.3g} times as fast as {label(accurate.what)}, "
+        f"with {loss:.2g} times the error. The Pareto front: {steps}."
     )
 
 
-def _ratio(larger: float, smaller: float) -> float:
-    return larger / smaller if smaller > 0 else math.inf
-
-
 def rank_correlation(costs: Sequence[float], times: Sequence[float]) -> float:
-    """Spearman's rho; NaN where all costs or all times are equal, or there are fewer than three."""
+    """Return Spearman's rho of costs and times.
+
+    It is NaN if there are fewer than three of them, or if all costs or all times are equal.
+    """
     if len(costs) < 3 or len(set(costs)) == 1 or len(set(times)) == 1:
         return math.nan
     return float(stats.spearmanr(costs, times).statistic)

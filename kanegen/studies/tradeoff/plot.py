@@ -1,4 +1,4 @@
-"""The picture: time against error, both logarithmic, for one state a call and for batches."""
+"""The pictures of a study: error against time of its variants, and error against work of its simulations."""
 
 from __future__ import annotations
 
@@ -11,17 +11,25 @@ from kanegen.extras import module
 from kanegen.measure.timing import OBJECTIVES
 from kanegen.measure.truth.bounds import FACTOR
 from kanegen.measure.truth.measurement import Measurement
-from kanegen.studies.tradeoff.outcome import Run, Study
+from kanegen.studies.tradeoff.outcome import SimulationRun, Study
 from kanegen.studies.tradeoff.tables import TITLES
 
 STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
+"""Settings of matplotlib for all pictures; the salt makes the SVG reproducible."""
+
 _MARKS = {"articulated bodies": "o", "factorisation": "s", "cheapest": "o"}
+
 LEAST = 1e-40
-"""Where an error of 0 stands."""
+"""The error at which an error of 0 is drawn."""
+
+_LINES = {"semi-implicit Euler": ":", "RK4": "-", "RK4, compensated": "-.", "DOP853": "--"}
 
 
 def tradeoff_svg(study: Study) -> str:
-    """Above, errors, from the median to the one that counts; below, the largest over what the problem costs.
+    """Return the picture of a study as SVG: error against time of every variant, a column for each objective.
+
+    The upper row has the errors, from the median to the quantile by which variants are ranked. The lower row
+    has the largest errors divided by what the conditioning of the problem explains.
 
     Raises:
         MissingError: If matplotlib is not installed.
@@ -35,7 +43,7 @@ def tradeoff_svg(study: Study) -> str:
             _shares(panels[1][column], study, objective)
             panels[0][column].set_title(f"{study.model}, {TITLES[objective]}")
             panels[1][column].set_xlabel("ns")
-        panels[0][0].set_ylabel(f"normwise error, median to {study.terms.quantile}")
+        panels[0][0].set_ylabel(f"normwise error, median to {study.options.quantile}")
         panels[1][0].set_ylabel("largest error / u chi formation (4 N + kappa_s)")
         handles = {text: handle for panel in panels.flat for handle, text in _legend(panel)}
         figure.legend(handles.values(), handles.keys(), ncols=4, loc="outside upper center")
@@ -45,13 +53,14 @@ def tradeoff_svg(study: Study) -> str:
 
 
 def _errors(panel: Any, study: Study, objective: str) -> None:
+    """Draw the errors of all variants and the Pareto front."""
     _scatter(panel, study, objective, lambda errors: errors.quantile(study.share))
     for point in study.points(objective):
         ends = (point.what.errors[objective].median, point.error)
         if all(map(math.isfinite, ends)):
             panel.plot([point.time] * 2, [max(end, LEAST) for end in ends], color="0.85", zorder=0)
-    best = [confirmed.entry for confirmed in study.fronts[objective]]
-    corners = [point for point in study.points(objective) if any(point.what is entry for entry in best)]
+    best = [confirmed.result for confirmed in study.pareto_fronts[objective]]
+    corners = [point for point in study.points(objective) if any(point.what is result for result in best)]
     corners.sort(key=lambda point: point.time)
     panel.step(
         [point.time for point in corners],
@@ -64,11 +73,13 @@ def _errors(panel: Any, study: Study, objective: str) -> None:
 
 
 def _shares(panel: Any, study: Study, objective: str) -> None:
+    """Draw the errors of all variants in units of their bound, and the promised limit."""
     _scatter(panel, study, objective, lambda errors: errors.bound_share)
     panel.axhline(FACTOR, color="0.3", linewidth=0.8, linestyle="--", label="what is promised")
 
 
 def _scatter(panel: Any, study: Study, objective: str, figure: Callable[[Measurement], float]) -> None:
+    """Draw a figure of the errors of each program against its time; colours are precisions, marks solvers."""
     colours = {name: f"C{number}" for number, name in enumerate(_precisions(study))}
     for point in study.points(objective):
         if point.what.same_as is None:
@@ -86,18 +97,19 @@ def _scatter(panel: Any, study: Study, objective: str, figure: Callable[[Measure
 
 
 def _precisions(study: Study) -> list[str]:
-    return list(dict.fromkeys(entry.candidate.variant.precision for entry in study.entries))
+    """Return the precisions of all variants, each once."""
+    return list(dict.fromkeys(result.candidate.variant.precision for result in study.results))
 
 
 def _legend(panel: Any) -> list[tuple[Any, str]]:
+    """Return the drawn objects of a panel with their labels."""
     return list(zip(*panel.get_legend_handles_labels(), strict=True))
 
 
-_LINES = {"semi-implicit Euler": ":", "RK4": "-", "RK4, compensated": "-.", "DOP853": "--"}
-
-
 def simulation_svg(study: Study) -> str:
-    """Work against error: a colour for every variant, a kind of line for every method.
+    """Return the picture of the simulations as SVG: error at the end against the time of all evaluations.
+
+    Every variant has a colour, and every method of integration a line style.
 
     Raises:
         MissingError: If matplotlib is not installed.
@@ -124,7 +136,8 @@ def simulation_svg(study: Study) -> str:
     return text.getvalue()
 
 
-def _curve(panel: Any, runs: Sequence[Run], colour: str) -> None:
+def _curve(panel: Any, runs: Sequence[SimulationRun], colour: str) -> None:
+    """Draw the finite errors of the simulations of one variant with one method."""
     finite = [run for run in runs if math.isfinite(run.error)]
     panel.plot(
         [1e3 * run.work for run in finite],

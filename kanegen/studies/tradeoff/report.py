@@ -1,4 +1,4 @@
-"""A study in words and tables. Only the times differ from run to run."""
+"""A study as a Markdown report, as CSV and as JSON; only the times differ from run to run."""
 
 from __future__ import annotations
 
@@ -17,42 +17,51 @@ from kanegen.measure.truth.bounds import FACTOR
 from kanegen.measure.truth.errors import GATE
 from kanegen.measure.truth.measurement import Measurement
 from kanegen.studies.markdown import markdown_table
-from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
+from kanegen.studies.tradeoff import tables
+from kanegen.studies.tradeoff.outcome import ConfirmedVariant, Study, VariantResult
 from kanegen.studies.tradeoff.pareto_front import TIE
-from kanegen.studies.tradeoff.tables import (
-    FRESH,
-    SIMULATION,
-    SIMULATION_TEXTS,
-    TITLES,
-    fresh_rows,
-    head,
-    plain,
-    rows,
-    simulation_method,
-    simulation_rows,
-    strata,
-)
+from kanegen.studies.tradeoff.tables import TITLES
 
-_CONCERNS = {
-    "max": "the largest error of the sample counts",
-    "p99": "the error that 99 % of the states do not exceed counts",
-    "median": "the median error counts",
+_RANKED_BY = {
+    "max": "the largest error of the sample",
+    "p99": "the error that 99 % of the states keep",
+    "median": "the median error",
 }
-"""What a front is about."""
+"""The error by which a study ranks variants, in words, by the name of its quantile."""
 
-_COLUMNS = (
+_CSV_COLUMNS = (
     *("variant", "objective", "nanoseconds", "least", "operations", "bytes"),
     *("median", "p99", "max", "componentwise", "of_bound"),
 )
-"""Of the CSV, before those of strata."""
+"""Columns of the CSV before those of hard states."""
+
+_METHOD = """
+The error is the normwise relative error of {{ydot}} after unit scaling, compared with certified truth. The
+columns *median*, *99 %* and *max* hold its quantiles over {options.states} random states, which are
+uniformly distributed over a box{clearance}; `tradeoff.json` lists its ranges. All numbers of a state are
+rounded to single precision, so that every variant solves the same problem; variants with other generalized
+speeds get the same physical states. A state without a finite result counts as an infinite error. {hard} the
+largest error in {options.hard} states in which arithmetic is hard. *of bound* is the largest error over u
+chi formation (4 N + kappa_s), which is promised to be at most {factor:g}. Here u is the unit roundoff or,
+if that is larger, the error of the sine and cosine of the variant. A result whose backward error exceeds
+{gate:g} N u is called wrong, not inaccurate.
+
+*ns* is the median time of one evaluation over {options.rounds} rounds of {options.seconds:g} s, *least* the
+time in the fastest round. In each round every variant has one turn in a process of its own, with a fresh
+copy of the library whose errors were measured. *ops* is the number of operations of one evaluation. The
+Pareto front compares the times with {ranked_by}; times that differ by less than {tie:g} % count as equal.
+Its variants were measured again, in fresh states and other processes: *stays* says whether a variant is
+still on the front. A search then tried {options.search} states to find a larger error; *found* is the
+largest. All samples have the seed {options.seed}.
+"""
 
 
 def statements(study: Study) -> list[str]:
-    """What is to be said beside the tables, a line each."""
+    """Return the conclusions of a study, a sentence or more in each line."""
     lines = [f"{TITLES[objective].capitalize()}: {study.verdict(objective)}" for objective in OBJECTIVES]
-    rho = [f"{TITLES[o]} {plain(study.rank_correlation(o))}" for o in OBJECTIVES]
+    rho = [f"{TITLES[o]} {tables.two_digits(study.rank_correlation(o))}" for o in OBJECTIVES]
     lines.append(f"Spearman's rank correlation of operation counts and measured times: {', '.join(rho)}.")
-    wrong = [entry.label for entry in study.entries if entry.wrong]
+    wrong = [result.label for result in study.results if result.wrong]
     if wrong:
         lines.append(
             f"Wrong, and not timed, because no rounding explains their backward errors: {'; '.join(wrong)}."
@@ -61,10 +70,10 @@ def statements(study: Study) -> list[str]:
 
 
 def markdown(study: Study) -> str:
-    """The whole report."""
+    """Return the report of a study in Markdown."""
     parts = [
         f"# Speed against accuracy: {study.model}",
-        f"{study.n} freedoms, {len(study.entries)} variants, {len(study.refusals)} refused.",
+        f"{study.n} freedoms, {len(study.results)} variants, {len(study.refusals)} refused.",
         "\n".join(f"- {line}" for line in statements(study)),
         "![Work and precision](tradeoff.svg)",
         "## How",
@@ -72,22 +81,21 @@ def markdown(study: Study) -> str:
     ]
     for objective in OBJECTIVES:
         parts += [
-            f"## Front, {TITLES[objective]}",
-            markdown_table(FRESH, fresh_rows(study, objective)),
+            f"## Pareto front, {TITLES[objective]}",
+            markdown_table(tables.FRESH, tables.fresh_rows(study, objective)),
             f"## All variants, {TITLES[objective]}",
-            markdown_table(head(study), rows(study, objective)),
+            markdown_table(tables.head(study), tables.rows(study, objective)),
         ]
     if study.runs:
-        picture = "![Simulations](tradeoff-simulation.svg)"
         parts += [
             "## Simulation",
-            simulation_method(study),
-            picture,
-            markdown_table(SIMULATION, simulation_rows(study), SIMULATION_TEXTS),
+            tables.simulation_method(study),
+            "![Simulations](tradeoff-simulation.svg)",
+            markdown_table(tables.SIMULATION, tables.simulation_rows(study), tables.SIMULATION_TEXT_COLUMNS),
         ]
-    same = [entry for entry in study.entries if entry.same_as]
+    same = [result for result in study.results if result.same_as]
     if same:
-        lines = [f"- {entry.label}: the same program as {entry.same_as}" for entry in same]
+        lines = [f"- {result.label}: the same program as {result.same_as}" for result in same]
         parts += ["## Equal programs", "\n".join(lines)]
     if study.refusals:
         lines = [f"- {refusal.label}: {refusal.reason}" for refusal in study.refusals]
@@ -98,103 +106,88 @@ def markdown(study: Study) -> str:
 
 
 def comma_separated(study: Study) -> str:
-    """A line for each variant and objective, all figures in full."""
+    """Return a study as CSV: a line for each variant and objective, with all digits of the figures."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*_COLUMNS, *strata(study), "failed", "wrong", "same_as", "front"])
+    writer.writerow([*_CSV_COLUMNS, *tables.hard_kinds(study), "failed", "wrong", "same_as", "front"])
     for objective in OBJECTIVES:
-        on_front = [confirmed.entry.label for confirmed in study.fronts[objective]]
-        for entry in study.entries:
-            errors, times = entry.errors[objective], entry.times
+        on_front = [confirmed.result.label for confirmed in study.pareto_fronts[objective]]
+        for result in study.results:
+            errors, times = result.errors[objective], result.times
             speed = [times[objective].median, times[objective].least] if times else ["", ""]
             figures = [errors.median, errors.p99, errors.max, errors.componentwise.max(), errors.bound_share]
-            hardest = [found[objective].max for found in entry.hard.values()]
-            ends = [entry.failed(objective), entry.wrong, entry.same_as or "", entry.label in on_front]
-            start = [entry.label, objective, *speed, entry.operations, entry.size]
+            hardest = [found[objective].max for found in result.hard.values()]
+            ends = [result.failed(objective), result.wrong, result.same_as or "", result.label in on_front]
+            start = [result.label, objective, *speed, result.operations, result.size]
             writer.writerow([*start, *figures, *hardest, *ends])
     return text.getvalue()
 
 
-_METHOD = """
-Errors are those of {{ydot}}, normwise after unit scaling, against certified truth, in {terms.states} states
-drawn uniformly from a box{beside}; `tradeoff.json` has its ranges. States are rounded to single precision, so
-that every variant solves the same problem; with other generalized speeds they are the same physical states. A
-state without a finite result counts as an infinite error. Under {hard} stand the largest errors in
-{terms.hard} states each that were drawn to be hard. *of bound* is the largest error over
-u chi formation (4 N + kappa_s), of which {factor:g} is promised; u is the unit roundoff or, where that is
-larger, the error of the variant's sine and cosine. A result whose backward error exceeds {gate:g} N u is
-wrong, not inaccurate.
-
-*ns* are medians over {terms.rounds} rounds of {terms.seconds:g} s, *least* the fastest ones; each round gives
-every variant a turn in a process of its own, with a fresh copy of the library whose errors were measured.
-*ops* are operations of one evaluation. On a front {concern}, and times that differ by less than {tie:g} %
-count as equal. Its variants were measured again, in fresh states and other processes: *stays* says who is
-still on the front. {terms.search} states were tried to find an error larger than the fresh ones; *found* is
-the largest. All samples have the seed {terms.seed}.
-"""
-
-
-def _method(study: Study) -> str:
-    clearance = study.domain.clearance
-    text = _METHOD.format(
-        terms=study.terms,
-        beside=f", which stays {clearance:g} clear of gimbal lock" if clearance else "",
-        hard=" and ".join(f"*{name}*" for name in strata(study)),
-        factor=FACTOR,
-        gate=GATE,
-        concern=_CONCERNS[study.terms.quantile],
-        tie=100 * TIE,
-    )
-    return "\n\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
-
-
 def json_record(study: Study) -> str:
-    """Everything as JSON, with the machine's description."""
-    facts = {
+    """Return a study as JSON: every figure, the states in hexadecimal, and a description of the machine."""
+    record = {
         "kanegen": __version__,
         "machine": machine.description(),
         "model": study.model,
         "freedoms": study.n,
         "notes": list(study.notes),
-        "terms": asdict(study.terms),
+        "terms": asdict(study.options),
         "domain": study.domain.as_dict(),
         "statements": statements(study),
-        "variants": [_entry_record(entry) for entry in study.entries],
+        "variants": [_variant_record(result) for result in study.results],
         "refused": [asdict(refusal) for refusal in study.refusals],
         "fronts": {
             objective: [_confirmed_record(confirmed, objective) for confirmed in front]
-            for objective, front in study.fronts.items()
+            for objective, front in study.pareto_fronts.items()
         },
         "simulation": {
             "seconds": study.duration,
             "runs": [{**asdict(run), "error": _finite(run.error)} for run in study.runs],
         },
     }
-    return json.dumps(facts, indent=2) + "\n"
+    return json.dumps(record, indent=2) + "\n"
 
 
-def _entry_record(entry: Entry) -> dict[str, Any]:
+def _method(study: Study) -> str:
+    """Return the paragraphs that explain the figures of a study."""
+    distance, kinds = study.domain.clearance, [f"*{name}*" for name in tables.hard_kinds(study)]
+    columns = " and ".join(part for part in (", ".join(kinds[:-1]), *kinds[-1:]) if part)
+    text = _METHOD.format(
+        options=study.options,
+        clearance=f" that keeps the distance {distance:g} from gimbal lock" if distance else "",
+        hard=f"The columns {columns} each hold" if len(kinds) > 1 else f"The column {columns} holds",
+        factor=FACTOR,
+        gate=GATE,
+        ranked_by=_RANKED_BY[study.options.quantile],
+        tie=100 * TIE,
+    )
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in text.split("\n\n"))
+
+
+def _variant_record(result: VariantResult) -> dict[str, Any]:
+    """Return the result of one variant as plain data."""
     return {
-        "variant": entry.label,
-        "choices": dict(entry.candidate.variant.described()),
-        "speeds": entry.candidate.speeds,
-        "coordinates": entry.candidate.coordinates,
-        "operations": entry.operations,
-        "bytes": entry.size,
-        "wrong": entry.wrong,
-        "same_as": entry.same_as,
-        "errors": {objective: _errors_record(errors) for objective, errors in entry.errors.items()},
+        "variant": result.label,
+        "choices": dict(result.candidate.variant.described()),
+        "speeds": result.candidate.speeds,
+        "coordinates": result.candidate.coordinates,
+        "operations": result.operations,
+        "bytes": result.size,
+        "wrong": result.wrong,
+        "same_as": result.same_as,
+        "errors": {objective: _errors_record(errors) for objective, errors in result.errors.items()},
         "hard": {
-            stratum: {objective: _errors_record(errors) for objective, errors in found.items()}
-            for stratum, found in entry.hard.items()
+            kind: {objective: _errors_record(errors) for objective, errors in found.items()}
+            for kind, found in result.hard.items()
         },
-        "nanoseconds": _nanoseconds(entry.times),
+        "nanoseconds": _times_record(result.times),
     }
 
 
-def _confirmed_record(confirmed: Confirmed, objective: str) -> dict[str, Any]:
+def _confirmed_record(confirmed: ConfirmedVariant, objective: str) -> dict[str, Any]:
+    """Return a variant on a Pareto front as plain data."""
     return {
-        "variant": confirmed.entry.label,
+        "variant": confirmed.result.label,
         "errors": _errors_record(confirmed.errors),
         "nanoseconds": list(confirmed.times[objective].rounds),
         "found_by_search": _finite(confirmed.found),
@@ -203,11 +196,13 @@ def _confirmed_record(confirmed: Confirmed, objective: str) -> dict[str, Any]:
     }
 
 
-def _nanoseconds(times: Mapping[str, Times] | None) -> dict[str, list[float]] | None:
+def _times_record(times: Mapping[str, Times] | None) -> dict[str, list[float]] | None:
+    """Return the times of all rounds (ns) by objective; None if the variant is not timed."""
     return None if times is None else {objective: list(found.rounds) for objective, found in times.items()}
 
 
 def _errors_record(errors: Measurement) -> dict[str, Any]:
+    """Return the quantiles of the errors and the numbers of failed and wrong results."""
     figures = {
         "median": errors.median,
         "p99": errors.p99,
@@ -221,5 +216,5 @@ def _errors_record(errors: Measurement) -> dict[str, Any]:
 
 
 def _finite(value: float) -> float | None:
-    """JSON has no infinity."""
+    """Return a finite number as it is and any other number as None, because JSON has no infinity."""
     return value if math.isfinite(value) else None

@@ -23,8 +23,8 @@ from kanegen.studies.tradeoff.compilation import CompiledVariant
 from kanegen.studies.tradeoff.domain import Domain, Sample, default_domain
 from kanegen.studies.tradeoff.evaluator import VariantEvaluator
 from kanegen.studies.tradeoff.hard_states import climb, hard_states
-from kanegen.studies.tradeoff.outcome import RANKED_BY, Confirmed, Entry, Study, StudyOptions
-from kanegen.studies.tradeoff.pareto_front import Point, front
+from kanegen.studies.tradeoff.outcome import RANKED_BY, ConfirmedVariant, Study, StudyOptions, VariantResult
+from kanegen.studies.tradeoff.pareto_front import Point, pareto_front
 from kanegen.studies.tradeoff.variants import Candidate, Refusal, candidates
 
 SELECT, VALIDATE, HARD, SEARCH = range(4)
@@ -75,11 +75,11 @@ def study(
         first = (*refused, *not_built, Refusal("none", "there is none"))[0]
         raise OptionError(f"no variant can be built. The first one, {first.label}: {first.reason}")
     measuring = _Measuring(evaluator, domain, options, progress)
-    entries = measuring.entries(built)
-    fronts = {objective: measuring.confirmed(entries, objective) for objective in OBJECTIVES}
-    every = tuple(entries.values())
+    results = measuring.measure(built)
+    pareto_fronts = {objective: measuring.confirm(results, objective) for objective in OBJECTIVES}
+    every = tuple(results.values())
     return Study(
-        model.name, len(model.freedoms), notes, domain, options, every, (*refused, *not_built), fronts
+        model.name, len(model.freedoms), notes, domain, options, every, (*refused, *not_built), pareto_fronts
     )
 
 
@@ -99,7 +99,7 @@ class _Measuring:
         self._evaluator, self._domain = evaluator, domain
         self._options, self._progress = options, progress
 
-    def entries(self, built: Sequence[CompiledVariant]) -> dict[CompiledVariant, Entry]:
+    def measure(self, built: Sequence[CompiledVariant]) -> dict[CompiledVariant, VariantResult]:
         """Measure and time all variants; variants with the same program share one measurement.
 
         A variant whose results do not solve the equations is not timed.
@@ -108,34 +108,38 @@ class _Measuring:
         sample = self._domain.sample(options.states, (options.seed, SELECT))
         hard = hard_states(self._domain, options.hard, (options.seed, HARD))
         programs = {one.fingerprint: one for one in reversed(built)}
-        measured: dict[CompiledVariant, Entry] = {}
+        measured: dict[CompiledVariant, VariantResult] = {}
         for number, one in enumerate(programs.values()):
             self._progress(f"measuring {number + 1} of {len(programs)}: {one.candidate.label}")
             errors = {objective: self._evaluator.errors(one, sample, objective) for objective in OBJECTIVES}
-            measured[one] = Entry(
+            measured[one] = VariantResult(
                 one.candidate, one.operations, one.size, errors, self._hard_errors(one, hard), times=None
             )
-        times = self._times([one for one, entry in measured.items() if not entry.wrong])
-        measured = {one: replace(entry, times=times.get(one)) for one, entry in measured.items()}
-        return {one: _shared_entry(one, programs[one.fingerprint], measured) for one in built}
+        times = self._times([one for one, result in measured.items() if not result.wrong])
+        measured = {one: replace(result, times=times.get(one)) for one, result in measured.items()}
+        return {one: _shared_result(one, programs[one.fingerprint], measured) for one in built}
 
-    def confirmed(self, entries: Mapping[CompiledVariant, Entry], objective: str) -> tuple[Confirmed, ...]:
+    def confirm(
+        self, results: Mapping[CompiledVariant, VariantResult], objective: str
+    ) -> tuple[ConfirmedVariant, ...]:
         """Return the Pareto front of one objective, measured again in fresh states and timed again."""
         share, options = QUANTILES[self._options.quantile], self._options
         points = [
             Point(one, point.time, point.error)
-            for one, entry in entries.items()
-            if entry.same_as is None and (point := entry.point(objective, share)) is not None
+            for one, result in results.items()
+            if result.same_as is None and (point := result.point(objective, share)) is not None
         ]
-        best = [point.what for point in front(points)]
+        best = [point.what for point in pareto_front(points)]
         sample = self._domain.sample(options.states, (options.seed, VALIDATE))
         errors = {one: self._evaluator.errors(one, sample, objective) for one in best}
         times = self._times(best)
-        fresh = front(Point(one, times[one][objective].median, errors[one].quantile(share)) for one in best)
+        fresh = pareto_front(
+            Point(one, times[one][objective].median, errors[one].quantile(share)) for one in best
+        )
         stay = [point.what for point in fresh]
         found = {one: self._search(one, sample, errors[one], objective) for one in best}
         return tuple(
-            Confirmed(entries[one], errors[one], times[one], *found[one], one in stay) for one in best
+            ConfirmedVariant(results[one], errors[one], times[one], *found[one], one in stay) for one in best
         )
 
     def _hard_errors(self, built: CompiledVariant, hard: Sample | None) -> dict[str, dict[str, Measurement]]:
@@ -175,11 +179,11 @@ class _Measuring:
         return largest, {name: tuple(values[0].tolist()) for name, values in arrays.items()}
 
 
-def _shared_entry(
-    one: CompiledVariant, program: CompiledVariant, measured: Mapping[CompiledVariant, Entry]
-) -> Entry:
-    """Return the entry of a variant, which names the variant `program` if it shares its program with it."""
-    entry = measured[program]
+def _shared_result(
+    one: CompiledVariant, program: CompiledVariant, measured: Mapping[CompiledVariant, VariantResult]
+) -> VariantResult:
+    """Return the result of a variant, which names the variant `program` if it shares its program with it."""
+    result = measured[program]
     if one is program:
-        return entry
-    return replace(entry, candidate=one.candidate, same_as=program.candidate.label)
+        return result
+    return replace(result, candidate=one.candidate, same_as=program.candidate.label)

@@ -1,4 +1,4 @@
-"""The tables of a study, as text cell by cell."""
+"""The tables of a study, cell by cell as text."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 
 from kanegen.measure.timing import BATCH, LATENCY
 from kanegen.measure.truth.measurement import Measurement
-from kanegen.studies.tradeoff.outcome import Confirmed, Entry, Study
+from kanegen.studies.tradeoff.outcome import ConfirmedVariant, Study, VariantResult
 
 TITLES = {LATENCY: "one state a call", BATCH: "batches"}
-"""Of the objectives."""
+"""The objectives in words."""
 
 SHORT = ["variant", "ns", "median", "max", "hard states", "failed", ""]
 """Heads of the columns of `short_rows`."""
@@ -17,108 +17,52 @@ SHORT = ["variant", "ns", "median", "max", "hard states", "failed", ""]
 FRESH = ["variant", "ns", "least", "median", "99 %", "max", "found", "stays"]
 """Heads of the columns of `fresh_rows`."""
 
-
-def head(study: Study) -> list[str]:
-    """Heads of the columns of the table of an objective."""
-    return [*"variant|ns|least|ops|median|99 %|max".split("|"), *strata(study), "of bound", "failed", ""]
-
-
-def strata(study: Study) -> list[str]:
-    """Names of the strata of hard states."""
-    return list(study.entries[0].hard) if study.entries else []
-
-
-def rows(study: Study, objective: str) -> list[list[str]]:
-    """A row for each variant, the fastest first and those that are not timed last."""
-    ordered = sorted(study.entries, key=lambda entry: _time(entry, objective))
-    return [_row(study, entry, objective) for entry in ordered]
-
-
-def short_rows(study: Study, objective: str) -> list[list[str]]:
-    """The same with the columns `SHORT` only, for a terminal."""
-    ordered = sorted(study.entries, key=lambda entry: _time(entry, objective))
-    return [_short_row(study, entry, objective) for entry in ordered]
-
-
-def mark(study: Study, entry: Entry, objective: str) -> str:
-    """What is to be said of a variant in a word or two."""
-    if any(confirmed.entry.label == entry.label for confirmed in study.fronts[objective]):
-        return "front"
-    return "same program" if entry.same_as else ""
-
-
-def fresh_rows(study: Study, objective: str) -> list[list[str]]:
-    """A row for each variant on the front, with the figures that were taken again."""
-    return [_fresh_row(confirmed, objective) for confirmed in study.fronts[objective]]
-
-
-def _row(study: Study, entry: Entry, objective: str) -> list[str]:
-    errors, times = entry.errors[objective], entry.times
-    speed = [_ns(times[objective].median), _ns(times[objective].least)] if times else ["wrong", ""]
-    hardest = [_error(found[objective].max) for found in entry.hard.values()]
-    lost = f"{entry.failed(objective)}" if entry.failed(objective) else ""
-    figures = [*_quantiles(errors), *hardest, plain(errors.bound_share), lost]
-    return [entry.label, *speed, str(entry.operations), *figures, mark(study, entry, objective)]
-
-
-def _short_row(study: Study, entry: Entry, objective: str) -> list[str]:
-    errors = entry.errors[objective]
-    time = "wrong" if entry.times is None else _ns(entry.times[objective].median)
-    hardest = max((found[objective].max for found in entry.hard.values()), default=math.nan)
-    lost = f"{entry.failed(objective)}" if entry.failed(objective) else ""
-    figures = [time, _error(errors.median), _error(errors.max), _error(hardest), lost]
-    return [entry.label, *figures, mark(study, entry, objective)]
-
-
-def _fresh_row(confirmed: Confirmed, objective: str) -> list[str]:
-    times = confirmed.times
-    speed = [_ns(times[objective].median), _ns(times[objective].least)]
-    found = _error(confirmed.found)
-    stays = "yes" if confirmed.stays else "no"
-    return [confirmed.entry.label, *speed, *_quantiles(confirmed.errors), found, stays]
-
-
-def _quantiles(errors: Measurement) -> list[str]:
-    return [_error(errors.median), _error(errors.p99), _error(errors.max)]
-
-
-def _time(entry: Entry, objective: str) -> float:
-    return math.inf if entry.times is None else entry.times[objective].median
-
-
-def _ns(value: float) -> str:
-    return f"{value:.0f}" if value >= 100 else f"{value:.1f}"
-
-
-def _error(value: float) -> str:
-    return f"{value:.1e}" if math.isfinite(value) else "none"
-
-
-def plain(value: float) -> str:
-    """A number of order one."""
-    return "-" if math.isnan(value) else f"{value:.2g}"
-
-
-LEVELS = tuple(10.0**-k for k in range(1, 14, 2))
-"""Errors at which the cheapest way is told."""
-
 SIMULATION = ["error below", "variant", "method", "setting", "evaluations", "ms", "error"]
 """Heads of the columns of `simulation_rows`."""
 
-SIMULATION_TEXTS = 4
-"""How many of them are text, before those of numbers."""
+SIMULATION_TEXT_COLUMNS = 4
+"""Number of columns of `simulation_rows` that hold text; the columns after them hold numbers."""
+
+LEVELS = tuple(10.0**-k for k in range(1, 14, 2))
+"""Errors for which the table of simulations names the least work."""
 
 _SIMULATION_METHOD = """
-A free motion of {study.duration:.3g} s from one state, by the variants on the front for one state a call
-whose speeds are rates of coordinates, and by the default. *ms* is the time of all evaluations of forward
-dynamics together; what an integrator does beside them does not count. *error* is that of the coordinates at
-the end, relative to 1 rad or 1 m and their size, from a reference in long double with much smaller steps. The
-table has the least work with which an error is reached; {failed} of {count} simulations failed.
+A free motion of {study.duration:.3g} s from one state was integrated with the default variant and with the
+variants on the Pareto front for one state a call whose generalized speeds are rates of coordinates. *ms* is
+the time of all evaluations of forward dynamics together, without what an integrator does beside them.
+*error* is the error of the coordinates at the end, relative to 1 rad or 1 m plus their size, compared with
+a reference in long double with much smaller steps. Each row names the least work with which an error is
+reached; {failed} of {count} simulations failed.
 """
 
 
+def head(study: Study) -> list[str]:
+    """Return the heads of the columns of `rows`."""
+    return [*"variant|ns|least|ops|median|99 %|max".split("|"), *hard_kinds(study), "of bound", "failed", ""]
+
+
+def hard_kinds(study: Study) -> list[str]:
+    """Return the names of the kinds of hard states of a study."""
+    return list(study.results[0].hard) if study.results else []
+
+
+def rows(study: Study, objective: str) -> list[list[str]]:
+    """Return a row for each variant, the fastest first and those that are not timed last."""
+    return [_row(study, result, objective) for result in _by_time(study, objective)]
+
+
+def short_rows(study: Study, objective: str) -> list[list[str]]:
+    """Return the rows of `rows` with the columns `SHORT` only, for a terminal."""
+    return [_short_row(study, result, objective) for result in _by_time(study, objective)]
+
+
+def fresh_rows(study: Study, objective: str) -> list[list[str]]:
+    """Return a row for each variant on the Pareto front, with the figures that were measured again."""
+    return [_fresh_row(confirmed, objective) for confirmed in study.pareto_fronts[objective]]
+
+
 def simulation_rows(study: Study) -> list[list[str]]:
-    """For every error that is reached, the way that takes the least time of evaluations."""
+    """Return a row for each error in `LEVELS` that a simulation reaches, with the one of the least work."""
     rows = []
     for level in LEVELS:
         enough = [run for run in study.runs if run.error <= level]
@@ -130,6 +74,73 @@ def simulation_rows(study: Study) -> list[list[str]]:
 
 
 def simulation_method(study: Study) -> str:
-    """What was simulated."""
+    """Return the paragraph that explains the table of simulations."""
     failed = sum(not math.isfinite(run.error) for run in study.runs)
     return " ".join(_SIMULATION_METHOD.format(study=study, failed=failed, count=len(study.runs)).split())
+
+
+def two_digits(value: float) -> str:
+    """Return the text of a number of order one; "-" for NaN."""
+    return "-" if math.isnan(value) else f"{value:.2g}"
+
+
+def _by_time(study: Study, objective: str) -> list[VariantResult]:
+    """Return the results of a study, the fastest first and those that are not timed last."""
+
+    def time(result: VariantResult) -> float:
+        return math.inf if result.times is None else result.times[objective].median
+
+    return sorted(study.results, key=time)
+
+
+def _row(study: Study, result: VariantResult, objective: str) -> list[str]:
+    """Return the row of one variant in the table of an objective."""
+    errors, times = result.errors[objective], result.times
+    speed = [_ns(times[objective].median), _ns(times[objective].least)] if times else ["wrong", ""]
+    hardest = [_error(found[objective].max) for found in result.hard.values()]
+    figures = [*_quantiles(errors), *hardest, two_digits(errors.bound_share), _failed(result, objective)]
+    return [result.label, *speed, str(result.operations), *figures, _remark(study, result, objective)]
+
+
+def _short_row(study: Study, result: VariantResult, objective: str) -> list[str]:
+    """Return the row of one variant with the columns `SHORT`."""
+    errors = result.errors[objective]
+    time = "wrong" if result.times is None else _ns(result.times[objective].median)
+    hardest = max((found[objective].max for found in result.hard.values()), default=math.nan)
+    figures = [_error(errors.median), _error(errors.max), _error(hardest), _failed(result, objective)]
+    return [result.label, time, *figures, _remark(study, result, objective)]
+
+
+def _fresh_row(confirmed: ConfirmedVariant, objective: str) -> list[str]:
+    """Return the row of one variant on a Pareto front."""
+    times = confirmed.times[objective]
+    speed = [_ns(times.median), _ns(times.least)]
+    found, stays = _error(confirmed.found), "yes" if confirmed.stays else "no"
+    return [confirmed.result.label, *speed, *_quantiles(confirmed.errors), found, stays]
+
+
+def _remark(study: Study, result: VariantResult, objective: str) -> str:
+    """Return whether a variant is on the Pareto front or shares its program with another one."""
+    if any(confirmed.result.label == result.label for confirmed in study.pareto_fronts[objective]):
+        return "front"
+    return "same program" if result.same_as else ""
+
+
+def _failed(result: VariantResult, objective: str) -> str:
+    """Return the number of states without a finite result; nothing for 0."""
+    return str(result.failed(objective) or "")
+
+
+def _quantiles(errors: Measurement) -> list[str]:
+    """Return the median, the 99 % quantile and the maximum of the errors."""
+    return [_error(errors.median), _error(errors.p99), _error(errors.max)]
+
+
+def _ns(value: float) -> str:
+    """Return the text of a time in nanoseconds."""
+    return f"{value:.0f}" if value >= 100 else f"{value:.1f}"
+
+
+def _error(value: float) -> str:
+    """Return the text of an error; "none" where there is no finite result."""
+    return f"{value:.1e}" if math.isfinite(value) else "none"

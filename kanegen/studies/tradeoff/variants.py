@@ -1,7 +1,7 @@
-"""Which variants of a model are tried: a table, a line for every choice.
+"""The variants that a study measures: a table with a line for every choice.
 
-What multiplies is crossed: every level of one choice with every level of the others. The other choices are
-tried one at a time, starting from the `ANCHORS`. A new choice is a new line.
+Choices whose effects multiply are crossed: every level of one choice with every level of the others. The
+other choices are changed one at a time, starting from the `BASELINES`. A new choice is a new line.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from kanegen.options import AUTO, SINCOS, STRICT, Variant
 from kanegen.program.semantics import CONTRACTED, FLUSH, RELAXED
 
 Changes = Mapping[str, Any]
-"""Fields of a `Variant`, or `OF_THE_SYSTEM`, and their values."""
+"""Values of some fields of a `Variant` or of `SYSTEM_CHOICES`, by name; the others keep their defaults."""
 
 NATIVE: Changes = {"machine": "native", "optimisation": 3}
-"""For this processor."""
+"""The choices for the processor of this machine."""
 
 REORDERED = (*RELAXED, "associative")
-"""What may change the order of sums as well."""
+"""The relaxed semantics that also allow another order of sums."""
 
 CROSSED: tuple[tuple[Changes, ...], ...] = (
     ({"precision": "double"}, {"precision": "float"}),
@@ -41,9 +41,9 @@ CROSSED: tuple[tuple[Changes, ...], ...] = (
         {"semantics": REORDERED, **NATIVE},
     ),
 )
-"""Choices of which every combination is tried."""
+"""Levels of the choices that are crossed."""
 
-ALONE: tuple[Changes, ...] = (
+SINGLE_CHANGES: tuple[Changes, ...] = (
     {"solver": "cheapest", "refinement": AUTO},
     {"refinement": 1},
     {"refinement": 2},
@@ -64,26 +64,45 @@ ALONE: tuple[Changes, ...] = (
     {"without": ("factor",)},
     {"without": ("fold", "prune", "factor")},
 )
-"""Choices that are tried one at a time."""
+"""Choices that are changed one at a time."""
 
 _PLAIN: Changes = {"solver": "articulated bodies", "refinement": 0}
 _FAST: Changes = {**_PLAIN, "semantics": RELAXED, **NATIVE}
 
-ANCHORS: tuple[Changes, ...] = (_PLAIN, _FAST, {**_FAST, "precision": "float"})
-"""From where: the strict one, the fast one, and the fast one in single precision."""
+BASELINES: tuple[Changes, ...] = (_PLAIN, _FAST, {**_FAST, "precision": "float"})
+"""The variants from which single changes start: strict, fast, and fast in single precision."""
 
-OF_THE_SYSTEM = ("speeds", "coordinates")
-"""The choices that belong to it: its generalized speeds, and what stands for orientations."""
+SYSTEM_CHOICES = ("speeds", "coordinates")
+"""The choices that change the system: its generalized speeds and the coordinates of its orientations."""
+
+_PHRASES = {"optimisation": "-O{}", "storage": "{} arrays", "without": "without {}"}
+"""Phrases for the values of choices that need more than the value itself."""
+
+_UNNAMED = {**dict(STRICT.described()), "solver": "", "refinement": "0"}
+"""Values of choices that a label leaves out."""
+
+_ORDER = {field.name: place for place, field in enumerate(fields(Variant))}
+"""Places of the choices in a label."""
+
+_SHORT = {
+    "speeds": {"angular_velocity": "angular velocity"},
+    "solver": {"articulated bodies": "articulated"},
+    "refinement": {"1": "refined once", "2": "refined twice", AUTO: "refined as needed"},
+    "semantics": {", ".join(RELAXED): "relaxed", ", ".join(REORDERED): "reordered"},
+}
+"""Short names of the values of choices."""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A way to compute the forward dynamics of a system that takes part.
+    """A way to compute the forward dynamics of a system.
 
     Attributes:
-        variant: Its choices.
-        speeds: Generalized speeds of joints with three free angles, one of `body.SPEEDS`; None as they are.
-        coordinates: Of their orientations, one of `body.ORIENTATIONS`; None as they are.
+        variant: The choices of the generator and the compiler.
+        speeds: Generalized speeds of joints with three free angles, one of the names that
+            `System.with_speeds` takes; None for those of the system.
+        coordinates: Coordinates of the orientations of these joints, one of the names that
+            `System.with_coordinates` takes; None for those of the system.
     """
 
     variant: Variant
@@ -92,79 +111,82 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """Its choices in a few words."""
+        """The choices in a few words."""
         if self == Candidate(STRICT):
             return "default"
-        own = {name: value for name in OF_THE_SYSTEM if (value := getattr(self, name))}
-        return described(dict(self.variant.described()) | own)
+        own = {name: value for name in SYSTEM_CHOICES if (value := getattr(self, name))}
+        return label_of(dict(self.variant.described()) | own)
 
     @property
     def changes_system(self) -> bool:
-        """Whether its arrays hold something else than those of the system as it is."""
+        """Whether its arrays hold other speeds or coordinates than those of the system."""
         return bool(self.speeds or self.coordinates)
 
     def of(self, system: System) -> System:
-        """The system with the speeds and coordinates of this candidate."""
+        """Return the system with the speeds and coordinates of this candidate."""
         return reformulated(system, self.speeds, self.coordinates)
 
 
 @dataclass(frozen=True)
 class Refusal:
-    """A choice that cannot take part, and why."""
+    """A variant that cannot be built.
+
+    Attributes:
+        label: The choices of the variant in a few words.
+        reason: Why it cannot be built.
+    """
 
     label: str
     reason: str
 
 
-def choices() -> list[Changes]:
-    """Every combination of the table, each once, the crossed ones first."""
+def combinations() -> list[Changes]:
+    """Return every combination of choices of the tables, each once, the crossed ones first."""
     merged = [_merged(levels) for levels in itertools.product(*CROSSED)]
-    merged += [_merged((anchor, change)) for change in ALONE for anchor in ANCHORS]
+    merged += [_merged((baseline, change)) for change in SINGLE_CHANGES for baseline in BASELINES]
     return list({repr(sorted(changes.items())): changes for changes in merged}.values())
 
 
-def candidates(combinations: Iterable[Changes] | None = None) -> tuple[list[Candidate], list[Refusal]]:
-    """The variants of the table, or of other combinations of choices, and those that no variant can be."""
+def candidates(wanted: Iterable[Changes] | None = None) -> tuple[list[Candidate], list[Refusal]]:
+    """Return the candidates of combinations of choices, and a refusal for each impossible combination.
+
+    Args:
+        wanted: Combinations of choices; by default those of the tables.
+    """
     found: list[Candidate] = []
     refused: list[Refusal] = []
-    for changes in choices() if combinations is None else combinations:
+    for changes in combinations() if wanted is None else wanted:
         try:
             found.append(_candidate(changes))
         except OptionError as error:
-            words = {name: ", ".join(v) if isinstance(v, tuple) else str(v) for name, v in changes.items()}
-            refused.append(Refusal(described(words), str(error)))
+            texts = {name: ", ".join(v) if isinstance(v, tuple) else str(v) for name, v in changes.items()}
+            refused.append(Refusal(label_of(texts), str(error)))
     return list(dict.fromkeys(found)), refused
 
 
-def described(changes: Mapping[str, str]) -> str:
-    """Choices in a few words; the usual ones go without saying."""
-    named = [name for name in changes if _SILENT.get(name) != changes[name]]
+def label_of(changes: Mapping[str, str]) -> str:
+    """Return choices in a few words; the usual values are left out."""
+    named = [name for name in changes if _UNNAMED.get(name) != changes[name]]
     ordered = sorted(named, key=lambda name: _ORDER.get(name, len(_ORDER)))
     return ", ".join(_PHRASES.get(name, "{}").format(_short(name, changes[name])) for name in ordered)
 
 
-_PHRASES = {"optimisation": "-O{}", "storage": "{} arrays", "without": "without {}"}
-_SILENT = {**dict(STRICT.described()), "solver": "", "refinement": "0"}
-_SOLVERS = {"articulated bodies": "articulated"}
-_REFINED = {"1": "refined once", "2": "refined twice", AUTO: "refined as needed"}
-_ORDER = {field.name: place for place, field in enumerate(fields(Variant))}
-_SHORT = {
-    "speeds": {"angular_velocity": "angular velocity"},
-    "solver": _SOLVERS,
-    "refinement": _REFINED,
-    "semantics": {", ".join(RELAXED): "relaxed", ", ".join(REORDERED): "reordered"},
-}
-
-
 def _short(name: str, value: str) -> str:
+    """Return the short name of a value of a choice, or the value itself."""
     return _SHORT.get(name, {}).get(value, value)
 
 
 def _candidate(changes: Changes) -> Candidate:
-    fields = {name: value for name, value in changes.items() if name not in OF_THE_SYSTEM}
-    own = {name: value for name, value in changes.items() if name in OF_THE_SYSTEM}
-    return Candidate(replace(STRICT, **fields), **own)
+    """Return the candidate with some choices and the defaults of the others.
+
+    Raises:
+        OptionError: If no variant can have these choices.
+    """
+    of_variant = {name: value for name, value in changes.items() if name not in SYSTEM_CHOICES}
+    of_system = {name: value for name, value in changes.items() if name in SYSTEM_CHOICES}
+    return Candidate(replace(STRICT, **of_variant), **of_system)
 
 
 def _merged(levels: Iterable[Changes]) -> Changes:
+    """Return the choices of all levels together; later levels override earlier ones."""
     return {name: value for level in levels for name, value in level.items()}
