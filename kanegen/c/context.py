@@ -114,7 +114,7 @@ def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
     points = [name for name, _ in model.points]
     return {
         "freedoms": [(place, *row) for place, row in enumerate(freedoms)],
-        "coordinates": [(place, *row) for place, row in enumerate(coordinates)] * model.has_quaternions,
+        "coordinates": [(place, *row) for place, row in enumerate(coordinates)] * model.has_other_coordinates,
         "poses": declarations.poses(model, outputs),
         "reactions": declarations.reactions(model, outputs),
         "loads": _loaded_rows(model.body_names, model.loaded),

@@ -76,9 +76,9 @@ class ModelDescription:
         return {row: f"{kind} {name!r}" for row, (name, is_loaded) in rows if not is_loaded}
 
     @property
-    def has_quaternions(self) -> bool:
-        """Whether {x} has more elements than {y}."""
-        return len(self.coordinate_names) > len(self.freedom_names)
+    def has_other_coordinates(self) -> bool:
+        """Whether {x} contains anything but the freedoms, such as quaternions."""
+        return self.coordinate_names != self.freedom_names
 
     @property
     def speeds(self) -> tuple[str, ...]:

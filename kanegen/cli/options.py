@@ -13,6 +13,7 @@ import typer
 
 from kanegen.errors import OptionError
 from kanegen.extras import BENCH, require
+from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 
 DEFAULT_OUTPUTS = ["mass_matrix", "forcing"]
 """The outputs that are computed where the command line names none."""
@@ -111,7 +112,7 @@ Speeds = Annotated[
     typer.Option(
         "--speeds",
         metavar="NAME",
-        help="Generalized speeds of joints with three free angles: angle_rates, angular_velocity.",
+        help=f"Generalized speeds of joints with three free angles: {', '.join(SPEEDS)}.",
     ),
 ]
 Coordinates = Annotated[
@@ -119,7 +120,7 @@ Coordinates = Annotated[
     typer.Option(
         "--coordinates",
         metavar="NAME",
-        help="Coordinates of joints with three free angles: angles, quaternion.",
+        help=f"Coordinates of joints with three free angles: {', '.join(ORIENTATIONS)}.",
     ),
 ]
 Reanchoring = Annotated[

@@ -49,11 +49,11 @@ def show(summary: Summary, console: Console) -> None:
 def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
     """Yield title, remark and content of each section; what the system does not have gets no section."""
     system = summary.system
-    quaternions = len(system.coordinates) > len(system.freedoms)
-    if quaternions:
+    has_other_coordinates = system.coordinate_names != system.freedom_names
+    if has_other_coordinates:
         units = [coordinate.unit for coordinate in system.coordinates]
         yield "Coordinates", ", in the order of x", _columns(system.coordinate_names, units)
-    yield "Freedoms", f", in the order of {'y' if quaternions else 'x and y'}", _freedoms(system)
+    yield "Freedoms", f", in the order of {'y' if has_other_coordinates else 'x and y'}", _freedoms(system)
     if system.prescribed:
         units = [freedom.unit for freedom in system.prescribed]
         remark = ", in the order of the columns of prescribed"

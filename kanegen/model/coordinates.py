@@ -41,12 +41,14 @@ class CoordinateKind:
         symbol: Letter of the notes, spelled out: its symbol is `<symbol>_K_<number>`, that of its rate
             `<symbol>dot_K_<number>`.
         number: Subscript of the symbol.
+        group: Plural noun for coordinates of this kind: "angles", "translations" or "quaternions".
     """
 
     name: str
     unit: Literal["rad", "m", "1"]
     symbol: str
     number: int
+    group: str
 
 
 @dataclass(frozen=True)
@@ -72,9 +74,9 @@ QUATERNION = ("e0", "e1", "e2", "e3")
 """Names of the Euler parameters: a scalar and a vector in the joint frame, of any common length but 0."""
 
 COORDINATE_KINDS = (
-    *(CoordinateKind(FREEDOMS[i], "rad", "theta", i + 1) for i in ANGLES),
-    *(CoordinateKind(FREEDOMS[i], "m", "s", i - 2) for i in TRANSLATIONS),
-    *(CoordinateKind(name, "1", "epsilon", i) for i, name in enumerate(QUATERNION)),
+    *(CoordinateKind(FREEDOMS[i], "rad", "theta", i + 1, "angles") for i in ANGLES),
+    *(CoordinateKind(FREEDOMS[i], "m", "s", i - 2, "translations") for i in TRANSLATIONS),
+    *(CoordinateKind(name, "1", "epsilon", i, "quaternions") for i, name in enumerate(QUATERNION)),
 )
 """Every coordinate that a joint may have: the six freedoms, then the Euler parameters."""
 

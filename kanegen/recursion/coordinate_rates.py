@@ -8,7 +8,8 @@ from sympy import Expr, S
 
 from kanegen.recursion.derived import Derived
 from kanegen.recursion.joint_motion import JointMotion
-from kanegen.recursion.rates import angle_rates, rotation_rates
+from kanegen.recursion.orientations import rotation_rates
+from kanegen.recursion.rates import angle_rates
 from kanegen.recursion.tree import Tree
 from kanegen.symbolic.symbols import coordinate_rate
 

@@ -1,14 +1,17 @@
-"""The turns that orient a body: about an axis, by a quaternion, by a constant matrix, or several as one."""
+"""The turns that orient a body: about an axis, by a quaternion, by a constant matrix, or several as one.
+
+The rates of a quaternion stand here too, so that a new kind of rotation is written in this module alone.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sympy import Expr, S
+from sympy import Expr, Rational, S
 
 from kanegen.model.coordinates import QuaternionRotation, Rotation
 from kanegen.recursion.turns import MatrixTurn, PlanarTurn, Turn, WholeTurn
-from kanegen.recursion.vectors import unit
+from kanegen.recursion.vectors import add, cross, dot, scale, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
 from kanegen.symbolic.symbols import rotation_coordinates
 
@@ -83,3 +86,27 @@ def whole(name: str, parts: Sequence[Turn], definitions: Definitions) -> WholeTu
         ]
         columns = [Vector(*(row[j] for row in rows)) for j in range(3)]
     return WholeTurn(MatrixTurn((rows[0], rows[1], rows[2])), tuple(parts))
+
+
+def rotation_rates(body: int, rotation: Rotation, omega: Vector) -> tuple[Expr, ...]:
+    """Return the rates of the coordinates of a rotation that is not made of turns about axes.
+
+    Args:
+        body: Number of body K.
+        rotation: Its rotation in the joint frame.
+        omega: Relative angular velocity, in K (rad/s).
+
+    Raises:
+        TypeError: If the rotation is made of turns about axes.
+    """
+    match rotation:
+        case QuaternionRotation():
+            return _quaternion_rates(rotation_coordinates(body, rotation), omega)
+    raise TypeError(rotation)
+
+
+def _quaternion_rates(quaternion: Sequence[Expr], omega: Vector) -> tuple[Expr, ...]:
+    """Return the rates of a quaternion, which keep its length, from the angular velocity in K (rad/s)."""
+    scalar, *elements = quaternion
+    vector, half = Vector(*elements), scale(Rational(1, 2), omega)
+    return (-dot(vector, half), *add(scale(scalar, half), cross(vector, half)))

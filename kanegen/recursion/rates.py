@@ -8,16 +8,13 @@ rates exist. For 1-2-3 it is the middle cosine, for a sequence that begins and e
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sympy import Expr, Rational
+from sympy import Expr
 
-from kanegen.model.coordinates import QuaternionRotation, Rotation
 from kanegen.recursion.joint_motion import JointMotion, Step
-from kanegen.recursion.vectors import add, cross, dot, scale, unit
+from kanegen.recursion.vectors import unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import rotation_coordinates
 
 
 @dataclass(frozen=True)
@@ -84,30 +81,6 @@ class AngleRates:
     @property
     def _reciprocal(self) -> Expr:
         return self.definitions.define(f"Ci_{self.second.frame}", 1 / self.across)
-
-
-def rotation_rates(body: int, rotation: Rotation, omega: Vector) -> tuple[Expr, ...]:
-    """Return the rates of the coordinates of a rotation that is not made of turns about axes.
-
-    Args:
-        body: Number of body K.
-        rotation: Its rotation in the joint frame.
-        omega: Relative angular velocity, in K (rad/s).
-
-    Raises:
-        TypeError: If the rotation is made of turns about axes.
-    """
-    match rotation:
-        case QuaternionRotation():
-            return _quaternion_rates(rotation_coordinates(body, rotation), omega)
-    raise TypeError(rotation)
-
-
-def _quaternion_rates(quaternion: Sequence[Expr], omega: Vector) -> tuple[Expr, ...]:
-    """Return the rates of a quaternion, which keep its length, from the angular velocity in K (rad/s)."""
-    scalar, *elements = quaternion
-    vector, half = Vector(*elements), scale(Rational(1, 2), omega)
-    return (-dot(vector, half), *add(scale(scalar, half), cross(vector, half)))
 
 
 def angle_rates(motion: JointMotion, definitions: Definitions) -> AngleRates:

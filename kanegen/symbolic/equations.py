@@ -20,6 +20,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.errors import OptionError
+from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.system import System
 from kanegen.symbolic.closed.form import ClosedForm, close
 from kanegen.symbolic.definitions import Definition, Definitions
@@ -151,9 +152,12 @@ class Equations:
                 f"system {self.system.name!r} has {len(self.y)} freedoms; closed forms are written for at "
                 f"most {MOST_FREEDOMS}. Read equations.A, equations.f and equations.definitions instead."
             )
-        if any(coordinate.unit == "1" for coordinate in self.system.coordinates):
+        others = [
+            body.joint.coordinates for body in self.system.bodies if body.joint.coordinates != ORIENTATIONS[0]
+        ]
+        if others:
             raise OptionError(
-                f"system {self.system.name!r} has a quaternion; closed forms are written in sines and "
+                f"system {self.system.name!r} has a {others[0]}; closed forms are written in sines and "
                 'cosines. Take the coordinates "angles", or read equations.A, equations.f and '
                 "equations.definitions."
             )

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kanegen.measure.truth.balls import arb_mat, beside, cross, diagonal, stacked, unit, zeros
-from kanegen.measure.truth.tree import Link, Tree, turned, turned_at_once
+from kanegen.measure.truth.tree import Link, Tree, rotations_along
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def _frame(link: Link, lower: Frame) -> Frame:
         direction, place = joint.transpose() * unit(i), link.places[3 + i]
         if place is not None:
             axes.append(Axis(place, direction, cross(lower.omega, direction), None, zeros(3, 1)))
-    turns = turned(link.angles, link.axes) if link.quaternion is None else turned_at_once(link.quaternion)
+    turns = rotations_along(link)
     rotations = [turn * joint for turn in turns]
     directions, carriers = _directions(link, rotations, lower.omega)
     for direction, carrier, place in zip(directions, carriers, link.places, strict=False):

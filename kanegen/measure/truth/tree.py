@@ -183,6 +183,13 @@ def _orientation(joint: Joint) -> arb_mat:
     )[-1]
 
 
+def rotations_along(link: Link) -> tuple[arb_mat, ...]:
+    """Return the rotations from the joint frame to itself and to each frame of the joint, body K last."""
+    if link.quaternion is None:
+        return turned(link.angles, link.axes)
+    return turned_at_once(link.quaternion)
+
+
 def turned(angles: arb_mat, axes: Axes) -> tuple[arb_mat, ...]:
     """Rotations from a frame to itself and to those after one, two and three turns about `axes`."""
     frames = [diagonal(3)]

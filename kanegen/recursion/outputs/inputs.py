@@ -7,6 +7,7 @@ from itertools import chain, product
 
 from sympy import Symbol
 
+from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS, Array
 from kanegen.symbolic import symbols
@@ -28,9 +29,9 @@ def input_arrays(system: System) -> dict[Array, Elements]:
 
 
 def coordinate_units(system: System) -> tuple[str, ...]:
-    """Of the elements of {x}."""
-    quaternions = any(coordinate.unit == "1" for coordinate in system.coordinates)
-    return ("1", "rad", "m") if quaternions else ("rad", "m")
+    """Return the units that occur in {x}."""
+    kinds = [coordinate.kind for coordinate in system.coordinates if coordinate.index >= len(FREEDOMS)]
+    return (*dict.fromkeys(kind.unit for kind in kinds), "rad", "m")
 
 
 def _named(elements: Iterable[Symbol]) -> Elements:
@@ -47,8 +48,9 @@ def _state(system: System) -> Iterator[tuple[Array, Elements]]:
     x = symbols.coordinates(system)
     y = symbols.speeds(system)
     units = coordinate_units(system)
-    turning = "quaternions or angles" if "1" in units else "angles"
-    doc = f"{{x}}, the coordinates: {turning}, then translations, Eq. (1)"
+    kinds = [coordinate.kind for coordinate in system.coordinates if coordinate.index >= len(FREEDOMS)]
+    orientation = " or ".join([*dict.fromkeys(kind.group for kind in kinds), "angles"])
+    doc = f"{{x}}, the coordinates: {orientation}, then translations, Eq. (1)"
     yield Array("x", (len(x),), ", ".join(units), doc), _named(x)
     doc = "{y}, the generalized speeds in the same order, Eq. (1)"
     yield Array("y", (len(y),), "rad/s, m/s", doc), _named(y)

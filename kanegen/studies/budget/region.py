@@ -32,6 +32,7 @@ import numpy as np
 from kanegen.choices import did_you_mean
 from kanegen.errors import KanegenError, OptionError
 from kanegen.model.arrays import Floats
+from kanegen.model.coordinates import COORDINATE_KINDS
 from kanegen.model.system import System
 from kanegen.readers.text import read_text
 from kanegen.readers.toml import parsed
@@ -40,7 +41,7 @@ from kanegen.studies.tradeoff.domain import GRID, Domain, default_domain
 OPTION = "--domain"
 """The command-line option that describes a region, named in error messages."""
 
-UNITS_OF_KINDS = {"angles": "rad", "translations": "m", "quaternions": "1"}
+UNITS_OF_KINDS = {kind.group: kind.unit for kind in COORDINATE_KINDS}
 """Keys that set the range of all coordinates of one kind, with the unit of this kind."""
 
 STATE_TABLES = ("x", "y", "tau")

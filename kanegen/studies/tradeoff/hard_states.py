@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from kanegen.model.arrays import Floats
-from kanegen.model.coordinates import QUATERNION
+from kanegen.model.coordinates import Coordinate
 from kanegen.reference import equations as reference
 from kanegen.studies.tradeoff.domain import Domain, Sample, joined
 
@@ -97,6 +97,15 @@ def _next_to_gimbal_lock(domain: Domain, rows: Floats, rng: np.random.Generator)
     return rows
 
 
+def _unitless(coordinates: Sequence[Coordinate]) -> list[list[int]]:
+    """Return the places in {x} of the coordinates without a unit, such as a quaternion's, body by body."""
+    places: dict[int, list[int]] = {}
+    for place, coordinate in enumerate(coordinates):
+        if coordinate.unit == "1":
+            places.setdefault(coordinate.body, []).append(place)
+    return list(places.values())
+
+
 def _folded_or_straight(domain: Domain, rows: Floats, rng: np.random.Generator) -> Floats:
     """Put angles near 0 or half a turn, translations near 0, and quaternions near a basis vector."""
     coordinates = domain.system.coordinates
@@ -104,8 +113,8 @@ def _folded_or_straight(domain: Domain, rows: Floats, rng: np.random.Generator) 
     m = len(coordinates)
     x = np.zeros((len(rows), m))
     x[:, angles] = rng.choice([-np.pi, 0.0, np.pi], (len(rows), len(angles)))
-    for first in (place for place, coordinate in enumerate(coordinates) if coordinate.name == QUATERNION[0]):
-        chosen = first + rng.integers(0, len(QUATERNION), len(rows))
+    for joint_places in _unitless(coordinates):
+        chosen = joint_places[0] + rng.integers(0, len(joint_places), len(rows))
         x[np.arange(len(rows)), chosen] = domain.high[chosen]
     rows[:, :m] = x + _small(rng, (len(rows), m)) * domain.high[:m]
     return rows

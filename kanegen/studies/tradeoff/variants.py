@@ -13,6 +13,7 @@ from typing import Any
 
 from kanegen.errors import OptionError
 from kanegen.lowering.accept import reformulated
+from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.system import System
 from kanegen.options import AUTO, SINCOS, STRICT, Variant
 from kanegen.program.semantics import CONTRACTED, FLUSH, RELAXED
@@ -49,7 +50,7 @@ SINGLE_CHANGES: tuple[Changes, ...] = (
     {"refinement": 2},
     {"solver": "factorisation", "refinement": 2},
     {"speeds": "angular_velocity"},
-    {"coordinates": "quaternion"},
+    *({"coordinates": name} for name in ORIENTATIONS[1:]),
     {"precision": "double", "storage": "float"},
     {"precision": "long double"},
     {"precision": "long double", "storage": "double"},

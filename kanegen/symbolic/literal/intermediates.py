@@ -51,7 +51,7 @@ class Quantity:
 QUANTITIES = {
     "sines": Quantity("S_{K}", r"S_{{{K},{I}}}", "sines of the angles", Index.COMPONENT),
     "cosines": Quantity("C_{K}", r"C_{{{K},{I}}}", "cosines of the angles", Index.COMPONENT),
-    "quaternion_factor": Quantity(
+    "rotation_factor": Quantity(
         "h_{K}", r"h_{{{K}}}", "2 over the squared length of the quaternion", Index.COMPONENT
     ),
     "joint_orientation": Quantity(

@@ -96,13 +96,13 @@ class JointEquations:
         return self._named("offset_rate", self.joint_orientation.T * self._translation_rate)
 
     @cached_property
-    def quaternion_factor(self) -> ImmutableMatrix:
+    def rotation_factor(self) -> ImmutableMatrix:
         """2 over the squared length of the quaternion, (1, 1); empty for a joint without a quaternion."""
         if not isinstance(self.body.joint.rotation, QuaternionRotation):
             return ImmutableMatrix([])
         elements = rotation_coordinates(self.number, self.body.joint.rotation)
         squares = sum((element**2 for element in elements), start=S.Zero)
-        return self._named("quaternion_factor", ImmutableMatrix([2 / squares]))
+        return self._named("rotation_factor", ImmutableMatrix([2 / squares]))
 
     def coordinate(self, index: int) -> Expr:
         """Return freedom `index` of `FREEDOMS`: its symbol, or the value at which it is locked (rad, m)."""
@@ -116,7 +116,7 @@ class JointEquations:
                 return Angles(axes, list(self.sines), list(self.cosines))
             case QuaternionRotation() as rotation:
                 elements = rotation_coordinates(self.number, rotation)
-                return Quaternion(elements, self.quaternion_factor[0])
+                return Quaternion(elements, self.rotation_factor[0])
 
     @property
     def _sines_cosines(self) -> list[tuple[Expr, Expr]]:
