@@ -49,15 +49,10 @@ def tangents(
         inner = [found[j] for j in instruction.operands]
         values = [moved[j] for j in instruction.operands]
         active = dict.fromkeys(direction for tangent in inner for direction in tangent)
-        found[i] = {
-            direction: _named(
-                builder,
-                rules.derivative(instruction.op, moved[i], values, [t.get(direction) for t in inner]),
-                instruction,
-                direction,
-            )
-            for direction in active
-        }
+        found[i] = {}
+        for direction in active:
+            value = rules.derivative(instruction.op, moved[i], values, [t.get(direction) for t in inner])
+            found[i][direction] = _named(builder, value, instruction, direction)
     return found
 
 

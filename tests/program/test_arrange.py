@@ -1,4 +1,4 @@
-"""A long program in another order computes the same bits."""
+"""A long program that is reordered computes the same bits."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ def test_the_same_instructions_give_the_same_bits() -> None:
     assert ops[0] == ops[1]
 
 
-def test_values_wait_for_a_shorter_time() -> None:
+def test_values_are_used_sooner() -> None:
     program = _program()
-    assert _waiting(arrange(program)) < 0.7 * _waiting(program)
+    assert _lifetimes(arrange(program)) < 0.7 * _lifetimes(program)
 
 
 def test_a_short_program_keeps_its_order() -> None:
@@ -52,7 +52,7 @@ def test_a_short_program_keeps_its_order() -> None:
     assert arrange(program) is program
 
 
-def _waiting(program: Program) -> int:
-    """Instructions between every value of [A]'s columns and its last use, in all."""
+def _lifetimes(program: Program) -> int:
+    """Total number of instructions between the values of [A]'s columns and their last uses."""
     last = {j: i for i, x in enumerate(program.instructions) for j in x.operands}
     return sum(i - j for j, i in last.items() if program.instructions[j].name.startswith(("F_", "M_")))

@@ -1,4 +1,4 @@
-"""Passes keep values, save operations, hold back where they must, and can be left out."""
+"""Passes keep values, save operations, respect products with other uses, and can be left out."""
 
 from __future__ import annotations
 
@@ -138,11 +138,11 @@ def test_equal_sums_after_factoring_are_shared(builder: Builder) -> None:
 
 
 FIELD = sympy.GF(2**61 - 1, symmetric=False)
-"""A finite field: no rounding, so that a pass either keeps a value or is found out."""
+"""A finite field, in which nothing is rounded: a pass keeps a value exactly, or the test fails."""
 
 
-class Waves:
-    """Stands in for sine and cosine in the field: one odd and zero at 0, the other even and one at 0."""
+class FieldFunctions:
+    """Replacements of sine and cosine in the field: an odd function, and an even one that is 1 at 0."""
 
     @staticmethod
     def sin(a: Any) -> Any:
@@ -160,11 +160,11 @@ def residue(number: float) -> Any:
 
 def exact(program: Program) -> list[Any]:
     state = [FIELD(n) for n in (314159265358979, 271828182845904, 141421356237309, 577215664901532)]
-    return evaluate(check(program), {"x": state}, Waves, residue)["out"]
+    return evaluate(check(program), {"x": state}, FieldFunctions, residue)["out"]
 
 
 def random_program(seed: int, length: int = 200) -> Program:
-    """Every kind of instruction but the square root, and plenty of zeros, ones, signs and repetitions."""
+    """A program of all operations but the square root, with many zeros, ones, signs and repetitions."""
     rng = random.Random(seed)
     builder = Builder((X,))
     inputs = [builder.input("x", i, f"x_{i}") for i in range(4)]
@@ -201,7 +201,7 @@ def test_any_subset_of_passes_keeps_every_value_exactly(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_no_pass_costs_anything(seed: int) -> None:
+def test_no_pass_adds_operations(seed: int) -> None:
     program = random_program(seed)
     costs = {}
     for without in SUBSETS:
@@ -227,7 +227,7 @@ def numbers(array: Array) -> list[Any]:
 
 
 def values(system: kg.System, without: tuple[str, ...]) -> dict[str, list[Any]]:
-    """Every output in one state, to 40 digits; but the error estimate, of which rounding leaves nothing."""
+    """All outputs in one state to 40 digits, except the error estimate, which consists of rounding errors."""
     outputs = [name for name in available(system) if name != "error_estimate"]
     module = compile_module(system, outputs, variant=Variant(without=without)).module
     program = module.functions[EVALUATE]
@@ -240,7 +240,7 @@ def values(system: kg.System, without: tuple[str, ...]) -> dict[str, list[Any]]:
 
 @pytest.mark.parametrize("system", list(trees()), ids=lambda system: f"{system.name}{len(system.freedoms)}")
 def test_the_equations_do_not_depend_on_the_passes(system: kg.System) -> None:
-    """But for the rounding of folded numbers: the arithmetic of the comparison has 40 digits."""
+    """Values differ by the rounding of folded numbers only; the comparison computes with 40 digits."""
     with mpmath.workdps(40):
         standard = values(system, ())
         for without in SUBSETS[1:]:

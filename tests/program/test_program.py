@@ -1,4 +1,4 @@
-"""Builder and split keep values; the invariants are checked."""
+"""The builder and the split into functions keep values, and `check` finds broken programs."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""The eight-body example in blocks: every row that the notes print, transcribed by hand.
+"""The eight-body example in blocks, compared with every row that the notes print, transcribed by hand.
 
-The notes are read with their errata. A half of {y} has exactly eight blocks, where the print has up to ten;
+The transcription corrects the errata of the notes. A half of {y} has exactly eight blocks, where the print
+has up to ten;
 [0]_{3x24} is a half of zeros. In the rows of bodies 7 and 8 the print has lost the brackets that end a block:
 [^1R_7] stands in front of [P_1] alone, and [^7R_8] in front of [P_7].
 """
@@ -35,7 +36,7 @@ ANGULAR = {
     7: "[[^1R_7][P̂_1], [0], [0], [0], [0], [0], [P̂_7], [0]]",
     8: "[[^7R_8][^1R_7][P̂_1], [0], [0], [0], [0], [0], [^7R_8][P̂_7], [P̂_8]]",
 }
-"""[omega'_K,y1]."""
+"""[omega'_K,y1] by body, in plain text."""
 
 ANGULAR_RATE = {
     1: ["[[Ṗ̂_1], [0], [0], [0], [0], [0], [0], [0]]"],
@@ -81,7 +82,7 @@ ANGULAR_RATE = {
         "+ [[0], [0], [0], [0], [0], [0], [0], [Ṗ̂_8]]",
     ],
 }
-"""Time derivative of [omega'_K,y1]."""
+"""Terms of the time derivative of [omega'_K,y1] by body."""
 
 POSITIONS = {
     1: "[R_1]{s'_1} + {r'_1}",
@@ -93,7 +94,7 @@ POSITIONS = {
     7: "[^1R_7]([R_1]{s'_1} + {q'_7} + {s'_7}) + {r'_7}",
     8: "[^7R_8]([^1R_7]([R_1]{s'_1} + {q'_7} + {s'_7}) + {q'_8} + {s'_8}) + {r'_8}",
 }
-"""{p'_GK}."""
+"""Position {p'_GK} of the mass centre by body."""
 
 VELOCITY_O8 = "[^1R_7]([R_1]{ṡ'_1} + {ṡ'_7} + [ω̃'_1]({q'_7} + {s'_7})) + {ṡ'_8} + [ω̃'_7]({q'_8} + {s'_8})"
 VELOCITY_G8 = f"[^7R_8]({VELOCITY_O8}) + [ω̃'_8]{{r'_8}}"
@@ -136,7 +137,7 @@ ORIGIN = {
         f"+ {I8}",
     ],
 }
-"""[v'_OK,y]."""
+"""Terms of [v'_OK,y] by body."""
 
 CENTER = {
     1: [f"[R_1]{I1}", f"- [r̃'_1]{W1}"],
@@ -169,7 +170,7 @@ CENTER = {
         f"- [r̃'_8]{W8}",
     ],
 }
-"""[v'_GK,y]."""
+"""Terms of [v'_GK,y] by body."""
 
 
 @pytest.mark.parametrize("k", ANGULAR)
@@ -211,7 +212,7 @@ def test_latex() -> None:
 
 
 def value(term: Term | None, bodies: tuple[BodyKinematics, ...], system: System) -> Any:
-    """The matrix or column that a term stands for, from the reference's numbers."""
+    """Return the matrix or column that a term stands for, with the numbers of the reference."""
     match term:
         case None:
             return np.zeros((3, 3))
@@ -263,7 +264,7 @@ def test_numbers_in_the_blocks_give_the_matrices(system: System) -> None:
     free = free_columns(arrays)
     half, blocks = 3 * system.number_of_bodies, Blocks(system)
     for k, body in enumerate(bodies, start=1):
-        pairs = [
+        comparisons = [
             (blocks.position_of_center(k), body.center_position),
             (blocks.velocity_of_center(k), body.center_velocity),
             (blocks.partial_angular_velocity(k), body.omega_y[:, :half]),
@@ -273,7 +274,7 @@ def test_numbers_in_the_blocks_give_the_matrices(system: System) -> None:
             (blocks.partial_velocity_of_center(k), body.center_y),
             (blocks.partial_velocity_of_center_rate(k), body.center_y_dot),
         ]
-        for term, expected in pairs:
+        for term, expected in comparisons:
             columns = free[: expected.shape[-1]] if expected.ndim == 2 else slice(None)
             found = np.broadcast_to(value(term, bodies, system), expected.shape)
             assert np.abs(found[..., columns] - expected[..., columns]).max(initial=0.0) < 1e-13

@@ -52,23 +52,25 @@ def python(folder: Path, code: str, stdin: str = "", **environment: str) -> str:
     return done.stdout
 
 
-def awkward() -> System:
-    """Parameters that Python or the module already has a meaning for, or would rename to; 17 digits."""
+def system_with_reserved_names() -> System:
+    """A system whose parameters have names of Python or of the module, and whose numbers have 17 digits."""
     names = "lambda x A sin parameters pass np np_".split()
-    given = {name: Parameter(name, 0.1 * (i + 1)) for i, name in enumerate(names)}
+    parameters = {name: Parameter(name, 0.1 * (i + 1)) for i, name in enumerate(names)}
     joint = Joint(
-        position=(given["lambda"], 1 / 3, given["np"]),
+        position=(parameters["lambda"], 1 / 3, parameters["np"]),
         free=(True, False, False, False, True, False),
-        locked=(0.0, given["pass"], 0.0, given["parameters"], 0.0, 2 / 3),
+        locked=(0.0, parameters["pass"], 0.0, parameters["parameters"], 0.0, 2 / 3),
     )
     hinge = Joint(free=(False, False, True, False, False, False))
-    inertia = ((given["A"], 0, 0), (0, given["A"], 0), (0, 0, given["A"]))
-    first = Body("first", 0, given["x"], inertia, (1 / 7, 0, given["sin"]), joint, loads=True)
-    return System("awkward", (first, Body("second", 1, given["np_"], inertia, (0, 0.3, 0), hinge)))
+    inertia = ((parameters["A"], 0, 0), (0, parameters["A"], 0), (0, 0, parameters["A"]))
+    first = Body("first", 0, parameters["x"], inertia, (1 / 7, 0, parameters["sin"]), joint, loads=True)
+    return System("awkward", (first, Body("second", 1, parameters["np_"], inertia, (0, 0.3, 0), hinge)))
 
 
 @pytest.mark.parametrize("closed", [True, False])
-@pytest.mark.parametrize("system", [PENDULUM, CRANE, awkward()], ids=lambda system: system.name)
+@pytest.mark.parametrize(
+    "system", [PENDULUM, CRANE, system_with_reserved_names()], ids=lambda system: system.name
+)
 def test_python_module_gives_the_values_of_the_reference(
     system: System, closed: bool, tmp_path: Path
 ) -> None:
@@ -153,7 +155,9 @@ def test_rows_of_very_many_blocks_are_not_printed() -> None:
     assert "in blocks" not in render(derive(chain(17, ["s1"])), closed=False)
 
 
-@pytest.mark.parametrize("system", [PENDULUM, CRANE, ARM, awkward()], ids=lambda system: system.name)
+@pytest.mark.parametrize(
+    "system", [PENDULUM, CRANE, ARM, system_with_reserved_names()], ids=lambda system: system.name
+)
 @pytest.mark.parametrize("form", ["latex", "markdown"])
 def test_latex_is_balanced(system: System, form: str) -> None:
     text = render(derive(system), form)

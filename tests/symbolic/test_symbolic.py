@@ -38,7 +38,7 @@ MATRICES = {
     "position_of_center": "center_position",
     "velocity_of_center": "center_velocity",
 }
-"""Name here and name in the reference."""
+"""Names of matrices here and in the reference."""
 
 PARTIALS = {
     "partial_angular_velocity": "omega_y",
@@ -48,18 +48,18 @@ PARTIALS = {
     "partial_velocity_of_center": "center_y",
     "partial_velocity_of_center_rate": "center_y_dot",
 }
-"""The same for the (3, n) matrices, whose reference is (3, 6N)."""
+"""Names of (3, n) matrices here and of (3, 6N) matrices in the reference."""
 
 
 def values(equations: Equations, matrices: Sequence[Any], **state: Floats) -> list[Floats]:
-    """Numbers of matrices at a state; parameters at their defaults."""
+    """Return matrices as numbers at a state, with parameters at their defaults."""
     arguments = [list(getattr(equations, name)) for name in state]
     entries = [entry for matrix in matrices for entry in matrix]
     needed = needed_definitions(equations.definitions, entries)
-    pairs = [(definition.symbol, definition.value) for definition in needed]
+    replacements = [(definition.symbol, definition.value) for definition in needed]
     defaults = {symbols.parameter(p): p.value for p in equations.system.parameters}
     function = sympy.lambdify(
-        [*arguments, list(defaults)], matrices, "numpy", cse=lambda given: (pairs, given)
+        [*arguments, list(defaults)], matrices, "numpy", cse=lambda expressions: (replacements, expressions)
     )
     return [np.array(value, dtype=float) for value in function(*state.values(), list(defaults.values()))]
 
@@ -110,8 +110,8 @@ def test_mass_matrix_and_forcing_equal_the_reference(system: System, intermediat
 
 
 @pytest.mark.parametrize("system", SYSTEMS[1:4], ids=lambda s: f"{s.number_of_bodies}-{len(s.freedoms)}")
-def test_what_has_no_counterpart_in_the_reference(system: System) -> None:
-    """Eqs. (6), (9), (25), (33) and (37) from the matrices that the tests above check, and numerically."""
+def test_matrices_that_the_reference_lacks(system: System) -> None:
+    """Eqs. (6), (9), (25), (33) against differences in time and the matrices that other tests check."""
     rng = np.random.default_rng(3)
     state = dict(zip(("x", "y", "ydot"), rng.uniform(-1, 1, (3, len(system.freedoms))), strict=True))
     equations = derive(system, intermediates=False)
@@ -187,7 +187,7 @@ def test_numbers_are_exact() -> None:
 
 
 def test_parameters_in_every_place() -> None:
-    """Parameters, also ones that take names of functions and of intermediates, give the numbers' values."""
+    """Parameters, also those named like functions or intermediates, give the values of plain numbers."""
     defaults = {
         "sin": 1.2,
         "lambda": 0.4,

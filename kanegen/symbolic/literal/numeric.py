@@ -99,19 +99,15 @@ class NumericEquations:
             ArrayError: If an array has another shape, or holds anything but real numbers.
             ModelError: If a parameter is unknown or its value makes the model unusable.
         """
-        m, n, bodies = (len(self.system.coordinates), len(self.system.freedoms), self.system.number_of_bodies)
-        points = len(self.system.points)
-        arrays = (
-            (force, bodies, "force"),
-            (torque, bodies, "torque"),
-            (point_force, points, "point_force"),
-            (point_moment, points, "point_moment"),
-        )
-        loads = [
-            np.zeros(3 * rows) if load is None else _array(load, (rows, 3), what).ravel()
-            for load, rows, what in arrays
-        ]
+        m, n = len(self.system.coordinates), len(self.system.freedoms)
         state = (_array(x, (m,), "x"), _array(y, (n,), "y"), self._motion(prescribed))
+        bodies, points = self.system.number_of_bodies, len(self.system.points)
+        loads = (
+            _load(force, bodies, "force"),
+            _load(torque, bodies, "torque"),
+            _load(point_force, points, "point_force"),
+            _load(point_moment, points, "point_moment"),
+        )
         arguments = (*state, *loads, [float(t)], self._values(parameters))
         return np.array(self._forcing(*arguments), dtype=float).ravel()
 
@@ -186,6 +182,11 @@ def needed_definitions(
             needed.append(definition)
             wanted |= definition.value.free_symbols
     return tuple(reversed(needed))
+
+
+def _load(load: ArrayLike | None, rows: int, what: str) -> Floats:
+    """Return a load, (3 rows,), zeros where there is none; `what` is its name in error messages."""
+    return np.zeros(3 * rows) if load is None else _array(load, (rows, 3), what).ravel()
 
 
 def _array(value: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
