@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -14,6 +12,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
+from kanegen.library.native import commands, compilers
 from kanegen.model.coordinates import SEQUENCES, Freedom
 from kanegen.program.evaluate import evaluate
 from kanegen.recursion.outputs import DERIVATIVES, available, chosen
@@ -406,6 +405,5 @@ def test_c_compiles_without_a_warning(tmp_path: Path) -> None:
     assert header.count(f"const double prescribed[3 * {p}]") == len(outputs) + 1
     folder = source.write(tmp_path / "out")
     flags = "-std=c99 -O0 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror".split()
-    compiler = next(path for name in ("gcc", "clang", "cc") if (path := shutil.which(name)))
-    command = [compiler, *flags, "main.c", "tree.c", "tree_batch.c", "-lm", "-o", "example"]
-    subprocess.run(command, cwd=folder, check=True)
+    files = ("main.c", "tree.c", "tree_batch.c")
+    commands.make([*compilers.find().command, *flags, *files, "-lm", "-o", "example"], "example", folder)

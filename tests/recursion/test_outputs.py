@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from itertools import combinations
 from pathlib import Path
 
@@ -12,6 +10,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
+from kanegen.library.native import commands, compilers
 from kanegen.program.count import count
 from kanegen.recursion.outputs import available
 from tests.support import moving_bodies, systems
@@ -166,10 +165,9 @@ def test_the_example_is_clean_and_runs(gravity: tuple[float, ...], tmp_path: Pat
     """An output that is a constant, and arrays of one and of three axes."""
     tree = systems.random_system(np.random.default_rng(7), 2, gravity=gravity)
     folder = kg.generate(tree, NEW).write(tmp_path / "out")
-    compiler = next(path for name in ("gcc", "clang", "cc") if (path := shutil.which(name)))
     flags = "-std=c99 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror".split()
-    command = [compiler, *flags, "main.c", "tree.c", "tree_batch.c", "-lm", "-o", "example"]
-    subprocess.run(command, cwd=folder, check=True)
-    printed = subprocess.run([folder / "example"], capture_output=True, text=True, check=True).stdout
+    files = ("main.c", "tree.c", "tree_batch.c")
+    commands.make([*compilers.find().command, *flags, *files, "-lm", "-o", "example"], "example", folder)
+    printed = commands.output([folder / "example"])
     assert printed.count(" = ") == 2 * (1 + 1 + 6 + 3 + 2 * 4 * 3)
     assert ("potential_energy[0] = 0\n" in printed) == (not any(gravity))
