@@ -107,7 +107,9 @@ def show(found: CertifiedSource) -> None:
 def show_verification(path: Path, found: Verification) -> None:
     """Print a line for each finding of a verification, then its verdict."""
     for finding in found.findings:
-        screen.print(f"{finding.what}: {_MARKS[finding.holds]}; {escape(finding.words)}", soft_wrap=True)
+        screen.print(
+            f"{finding.subject}: {_MARKS[finding.holds]}; {escape(finding.explanation)}", soft_wrap=True
+        )
     verdict = "holds as far as it was looked at" if found.passed else "DOES NOT HOLD"
     print_plain(f"{path}: {verdict}")
 

@@ -1,4 +1,4 @@
-"""`generate` with a budget and `verify` as a user meets them."""
+"""`kanegen generate` with a budget and `kanegen verify` on the command line."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_generate_and_verify(tmp_path: Path) -> None:
     ],
 )
 def test_bad_requests(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
-    """In this process, because there are many; `main` makes one line and status 2 of every `KanegenError`."""
+    """The commands run in this process, which is faster; `main` turns every `KanegenError` into one line."""
     done = CliRunner().invoke(app, ["generate", PENDULUM, "-o", str(tmp_path / "out"), *options])
     assert isinstance(done.exception, KanegenError), done.output
     assert message in str(done.exception)

@@ -1,4 +1,4 @@
-"""From a model to C with a certificate, and from the certificate to a verdict."""
+"""From a model to C with a certificate, and from the certificate to its verification."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def copied(written: Path, tmp_path: Path) -> Path:
 
 
 def failed(found: Verification) -> set[str]:
-    return {finding.what for finding in found.findings if finding.holds is False}
+    return {finding.subject for finding in found.findings if finding.holds is False}
 
 
 def test_the_certificate_says_what_was_measured(strict: CertifiedSource, written: Path) -> None:
@@ -77,7 +77,7 @@ def test_the_certificate_says_what_was_measured(strict: CertifiedSource, written
 
 
 def test_the_worst_state_has_the_error_that_is_told(strict: CertifiedSource) -> None:
-    """Measured by `check.truth.measure`, which shares no code with the search."""
+    """The error is measured again by `truth.measure`, which shares no code with the search."""
     worst = strict.certificate.content["validation"]["worst"]
     box = read_region(BOX, MODEL)
     sample = sample_from_table(box.domain, worst["state"])
@@ -93,7 +93,7 @@ def test_the_worst_state_has_the_error_that_is_told(strict: CertifiedSource) -> 
 def test_a_certificate_verifies(written: Path) -> None:
     found = verify(written, MODEL)
     assert found.passed, found.findings
-    names = [finding.what for finding in found.findings]
+    names = [finding.subject for finding in found.findings]
     assert {"source", "double_pendulum.c", "results", "error", "times"} <= set(names)
 
 
@@ -104,7 +104,7 @@ def test_another_model_is_an_error(written: Path) -> None:
         verify(written, MODEL.with_parameters({"m1": 1.0000000000000002}))
 
 
-def test_c_that_was_changed_does_not_hold(written: Path, tmp_path: Path) -> None:
+def test_changed_c_does_not_hold(written: Path, tmp_path: Path) -> None:
     path = copied(written, tmp_path)
     file = path.parent / "double_pendulum.c"
     file.write_text(file.read_text().replace("+", "-", 1))
@@ -114,7 +114,7 @@ def test_c_that_was_changed_does_not_hold(written: Path, tmp_path: Path) -> None
 
 
 def rewritten(path: Path, change: Callable[[dict[str, Any]], Any]) -> Path:
-    """A forgery: the content changed and the stamp renewed."""
+    """Forge a certificate: change its content and renew its digest."""
     content = json.loads(path.read_text())
     del content["//"]
     change(content)
@@ -142,7 +142,7 @@ def test_another_machine_takes_the_times_only(written: Path, tmp_path: Path) -> 
     path = rewritten(copied(written, tmp_path), lambda c: c["built_with"].update(processor="abacus"))
     found = verify(path)
     assert found.passed
-    assert "another processor" in found.findings[-1].words
+    assert "another processor" in found.findings[-1].explanation
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_another_machine_takes_the_times_only(written: Path, tmp_path: Path) -> 
         ),
     ],
 )
-def test_what_is_no_certificate(text: str, message: str, tmp_path: Path) -> None:
+def test_files_that_are_no_certificate(text: str, message: str, tmp_path: Path) -> None:
     file = tmp_path / "c.json"
     file.write_text(text)
     with pytest.raises(CertificateError, match=message) as error:
@@ -175,14 +175,14 @@ def test_what_is_no_certificate(text: str, message: str, tmp_path: Path) -> None
         (lambda c: c.update(model=3), "TypeError"),
         (
             lambda c: c["variant"].update(precision="triple"),
-            "its variant is none: unknown precision 'triple'",
+            "its variant is unknown: unknown precision 'triple'",
         ),
-        (lambda c: c["variant"].update(charm=1), "its variant is none"),
+        (lambda c: c["variant"].update(charm=1), "its variant is unknown"),
         (lambda c: c["model"].update(text="name = 'x'"), "a model needs bodies"),
         (lambda c: c["domain"].update(z=1), "unknown key 'z'"),
         (
             lambda c: c["validation"]["worst"].update(state={"x": ["0x1p0"]}),
-            "worst state is none of this model",
+            "worst state is not a state of this model",
         ),
     ],
 )
@@ -203,7 +203,7 @@ def test_an_edited_certificate_is_an_error(written: Path, tmp_path: Path) -> Non
 
 
 def test_single_precision_where_it_is_good_enough() -> None:
-    """Whichever is the faster one, the claim holds for it; single precision alone must do."""
+    """Single precision keeps a budget of 1e-2 but not one of 1e-9."""
     found = certify_variant(MODEL, read_region(BOX, MODEL), request(error=1e-2), (SINGLE,))
     assert found.source.precision == "float"
     assert 1e-9 < found.choice.validation.errors.max() <= 1e-2
@@ -226,7 +226,7 @@ def test_a_budget_of_time() -> None:
         certify_variant(MODEL, read_region(BOX, MODEL), request(time=1e-3), CANDIDATES)
 
 
-def test_batches_are_judged_as_batches(tmp_path: Path) -> None:
+def test_batches_are_measured_as_batches(tmp_path: Path) -> None:
     found = certify_variant(
         MODEL, read_region(BOX, MODEL), request(error=1e-9, objective="batch"), CANDIDATES
     )

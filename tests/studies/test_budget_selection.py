@@ -142,7 +142,7 @@ def test_impossible_budgets_say_what_is_reachable() -> None:
         chosen(CANDIDATES, time=10.0)
 
 
-def test_what_roundoff_forbids_is_not_built_but_the_most_precise_is_always_tried() -> None:
+def test_candidates_with_too_much_roundoff_are_not_built_but_the_most_precise_one_is() -> None:
     coarse = replace(SINGLE, least_error=1e-8)
     evaluator = PlantedEvaluator([STRICT, coarse])
     found = choose(evaluator, Request(error=1e-9, effort=SMALL))
@@ -152,7 +152,7 @@ def test_what_roundoff_forbids_is_not_built_but_the_most_precise_is_always_tried
         choose(PlantedEvaluator([coarse]), Request(error=1e-9, effort=SMALL))
 
 
-def test_what_cannot_be_built_is_named_and_does_not_stop_the_others() -> None:
+def test_a_candidate_that_cannot_be_built_is_named_and_does_not_stop_the_others() -> None:
     broken = replace(ROUGH, refused="no such flag")
     assert choice([STRICT, broken], error=1e-3).verdicts["rough"] == "refused: no such flag"
     with pytest.raises(BudgetError, match="rough: refused: no such flag"):
@@ -213,7 +213,7 @@ def test_regret_on_every_small_grid() -> None:
             assert choice(candidates, error=1e-8).times.median <= 1.05 * min(feasible)
 
 
-def test_the_best_are_timed_once_more_and_only_that_is_told() -> None:
+def test_the_best_candidates_are_timed_once_more_and_the_second_times_are_reported() -> None:
     many = [Planted(f"v{k}", 1e-15, 100.0 + k) for k in range(20)]
     evaluator = PlantedEvaluator(many, noise=0.5, seed=3)
     found = choose(evaluator, Request(error=1e-9, effort=SMALL))
@@ -225,8 +225,8 @@ def test_the_best_are_timed_once_more_and_only_that_is_told() -> None:
     assert found.times == finalists[found.candidate] != everybody[found.candidate]
 
 
-def test_who_is_too_slow_in_the_final_is_out() -> None:
-    """Times of the final are half as long again; what was just fast enough no longer is."""
+def test_a_candidate_that_is_too_slow_in_the_final_is_dropped() -> None:
+    """The second times are half as long again, so a candidate that was just fast enough no longer is."""
 
     class Slower(PlantedEvaluator):
         def times(self, candidates: Sequence[Planted]) -> dict[Planted, Times]:

@@ -25,13 +25,13 @@ QUICK = Planted("quick", 1e-15, 50.0)
 MIDDLE = Planted("middle", 1e-15, 70.0)
 
 
-def heavy(share: float, *labels: str):
-    """Errors that exceed 1e-9 in a share of all states, for the candidates of these labels."""
+def exceeding(share: float, *labels: str):
+    """Return errors that exceed 1e-9 in a share of the fresh states, for the candidates with `labels`."""
 
     def sampled(candidate: Planted, sample: SampleSpec, rng: np.random.Generator) -> Floats:
         rare = rng.random(sample.count) < (share if candidate.label in labels else 0.0)
-        seen = sample.purpose == VALIDATE
-        return np.where(rare & seen, 1e-6, candidate.error)
+        is_fresh = sample.purpose == VALIDATE
+        return np.where(rare & is_fresh, 1e-6, candidate.error)
 
     return sampled
 
@@ -54,7 +54,7 @@ def test_the_limit_is_that_of_clopper_and_pearson(exceeded: int, count: int) -> 
     assert stats.binom.cdf(exceeded, count, limit) == pytest.approx(0.05, rel=1e-9)
 
 
-def test_where_all_exceed_nothing_is_shown() -> None:
+def test_if_all_states_exceed_a_claim_nothing_is_shown() -> None:
     assert confidence.exceedance_limit(7, 7, 0.05) == 1.0
     assert validate(np.full(7, math.nan), 1.0, 0.05, 1).exceeded == 7
 
@@ -79,7 +79,7 @@ def test_the_fresh_sample_is_drawn_once_and_for_one_candidate() -> None:
 
 
 def test_every_further_attempt_has_a_sample_of_its_own_and_its_part_of_alpha() -> None:
-    evaluator = PlantedEvaluator([SLOW, QUICK, MIDDLE], heavy(0.1, "quick"))
+    evaluator = PlantedEvaluator([SLOW, QUICK, MIDDLE], exceeding(0.1, "quick"))
     request = Request(error=1e-9, attempts=3, effort=SMALL)
     found = choose(evaluator, request)
     assert found.candidate is MIDDLE
@@ -96,16 +96,17 @@ def test_attempts_end() -> None:
     candidates = [SLOW, QUICK, MIDDLE]
     with pytest.raises(BudgetError, match=r"No further attempt.*quick.*failed validation 1"):
         choose(
-            PlantedEvaluator(candidates, heavy(0.1, "quick")), Request(error=1e-9, attempts=1, effort=SMALL)
+            PlantedEvaluator(candidates, exceeding(0.1, "quick")),
+            Request(error=1e-9, attempts=1, effort=SMALL),
         )
-    with pytest.raises(BudgetError, match="borne out"):
+    with pytest.raises(BudgetError, match="was confirmed"):
         choose(
-            PlantedEvaluator(candidates, heavy(0.1, "slow", "quick", "middle")),
+            PlantedEvaluator(candidates, exceeding(0.1, "slow", "quick", "middle")),
             Request(error=1e-9, attempts=9, effort=SMALL),
         )
 
 
-def test_an_attempt_is_not_spent_on_what_an_attack_refutes_first() -> None:
+def test_an_attempt_is_not_spent_on_a_candidate_that_a_search_refutes() -> None:
     evaluator = PlantedEvaluator([SLOW, QUICK, MIDDLE], found={"quick": 1e-6, "middle": math.inf})
     found = choose(evaluator, Request(error=1e-9, attempts=1, effort=SMALL))
     assert found.candidate is SLOW
@@ -128,7 +129,7 @@ def test_more_digits_are_tried_where_all_others_are_refuted() -> None:
     assert "long" not in [label for label, _ in sound.samples]
 
 
-def test_a_defeat_names_three_and_counts_the_others() -> None:
+def test_a_failure_names_three_candidates_and_counts_the_others() -> None:
     candidates = [Planted(f"v{k}", 1e-15, 100.0 + k) for k in range(7)]
     with pytest.raises(BudgetError, match=r"v2: .* And 4 more\.$") as caught:
         choose(
@@ -140,7 +141,7 @@ def test_a_defeat_names_three_and_counts_the_others() -> None:
 
 def test_a_quantile_admits_a_few() -> None:
     """Of 3000 states a share of 0.3 % may exceed where 1 % may, but not where 0.1 % may."""
-    evaluator = PlantedEvaluator([SLOW, QUICK], heavy(0.003, "quick"), found={"quick": 1e-6})
+    evaluator = PlantedEvaluator([SLOW, QUICK], exceeding(0.003, "quick"), found={"quick": 1e-6})
     effort = replace(SMALL, validate=4000)
     found = choose(evaluator, Request(error=1e-9, quantile=0.99, effort=effort))
     assert found.candidate is QUICK
@@ -150,7 +151,7 @@ def test_a_quantile_admits_a_few() -> None:
 
 
 def test_wrong_claims_are_as_rare_as_the_confidence_says() -> None:
-    """Fields in which every candidate is a little worse than the claim: the worst that luck can be given.
+    """Every candidate is slightly worse than the claim, which makes a wrong claim as likely as possible.
 
     At 90 % and with two attempts, at most one search in ten may end with a claim, up to 4 sigma.
     """
@@ -159,7 +160,7 @@ def test_wrong_claims_are_as_rare_as_the_confidence_says() -> None:
     wrong, searches = 0, 1500
     for seed in range(searches):
         evaluator = PlantedEvaluator(
-            [SLOW, QUICK, MIDDLE], heavy(0.0502, "slow", "quick", "middle"), seed=seed
+            [SLOW, QUICK, MIDDLE], exceeding(0.0502, "slow", "quick", "middle"), seed=seed
         )
         try:
             choose(evaluator, request)
@@ -169,7 +170,7 @@ def test_wrong_claims_are_as_rare_as_the_confidence_says() -> None:
     assert 0.05 < wrong / searches <= 0.1 + 4 * math.sqrt(0.1 * 0.9 / searches)
 
 
-def test_what_is_claimed_under_a_budget_of_time_covers_fresh_states() -> None:
+def test_the_claim_under_a_budget_of_time_covers_fresh_states() -> None:
     """The largest of n errors is exceeded with a probability below the limit in at least 95 % of searches."""
 
     def tail(candidate: Planted, sample: SampleSpec, rng: np.random.Generator) -> Floats:
@@ -218,7 +219,7 @@ def test_budgets_of_time(text: str, nanoseconds: float) -> None:
         ("1.2.3ns", "is not a number"),
     ],
 )
-def test_budgets_of_time_that_are_none(text: str, message: str) -> None:
+def test_texts_that_are_no_budget_of_time(text: str, message: str) -> None:
     with pytest.raises(OptionError, match=message):
         time_budget(text)
 
@@ -242,12 +243,12 @@ def test_budgets_of_time_that_are_none(text: str, message: str) -> None:
         ({"error": 1e-9, "effort": Effort(validate=100)}, "3688 states are needed"),
     ],
 )
-def test_requests_that_are_none(terms: dict[str, object], message: str) -> None:
+def test_impossible_requests(terms: dict[str, object], message: str) -> None:
     with pytest.raises(OptionError, match=message):
         Request(**terms)
 
 
-def test_words_that_are_no_numbers() -> None:
+def test_texts_that_are_no_numbers() -> None:
     assert error_budget("1e-9") == 1e-9
     with pytest.raises(OptionError, match="error is 'small'"):
         error_budget("small")

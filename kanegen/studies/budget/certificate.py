@@ -38,7 +38,7 @@ from kanegen.studies.tradeoff.exact_results import compute_accelerations
 from kanegen.studies.tradeoff.variants import Candidate
 
 KIND = "error and time of one variant of one model"
-"""The kind of a certificate file, by which it is told from other JSON files."""
+"""The kind of a certificate file, which distinguishes it from other JSON files."""
 
 FORMAT = 1
 """Version of the format of a certificate file."""
@@ -83,7 +83,7 @@ class Certificate:
             fields: dict[str, Any] = {n: tuple(v) if isinstance(v, list) else v for n, v in choices.items()}
             return Candidate(Variant(**fields))
         except (AttributeError, TypeError, KanegenError) as error:
-            raise CertificateError(f"its variant is none: {error}") from None
+            raise CertificateError(f"its variant is unknown: {error}") from None
 
 
 def read_certificate(path: Path) -> Certificate:

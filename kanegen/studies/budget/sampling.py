@@ -56,8 +56,8 @@ def sample_region(region: Region, exact: ExactResults, count: int, rng: np.rando
         tried += count
         if len(kept) < _LEAST_SHARE * tried:
             raise OptionError(
-                f"domain: of {tried} states of the box {len(kept)} cancel less than {region.cancellation:g}. "
-                "Raise exclude.cancellation."
+                f"domain: in only {len(kept)} of {tried} states of the box accelerations cancel less than "
+                f"{region.cancellation:g}. Raise exclude.cancellation."
             )
     return joined(kept[:count])
 
@@ -94,5 +94,5 @@ def sample_from_table(domain: Domain, table: Mapping[str, Any]) -> Sample:
     except (TypeError, ValueError, OverflowError):
         row = []
     if len(row) != domain.size:
-        raise CertificateError("its worst state is none of this model.")
+        raise CertificateError("its worst state is not a state of this model.")
     return domain.states(np.array([row]))

@@ -163,6 +163,6 @@ class _Selection(Generic[C]):
         more = "" if all_tried else " No further attempt was allowed; see attempts."
         others = f" And {len(tried) - SHOWN} more." if len(tried) > SHOWN else ""
         return (
-            f"no variant that kept the budget on the first sample was borne out.{more} "
+            f"no variant that kept the budget in the first sample was confirmed.{more} "
             f"{' '.join(tried[:SHOWN])}{others}"
         )

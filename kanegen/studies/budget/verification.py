@@ -49,14 +49,14 @@ class Finding:
     """The outcome of checking one statement of a certificate.
 
     Attributes:
-        what: Subject of the statement.
+        subject: Subject of the statement.
         holds: Whether it still holds; None where it was not checked or cannot be checked.
-        words: What was found.
+        explanation: What was found, in words.
     """
 
-    what: str
+    subject: str
     holds: bool | None
-    words: str
+    explanation: str
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,9 @@ def verify(
     try:
         fields = certificate_fields(certificate)
         if model is not None and model_text(model) != fields.model_text:
-            raise CertificateError(f"of another model than {model.name!r} as it is now. Generate it anew.")
+            raise CertificateError(
+                f"it is of another model than {model.name!r} as it is now. Generate it anew."
+            )
         region = region_from_table(_model_from_text(fields.model_text), fields.domain)
         library = load(generate_variant(region.system, certificate.candidate))
     except BuildError:
@@ -207,8 +209,8 @@ class _Checks:
             tolerance = 2 * WIDTH * self._roundoff + 1e-9 * worst.error
             is_same = abs(error - worst.error) <= tolerance
             is_kept = self._may_differ and error <= self._fields.error
-            words = f"error {error:.3g}, was {worst.error:.3g}"
-            yield Finding(f"worst state of the {worst.part}", is_same or is_kept, words)
+            found = f"error {error:.3g}, was {worst.error:.3g}"
+            yield Finding(f"worst state of the {worst.part}", is_same or is_kept, found)
 
     def _fresh_states(self, states: int, seed: int) -> Finding:
         """Compare the errors in fresh states with the claim."""
@@ -219,8 +221,8 @@ class _Checks:
         exceeded = int(np.sum(~(errors <= fields.error)))
         is_refuted = exceedance_floor(exceeded, states, fields.alpha) > fields.share
         holds = not exceeded if fields.is_strict else not is_refuted
-        words = f"{exceeded} of {states} fresh states exceed {fields.error:.3g}, the largest error is"
-        return Finding("error", holds, f"{words} {errors.max():.3g}")
+        found = f"{exceeded} of {states} fresh states exceed {fields.error:.3g}, the largest error is"
+        return Finding("error", holds, f"{found} {errors.max():.3g}")
 
     def _times(self) -> Finding:
         """Return what the times of the certificate are worth on this machine; they are not measured again."""

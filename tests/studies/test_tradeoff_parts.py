@@ -1,4 +1,4 @@
-"""The parts of a study, each against something that shares no code with it."""
+"""The parts of a trade-off study, each compared with code that shares nothing with it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_every_field_of_a_variant_is_in_the_table() -> None:
     assert varied == {field.name for field in fields(Variant)} | set(variants.SYSTEM_CHOICES)
 
 
-def test_what_no_variant_can_be_is_refused_with_the_reason() -> None:
+def test_impossible_combinations_are_refused_with_the_reason() -> None:
     found, refused = variants.candidates([{"precision": "float"}, {"precision": "quad", "optimisation": 3}])
     assert [candidate.variant.precision for candidate in found] == ["float"]
     assert [refusal.label for refusal in refused] == ["quad, -O3"]
@@ -58,7 +58,7 @@ def test_what_no_variant_can_be_is_refused_with_the_reason() -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_front_against_brute_force(seed: int) -> None:
+def test_the_pareto_front_is_that_of_brute_force(seed: int) -> None:
     rng = np.random.default_rng(seed)
     times, errors = rng.integers(100, 140, 30) / 100, rng.integers(1, 30, 30) / 1.0
     points = [Point(k, float(t), float(e)) for k, (t, e) in enumerate(zip(times, errors, strict=True))]
@@ -127,7 +127,7 @@ def test_where_nothing_acts_tau_still_does() -> None:
     assert np.abs(default_domain(rail).sample(10, 0).tau).min() > 0
 
 
-def test_the_grid_is_that_of_single_precision_at_every_size() -> None:
+def test_rounding_is_that_of_single_precision_at_every_size() -> None:
     values = np.random.default_rng(0).standard_normal(1000) * 10.0 ** np.arange(-30, 20).repeat(20)
     assert np.array_equal(rounded(values), values.astype(np.float32))
     assert np.array_equal(rounded(values * 2.0**600), rounded(values) * 2.0**600)
@@ -185,16 +185,16 @@ def test_hard_states_are_what_they_are_called() -> None:
 
 
 def test_a_search_climbs_by_evaluations_and_stays_inside() -> None:
-    domain, seen = default_domain(FREE), []
+    domain, counts = default_domain(FREE), []
 
     def height(sample: Sample) -> np.ndarray:
-        seen.append(len(sample))
+        counts.append(len(sample))
         assert domain.contains(sample)
         return sample.flat()[:, 4] + sample.tau[:, 2]
 
     start = domain.sample(1, 0)
     found, top = climb(domain, start, height, 83, 1)
-    assert sum(seen) == 84
+    assert sum(counts) == 84
     assert top == height(found)[0] > height(start)[0]
     again, _ = climb(domain, start, height, 83, 1)
     assert again.bits() == found.bits()
@@ -256,7 +256,7 @@ def test_other_speeds_are_the_same_physical_state() -> None:
 
 
 def _about_origin(system: kg.System) -> np.ndarray:
-    """What the distance of the mass centre from the origin adds to the inertia of a single body."""
+    """Return the part of the inertia about the origin that comes from the distance of the mass center."""
     arrays = system.values()
     r, m = arrays.mass_center[0], arrays.mass[0]
     return m * (r @ r * np.eye(3) - np.outer(r, r))

@@ -1,4 +1,4 @@
-"""The search for a counterexample: it climbs, stays in the region, counts, and says what is hard there."""
+"""The search for a counterexample climbs, stays in the region, counts, and explains what it finds."""
 
 from __future__ import annotations
 
@@ -24,40 +24,40 @@ PENDULUM = kg.load(MODELS / "double_pendulum.toml")
 
 
 class Hump:
-    """An error that is largest where q1 is 0.7, and how many states it was asked for."""
+    """An error with its maximum at q1 = 0.7; `evaluations` counts the states in which it was evaluated."""
 
     def __init__(self) -> None:
-        self.asked = 0
+        self.evaluations = 0
 
     def __call__(self, sample: Sample) -> Floats:
-        self.asked += len(sample)
+        self.evaluations += len(sample)
         found: Floats = 1 / (1e-6 + np.abs(sample.x[:, 0] - 0.7))
         return found
 
 
-def setting(words: str) -> tuple[Region, ExactResults, Sample]:
-    region = read_region(words, PENDULUM)
+def start_of_search(domain: str) -> tuple[Region, ExactResults, Sample]:
+    region = read_region(domain, PENDULUM)
     exact = ExactResults(region.system)
     return region, exact, sample_region(region, exact, 12, random_stream(0, "select", 0))
 
 
 @pytest.mark.parametrize("hard", [True, False])
-def test_it_climbs_and_counts(hard: bool) -> None:
-    region, exact, sample = setting("x.q1 = [-1, 1]")
-    hump = Hump()
-    found = search_counterexample(region, exact, hump, sample, evaluations=200, seed=1, hard=hard)
-    assert found.error > 10 * hump(sample).max()
+def test_the_search_climbs_and_counts_its_evaluations(hard: bool) -> None:
+    region, exact, sample = start_of_search("x.q1 = [-1, 1]")
+    error = Hump()
+    found = search_counterexample(region, exact, error, sample, evaluations=200, seed=1, hard=hard)
+    assert found.error > 10 * error(sample).max()
     worst = sample_from_table(region.domain, found.state)
     assert region.domain.contains(worst)
-    assert hump(worst)[0] == found.error
+    assert error(worst)[0] == found.error
     starts = 4 + len(sample)
     assert 150 <= found.evaluations <= 200
-    assert hump.asked - len(sample) - 1 == found.evaluations + starts
+    assert error.evaluations - len(sample) - 1 == found.evaluations + starts
 
 
-def test_it_stays_in_the_region() -> None:
-    """The top of the hump is outside the box; states that cancel are outside the region."""
-    region, exact, sample = setting("x.q1 = [-1, 0.5]; exclude.cancellation = 2")
+def test_the_search_stays_in_the_region() -> None:
+    """The maximum of the error lies outside the box, and states that cancel lie outside the region."""
+    region, exact, sample = start_of_search("x.q1 = [-1, 0.5]; exclude.cancellation = 2")
     found = search_counterexample(region, exact, Hump(), sample, evaluations=100, seed=1, hard=True)
     worst = sample_from_table(region.domain, found.state)
     assert worst.x[0, 0] <= 0.5
@@ -65,7 +65,7 @@ def test_it_stays_in_the_region() -> None:
 
 
 def test_the_same_seed_finds_the_same_state() -> None:
-    region, exact, sample = setting("")
+    region, exact, sample = start_of_search("")
     first, second, other = (
         search_counterexample(region, exact, Hump(), sample, evaluations=60, seed=seed, hard=True)
         for seed in (1, 1, 2)
@@ -74,22 +74,22 @@ def test_the_same_seed_finds_the_same_state() -> None:
     assert first.state != other.state
 
 
-def test_a_state_in_words_is_exact() -> None:
-    region, _, sample = setting("")
+def test_a_state_as_a_table_is_exact() -> None:
+    region, _, sample = start_of_search("")
     row = sample[3:4]
     assert (sample_from_table(region.domain, state_table(row)).flat() == row.flat()).all()
     for wrong in ({}, {"x": ["0x1p0"]}, {"x": 3}, {"x": ["soft"] * 6}, {"x": ["0x1p99999"] * 6}):
-        with pytest.raises(CertificateError, match="none of this model"):
+        with pytest.raises(CertificateError, match="not a state of this model"):
             sample_from_table(region.domain, wrong)
 
 
-def test_causes() -> None:
-    region, exact, sample = setting("")
-    held = sample[:1].flat().copy()
+def test_explanations_name_what_to_exclude() -> None:
+    region, exact, sample = start_of_search("")
+    balanced = sample[:1].flat().copy()
     equations = kg.build(PENDULUM)
-    held[0, 2:4] = 0.0
-    held[0, 4:6] = -equations.forcing(held[0, :2], held[0, 2:4]) * (1 + 1e-6)
-    assert "exclude.cancellation" in explain_difficulty(exact, region.domain.states(held), sample)
+    balanced[0, 2:4] = 0.0
+    balanced[0, 4:6] = -equations.forcing(balanced[0, :2], balanced[0, 2:4]) * (1 + 1e-6)
+    assert "exclude.cancellation" in explain_difficulty(exact, region.domain.states(balanced), sample)
     assert explain_difficulty(exact, sample[:1], sample[:1]) == "Nothing about the state is unusual."
 
     body = read_region("exclude.clearance = 1e-4", kg.load(MODELS / "free_body.toml"))
@@ -101,7 +101,7 @@ def test_causes() -> None:
 
 
 def test_ranges_hold_every_state() -> None:
-    _, exact, sample = setting("")
+    _, exact, sample = start_of_search("")
     found = conditioning_ranges(exact, sample)
     chi = [state.conditioning.chi for state in exact.states(sample)]
     assert found["chi"] == [min(chi), max(chi)]

@@ -1,4 +1,4 @@
-"""Simulations of a study, and variants of every precision against truth."""
+"""Simulations of a trade-off study, and variants of every precision against certified truth."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from kanegen.studies.tradeoff.simulation import with_simulations
 from kanegen.studies.tradeoff.study import study
 from kanegen.studies.tradeoff.tables import simulation_rows
 from kanegen.studies.tradeoff.variants import Candidate
-from tests.studies.test_study_run import invented, quiet
+from tests.studies.test_tradeoff_study import invented, quiet
 from tests.support import systems
 
 HINGES = systems.chain(2, ["theta3"])
@@ -75,7 +75,7 @@ def test_errors_fall_by_the_order_of_the_method(outcome: Study) -> None:
 
 
 def test_the_end_is_that_of_the_reference_in_numpy(outcome: Study) -> None:
-    """SciPy with accelerations from the NumPy reference: nothing of the C takes part."""
+    """The reference integrates with SciPy and accelerations from NumPy; no generated C takes part."""
     model, _ = without_loads_and_parameters(HINGES)
     start = outcome.domain.sample(1, (outcome.options.seed, simulation.START))
     x, y, n = start.x[0], 0.5 * start.y[0], 2
@@ -95,7 +95,7 @@ def test_the_end_is_that_of_the_reference_in_numpy(outcome: Study) -> None:
     assert finest.x[-1] == pytest.approx(end, abs=1e-9)
 
 
-def test_the_cheapest_way_to_every_error(outcome: Study) -> None:
+def test_the_table_names_the_least_work_for_every_error(outcome: Study) -> None:
     rows = simulation_rows(outcome)
     assert rows
     for level, variant, method, setting, *_ in rows:
@@ -122,8 +122,8 @@ def test_a_simulation_that_fails_has_an_infinite_error() -> None:
 
 
 @pytest.mark.parametrize("variant", PRECISIONS, ids=lambda v: f"{v.precision} {v.storage} {v.sincos}")
-def test_every_precision_is_judged_and_timed(variant: Variant) -> None:
-    """What is accurate to u is seen to be so, down to 1e-30, and the driver computes the same numbers."""
+def test_every_precision_is_measured_and_timed(variant: Variant) -> None:
+    """The measured error is about u, down to 1e-30, and the timing driver computes the same numbers."""
     system = systems.chain(1, FREEDOMS)
     domain = default_domain(system)
     sample = joined([domain.sample(6, 0), hard_states(domain, 4, 0) or domain.sample(1, 1)])

@@ -1,4 +1,4 @@
-"""A whole study: who is measured, what is refused, what is written, and how the command line leads there."""
+"""A whole trade-off study: its measurements, refusals and files, from Python and on the command line."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ QUIET = ["tradeoff", "--states", "3", "--rounds", "1", "--seconds", "0", "--sear
 
 
 def quiet(stage: str) -> None:
-    """Nobody watches."""
+    """Ignore the name of a stage."""
 
 
 def few() -> list[Candidate]:
@@ -56,7 +56,7 @@ def few() -> list[Candidate]:
 def invented(
     samples: Mapping[CompiledVariant, Any], rounds: Rounds, progress: Any
 ) -> dict[CompiledVariant, dict[str, Times]]:
-    """Times that are the same every time: bytes for single precision count half."""
+    """Return times that never vary: operations in ns, half of them for single precision."""
     del rounds, progress
     found = {}
     for one in samples:
@@ -81,7 +81,7 @@ def small_table(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     yield
 
 
-def test_what_is_timed_computes_what_is_judged() -> None:
+def test_the_timed_driver_computes_the_measured_results() -> None:
     (one, _, single, _), _ = compile_variants(HINGES, few(), quiet)
     sample = default_domain(HINGES).sample(40, 0)
     for built in (one, single):
@@ -94,7 +94,7 @@ def test_what_is_timed_computes_what_is_judged() -> None:
     assert times[one]["latency"].least > 0
 
 
-def test_a_study_measures_everybody_and_shares_equal_programs(outcome: Study) -> None:
+def test_a_study_measures_every_variant_and_equal_programs_once(outcome: Study) -> None:
     by_label = {entry.label: entry for entry in outcome.results}
     assert len(by_label) == 4
     spinning = by_label["articulated, -O0, angular velocity"]
@@ -113,7 +113,7 @@ def test_a_study_measures_everybody_and_shares_equal_programs(outcome: Study) ->
             assert not np.array_equal(confirmed.errors.normwise, confirmed.result.errors[objective].normwise)
 
 
-def test_who_cannot_be_built_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_variants_that_cannot_be_built_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     built, refused = compile_variants(HUGE, [Candidate(Variant(precision="float"))], quiet)
     assert not built
     assert "leaves the range of single precision" in refused[0].reason
@@ -164,7 +164,7 @@ def test_documents_hold_every_variant(outcome: Study) -> None:
     xml.etree.ElementTree.fromstring(tradeoff_svg(outcome))
 
 
-def test_terms_and_domains_that_make_no_sense() -> None:
+def test_impossible_options_and_domains() -> None:
     with pytest.raises(kg.OptionError, match=r"unknown quantile 'mx'. Did you mean 'max'\?"):
         study(HINGES, replace(QUICK, quantile="mx"))
     other = default_domain(systems.chain(3, ["theta3"]))
@@ -172,7 +172,7 @@ def test_terms_and_domains_that_make_no_sense() -> None:
         study(HINGES, QUICK, quiet, other, variants=few())
 
 
-def test_where_nothing_can_be_built() -> None:
+def test_a_model_without_any_variant() -> None:
     with pytest.raises(kg.OptionError, match=r"no variant can be built\. The first one, float.*the range"):
         study(HUGE, QUICK, quiet, variants=[Candidate(Variant(precision="float"))])
     massless = kg.System.from_arrays([0], [0.0], [np.zeros((3, 3))], [[0, 0, 0]], [[0, 0, 0]])
@@ -208,7 +208,9 @@ def refusal(*arguments: str) -> str:
     return str(done.exception)
 
 
-def test_what_cannot_work_is_said_before_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_impossible_options_are_refused_before_the_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("kanegen.studies.tradeoff.study.study", None)
     file = tmp_path / "file"
     file.touch()

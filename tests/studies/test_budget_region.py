@@ -1,4 +1,4 @@
-"""Domains from files and from the command line: what is read, and what is refused by file and key."""
+"""Regions from files and from the command line; errors name the file and the key."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def pendulum() -> kg.System:
 
 @pytest.fixture(scope="module")
 def loaded() -> kg.System:
-    """Angles and translations of two bodies, both with loads."""
+    """Return two bodies with an angle and a translation each, both with loads."""
     rng = np.random.default_rng(4)
     free = systems.flags(2, ["theta3", "s1"])
     return systems.random_system(rng, 2, connection=[0, 1], free=free, loads=True)
@@ -61,7 +61,7 @@ def test_a_file_with_everything(tmp_path: Path, pendulum: kg.System) -> None:
     assert range_of(default, "x", "q1") == pytest.approx([-math.pi, math.pi])
 
 
-def test_words_on_the_command_line(pendulum: kg.System) -> None:
+def test_a_region_on_the_command_line(pendulum: kg.System) -> None:
     found = read_region("x.q1 = [0, 1]; exclude.cancellation = 100", pendulum)
     assert range_of(found, "x", "q1") == [0.0, 1.0]
     assert found.cancellation == 100.0
@@ -94,7 +94,7 @@ def test_a_table_makes_the_same_region_again(pendulum: kg.System, loaded: kg.Sys
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("text", "message"),
     [
         ("x.q1 = [1, 0]", r"x\.q1: the range \[1\.0, 0\.0\] is inverted\. Write \[0\.0, 1\.0\]"),
         ("x.q3 = 1", r"x: unknown key 'q3'.*'q1'"),
@@ -120,9 +120,9 @@ def test_a_table_makes_the_same_region_again(pendulum: kg.System, loaded: kg.Sys
         ("x.q1 = [0, 1]; x.q1 = 2", "--domain:2: not valid TOML"),
     ],
 )
-def test_what_is_no_domain(words: str, message: str, pendulum: kg.System) -> None:
+def test_texts_that_describe_no_region(text: str, message: str, pendulum: kg.System) -> None:
     with pytest.raises((OptionError, ReadError), match=message) as error:
-        read_region(words, pendulum)
+        read_region(text, pendulum)
     assert str(error.value).startswith("--domain")
 
 
@@ -144,7 +144,7 @@ def test_errors_name_the_file(tmp_path: Path, pendulum: kg.System) -> None:
         read_region(str(file), pendulum)
 
 
-def test_gimbal_lock_must_be_excluded_or_regular() -> None:
+def test_gimbal_lock_must_be_excluded_unless_speeds_are_regular_there() -> None:
     body = kg.load(MODELS / "free_body.toml")
     name = body.freedom_names[1]
     with pytest.raises(OptionError, match=rf"cos\({name}\) = 0.*exclude\.clearance.*angular_velocity"):
@@ -167,14 +167,14 @@ def test_gimbal_lock_of_a_sequence_that_ends_as_it_begins() -> None:
     require_no_gimbal_lock(region_from_table(euler, {"x": {name: [0.5, 2.5]}}))
 
 
-def test_a_clearance_leaves_something() -> None:
+def test_a_clearance_that_leaves_nothing_is_refused() -> None:
     body = kg.load(MODELS / "free_body.toml")
     name = body.freedom_names[1]
     with pytest.raises(OptionError, match="nothing of the box is left"):
         region_from_table(body, {"x": {name: [1.5, 1.6]}, "exclude": {"clearance": 0.5}})
 
 
-def test_states_that_cancel_are_not_drawn(pendulum: kg.System) -> None:
+def test_states_that_cancel_are_excluded(pendulum: kg.System) -> None:
     found = read_region("exclude.cancellation = 1.5", pendulum)
     exact = ExactResults(found.system)
     sample = sample_region(found, exact, 12, random_stream(0, "select", 0))
@@ -188,11 +188,11 @@ def test_states_that_cancel_are_not_drawn(pendulum: kg.System) -> None:
         )
 
 
-def test_streams_differ() -> None:
-    draws = {
+def test_random_streams_differ() -> None:
+    numbers = {
         (seed, what, k): random_stream(seed, what, k).random()
         for seed in (0, 1)
         for what in ("select", "validate", "verify")
         for k in (0, 1)
     }
-    assert len(set(draws.values())) == len(draws)
+    assert len(set(numbers.values())) == len(numbers)
