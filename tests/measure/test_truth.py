@@ -153,7 +153,7 @@ def test_joint_frames_are_the_nearest_rotations() -> None:
             r = link.orientation
             unity = r.transpose() * r
             stretch = r.transpose() * truth.balls.square(c)
-            assert unity.overlaps(truth.balls.diagonal(3))
+            assert unity.overlaps(truth.balls.identity(3))
             assert stretch.overlaps(stretch.transpose())
             assert max(float(entry.rad()) for entry in (*unity.entries(), *stretch.entries())) < 1e-55
             assert abs(float(stretch.det()) - 1) < 1e-14

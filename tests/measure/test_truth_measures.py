@@ -13,7 +13,7 @@ import pytest
 import kanegen as kg
 from kanegen.measure import truth
 from kanegen.measure.truth.balls import arb, arb_mat, ctx, inverse
-from kanegen.measure.truth.conditioning import scaled_condition
+from kanegen.measure.truth.conditioning import scaled_condition_number
 from kanegen.measure.truth.enclosure import Enclosure
 from kanegen.measure.truth.errors import bits_lost, units
 from kanegen.reference.states import States
@@ -112,9 +112,9 @@ def test_scaled_condition_number(near: float, scale: float) -> None:
     with ctx.workprec(300):
         off = (1 - arb(near)) * arb(scale).sqrt()
         matrix = arb_mat([[arb(1), off], [off, arb(scale)]])
-        assert scaled_condition(matrix, inverse(matrix)) == pytest.approx((2 - near) / near, rel=1e-12)
+        assert scaled_condition_number(matrix, inverse(matrix)) == pytest.approx((2 - near) / near, rel=1e-12)
         singular = arb_mat([[1, 1], [1, 1]])
-        assert scaled_condition(singular, inverse(singular)) == math.inf
+        assert scaled_condition_number(singular, inverse(singular)) == math.inf
 
 
 def test_cancellation_of_the_right_hand_side() -> None:

@@ -515,9 +515,9 @@ def test_values_that_never_exist() -> None:
 
 
 def test_what_has_no_exact_results() -> None:
-    with pytest.raises(kg.OptionError, match="has force elements, of which no exact results are known"):
+    with pytest.raises(kg.OptionError, match="has force elements, for which there are no exact results"):
         truth(oscillator(JointSpring("body1.s1", 1.0)), [0.0], [0.0])
-    with pytest.raises(kg.OptionError, match=r"has loads on points \(p0, p2\), of which no exact"):
+    with pytest.raises(kg.OptionError, match=r"has loads on points \(p0, p2\), for which there are no exact"):
         truth(pointed(systems.chain(3), 1), np.zeros(3), np.zeros(3))
     with pytest.raises(kg.OptionError, match="a force element names its coordinates"):
         three = systems.chain(1, ("theta1", "theta2", "theta3"))

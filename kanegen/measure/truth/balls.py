@@ -1,7 +1,8 @@
 """Matrices of real balls: every result encloses the exact one.
 
-`python-flint` brings the arithmetic (Arb, now part of FLINT). Floats enter as the numbers they are; what is
-computed with them has a midpoint of as many bits as `precision` allows and a radius that bounds its error.
+`python-flint` brings the arithmetic (Arb, now part of FLINT). Floats enter as the numbers they are. A ball
+that is computed from them has a midpoint of as many bits as the working precision allows and a radius that
+bounds its error.
 """
 
 from __future__ import annotations
@@ -24,10 +25,12 @@ __all__ = [
     "column",
     "cross",
     "ctx",
-    "diagonal",
+    "identity",
+    "inverse",
+    "largest_magnitude",
     "nearest_rotation",
-    "norm",
     "skew",
+    "solution",
     "square",
     "stacked",
     "unit",
@@ -36,77 +39,87 @@ __all__ = [
 
 
 def column(values: Iterable[float | arb]) -> arb_mat:
-    """(m, 1) matrix of numbers, taken exactly."""
+    """Return the (m, 1) matrix of numbers, which are taken exactly."""
     entries = _entries(values)
     return arb_mat(len(entries), 1, entries)
 
 
 def square(rows: Iterable[Iterable[float | arb]]) -> arb_mat:
-    """(m, m) matrix from its rows, taken exactly."""
+    """Return the (m, m) matrix of m rows of numbers, which are taken exactly."""
     table = [_entries(row) for row in rows]
     return arb_mat(len(table), len(table), [entry for row in table for entry in row])
 
 
 def zeros(rows: int, columns: int) -> arb_mat:
-    """(rows, columns) exact zeros."""
+    """Return a (rows, columns) matrix of exact zeros."""
     return arb_mat(rows, columns)
 
 
-def diagonal(size: int) -> arb_mat:
-    """(size, size) identity."""
+def identity(size: int) -> arb_mat:
+    """Return the exact (size, size) identity."""
     return square([1.0 if i == j else 0.0 for j in range(size)] for i in range(size))
 
 
 def unit(axis: int) -> arb_mat:
-    """(3, 1) basis vector number 0, 1 or 2."""
+    """Return the (3, 1) basis vector with the index 0, 1 or 2."""
     return column(1.0 if i == axis else 0.0 for i in range(3))
 
 
 def skew(v: arb_mat) -> arb_mat:
-    """(3, 3) skew matrix of a (3, 1) vector."""
+    """Return the (3, 3) skew matrix of a (3, 1) vector, whose product with a vector is the cross product."""
     one, two, three = v.entries()
     return square([[0.0, -three, two], [three, 0.0, -one], [-two, one, 0.0]])
 
 
 def cross(a: arb_mat, b: arb_mat) -> arb_mat:
-    """(3, m) cross products of a (3, 1) vector with the columns of a (3, m) matrix."""
+    """Return the (3, m) cross products of a (3, 1) vector with the columns of a (3, m) matrix."""
     return skew(a) * b
 
 
 def stacked(matrices: Sequence[arb_mat]) -> arb_mat:
-    """Matrices of as many columns on top of each other."""
+    """Return matrices with the same number of columns on top of each other."""
     entries = [entry for matrix in matrices for entry in matrix.entries()]
     return arb_mat(sum(matrix.nrows() for matrix in matrices), matrices[0].ncols(), entries)
 
 
 def beside(columns: Sequence[arb_mat]) -> arb_mat:
-    """Columns of one length beside each other."""
+    """Return columns of the same length beside each other."""
     return stacked([column.transpose() for column in columns]).transpose()
 
 
-def norm(values: Iterable[arb]) -> arb:
-    """Largest absolute value."""
+def largest_magnitude(values: Iterable[arb]) -> arb:
+    """Return the largest absolute value."""
     largest = arb(0)
     for value in values:
         largest = largest.max(abs(value))
     return largest
 
 
+def solution(matrix: arb_mat, right: arb_mat) -> arb_mat:
+    """Return enclosures of the solutions for every column of `right`; NaN where `matrix` may be singular."""
+    return matrix.solve(right, nonstop=True)
+
+
+def inverse(matrix: arb_mat) -> arb_mat:
+    """Return an enclosure of the inverse; NaN where `matrix` may be singular."""
+    return solution(matrix, identity(matrix.nrows()))
+
+
 def nearest_rotation(matrix: arb_mat) -> arb_mat:
-    """The rotation nearest to a matrix [C] that is one but for rounding: [C] ([C]^T [C])^(-1/2).
+    """Return the rotation nearest to a matrix [C] that is one but for rounding: [C] ([C]^T [C])^(-1/2).
 
     With [E] = [C]^T [C] - [1], the root is the binomial series of ([1] + [E])^(-1/2). Its coefficients are
     at most 1, so the terms that are left out sum to less than |E|^m / (1 - |E|), which goes into the radius.
-    Exact rotations, such as right angles, stay exact.
+    Exact rotations, such as those by right angles, stay exact.
     """
-    identity = diagonal(3)
-    defect = matrix.transpose() * matrix - identity
-    size = arb(3) * norm(defect.entries()).upper()
+    one = identity(3)
+    defect = matrix.transpose() * matrix - one
+    size = arb(3) * largest_magnitude(defect.entries()).upper()
     if size.is_zero():
         return matrix
     if not size < 1:
         raise ArithmeticError("a matrix that is far from a rotation has got past the validation of models")
-    root, power, coefficient, rest = identity, identity, arb(1), arb(1)
+    root, power, coefficient, rest = one, one, arb(1), arb(1)
     terms = 0
     while terms < 2 or not rest < arb(2) ** -ctx.prec:
         terms += 1
@@ -115,24 +128,15 @@ def nearest_rotation(matrix: arb_mat) -> arb_mat:
         root += power * coefficient
         rest *= size
     left_out = arb(0, (rest * size / (1 - size)).upper())
-    return matrix * (root + _where_any(left_out, defect, defect * defect))
+    return matrix * (root + _where_not_zero(left_out, defect, defect * defect))
 
 
-def _where_any(value: arb, first: arb_mat, second: arb_mat) -> arb_mat:
-    """(3, 3) `value` where a (3, 3) matrix or its square is not exactly 0; elsewhere no power of it is."""
-    pairs = zip(first.entries(), second.entries(), strict=True)
+def _where_not_zero(value: arb, matrix: arb_mat, squared: arb_mat) -> arb_mat:
+    """Return `value` where a (3, 3) matrix or its square is not exactly 0; elsewhere all its powers are 0."""
+    pairs = zip(matrix.entries(), squared.entries(), strict=True)
     return arb_mat(3, 3, [arb(0) if a.is_zero() and b.is_zero() else value for a, b in pairs])
 
 
 def _entries(values: Iterable[float | arb]) -> list[arb]:
+    """Return numbers as balls without radius."""
     return [value if isinstance(value, arb) else arb(float(value)) for value in values]
-
-
-def solution(matrix: arb_mat, right: arb_mat) -> arb_mat:
-    """Enclosures of the solutions for every column of `right`; NaN where `matrix` may be singular."""
-    return matrix.solve(right, nonstop=True)
-
-
-def inverse(matrix: arb_mat) -> arb_mat:
-    """Enclosure of the inverse; NaN where `matrix` may be singular."""
-    return solution(matrix, diagonal(matrix.nrows()))

@@ -1,7 +1,7 @@
-"""Exact results: two algorithms in ball arithmetic, with twice the precision until both are narrow.
+"""Exact results: two algorithms in ball arithmetic, whose precision is doubled until both are narrow.
 
-The width asked for is 2^-20 of the unit roundoff of the program whose errors are to be seen. Two enclosures
-that do not overlap mean a defect in one of the algorithms, not in the program.
+An enclosure is narrow when its radius is 2^-20 of the unit roundoff of the program whose errors are to be
+measured. Two enclosures that do not overlap mean a defect in one of the algorithms, not in the program.
 """
 
 from __future__ import annotations
@@ -24,15 +24,18 @@ from kanegen.model.arrays import Floats
 from kanegen.model.description import require_unprescribed
 from kanegen.model.system import System
 
+EXACT = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
+"""Outputs with exact results: [A], {f}, and what follows from both."""
+
 WIDTH = 2.0**-20
-"""Of an enclosure, relative to the unit roundoff."""
+"""Largest radius of an enclosure, relative to the unit roundoff."""
 
 LIMIT = 2**14
-"""Bits beyond which nothing is tried. What is not narrow then is zero, but not by exact arithmetic."""
+"""Largest working precision in bits; what is not narrow then is zero, but not by exact arithmetic."""
 
 
 class DisagreementError(KanegenError):
-    """Two enclosures of one number that do not overlap: an algorithm here is wrong."""
+    """Two enclosures of one number do not overlap: an algorithm of this package is wrong."""
 
 
 @dataclass(frozen=True)
@@ -40,13 +43,13 @@ class Truth:
     """Exact results in one state.
 
     Attributes:
-        system: What they are of, with the parameters that were given.
-        state: The numbers that were given.
-        outputs: By name. Their radii are at most 2^-20 of the unit roundoff, relative to each entry; entries
-            smaller than the unit roundoff times the largest count as that large.
-        bits: Precision that this took.
-        units: Factors that make norms of the outputs.
-        equations: [A] and the parts of {f} in balls of that precision.
+        system: The system, with the parameters of the call.
+        state: The state.
+        outputs: Exact outputs by name. Their radii are at most 2^-20 of the unit roundoff, relative to each
+            entry; entries smaller than the unit roundoff times the largest one count as that large.
+        bits: Working precision that this took.
+        units: Factors that take the units from the outputs.
+        equations: [A] and the parts of {f} in balls of the working precision.
     """
 
     system: System
@@ -57,7 +60,7 @@ class Truth:
     equations: Equations
 
     def __getitem__(self, output: str) -> Enclosure:
-        """One of `outputs`."""
+        """Return one of `outputs`."""
         return self.outputs[output]
 
 
@@ -73,19 +76,19 @@ def truth(
     unit_roundoff: float = 2.0**-53,
     ydot: ArrayLike | None = None,
 ) -> Truth:
-    """The exact outputs of a system in one state, for the floats that it is given.
+    """Return the exact outputs of a system in one state, for the very floats of the call.
 
     Args:
         system: The tree.
-        x: (n,) coordinates (rad, m).
-        y: (n,) generalized speeds.
-        tau: (n,) generalized forces beside loads and gravity; default none.
+        x: (m,) coordinates (rad, m, 1).
+        y: (n,) generalized speeds (rad/s, m/s).
+        tau: (n,) generalized forces beside loads and gravity (N m, N); default none.
         force: (N, 3) forces F'_K at G_K, in K (N); default none. Every row counts.
         torque: (N, 3) torques M'_K, in K (N m); default none.
-        parameters: Values of run-time parameters; the others stand at their defaults.
+        parameters: Values of run-time parameters by name; the others stand at their defaults.
         outputs: Names among "mass_matrix", "forcing", "inverse_dynamics" and "forward_dynamics".
-        unit_roundoff: Of the program to be judged: 2^-53 for double, 2^-24 for float.
-        ydot: (n,) accelerations, needed for inverse dynamics.
+        unit_roundoff: Unit roundoff of the program to evaluate: 2^-53 for double, 2^-24 for float.
+        ydot: (n,) accelerations (rad/s^2, m/s^2), needed for inverse dynamics.
 
     Raises:
         ArrayError: If an array has the wrong shape or is not finite.
@@ -93,6 +96,12 @@ def truth(
         ModelError: If a parameter is unknown or makes the model unusable.
         SingularError: If forward dynamics is asked for where [A] is singular.
         DisagreementError: If the two algorithms contradict each other.
+
+    Example:
+        >>> from kanegen.measure import truth
+        >>> system = kg.load("models/double_pendulum.toml")
+        >>> exact = truth.truth(system, x=[0.3, 0.4], y=[1.0, 2.0])
+        >>> exact["forward_dynamics"].value, exact["forward_dynamics"].radius
     """
     names = exact_outputs(outputs, ydot is not None)
     if not 0 < unit_roundoff < 1:
@@ -108,21 +117,78 @@ def truth(
 
 
 def first_precision(bodies: int, unit_roundoff: float) -> int:
-    """Bits to begin with: those asked for, and a few for every body."""
+    """Return the working precision to begin with: that of the width, 64 bits more, and 4 for every body."""
     return 64 + math.ceil(-math.log2(unit_roundoff * WIDTH)) + 4 * bodies
+
+
+def exact_outputs(outputs: Iterable[str], has_ydot: bool) -> tuple[str, ...]:
+    """Return the names of the outputs in the order of `EXACT`, each once.
+
+    Args:
+        outputs: Names of outputs, or a single one.
+        has_ydot: Whether there are accelerations, which inverse dynamics needs.
+
+    Raises:
+        ArrayError: If inverse dynamics is asked for without accelerations.
+        OptionError: If an output has no exact result, or no output is asked for.
+    """
+    asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    for name in asked:
+        if name not in EXACT:
+            raise OptionError(f"there is no exact result for {name!r}, only for {', '.join(EXACT)}.")
+    if not asked:
+        raise OptionError(f"no output is asked for. There are exact results for {', '.join(EXACT)}.")
+    if "inverse_dynamics" in asked and not has_ydot:
+        raise ArrayError("inverse_dynamics needs ydot, the accelerations.")
+    return tuple(name for name in EXACT if name in asked)
+
+
+def checked_state(
+    system: System,
+    x: ArrayLike,
+    y: ArrayLike,
+    tau: ArrayLike | None,
+    force: ArrayLike | None,
+    torque: ArrayLike | None,
+    ydot: ArrayLike | None,
+) -> State:
+    """Return the arrays of a call as one state of `system`; an array that is None counts as zeros.
+
+    Raises:
+        ArrayError: If an array has the wrong shape, or is not finite.
+        OptionError: If the system has force elements or loads on points, or a freedom is prescribed.
+    """
+    require_unprescribed(system, "truth")
+    loaded = [point.name for _, point in system.points if point.loads]
+    if system.force_elements or loaded:
+        what = "force elements" if system.force_elements else f"loads on points ({', '.join(loaded)})"
+        raise OptionError(
+            f"system {system.name!r} has {what}, for which there are no exact results. Leave them out of the "
+            "model that is measured."
+        )
+    n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
+    coordinates = (len(system.coordinates),)
+    return State(
+        x=_finite_array(x, coordinates, "x"),
+        y=_finite_array(y, n, "y"),
+        force=_finite_array(force, loads, "force"),
+        torque=_finite_array(torque, loads, "torque"),
+        tau=_finite_array(tau, n, "tau"),
+        ydot=_finite_array(ydot, n, "ydot"),
+    )
 
 
 def _attempt(
     system: System, state: State, names: tuple[str, ...], bits: int, unit_roundoff: float
 ) -> Truth | None:
-    """The results of both algorithms if they are narrow; None if more precision is needed."""
+    """Return the results of both algorithms with a working precision; None if they are not narrow."""
     with ctx.workprec(bits):
         numbers = tree(system, state)
         equations = kane.equations(numbers)
         a, f = equations.A, equations.f
-        first = _outputs(names, numbers, a, f, a * numbers.ydot - f)
+        first = _results(names, numbers, a, f, a * numbers.ydot - f)
         a, f = newton_euler.mass_matrix(numbers), newton_euler.forcing(numbers)
-        second = _outputs(names, numbers, a, f, newton_euler.inverse_dynamics(numbers, numbers.ydot))
+        second = _results(names, numbers, a, f, newton_euler.inverse_dynamics(numbers, numbers.ydot))
         scales = units(system, enclosure(equations.A, (len(state.y),) * 2).value.diagonal())
     for results in (first, second):
         for name, result in results.items():
@@ -135,10 +201,10 @@ def _attempt(
     return Truth(system, state, first, bits, scales, equations)
 
 
-def _outputs(
+def _results(
     names: tuple[str, ...], numbers: Tree, a: arb_mat, f: arb_mat, required: arb_mat
 ) -> dict[str, Enclosure]:
-    """The outputs that are asked for, from [A], {f} and the forces that {ydot} needs."""
+    """Return enclosures of the outputs from (n, n) [A], (n, 1) {f} and the forces that {ydot} requires."""
     results = {"mass_matrix": a, "forcing": f, "inverse_dynamics": required}
     if "forward_dynamics" in names:
         results["forward_dynamics"] = solution(a, f + numbers.tau)
@@ -147,11 +213,13 @@ def _outputs(
 
 
 def _require_finite(name: str, result: Enclosure) -> None:
+    """Make sure that an output is finite, as it is unless [A] is singular."""
     if not all(ball.is_finite() for ball in result.balls):
         raise SingularError(f"{name}: [A] is singular in this state, to {result.bits} bits.")
 
 
 def _require_overlap(name: str, first: Enclosure, second: Enclosure) -> None:
+    """Make sure that the enclosures of both algorithms have numbers in common."""
     if not first.overlaps(second):
         raise DisagreementError(
             f"{name}: partial velocities and Newton-Euler equations give enclosures that do not overlap, so "
@@ -159,42 +227,8 @@ def _require_overlap(name: str, first: Enclosure, second: Enclosure) -> None:
         )
 
 
-def checked_state(
-    system: System,
-    x: ArrayLike,
-    y: ArrayLike,
-    tau: ArrayLike | None,
-    force: ArrayLike | None,
-    torque: ArrayLike | None,
-    ydot: ArrayLike | None,
-) -> State:
-    """One state of `system`; what is None is zero.
-
-    Raises:
-        ArrayError: If an array has another shape than it must, or is not finite.
-        OptionError: If the system has force elements or loads on points, or a freedom is prescribed.
-    """
-    require_unprescribed(system, "truth")
-    loaded = [point.name for _, point in system.points if point.loads]
-    if system.force_elements or loaded:
-        what = "force elements" if system.force_elements else f"loads on points ({', '.join(loaded)})"
-        raise OptionError(
-            f"system {system.name!r} has {what}, of which no exact results are known. Leave them out of the "
-            "model that is measured."
-        )
-    n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
-    coordinates = (len(system.coordinates),)
-    return State(
-        x=_floats(x, coordinates, "x"),
-        y=_floats(y, n, "y"),
-        force=_floats(force, loads, "force"),
-        torque=_floats(torque, loads, "torque"),
-        tau=_floats(tau, n, "tau"),
-        ydot=_floats(ydot, n, "ydot"),
-    )
-
-
-def _floats(value: ArrayLike | None, shape: tuple[int, ...], what: str) -> Floats:
+def _finite_array(value: ArrayLike | None, shape: tuple[int, ...], what: str) -> Floats:
+    """Return `value` as doubles of this shape, zeros for None; `what` names it in error messages."""
     if value is None:
         return np.zeros(shape)
     array = np.asarray(value)
@@ -204,51 +238,3 @@ def _floats(value: ArrayLike | None, shape: tuple[int, ...], what: str) -> Float
     if not np.isfinite(array).all():
         raise ArrayError(f"{what}: every number must be finite.")
     return array.astype(np.float64)
-
-
-EXACT = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
-"""[A], {f}, and what follows from both."""
-
-
-def exact_outputs(outputs: Iterable[str], has_ydot: bool) -> tuple[str, ...]:
-    """`outputs` checked, each once.
-
-    Args:
-        outputs: Names.
-        has_ydot: Whether there are accelerations, which inverse dynamics needs.
-
-    Raises:
-        ArrayError: If it has none.
-        OptionError: If a name is unknown, or has no exact result.
-    """
-    asked = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    for name in asked:
-        if name not in EXACT:
-            raise OptionError(f"there is no exact result for {name!r}, only for {', '.join(EXACT)}.")
-    if not asked:
-        raise OptionError(f"no output is asked for. There are exact results for {', '.join(EXACT)}.")
-    names = tuple(name for name in EXACT if name in asked)
-    if "inverse_dynamics" in names and not has_ydot:
-        raise ArrayError("inverse_dynamics needs ydot, the accelerations.")
-    return names
-
-
-def measurable_outputs(
-    available: tuple[str, ...], outputs: Iterable[str] | None, has_ydot: bool
-) -> tuple[str, ...]:
-    """`outputs` checked as `exact_outputs` does; by default all of `available` that can be measured.
-
-    Raises:
-        ArrayError: If inverse dynamics is asked for by name, but there are no accelerations.
-        OptionError: If one is not available, or there is nothing to measure.
-    """
-    if outputs is None:
-        usable = [name for name in available if name in EXACT and (has_ydot or name != "inverse_dynamics")]
-        if not usable:
-            raise OptionError(f"nothing to measure: of {', '.join(available)} no exact result is known.")
-        return tuple(usable)
-    names = exact_outputs(outputs, has_ydot)
-    for name in names:
-        if name not in available:
-            raise OptionError(f"the library has no {name!r}. It has {', '.join(available)}.")
-    return names

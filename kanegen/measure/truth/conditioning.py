@@ -1,14 +1,15 @@
-"""How much of the accuracy of forward dynamics the problem itself can cost.
+"""Conditioning: how much accuracy a problem costs every program that solves it.
 
 - kappa_s: condition number of [A] after scaling to a diagonal of ones, in the 2-norm. Rows and columns in
   other units, or bodies of other sizes, do not count as ill conditioned.
-- chi: cancellation of the right-hand side, as accelerations. Loads, gravity, speeds and {tau} would each
-  accelerate the tree by themselves; chi is the sum of the norms of these over the norm of their sum. Near an
-  equilibrium it has no limit.
+- chi: cancellation. For forward dynamics it is that of the right-hand side, as accelerations: loads, gravity,
+  speeds and {tau} would each accelerate the tree by themselves, and chi is the sum of the norms of these
+  accelerations over the norm of their sum. Near an equilibrium it has no limit. For an output that is a sum
+  itself it is the norm of the magnitudes of its terms over the norm of the output.
 - formation: cancellation inside [A] and {f}. A program rounds the terms that it sums their entries from, and
   these may be larger than what is left: a heavy body folds back onto an axis, or slides across its weight.
-  The larger of two ratios of the terms to what is left, in the 2-norm and scaled as for kappa_s: of [A], and
-  of the parts that chi adds.
+  It is the larger of two ratios of the terms to what is left, in the 2-norm and scaled as for kappa_s: that
+  of [A], and that of the parts that chi adds.
 """
 
 from __future__ import annotations
@@ -29,7 +30,13 @@ from kanegen.reference.matrices import apply, length
 
 @dataclass(frozen=True)
 class Conditioning:
-    """The conditioning in one state; infinite where [A] is singular or the sum is zero."""
+    """The conditioning of forward dynamics in one state.
+
+    Attributes:
+        kappa_s: Scaled condition number of [A]; infinite where [A] is singular.
+        chi: Cancellation of the right-hand side; infinite where its parts sum to zero.
+        formation: Cancellation inside [A] and {f}; infinite where [A] is singular.
+    """
 
     kappa_s: float
     chi: float
@@ -37,37 +44,33 @@ class Conditioning:
 
 
 def conditioning(truth: Truth) -> Conditioning:
-    """The conditioning of forward dynamics in the state of `truth`."""
+    """Return the conditioning of forward dynamics in the state of `truth`.
+
+    Example:
+        >>> truth.conditioning(truth.truth(system, x, y)).kappa_s
+    """
     equations = truth.equations
     with ctx.workprec(truth.bits):
         inverted, tau = inverse(equations.A), column(truth.state.tau)
         parts = beside([equations.loads, equations.gravity, equations.velocity, tau])
-        accelerations = _floats(inverted * parts)
-        total = _floats(inverted * (equations.f + tau))
-        kappa = scaled_condition(equations.A, inverted)
+        accelerations = _midpoints(inverted * parts)
+        total = _midpoints(inverted * (equations.f + tau))
+        kappa = scaled_condition_number(equations.A, inverted)
     scale = truth.units.acceleration[:, None]
     single, size = length(accelerations * scale, axis=0), float(length(total * scale, axis=0)[0])
     chi = float(single.sum()) / size if size > 0 else math.inf
     return Conditioning(kappa, chi, _formation(truth) if kappa < math.inf else math.inf)
 
 
-def _formation(truth: Truth) -> float:
-    equations, terms = truth.equations, sizes(truth)
-    matrix, tau = _floats(equations.A), np.abs(truth.state.tau)
-    scale = 1 / np.sqrt(matrix.diagonal())
-    scales = np.outer(scale, scale)
-    in_matrix = np.linalg.norm(terms["mass_matrix"] * scales, 2) / np.linalg.norm(matrix * scales, 2)
-    parts = np.abs(_floats(beside([equations.loads, equations.gravity, equations.velocity]))).sum(axis=1)
-    rest = float(length((parts + tau) * scale))
-    in_forcing = float(length((terms["forcing"] + tau) * scale)) / rest if rest > 0 else 1.0
-    return max(1.0, float(in_matrix), in_forcing)
+def scaled_condition_number(matrix: arb_mat, inverted: arb_mat) -> float:
+    """Return kappa_s of a symmetric matrix; infinity where it may be singular.
 
+    The largest eigenvalues of the matrix and of its inverse are found in doubles, which is accurate to
+    rounding however small the smallest eigenvalue is.
 
-def scaled_condition(matrix: arb_mat, inverted: arb_mat) -> float:
-    """kappa_s of a matrix and its inverse.
-
-    The largest eigenvalue of each is found in doubles, which is accurate to rounding however small the
-    smallest one is.
+    Args:
+        matrix: (n, n) enclosure of the matrix.
+        inverted: (n, n) enclosure of its inverse.
     """
     diagonal = [matrix[i, i] for i in range(matrix.nrows())]
     if not all(entry > 0 for entry in diagonal) or not all(e.is_finite() for e in inverted.entries()):
@@ -75,21 +78,14 @@ def scaled_condition(matrix: arb_mat, inverted: arb_mat) -> float:
     roots = [entry.sqrt() for entry in diagonal]
     n = len(roots)
     pairs = [(i, j) for i in range(n) for j in range(n)]
-    scaled = _floats(arb_mat(n, n, [matrix[i, j] / (roots[i] * roots[j]) for i, j in pairs]))
-    back = _floats(arb_mat(n, n, [inverted[i, j] * (roots[i] * roots[j]) for i, j in pairs]))
+    scaled = _midpoints(arb_mat(n, n, [matrix[i, j] / (roots[i] * roots[j]) for i, j in pairs]))
+    back = _midpoints(arb_mat(n, n, [inverted[i, j] * (roots[i] * roots[j]) for i, j in pairs]))
     return float(np.linalg.eigvalsh(scaled)[-1] * np.linalg.eigvalsh(back)[-1])
 
 
-def _floats(matrix: arb_mat) -> Floats:
-    return enclosure(matrix, (matrix.nrows(), matrix.ncols())).value
-
-
 def cancellation(truth: Truth) -> dict[str, float]:
-    """chi of every output of `truth` but forward dynamics; infinite where the output is zero.
-
-    The norms are those of the normwise error; the magnitudes are those of `kanegen.reference.magnitudes`.
-    """
-    magnitudes = sizes(truth)
+    """Return chi of every output of `truth` that is a sum; infinity where the output is zero."""
+    magnitudes = term_magnitudes(truth)
     found = {}
     for name, output in truth.outputs.items():
         if name in magnitudes:
@@ -99,8 +95,12 @@ def cancellation(truth: Truth) -> dict[str, float]:
     return found
 
 
-def sizes(truth: Truth) -> dict[str, Floats]:
-    """Magnitudes of the terms of each output that is a sum, asked for or not, in its shape."""
+def term_magnitudes(truth: Truth) -> dict[str, Floats]:
+    """Return the magnitudes of the terms of [A], {f} and inverse dynamics, each in the output's shape.
+
+    They are those of `kanegen.reference.magnitudes`, computed in doubles: bounds rest on them, exact results
+    do not.
+    """
     arrays, state = truth.system.values(), truth.state
     reach = reaches(arrays, kinematics(arrays, state.x, state.y), state.y)
     matrix = mass_matrix_magnitude(arrays, reach)
@@ -109,5 +109,24 @@ def sizes(truth: Truth) -> dict[str, Floats]:
     return {"mass_matrix": matrix, "forcing": forcing, "inverse_dynamics": inverse}
 
 
+def _formation(truth: Truth) -> float:
+    """Return the formation of a regular [A] and its right-hand side; at least 1."""
+    equations, terms = truth.equations, term_magnitudes(truth)
+    matrix, tau = _midpoints(equations.A), np.abs(truth.state.tau)
+    scale = 1 / np.sqrt(matrix.diagonal())
+    scales = np.outer(scale, scale)
+    in_matrix = np.linalg.norm(terms["mass_matrix"] * scales, 2) / np.linalg.norm(matrix * scales, 2)
+    parts = np.abs(_midpoints(beside([equations.loads, equations.gravity, equations.velocity]))).sum(axis=1)
+    rest = float(length((parts + tau) * scale))
+    in_forcing = float(length((terms["forcing"] + tau) * scale)) / rest if rest > 0 else 1.0
+    return max(1.0, float(in_matrix), in_forcing)
+
+
+def _midpoints(matrix: arb_mat) -> Floats:
+    """Return the midpoints of a matrix of balls as doubles."""
+    return enclosure(matrix, (matrix.nrows(), matrix.ncols())).value
+
+
 def _norm(values: Floats) -> float:
+    """Return the Euclidean norm of all entries."""
     return float(length(values.ravel()))

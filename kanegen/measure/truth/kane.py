@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kanegen.measure.truth.balls import arb_mat, beside, cross, diagonal, stacked, unit, zeros
+from kanegen.measure.truth.balls import arb_mat, beside, cross, identity, stacked, unit, zeros
 from kanegen.measure.truth.tree import Link, Tree, rotations_along
 
 
@@ -69,7 +69,7 @@ class Equations:
 def equations(tree: Tree) -> Equations:
     """[A] and {f} of a tree in its state."""
     nothing, n = zeros(3, 1), tree.freedoms
-    frames = [Frame(diagonal(3), nothing, nothing, nothing, ())]
+    frames = [Frame(identity(3), nothing, nothing, nothing, ())]
     matrix, forces = zeros(n, n), zeros(n, 3)
     for link in tree.links:
         frame = _frame(link, frames[link.lower])

@@ -10,12 +10,12 @@ from typing import Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kanegen.errors import ArrayError, KanegenWarning
+from kanegen.errors import ArrayError, KanegenWarning, OptionError
 from kanegen.measure.errors import Errors
 from kanegen.measure.truth.balls import arb_mat, ctx
 from kanegen.measure.truth.bounds import FACTOR, Fit, bound, fit
-from kanegen.measure.truth.certify import Truth, measurable_outputs, truth
-from kanegen.measure.truth.conditioning import Conditioning, cancellation, conditioning, sizes
+from kanegen.measure.truth.certify import EXACT, Truth, exact_outputs, truth
+from kanegen.measure.truth.conditioning import Conditioning, cancellation, conditioning, term_magnitudes
 from kanegen.measure.truth.enclosure import Enclosure, enclosure
 from kanegen.measure.truth.errors import GATE, Residual, Wide, errors
 from kanegen.model.arrays import Flags, Floats
@@ -143,9 +143,45 @@ class ExactState:
         )
 
 
+class MeasuredLibrary(Protocol):
+    """The functions of a library that `measure` calls; batches have a leading axis B."""
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs that the library computes."""
+
+    @property
+    def precision(self) -> str:
+        """Name of the precision of its arithmetic, one of `precision.PRECISIONS`."""
+
+    @property
+    def storage(self) -> str:
+        """Name of the precision of its arrays, one of `precision.PRECISIONS`."""
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values of the run-time parameters by name."""
+
+    def mass_matrix(self, x: Floats) -> NDArray[Any]:
+        """Return (B, n, n) [A] from (B, m) x."""
+
+    def forcing(self, x: Floats, y: Floats, force: Any = None, torque: Any = None) -> NDArray[Any]:
+        """Return (B, n) {f} from (B, m) x, (B, n) y and (B, N, 3) loads."""
+
+    def inverse_dynamics(
+        self, x: Floats, y: Floats, ydot: Floats, force: Any = None, torque: Any = None
+    ) -> NDArray[Any]:
+        """Return (B, n) generalized forces from (B, n) ydot and the arguments of `forcing`."""
+
+    def forward_dynamics(
+        self, x: Floats, y: Floats, tau: Any = None, force: Any = None, torque: Any = None
+    ) -> NDArray[Any]:
+        """Return (B, n) accelerations, NaN where [A] is singular, from (B, n) tau and those arguments."""
+
+
 def measure(
     system: System,
-    library: JudgedLibrary,
+    library: MeasuredLibrary,
     states: States,
     tau: ArrayLike | None = None,
     ydot: ArrayLike | None = None,
@@ -160,22 +196,27 @@ def measure(
         system: The tree; parameters stand at the values of the library.
         library: The library that is measured.
         states: B states.
-        tau: (B, n) generalized forces; default none.
-        ydot: (B, n) accelerations; without them inverse dynamics is left out.
+        tau: (B, n) generalized forces (N m, N); default none.
+        ydot: (B, n) accelerations (rad/s^2, m/s^2); without them inverse dynamics is left out.
         outputs: Names among the outputs of the library; default all that have an exact result.
 
     Raises:
         ArrayError, OptionError, SingularError: As `truth`.
+
+    Example:
+        >>> library = kg.build(system, ("forward_dynamics",))
+        >>> found = truth.measure(system, library, random_states(system, 10))["forward_dynamics"]
+        >>> found.max, found.within_bound
     """
-    precision, held = precision_named(library.precision), precision_named(library.storage)
+    precision, storage = precision_named(library.precision), precision_named(library.storage)
     names = measurable_outputs(library.outputs, outputs, ydot is not None)
-    coarser = min(precision, held, key=lambda precision: precision.significand_bits)
+    coarser = min(precision, storage, key=lambda precision: precision.significand_bits)
     states = states.rounded(coarser)
-    forces = companion(tau, states.y, coarser, "tau")
-    accelerations = companion(ydot, states.y, coarser, "ydot")
-    found = {name: values(library, name, states, forces, accelerations) for name in names}
+    forces = _rounded_rows(tau, states.y, coarser, "tau")
+    accelerations = _rounded_rows(ydot, states.y, coarser, "ydot")
+    found = {name: _results(library, name, states, forces, accelerations) for name in names}
     rows: dict[str, list[tuple[float, ...]]] = {name: [] for name in names}
-    stored = held.roundoff if held.roundoff > precision.roundoff else 0.0
+    storage_roundoff = storage.roundoff if storage.roundoff > precision.roundoff else 0.0
     for b in range(len(states)):
         exact = truth(
             system,
@@ -191,13 +232,69 @@ def measure(
         )
         state = ExactState.of(exact)
         for name in names:
-            rows[name].append(state.measured(name, found[name][b], precision.roundoff, stored))
+            rows[name].append(state.measured(name, found[name][b], precision.roundoff, storage_roundoff))
     return {name: Measurement.from_rows(table) for name, table in rows.items()}
+
+
+def measurable_outputs(
+    available: tuple[str, ...], outputs: Iterable[str] | None, has_ydot: bool
+) -> tuple[str, ...]:
+    """Return the names of the outputs to measure.
+
+    Args:
+        available: Names of the outputs that the library has.
+        outputs: Names that are asked for; None for all that can be measured.
+        has_ydot: Whether there are accelerations, which inverse dynamics needs.
+
+    Raises:
+        ArrayError: If inverse dynamics is asked for by name without accelerations.
+        OptionError: If an output is not available, or there is nothing to measure.
+    """
+    if outputs is None:
+        usable = [name for name in available if name in EXACT and (has_ydot or name != "inverse_dynamics")]
+        if not usable:
+            raise OptionError(f"nothing to measure: of {', '.join(available)} no exact result is known.")
+        return tuple(usable)
+    names = exact_outputs(outputs, has_ydot)
+    for name in names:
+        if name not in available:
+            raise OptionError(f"the library has no {name!r}. It has {', '.join(available)}.")
+    return names
+
+
+def _rounded_rows(value: ArrayLike | None, y: Floats, precision: Precision, what: str) -> Floats:
+    """Return `value` (B, n) as numbers that `precision` can hold; zeros for None.
+
+    Raises:
+        ArrayError: If it does not have the shape of `y`; `what` names it in the message.
+    """
+    array = np.zeros(y.shape) if value is None else np.asarray(value)
+    if array.shape != y.shape:
+        raise ArrayError(f"{what}: expected shape {y.shape}, got {array.shape}.")
+    return array.astype(precision.dtype).astype(np.float64)
+
+
+def _results(library: MeasuredLibrary, name: str, states: States, tau: Floats, ydot: Floats) -> NDArray[Any]:
+    """Return the (B, ...) results of a library for the output `name`; NaN where it has none."""
+    storage = precision_named(library.storage)
+    x, y, tau, ydot = (storage.from_doubles(values) for values in (states.x, states.y, tau, ydot))
+    loads = {
+        what: None if load is None else storage.from_doubles(load)
+        for what, load in (("force", states.force), ("torque", states.torque))
+    }
+    if name == "mass_matrix":
+        return library.mass_matrix(x)
+    if name == "forcing":
+        return library.forcing(x, y, **loads)
+    if name == "inverse_dynamics":
+        return library.inverse_dynamics(x, y, ydot, **loads)
+    with warnings.catch_warnings(action="ignore", category=KanegenWarning):
+        return library.forward_dynamics(x, y, tau=tau, **loads)
 
 
 def _residual(exact: Truth) -> Residual:
     """Return [A], {f} + {tau} and the magnitudes of their terms."""
-    terms, tau = sizes(exact), exact.state.tau
+    terms, tau = term_magnitudes(exact), exact.state.tau
     with ctx.workprec(exact.bits):
         matrix, forcing = _wide(exact.equations.A), _wide(exact.equations.f)[:, 0]
     return Residual(
@@ -213,67 +310,3 @@ def _wide(matrix: arb_mat) -> Wide:
     """Return the midpoints of balls with more digits than a double has, where the platform has them."""
     entries = enclosure(matrix, (matrix.nrows(), matrix.ncols()))
     return entries.value.astype(np.longdouble) + entries.residue
-
-
-class JudgedLibrary(Protocol):
-    """The functions of a library; batches have a leading axis B."""
-
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of what it computes."""
-
-    @property
-    def precision(self) -> str:
-        """Its arithmetic, a name of `precision.PRECISIONS`."""
-
-    @property
-    def storage(self) -> str:
-        """The precision of its arrays, likewise."""
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """Values of the run-time parameters."""
-
-    def mass_matrix(self, x: Floats) -> NDArray[Any]:
-        """(B, n, n) from (B, n)."""
-
-    def forcing(self, x: Floats, y: Floats, force: Any = None, torque: Any = None) -> NDArray[Any]:
-        """(B, n) from (B, n), (B, n), (B, N, 3) and (B, N, 3)."""
-
-    def inverse_dynamics(
-        self, x: Floats, y: Floats, ydot: Floats, force: Any = None, torque: Any = None
-    ) -> NDArray[Any]:
-        """(B, n)."""
-
-    def forward_dynamics(
-        self, x: Floats, y: Floats, tau: Any = None, force: Any = None, torque: Any = None
-    ) -> NDArray[Any]:
-        """(B, n), NaN where [A] is singular."""
-
-
-def companion(value: ArrayLike | None, y: Floats, precision: Precision, what: str) -> Floats:
-    """`value` (B, n) as numbers that the library can hold; zeros for None.
-
-    Raises:
-        ArrayError: If it does not have the shape of `y`.
-    """
-    array = np.zeros(y.shape) if value is None else np.asarray(value)
-    if array.shape != y.shape:
-        raise ArrayError(f"{what}: expected shape {y.shape}, got {array.shape}.")
-    return array.astype(precision.dtype).astype(np.float64)
-
-
-def values(library: JudgedLibrary, name: str, states: States, tau: Floats, ydot: Floats) -> NDArray[Any]:
-    """(B, ...) what the library computes as output `name`; NaN where it refuses."""
-    held = precision_named(library.storage)
-    x, y, tau, ydot = (held.from_doubles(given) for given in (states.x, states.y, tau, ydot))
-    given = {"force": states.force, "torque": states.torque}
-    loads = {what: None if load is None else held.from_doubles(load) for what, load in given.items()}
-    if name == "mass_matrix":
-        return library.mass_matrix(x)
-    if name == "forcing":
-        return library.forcing(x, y, **loads)
-    if name == "inverse_dynamics":
-        return library.inverse_dynamics(x, y, ydot, **loads)
-    with warnings.catch_warnings(action="ignore", category=KanegenWarning):
-        return library.forward_dynamics(x, y, tau=tau, **loads)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from kanegen.measure.truth.balls import arb, arb_mat, column, cross, diagonal, skew, square, stacked, zeros
+from kanegen.measure.truth.balls import arb, arb_mat, column, cross, identity, skew, square, stacked, zeros
 from kanegen.measure.truth.tree import Link, Tree
 from kanegen.reference.matrices import renaming
 
@@ -35,7 +35,7 @@ def inverse_dynamics(tree: Tree, ydot: arb_mat) -> arb_mat:
 
 def mass_matrix(tree: Tree) -> arb_mat:
     """(n, n) [A], column by column."""
-    return _required(tree, diagonal(tree.freedoms), moving=False)
+    return _required(tree, identity(tree.freedoms), moving=False)
 
 
 def forcing(tree: Tree) -> arb_mat:
@@ -48,7 +48,7 @@ def _required(tree: Tree, ydot: arb_mat, moving: bool) -> arb_mat:
     m = ydot.ncols()
     weight = _repeated(-tree.gravity, m) if moving else zeros(3, m)
     still = zeros(3, 1)
-    motions = [Motion(diagonal(3), diagonal(3), still, still, zeros(3, m), weight)]
+    motions = [Motion(identity(3), identity(3), still, still, zeros(3, m), weight)]
     for link in tree.links:
         motions.append(_motion(link, motions[link.lower], ydot, moving))
     forces, moments = [zeros(3, m) for _ in motions], [zeros(3, m) for _ in motions]
@@ -106,7 +106,7 @@ def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
     Where the speeds are components of the relative angular velocity, [P^AV] is the identity.
     """
     if link.quaternion is not None:
-        return _rotation(link.quaternion), diagonal(3), zeros(3, 3)
+        return _rotation(link.quaternion), identity(3), zeros(3, 3)
     named = renaming(link.axes)
     (s1, c1), (s2, c2), (s3, c3) = (
         ((sine * named.sign), cosine) for sine, cosine in (angle.sin_cos() for angle in link.angles.entries())
@@ -131,7 +131,7 @@ def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
     )
     after = square(named.after)
     if not link.speeds_are_rates:
-        return after * rotate * square(named.before), diagonal(3), zeros(3, 3)
+        return after * rotate * square(named.before), identity(3), zeros(3, 3)
     return after * rotate * square(named.before), after * rates, after * rates_dot
 
 
@@ -140,7 +140,7 @@ def _rotation(quaternion: arb_mat) -> arb_mat:
     scalar, one, two, three = quaternion.entries()
     across = skew(column([one, two, three]))
     squared = scalar * scalar + one * one + two * two + three * three
-    return diagonal(3) + (across * across - across * scalar) * (2 / squared)
+    return identity(3) + (across * across - across * scalar) * (2 / squared)
 
 
 def _chosen(ydot: arb_mat, places: Sequence[int | None]) -> arb_mat:

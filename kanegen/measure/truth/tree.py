@@ -16,7 +16,7 @@ from kanegen.measure.truth.balls import (
     arb_mat,
     beside,
     column,
-    diagonal,
+    identity,
     nearest_rotation,
     skew,
     square,
@@ -192,7 +192,7 @@ def rotations_along(link: Link) -> tuple[arb_mat, ...]:
 
 def turned(angles: arb_mat, axes: Axes) -> tuple[arb_mat, ...]:
     """Rotations from a frame to itself and to those after one, two and three turns about `axes`."""
-    frames = [diagonal(3)]
+    frames = [identity(3)]
     for axis, angle in zip(axes, angles.entries(), strict=True):
         frames.append(_turn(axis, angle) * frames[-1])
     return tuple(frames)
@@ -207,10 +207,10 @@ def turned_at_once(quaternion: arb_mat) -> tuple[arb_mat, ...]:
     scalar, *elements = quaternion.entries()
     vector = column(elements)
     lower, upper = (
-        beside([-vector, *_columns(diagonal(3) * scalar + skew(vector) * sign)]) for sign in (arb(1), arb(-1))
+        beside([-vector, *_columns(identity(3) * scalar + skew(vector) * sign)]) for sign in (arb(1), arb(-1))
     )
     squared = (quaternion.transpose() * quaternion)[0, 0]
-    before = diagonal(3)
+    before = identity(3)
     return before, before, before, upper * lower.transpose() * (1 / squared)
 
 

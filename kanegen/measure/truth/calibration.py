@@ -1,7 +1,7 @@
-"""The fit of the bounds to generated code, over systems and states that try them.
+"""The calibration of the bounds: their fit to generated code, over states of many kinds.
 
-Half of the right-hand sides are ordinary. In the other half {tau} almost holds the tree still, up to one part
-in ten millions, so that cancellation ranges over many powers of ten.
+Half of the right-hand sides are ordinary. In the other half {tau} almost balances {f}, up to one part in ten
+millions, so that cancellation ranges over many powers of ten.
 """
 
 from __future__ import annotations
@@ -11,28 +11,33 @@ from collections.abc import Iterable
 import numpy as np
 
 from kanegen.measure.truth.bounds import Fit, fit
-from kanegen.measure.truth.measurement import JudgedLibrary, Measurement, measure
+from kanegen.measure.truth.measurement import MeasuredLibrary, Measurement, measure
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
 
 CLOSEST = 7
-"""Powers of ten up to which {tau} may cancel {f}."""
+"""Number of powers of ten up to which {tau} may cancel {f}."""
 
 
 def calibrate(
-    pairs: Iterable[tuple[System, JudgedLibrary]], states: int = 10, seed: int = 0
+    pairs: Iterable[tuple[System, MeasuredLibrary]], states: int = 10, seed: int = 0
 ) -> dict[str, Fit]:
-    """How the bounds fit what libraries compute, by output.
+    """Return how the bounds fit the errors of libraries, by output.
 
     Args:
-        pairs: Systems, each with a library built from it; one precision for all.
-        states: Random states of each.
-        seed: Of the random states.
+        pairs: Systems, each with a library that was built from it; all of one precision.
+        states: Number of random states of each system.
+        seed: Seed of the random states.
 
     Raises:
         OptionError: If an output has no state in which its bound promises anything.
+
+    Example:
+        >>> fits = truth.calibrate([(system, kg.build(system, ("forward_dynamics",)))])
+        >>> fits["forward_dynamics"].holds
+        True
     """
     found: dict[str, list[Measurement]] = {}
     for system, library in pairs:
@@ -50,7 +55,7 @@ def calibrate(
 
 
 def _efforts(system: System, states: States, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """{tau} and {ydot} (B, n) of the size of {f} and of the accelerations that it gives."""
+    """Return (B, n) random {tau} of the size of {f}, and {ydot} of the size of the accelerations."""
     f = reference.forcing(system, states.x, states.y, states.force, states.torque)
     a = reference.mass_matrix(system, states.x)
     ydot = np.array([np.linalg.lstsq(a, f, rcond=None)[0] for a, f in zip(a, f, strict=True)])
