@@ -30,13 +30,13 @@ FURTHER = {
 """Arguments that only some models have, and descriptions of them for error messages."""
 
 ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *FURTHER)
-"""Names of all arguments, in the order in which `Call` takes them."""
+"""Names of all arguments, in the order of the C functions and of the methods of `Library`."""
 
 COMMON = OPTIONAL | FURTHER.keys()
 """Arguments that may have one value for all states of a batch."""
 
 Values = tuple[object, ...]
-"""One value for each of `ARGUMENTS`, None where the caller passed none."""
+"""Values of the arguments of one function, in order, None where the caller passed none."""
 
 
 class LoadInputs(TypedDict, total=False):

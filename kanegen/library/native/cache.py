@@ -38,6 +38,9 @@ _DAY = 24 * 3600.0
 _LOCKS: defaultdict[str, threading.Lock] = defaultdict(threading.Lock)
 """A lock for each entry: of several threads that need an entry one makes it and the others wait."""
 
+if hasattr(os, "register_at_fork"):  # a forked process has no thread that would release a lock
+    os.register_at_fork(after_in_child=_LOCKS.clear)
+
 
 def folder() -> Path:
     """Return the folder of the cache: `$KANEGEN_CACHE`, or `kanegen` in the user's cache folder."""
