@@ -1,0 +1,73 @@
+"""The README does what it says: its commands succeed, its Python runs, its C compiles and links."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from kanegen.library.native import compilers
+from tests.support.paths import ROOT
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+"""The language and the text of every fenced block."""
+
+COMMANDS = [line for language, text in BLOCKS if not language for line in text.splitlines()]
+
+
+def run(command: list[str], folder: Path) -> str:
+    """Run a command in `folder` and return what it prints; a status other than 0 fails the test."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A folder with the examples and the models, where commands may write."""
+    for name in ("examples", "models"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def test_commands_and_c_of_the_readme(checkout: Path) -> None:
+    commands = [line.partition("#")[0].split() for line in COMMANDS if line.startswith("kanegen ")]
+    assert len(commands) == 4
+    for _, *arguments in commands:
+        assert run([sys.executable, "-m", "kanegen", *arguments], checkout)
+    (code,) = (text for language, text in BLOCKS if language == "c")
+    include, *statements = code.strip().splitlines()
+    program = [include, "int main(void)", "{", "double x[3] = {0, 0.5, -0.3}, y[3] = {0};", *statements]
+    folder = checkout / "build" / "arm"
+    (folder / "use.c").write_text("\n".join([*program, "return !(A[0] > 0.5 && f[1] > 0);", "}", ""]))
+    run([*compilers.find().command, "use.c", "arm.c", "-o", "use", "-lm"], folder)
+    run(["./use"], folder)
+
+
+def test_python_of_the_readme(checkout: Path) -> None:
+    (code,) = (text for language, text in BLOCKS if language == "python")
+    printed = run([sys.executable, "-c", code], checkout)
+    assert printed.startswith("('column_joint', 'shoulder_joint', 'elbow_joint')\narm: passed over 1000")
+
+
+def test_make_targets_of_the_readme() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    targets = re.findall(r"make (\w+)", README)
+    assert {"demo", "test"} <= {*targets}
+    assert all(re.search(rf"^{target}:", makefile, flags=re.MULTILINE) for target in targets)
