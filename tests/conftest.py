@@ -1,18 +1,19 @@
-"""Options of the whole suite, and what keeps it quick: a cache of its own, cheap compilation, rare collection."""
+"""Options of the whole suite, and what keeps it quick: its own cache, cheap compilation, rare collection."""
 
 from __future__ import annotations
 
 import gc
+import importlib
 import os
-from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-ROOT = Path(__file__).parents[1]
+from tests.support.paths import ROOT
 
 os.environ["KANEGEN_CACHE"] = str(ROOT / ".pytest_cache" / "kanegen")
-os.environ.setdefault("SYMPY_CACHE_SIZE", "100000")  # read when SymPy is imported; a process derives many systems
+os.environ.setdefault("SYMPY_CACHE_SIZE", "100000")  # read when SymPy is imported
 
 gc.set_threshold(100_000, 50, 50)  # derivations make millions of small objects, hardly any of them in circles
 
@@ -21,26 +22,24 @@ settings.register_profile("any machine", deadline=None, suppress_health_check=[H
 settings.load_profile("any machine")
 
 
-def compile_without_optimisation() -> None:
-    """Let every library that is built with the flags of its variant compile at -O0 instead of -O2.
-
-    With strict semantics no bit depends on the level, which tests/c proves with flags of its own. Compilation
-    then takes a sixth of the time. Commands that tests run as processes keep the flags of a user.
-    """
-    from kanegen.library.native import selftest
-
-    sound_flags = selftest.sound_flags
-
-    def flags(compiler: object, source: object) -> tuple[str, ...]:
-        return tuple("-O0" if flag == "-O2" else flag for flag in sound_flags(compiler, source))
-
-    selftest.sound_flags = flags
-
-
-compile_without_optimisation()
-
-
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-generated", action="store_true", help="rewrite generated/ instead of comparing with it"
     )
+
+
+def pytest_configure() -> None:
+    """Compile what keeps strict semantics at -O0, unless a test names flags of its own.
+
+    No bit depends on the level, as tests/c shows with levels of its own, and compilation takes a sixth of the
+    time. Commands that tests run as processes compile as a user's do.
+    """
+    selftest: Any = importlib.import_module("kanegen.library.native.selftest")
+    sound_flags = selftest.sound_flags
+
+    def unoptimised(compiler: Any, source: Any) -> tuple[str, ...]:
+        flags: tuple[str, ...] = sound_flags(compiler, source)
+        is_strict = source.variant.is_strict
+        return tuple("-O0" if flag == "-O2" and is_strict else flag for flag in flags)
+
+    selftest.sound_flags = unoptimised

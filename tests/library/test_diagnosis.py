@@ -18,7 +18,7 @@ from kanegen.program.precision import DOUBLE, precision_named
 from kanegen.reference import equations as reference
 from kanegen.reference.matrices import length
 from kanegen.reference.states import random_states
-from tests.lowering.test_refinement import FLAGS, SOLVERS, computed, mixed, rods, sample
+from tests.lowering.test_refinement import SOLVERS, computed, mixed, rods, sample
 from tests.support import systems
 
 OUTPUTS = ("forward_dynamics", "error_estimate", "regularity")
@@ -32,7 +32,7 @@ def folder(tmp_path_factory):
 
 
 def built(system: kg.System, outputs: tuple[str, ...] = OUTPUTS, **choices: object) -> Library:
-    return kg.build(system, outputs, tier=Variant(**choices), flags=FLAGS)
+    return kg.build(system, outputs, tier=Variant(**choices))
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,6 @@ from kanegen.reference.matrices import length
 from kanegen.reference.states import States, random_states
 from tests.support import robots, systems
 
-FLAGS = ("-O1", "-ffp-contract=off")
 FORWARD = ("forward_dynamics",)
 SOLVERS = ("articulated bodies", "factorisation")
 
@@ -52,7 +51,7 @@ def rods(ratio: float, bodies: int = 8) -> kg.System:
 
 
 def built(system: kg.System, outputs: tuple[str, ...] = FORWARD, **choices: object) -> Library:
-    return kg.build(system, outputs, tier=Variant(**choices), flags=FLAGS)
+    return kg.build(system, outputs, tier=Variant(**choices))
 
 
 def sample(system: kg.System, count: int, seed: int, precision: Precision) -> tuple[States, np.ndarray]:

@@ -38,7 +38,6 @@ from tests.support.paths import MODELS
 
 OUTPUTS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
 ARRAYS = {"mass_matrix": "A", "forcing": "f", "inverse_dynamics": "generalized_force"}
-FLAGS = "-O1"
 
 
 def driven(seed: int, bodies: int = 4) -> kg.System:
@@ -100,7 +99,7 @@ def test_c_is_within_the_bound_of_its_rounding_in_every_precision() -> None:
 def test_a_wrong_stiffness_is_no_rounding() -> None:
     """The bound sees an error of a billionth in one element."""
     system = driven(3)
-    library = kg.build(system, flags=FLAGS)
+    library = kg.build(system)
     assert compare(system, library, 50).passed
     spring = next(e for e in system.force_elements if isinstance(e, Spring) and e.stiffness == 4.0)
     others = tuple(e for e in system.force_elements if e is not spring)
@@ -110,7 +109,7 @@ def test_a_wrong_stiffness_is_no_rounding() -> None:
 
 def test_states_alone_and_in_batches_have_the_same_bits() -> None:
     system = driven(4)
-    library = kg.build(system, OUTPUTS, flags=FLAGS)
+    library = kg.build(system, OUTPUTS)
     states = random_states(system, 40, 1)
     many = library.forcing(states.x, states.y, **states.inputs)
     for i in range(0, 40, 7):
@@ -288,7 +287,7 @@ def test_derivatives_go_through_force_elements() -> None:
     system = driven(5, 3)
     states = random_states(system, 1, 5)
     x, y, further = states.x[0], states.y[0], {name: one[0] for name, one in states.inputs.items()}
-    library = kg.build(system, ("forcing_derivatives",), flags=FLAGS)
+    library = kg.build(system, ("forcing_derivatives",))
     found = library.forcing_derivatives(x, y, **further)
     columns = library.derivative_columns("forcing_derivatives")
     for name, place in (("x", 0), ("y", 1)):
@@ -417,7 +416,7 @@ def test_c_is_clean(tmp_path: Path) -> None:
 
 
 def test_time_is_missing() -> None:
-    library = kg.build(oscillator(Drive("body1.s1", parse("2*t"))), ("mass_matrix", "forcing"), flags=FLAGS)
+    library = kg.build(oscillator(Drive("body1.s1", parse("2*t"))), ("mass_matrix", "forcing"))
     with pytest.raises(kg.ArrayError, match=r"t: it is missing, .* Pass t=\.\.\., the time in s"):
         library.forcing([0.0], [0.0])
     assert library.forcing([0.0], [0.0], t=2)[0] == 4.0
@@ -431,7 +430,7 @@ def test_time_is_missing() -> None:
 
 def test_loads_where_none_are_taken() -> None:
     system = pointed(systems.chain(3), 1)
-    library = kg.build(system, ("forcing",), flags=FLAGS)
+    library = kg.build(system, ("forcing",))
     x = np.zeros(3)
     acting = np.zeros((3, 3))
     acting[1] = 1.0
@@ -444,7 +443,7 @@ def test_loads_where_none_are_taken() -> None:
 def test_simulations_tell_the_time() -> None:
     """m xddot = cos(w t) from rest: x = (1 - cos(w t)) / (m w^2)."""
     library = kg.build(
-        oscillator(Drive("body1.s1", parse("cos(2*t)"))), ("forward_dynamics", "kinetic_energy"), flags=FLAGS
+        oscillator(Drive("body1.s1", parse("cos(2*t)"))), ("forward_dynamics", "kinetic_energy")
     )
     times = np.linspace(0.0, 1.0, 5)
     motion = simulate(library, [0.0], [0.0], times, "RK4", step=1e-3)
@@ -536,7 +535,7 @@ def test_a_quarter_car() -> None:
     wheel = tyre - suspension + skyhook - 40.0 * 9.81
     chassis = suspension - skyhook - 300.0 * 9.81
     outputs = ("forcing", "forward_dynamics", "prescribed_efforts", "potential_energy")
-    library = kg.build(car, outputs, flags=FLAGS)
+    library = kg.build(car, outputs)
     x, y = np.array([hub, ride]), np.array([hub_rate, ride_rate])
     assert library.forcing(x, y, prescribed=told) == pytest.approx([wheel, chassis], rel=1e-12)
     ydot = library.forward_dynamics(x, y, prescribed=told)
@@ -566,7 +565,7 @@ def test_units_that_differ_by_powers_of_two_give_the_same_bits() -> None:
             Spring(("p2", place), 1.3 * stiffness),
             PointLoad("p2", (0.3 * force, 0.0, force), (0.0, 1.1 * force * length, 0.0)),
         )
-        return kg.build(system, ("forcing", "forward_dynamics", "potential_energy"), flags=FLAGS)
+        return kg.build(system, ("forcing", "forward_dynamics", "potential_energy"))
 
     one, (mass, length, time) = built(1.0, 1.0, 1.0), (2.0**9, 2.0**-7, 2.0**5)
     other = built(mass, length, time)

@@ -213,7 +213,7 @@ def turntable() -> kg.System:
 @pytest.fixture(scope="module")
 def governor() -> kg.Library:
     outputs = ("mass_matrix", "forcing", "forward_dynamics", "prescribed_efforts", "kinetic_energy")
-    return kg.build(turntable(), (*outputs, "potential_energy", "coordinate_rates"), flags="-O1")
+    return kg.build(turntable(), (*outputs, "potential_energy", "coordinate_rates"))
 
 
 def test_a_pendulum_on_a_turning_shaft(governor: kg.Library) -> None:
@@ -260,7 +260,7 @@ def test_energy_is_the_work_of_the_efforts() -> None:
     """Along a motion by Runge and Kutta's rule, whose error at this step is far below the tolerance."""
     system = tree("rates", 1)
     outputs = ("forward_dynamics", "prescribed_efforts", "kinetic_energy", "potential_energy")
-    library = kg.build(system, outputs, flags="-O1")
+    library = kg.build(system, outputs)
     p, n = len(system.prescribed), len(system.freedoms)
     size, pace, phase = np.random.default_rng(5).uniform(0.2, 0.9, (3, p))
 
@@ -298,7 +298,7 @@ def test_one_state_and_many_in_c() -> None:
     """The same bits, whether every state has a motion of its own or all share one."""
     system = tree("slides and hinges", 0)
     outputs = [name for name in available(system) if name not in DERIVATIVES]
-    library = kg.build(system, outputs, flags="-O1")
+    library = kg.build(system, outputs)
     states = [state(system, seed) for seed in range(11)]
     batch = {name: np.stack([each[name] for each in states]) for name in states[0]}
     many = library.evaluate(**batch)
@@ -318,7 +318,7 @@ def test_one_state_and_many_in_c() -> None:
 def test_derivatives(name: str) -> None:
     """By {x} and {y}, against central differences; nothing is differentiated by what is prescribed."""
     system = tree("sequences", 0)
-    library = kg.build(system, (name, f"{name}_derivatives"), flags="-O1")
+    library = kg.build(system, (name, f"{name}_derivatives"))
     given = state(system, 7)
     given = {key: given[key] for key in ("x", "y", "force", "torque", "prescribed")}
     found = getattr(library, f"{name}_derivatives")(**given)

@@ -12,14 +12,11 @@ from tests.support.systems import systems
 TOLERANCE = 1e-13
 """Trees of up to 12 bodies lose about 1e-15; the bound of `compare` itself is tighter still."""
 
-FLAGS = ("-O1", "-ffp-contract=off")
-"""Without contraction every level of optimisation gives the same bits, and this one compiles sooner."""
-
 
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(systems())
 def test_c_equals_the_reference(system: kg.System) -> None:
-    library = kg.build(system, flags=FLAGS)
+    library = kg.build(system)
     report = compare.compare(system, library, states=20)
     assert report.max_error <= TOLERANCE, str(report)
     assert report.passed, str(report)
@@ -29,7 +26,7 @@ def test_c_equals_the_reference(system: kg.System) -> None:
 @given(systems(max_bodies=4))
 def test_a_batch_equals_its_states(system: kg.System) -> None:
     """Up to what one unit in the last place of every sine and cosine makes; batches have their own."""
-    library = kg.build(system, flags=FLAGS)
+    library = kg.build(system)
     x, y = np.random.default_rng(3).normal(size=(2, 5, library.n))
     for batch, states in (
         (library.mass_matrix(x), [library.mass_matrix(row) for row in x]),
@@ -41,7 +38,7 @@ def test_a_batch_equals_its_states(system: kg.System) -> None:
 @settings(max_examples=10, deadline=None, derandomize=True)
 @given(systems(max_bodies=4))
 def test_the_place_in_a_batch_does_not_matter(system: kg.System) -> None:
-    library = kg.build(system, flags=FLAGS)
+    library = kg.build(system)
     x, y = np.random.default_rng(4).normal(size=(2, 19, library.n))
     whole = library.evaluate(x, y)
     for rows in (slice(None, None, -1), slice(3, 4), slice(5, 18), slice(1, None, 2)):

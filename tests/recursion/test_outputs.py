@@ -17,7 +17,6 @@ from tests.support import moving_bodies, systems
 from tests.support.moving_bodies import READS_SPEEDS
 from tests.support.paths import MODELS
 
-FLAGS = "-O1"
 NEW = tuple(READS_SPEEDS)
 
 
@@ -97,7 +96,7 @@ def test_parameters_are_prepared_once_for_all() -> None:
 
 @pytest.fixture(scope="module")
 def library() -> kg.Library:
-    return kg.build(system(), available(system()), flags=FLAGS)
+    return kg.build(system(), available(system()))
 
 
 def test_one_state_and_many_in_c(library: kg.Library) -> None:
@@ -119,7 +118,7 @@ def test_one_state_and_many_in_c(library: kg.Library) -> None:
 
 def test_single_precision() -> None:
     tree = system()
-    library = kg.build(tree, NEW, flags=FLAGS, precision="float")
+    library = kg.build(tree, NEW, precision="float")
     x, y = np.random.default_rng(1).normal(size=(2, 21, library.n)).astype(np.float32)
     expected = moving_bodies.expected(tree.values(), x.astype(float), y.astype(float))
     for name, found in zip(NEW, library.evaluate(x, y), strict=True):
@@ -129,7 +128,7 @@ def test_single_precision() -> None:
 
 
 def test_speeds_are_asked_for_where_they_count(library: kg.Library) -> None:
-    places = kg.build(system(), ("mass_center", "body_poses"), flags=FLAGS)
+    places = kg.build(system(), ("mass_center", "body_poses"))
     x = np.zeros(library.n)
     assert places.evaluate(x).mass_center.shape == (3,)
     with pytest.raises(kg.ArrayError, match="y: expected real numbers, got None"):

@@ -81,7 +81,7 @@ def test_an_arm_by_hand() -> None:
 def test_in_python() -> None:
     """Shapes of one state, of a batch and of none; parameters count."""
     system = kg.load("models/gantry_crane.toml")
-    library = kg.build(system, "body_poses", flags="-O1")
+    library = kg.build(system, "body_poses")
     bodies = system.number_of_bodies
     x = np.random.default_rng(2).normal(size=(11, library.n))
     every = library.body_poses(x)
@@ -136,7 +136,7 @@ def test_chosen_bodies_are_rows_of_all_and_cost_what_they_need() -> None:
     system = systems.random_system(rng, 6, connection=(0, 1, 2, 1, 4, 4), free=JOINTS["gimbals"])
     some = system.with_poses([5, "body1"])
     assert (some.pose_numbers, some.pose_names) == ((5, 1), ("body5", "body1"))
-    library, every = kg.build(some, "body_poses", flags="-O1"), kg.build(system, "body_poses", flags="-O1")
+    library, every = kg.build(some, "body_poses"), kg.build(system, "body_poses")
     assert library.pose_names == ("body5", "body1")
     x = rng.normal(size=(5, len(system.freedoms)))
     found = library.body_poses(x)

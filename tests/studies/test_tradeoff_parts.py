@@ -29,7 +29,7 @@ FREE = systems.chain(1, FREEDOMS)
 
 
 def library(system: kg.System, precision: str = "double") -> kg.Library:
-    return kg.build(system, (OUTPUT,), precision=precision, flags="-O1 -ffp-contract=off")
+    return kg.build(system, (OUTPUT,), precision=precision)
 
 
 def some_errors(*normwise: float) -> Errors:
