@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from kanegen.c import Source
 from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError
-from kanegen.library.native.calls import Native
+from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.results import Evaluation
 from kanegen.model.arguments import ARGUMENTS, FURTHER, Floats, NamedInputs, Values
 from kanegen.model.numbers import finite
@@ -19,14 +19,14 @@ from kanegen.program.ir import EVALUATE
 from kanegen.program.precision import precision_named
 
 
-class Compiled:
+class CompiledModel:
     """Compiled functions with values of their parameters, called by name; `Library` adds a method an output.
 
     The table of outputs, `recursion.outputs.OUTPUTS`, says which arguments each output has and in which order
     they are passed to `_run`.
     """
 
-    def __init__(self, native: Native, parameters: Mapping[str, float]) -> None:
+    def __init__(self, native: NativeLibrary, parameters: Mapping[str, float]) -> None:
         """Combine a loaded library with values of its run-time parameters, by name."""
         self._native = native
         self._parameters = dict(parameters)
@@ -230,6 +230,8 @@ class Compiled:
         return tuple(map(inputs.get, self._named_inputs))
 
 
-def _reopen(kind: type[Compiled], source: Source, path: Path, parameters: Mapping[str, float]) -> Compiled:
+def _reopen(
+    kind: type[CompiledModel], source: Source, path: Path, parameters: Mapping[str, float]
+) -> CompiledModel:
     """Return a library that another process has pickled."""
-    return kind(Native(source, path), parameters)
+    return kind(NativeLibrary(source, path), parameters)

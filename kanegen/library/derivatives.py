@@ -7,12 +7,12 @@ from typing import Unpack
 from numpy.typing import ArrayLike
 
 from kanegen.choices import require_one
-from kanegen.library.compiled import Compiled
+from kanegen.library.compiled import CompiledModel
 from kanegen.model.arguments import Floats, NamedInputs
 from kanegen.recursion.outputs import DERIVATIVES
 
 
-class Derivatives(Compiled):
+class Derivatives(CompiledModel):
     """Methods for the derivatives of {f}, of generalized forces and of {ydot}.
 
     Their last axis has K columns, one for each number by which is differentiated; `derivative_columns` says

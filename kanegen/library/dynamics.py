@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.errors import ArrayError, KanegenWarning
-from kanegen.library.compiled import Compiled
+from kanegen.library.compiled import CompiledModel
 from kanegen.library.results import Diagnosis, diagnosis
 from kanegen.model.arguments import Floats, NamedInputs
 
 
-class Dynamics(Compiled):
+class Dynamics(CompiledModel):
     """Methods for [A], {f}, {ydot}, generalized forces and reactions."""
 
     def mass_matrix(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:

@@ -8,7 +8,7 @@ from kanegen.c import Source
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
 from kanegen.library.native.build import build
-from kanegen.library.native.calls import Native
+from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.quantities import Quantities
 
 
@@ -35,7 +35,9 @@ def load(
         source = kg.generate(system)
         library = kanegen.library.load(source)
     """
-    return Library(Native(source, build(source, compiler, flags, threads)), dict(source.model.parameters))
+    return Library(
+        NativeLibrary(source, build(source, compiler, flags, threads)), dict(source.model.parameters)
+    )
 
 
 class Library(Dynamics, Quantities, Derivatives):

@@ -6,11 +6,11 @@ from typing import Unpack
 
 from numpy.typing import ArrayLike
 
-from kanegen.library.compiled import Compiled
+from kanegen.library.compiled import CompiledModel
 from kanegen.model.arguments import Floats, NamedInputs
 
 
-class Quantities(Compiled):
+class Quantities(CompiledModel):
     """Methods for coordinate rates, poses of bodies, points, mass centre, momentum and energies."""
 
     def coordinate_rates(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:

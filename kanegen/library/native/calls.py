@@ -48,7 +48,7 @@ Pointers = tuple[Any, ...]
 """C pointers, each of which keeps its array alive."""
 
 
-class Native:
+class NativeLibrary:
     """A shared library in memory.
 
     Attributes:
@@ -172,7 +172,7 @@ class Call:
         """Call the C function for one state, or its batch form for many.
 
         Args:
-            constants: Prepared constants, from `Native.constants`.
+            constants: Prepared constants, from `NativeLibrary.constants`.
             values: The values of `arguments`, None where an optional one is left out.
 
         Returns:
