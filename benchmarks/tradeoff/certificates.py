@@ -1,4 +1,4 @@
-"""Certificates of error for docs/tradeoff, and the page with their table."""
+"""Certificates of error, and the table of them."""
 
 from __future__ import annotations
 
@@ -17,19 +17,17 @@ from kanegen.studies.budget.region import region_from_table
 from kanegen.studies.budget.request import Request
 
 CLEARANCE = 0.05
-"""Distance of the domains from gimbal lock, where [A] is singular."""
+"""Of the domains: gimbal lock itself has no accelerations."""
 
 HEAD = """# Certificates of error
 
-`make tradeoff` (`python -m benchmarks.tradeoff`) writes this page. `kanegen verify` generates the C of a
-certificate again and measures it in fresh states.
+Written by `make tradeoff` (`python -m benchmarks.tradeoff`); nobody edits it by hand. `kanegen verify` makes
+the C of a certificate anew and measures it in states of its own.
 
-A budget bounds the normwise relative error of {{ydot}} in forward dynamics. The domain is the default one
-without the states next to gimbal lock (`exclude.clearance = {clearance}`), and no state that is tried may
-exceed the budget. *exceeded* counts the fresh states of the validation whose error is larger than the
-budget. *share* is the upper limit, with 95 % confidence, on the part of the domain in which the error is
-larger. *median* and *largest* describe the errors in the fresh states, and *found* is the largest error
-that two searches found. *ns* is the median time of one evaluation.
+A budget bounds the normwise relative error of {{ydot}} in forward dynamics, in every state that is tried, on
+the default domain without what is next to gimbal lock (`exclude.clearance = {clearance}`). *exceeded* counts
+the fresh states of one validation in which the error was larger, *share* is what they say of the whole
+domain, with 95 % confidence, and *found* is the largest error that two searches found.
 
 | model | budget | variant | exceeded | share | median | largest | found | ns |
 | --- | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: |
@@ -38,23 +36,15 @@ that two searches found. *ns* is the median time of one evaluation.
 
 @dataclass(frozen=True)
 class Line:
-    """A row of the table.
-
-    Attributes:
-        model: Name of the model.
-        budget: Budget of the error.
-        cells: Texts of the columns after these two.
-    """
+    """A row of the table."""
 
     model: str
     budget: float
     cells: Sequence[str]
 
 
-def write_certificate(
-    system: kg.System, budget: float, folder: Path, progress: Callable[[str], None]
-) -> Line:
-    """Certify the fastest variant that keeps a budget, write its certificate, and return its row."""
+def made(system: kg.System, budget: float, folder: Path, progress: Callable[[str], None]) -> Line:
+    """The certificate of the fastest variant that keeps a budget, written into a folder."""
     domain = region_from_table(system, {"exclude": {"clearance": CLEARANCE}})
     try:
         found = certify_variant(system, domain, Request(error=budget, attempts=1), progress=progress)
@@ -66,7 +56,6 @@ def write_certificate(
 
 
 def _cells(found: CertifiedSource) -> tuple[str, ...]:
-    """Return the columns of one certificate after the model and the budget."""
     choice, errors = found.choice, found.choice.validation.errors
     return (
         choice.candidate.label,
@@ -79,7 +68,7 @@ def _cells(found: CertifiedSource) -> tuple[str, ...]:
     )
 
 
-def write_table(lines: Sequence[Line], folder: Path) -> None:
-    """Write the page with the table of all certificates."""
+def write(lines: Sequence[Line], folder: Path) -> None:
+    """The table of all."""
     rows = [f"| {line.model} | {line.budget:.0e} | {' | '.join(line.cells)} |" for line in lines]
     write_whole(folder / "certificates.md", HEAD.format(clearance=CLEARANCE) + "\n".join(rows) + "\n")

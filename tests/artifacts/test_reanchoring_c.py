@@ -14,9 +14,9 @@ import kanegen as kg
 from kanegen.errors import OptionError
 from kanegen.library.native import compilers
 from tests.c.test_c_compilers import WARNINGS
-from tests.cli.test_cli import kanegen
 from tests.model.test_reanchoring import near, with_parameters
 from tests.support import systems
+from tests.support.command import kanegen
 
 CALLS = """
 #include "tree_reanchor.h"

@@ -1,49 +1,67 @@
-"""All experiments of the battery, in the order of their numbers."""
+"""Every subject of the battery, in the order of their numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from tests.battery import (
+    angles,
+    cancelling,
     chains,
-    compilers,
-    conditioning,
-    counterexamples,
-    floating_point,
-    gimbal_lock,
-    gimbal_lock_passage,
+    compiling,
+    conservation,
+    flags,
+    fuzzing,
+    gimbal,
     identities,
     invariances,
-    motions,
+    lasting,
+    literals,
+    masses,
     mutations,
-    precisions,
-    robustness,
+    passage,
+    reproducibility,
+    rounding,
+    sanitizing,
     scaling,
-    sine_cosine,
+    searching,
+    sines,
+    specialisation,
+    stiffness,
+    tiers,
 )
-from tests.battery.experiments import EXPERIMENTS, Experiment
+from tests.battery.rows import SUBJECTS, Subject
 
 MODULES = (
     chains,
-    conditioning,
-    gimbal_lock,
-    gimbal_lock_passage,
-    sine_cosine,
+    masses,
+    gimbal,
+    passage,
+    angles,
+    sines,
     scaling,
-    floating_point,
-    motions,
+    specialisation,
+    cancelling,
+    flags,
+    stiffness,
+    lasting,
+    conservation,
     identities,
     invariances,
-    compilers,
-    robustness,
-    counterexamples,
-    precisions,
+    literals,
+    compiling,
+    reproducibility,
+    sanitizing,
+    fuzzing,
+    searching,
+    rounding,
+    tiers,
     mutations,
 )
-"""The modules of the experiments; importing them registers their experiments."""
+"""Reading them has entered their subjects."""
 
 
-def experiments() -> Iterator[Experiment]:
-    """Yield all experiments by number."""
-    for number in sorted(EXPERIMENTS, key=lambda name: int(name[1:])):
-        yield EXPERIMENTS[number]
+def subjects() -> Iterator[Subject]:
+    """By number."""
+    for number in sorted(SUBJECTS, key=lambda name: int(name[1:])):
+        yield SUBJECTS[number]

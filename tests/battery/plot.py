@@ -1,5 +1,4 @@
-"""The plot docs/extremes.svg: figures and limits over length, mass ratio, distance to gimbal lock and
-time."""
+"""The picture: figures and limits over length, mass ratio, distance to gimbal lock and time."""
 
 from __future__ import annotations
 
@@ -9,21 +8,21 @@ from dataclasses import dataclass
 from typing import Any
 
 from kanegen.extras import module
-from tests.battery.experiments import Point, Row
-from tests.battery.report import Results
+from tests.battery.document import Results
+from tests.battery.rows import Point, Row
 
 _STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One panel of the plot.
+    """One diagram.
 
     Attributes:
-        title: Title.
-        across: Label of the horizontal axis.
-        up: Label of the vertical axis.
-        series: Beginning and end of the case of a row, by label of its curve.
+        title: Above it.
+        across: Words at its axis.
+        up: Likewise.
+        series: How the names of its rows begin or end, by label.
         limits: Whether limits are drawn.
     """
 
@@ -74,14 +73,14 @@ PANELS = {
         limits=False,
     ),
 }
-"""The panels by number of the experiment."""
+"""By subject."""
 
 _NOWHERE = 1e-17
-"""Place of distance 0 and error 0 on logarithmic axes."""
+"""Where distance 0 and error 0 stand on logarithmic axes."""
 
 
 def svg(results: Results) -> str:
-    """Draw the largest figures as points and the limits as lines.
+    """Points are the largest figures, lines the limits there.
 
     Raises:
         MissingError: If matplotlib is not installed.

@@ -13,8 +13,9 @@ from kanegen.options import TIERS, Variant
 from kanegen.program.precision import DOUBLE_DOUBLE
 from kanegen.reference.states import random_states
 from tests.c.test_c_compilers import CPP, SANITIZERS, WARNINGS, C, code, run
-from tests.cli.test_cli import PENDULUM, kanegen
+from tests.support.command import kanegen
 from tests.support.handmade import bits, source
+from tests.support.paths import PENDULUM
 from tests.support.systems import flags, random_system
 
 OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")

@@ -17,8 +17,9 @@ from kanegen.program.precision import DOUBLE, FLOAT
 from tests.c.test_c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
 from tests.c.test_lanes import FLAGS, wide
 from tests.c.test_status import forward, inverse
-from tests.cli.test_cli import PENDULUM, kanegen
+from tests.support.command import kanegen
 from tests.support.handmade import bits, description, evaluate, module, source
+from tests.support.paths import PENDULUM
 from tests.support.systems import random_system
 
 ALL = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")

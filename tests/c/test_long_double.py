@@ -14,8 +14,9 @@ from kanegen.options import Variant
 from kanegen.program.precision import LONG_DOUBLE
 from kanegen.reference.states import random_states
 from tests.c.test_c_compilers import SANITIZERS, WARNINGS, C, code, printed, run
-from tests.cli.test_cli import PENDULUM, kanegen
+from tests.support.command import kanegen
 from tests.support.handmade import evaluate, module, source
+from tests.support.paths import PENDULUM
 from tests.support.systems import random_system
 
 OUTPUTS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")

@@ -16,8 +16,9 @@ from kanegen.program.precision import DOUBLE, FLOAT, LONG_DOUBLE
 from kanegen.reference.states import random_states
 from tests.c.test_c_compilers import WARNINGS, C, code, run
 from tests.c.test_lanes import FLAGS, wide
-from tests.cli.test_cli import PENDULUM, kanegen
+from tests.support.command import kanegen
 from tests.support.handmade import bits, source
+from tests.support.paths import PENDULUM
 from tests.support.systems import random_system
 
 OUTPUTS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")

@@ -19,8 +19,9 @@ from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT
 from tests.c.test_c_compilers import C, run
-from tests.cli.test_cli import PENDULUM, kanegen
+from tests.support.command import kanegen
 from tests.support.handmade import Listing, array, bits, description, evaluate
+from tests.support.paths import PENDULUM
 
 STRICT = ("-O1", "-ffp-contract=off")
 POLYNOMIALS = [name for name in SINCOS if name.startswith("polynomial")]

@@ -2,35 +2,26 @@
 
 from __future__ import annotations
 
+import io
 import json
-import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
+from kanegen.cli.summary import summarize
+from kanegen.cli.summary_text import show
+from kanegen.options import quiet
 from tests.support import systems
-from tests.support.paths import MODELS
-
-PENDULUM = str(MODELS / "double_pendulum.toml")
-
-
-def kanegen(*arguments: str, status: int = 0, **environment: str) -> subprocess.CompletedProcess[str]:
-    done = subprocess.run(
-        [sys.executable, "-m", "kanegen", *arguments],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "COLUMNS": "200", "NO_COLOR": "1", **environment},
-        check=False,
-    )
-    assert done.returncode == status, done.stdout + done.stderr
-    assert "Traceback" not in done.stderr
-    return done
+from tests.support.command import kanegen, process
+from tests.support.paths import MODELS, PENDULUM
 
 
 def test_help_names_every_command() -> None:
-    text = kanegen("--help").stdout
+    text = process("--help").stdout
     for command in ("generate", "verify", "check", "equations", "info", "bench", "tradeoff", "--version"):
         assert command in text
     assert "Exit status" in text
@@ -42,25 +33,28 @@ def test_every_command_has_help(command: str) -> None:
 
 
 def test_version() -> None:
-    assert kanegen("--version").stdout.startswith("kanegen 0.")
+    assert process("--version").stdout.startswith("kanegen 0.")
 
 
 @pytest.mark.parametrize("arguments", [("info",), ("equations",), ("equations", "--format", "latex")])
 def test_a_terminal_without_unicode(arguments: tuple[str, ...]) -> None:
-    text = kanegen(*arguments, PENDULUM, PYTHONIOENCODING="ascii").stdout
+    text = process(*arguments, PENDULUM, PYTHONIOENCODING="ascii").stdout
     assert text.isascii()
 
 
-def test_info_draws_every_body_of_a_long_chain(tmp_path: Path) -> None:
-    systems.chain(24, ["theta2"]).save(tmp_path / "chain.toml")
-    text = kanegen("info", str(tmp_path / "chain.toml"), COLUMNS="60").stdout
+def test_info_draws_every_body_of_a_long_chain() -> None:
+    """Costs are those of one body; the tree alone is about all of them."""
+    screen = Console(width=60, file=io.StringIO())
+    costs = summarize(systems.chain(1, ["theta2"]), quiet)
+    show(replace(costs, system=systems.chain(24, ["theta2"])), screen)
+    text = screen.file.getvalue()
     assert text.count("└── ") == 24
     assert f"{' ' * 4 * 23}└── 24 body24  theta2" in text
 
 
 def test_generate_writes_and_says_what(tmp_path: Path) -> None:
     folder = tmp_path / "out"
-    text = kanegen("generate", PENDULUM, "-o", str(folder)).stdout
+    text = process("generate", PENDULUM, "-o", str(folder)).stdout
     assert "double_pendulum: 2 freedoms, mass_matrix and forcing" in text
     assert "operations: add" in text
     assert {"double_pendulum.h", "double_pendulum.c", "main.c", "README.md"} <= {
@@ -77,7 +71,7 @@ def test_generate_one_output(tmp_path: Path) -> None:
 
 
 def test_check_passes_and_prints_json() -> None:
-    assert "passed" in kanegen("check", PENDULUM, "--states", "50").stdout
+    assert "passed" in process("check", PENDULUM, "--states", "50").stdout
     report = json.loads(kanegen("check", PENDULUM, "--states", "50", "--json").stdout)
     assert report["passed"] is True
 
@@ -185,7 +179,7 @@ def test_unknown_command_and_missing_folder_get_usage() -> None:
 
 
 def test_missing_compiler() -> None:
-    done = kanegen("check", PENDULUM, status=2, KANEGEN_CC="no-such-compiler")
+    done = process("check", PENDULUM, status=2, KANEGEN_CC="no-such-compiler")
     assert "no-such-compiler" in done.stderr
 
 

@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 
 from kanegen.cli.app import app
 from kanegen.errors import KanegenError
-from tests.cli.test_cli import MODELS, PENDULUM, kanegen
+from tests.support.command import kanegen
+from tests.support.paths import MODELS, PENDULUM
 
 CHEAP = (
     *("--quantile", "0.9", "--confidence", "0.9", "--attempts", "1", "--states", "16", "--search", "16"),

@@ -13,6 +13,9 @@ MODELS = ROOT / "models"
 MODEL_FILES = sorted(MODELS.glob("*.toml"))
 """Every model file."""
 
+PENDULUM = str(MODELS / "double_pendulum.toml")
+"""The model file of a planar double pendulum, as an argument of a command."""
+
 GENERATED = ROOT / "generated"
 """The committed C, a folder for each model."""
 
