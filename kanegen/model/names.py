@@ -1,8 +1,8 @@
-"""Which names a model may use.
+"""Names that a model may use.
 
-System and parameter names become C identifiers. Body and joint names stay in comments, messages and
-`freedom_names`, and may also hold dots, hyphens and colons, as robot files do. Nothing else passes: no
-name from a file reaches C, a path or a shell unchecked.
+System and parameter names become C identifiers. Body and joint names appear in comments, messages and
+`freedom_names`, and may also contain dots, hyphens and colons, as robot files do. Every other name is
+refused, so that no name from a file reaches C, a path or a shell unchecked.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ KEYWORDS = frozenset(
 
 
 def check_identifier(name: object, what: str) -> str:
-    """`name` if it can be a C identifier.
+    """Return `name` if it can be a C identifier; `what` says what it names, for the message.
 
     Raises:
         ModelError: If it is not an ASCII identifier, is a keyword of C or C++, or is too long.
@@ -43,13 +43,29 @@ def check_identifier(name: object, what: str) -> str:
 
 
 def check_label(name: object, what: str) -> str:
-    """`name` if it can label a body or a joint.
+    """Return `name` if it can label a body or a joint; `what` says what it names, for the message.
 
     Raises:
-        ModelError: If it holds anything but ASCII letters, digits and `_ . - :`, or is a keyword.
+        ModelError: If it contains anything but ASCII letters, digits and `_ . - :`, or is a keyword.
     """
     rule = "Use letters, digits, '_', '-', ':' and single dots, beginning with a letter or digit."
     return _check(name, what, _LABEL, rule)
+
+
+def usable_label(name: str) -> str:
+    """Return a label for a body or joint of a robot file, with underscores for characters that it may not use."""
+    name = re.sub(r"[^A-Za-z0-9_.:-]|\.(?=\.)", "_", name)
+    return _without_keyword(name if re.match(r"[A-Za-z0-9_]", name) else f"_{name}")
+
+
+def usable_identifier(name: str) -> str:
+    """Return an identifier for a robot file's system: `robot` where the file has no name."""
+    name = re.sub(r"[^A-Za-z0-9_]", "_", name) or "robot"
+    return _without_keyword(name if re.match(r"[A-Za-z]", name) else f"robot_{name}")[:MAX_LENGTH]
+
+
+def _without_keyword(name: str) -> str:
+    return f"{name}_" if name in KEYWORDS else name
 
 
 def _check(name: object, what: str, pattern: re.Pattern[str], rule: str) -> str:

@@ -1,15 +1,20 @@
-"""Model files: TOML and URDF to `System`."""
+"""Readers of model files: from TOML and URDF to a `System`.
+
+Each format is a `Reader` in a module of its own (`toml`, `urdf`), entered in `registry`; `load` picks one by
+suffix and root element. A module here may import the model, and nothing that derives or generates. Whatever
+is wrong with a file raises a `ReadError` that begins with the file and, where it is known, the line.
+"""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-from kanegen.errors import OptionError, ReadError
+from kanegen.errors import ReadError
 from kanegen.model.right_angles import AS_WRITTEN, checked
 from kanegen.model.system import System
-from kanegen.readers.toml import read_toml
-from kanegen.readers.urdf import read_urdf
+from kanegen.readers.reader import ModelFile, ReadOptions
+from kanegen.readers.registry import reader_of
 
 __all__ = ["load"]
 
@@ -17,32 +22,25 @@ __all__ = ["load"]
 def load(
     path: str | os.PathLike[str], floating_base: bool = False, right_angles: float = AS_WRITTEN
 ) -> System:
-    """The system in a model file: `.toml` (kanegen's own format) or `.urdf`.
+    """Return the system in a model file: `.toml` (kanegen's own format) or `.urdf`.
 
     Args:
         path: The file.
         floating_base: URDF only: the root link moves freely and becomes body 1; otherwise it is the ground.
-        right_angles: Tolerance (rad): constant orientations that miss a right angle by no more, such as
-            1.5708, are made exact. With 0 every number means what it says; see `kanegen.model.right_angles`.
+        right_angles: Tolerance (rad): constant orientations that are no farther from a right angle, such as
+            1.5708, are made exact. With 0 every number stays as written; see `kanegen.model.right_angles`.
 
     Raises:
         ReadError: If the file cannot be read or does not describe a usable system; the message begins with
             the file and, where known, the line.
         OptionError: If `floating_base` is asked of a TOML file, or `right_angles` makes no sense.
+
+    Example:
+        system = kg.load("robot.urdf", floating_base=True)
     """
     try:
-        file = Path(path)
+        file = ModelFile(Path(path))
     except TypeError:
         raise ReadError(f"{path!r} is not the path of a file.") from None
-    tolerance = checked(right_angles)
-    kind = file.suffix.lower()
-    if kind == ".urdf":
-        return read_urdf(file, floating_base, tolerance).with_right_angles(tolerance)
-    if kind != ".toml":
-        hint = " Run xacro on it first." if kind == ".xacro" else ""
-        raise ReadError(f"{file}: kanegen reads .toml and .urdf files.{hint}")
-    if floating_base:
-        raise OptionError(
-            f"{file}: floating_base is for URDF files. In a TOML file, free all six freedoms of body 1."
-        )
-    return read_toml(file, tolerance).with_right_angles(tolerance)
+    options = ReadOptions(floating_base, checked(right_angles))
+    return reader_of(file).read(file, options).with_right_angles(options.right_angles)

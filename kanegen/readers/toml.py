@@ -1,4 +1,4 @@
-"""kanegen's own model files; docs/model-files.md describes the format."""
+"""Reads TOML model files, kanegen's own format, which docs/model-files.md describes."""
 
 from __future__ import annotations
 
@@ -9,51 +9,53 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from kanegen.errors import KanegenWarning, ModelError, ReadError
+from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError
 from kanegen.model.description import GRAVITY
-from kanegen.model.right_angles import AS_WRITTEN
 from kanegen.model.system import System
-from kanegen.readers import force_elements
-from kanegen.readers.bodies import read_bodies
-from kanegen.readers.keys import Table, check_keys
-from kanegen.readers.parameters import Parameters
-from kanegen.readers.text import read_text
+from kanegen.readers import toml_force_elements
+from kanegen.readers.reader import ModelFile, Reader, ReadOptions
+from kanegen.readers.toml_bodies import read_bodies
+from kanegen.readers.toml_tables import Parameters, Table, check_keys
 
-KEYS = ("name", "gravity", "parameters", "outputs", "body", *force_elements.KEYS)
+KEYS = ("name", "gravity", "parameters", "outputs", "body", *toml_force_elements.KEYS)
 OUTPUT_KEYS = ("body_poses", "reaction_loads")
 
 NO_GRAVITY = "none"
 
 
-def read_toml(path: Path, right_angles: float = AS_WRITTEN) -> System:
-    """The system that a TOML file describes.
-
-    Args:
-        path: The file.
-        right_angles: Tolerance (rad) within which `orientation_angles` are made exact.
+def read_toml(file: ModelFile, options: ReadOptions) -> System:
+    """Return the system that a TOML file describes.
 
     Raises:
         ReadError: If the file is not TOML, or does not describe a usable system.
+        OptionError: If a floating base is asked for.
 
     Warns:
-        KanegenWarning: Of parameters that stand nowhere.
+        KanegenWarning: If a parameter is not used.
     """
-    table = parsed(read_text(path), path)
+    if options.floating_base:
+        raise OptionError(
+            f"{file.path}: floating_base is for URDF files. In a TOML file, free all six freedoms of body 1."
+        )
+    table = parse_toml(file.text, file.path)
     try:
-        return _system(table, path, right_angles)
+        return _system(table, file.path, options.right_angles)
     except ModelError as error:
-        raise ReadError(f"{path}: {error}") from None
+        raise ReadError(f"{file.path}: {error}") from None
 
 
-def parsed(text: str, where: str | Path) -> Table:
-    """A TOML document.
+READER = Reader("TOML", ".toml", read_toml)
+
+
+def parse_toml(text: str, where: str | Path) -> Table:
+    """Return the table of a TOML document.
 
     Args:
-        text: It.
-        where: What error messages begin with, such as the name of a file.
+        text: The document.
+        where: Start of error messages, such as the name of a file.
 
     Raises:
-        ReadError: If it is none; names the line where that is known.
+        ReadError: If the text is not TOML; names the line where that is known.
     """
     try:
         return tomllib.loads(text)
@@ -74,16 +76,16 @@ def _system(table: Table, path: Path, tolerance: float) -> System:
     bodies = read_bodies(table.get("body", []), parameters, tolerance)
     gravity = table.get("gravity", GRAVITY)
     gravity = (0, 0, 0) if gravity == NO_GRAVITY else parameters.resolve(gravity, "gravity")
-    elements = force_elements.read_force_elements(table, parameters)
-    chosen = _outputs(table.get("outputs", {}))
-    system = System(table.get("name", path.stem), bodies, gravity, elements, *chosen)
+    elements = toml_force_elements.read_force_elements(table, parameters)
+    selected = _outputs(table.get("outputs", {}))
+    system = System(table.get("name", path.stem), bodies, gravity, elements, *selected)
     if unused := parameters.unused():
         warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
     return system
 
 
 def _outputs(table: Any) -> tuple[Any, Any]:
-    """The bodies of `body_poses` and the locked directions of `reaction_loads`; None for all."""
+    """Return the bodies of `body_poses` and the locked directions of `reaction_loads`; None for all."""
     if not isinstance(table, Mapping):
         raise ModelError('outputs: write a table, [outputs], with lines such as body_poses = ["tool"].')
     check_keys(table, OUTPUT_KEYS, what="outputs: ")

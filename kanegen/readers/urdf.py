@@ -1,7 +1,7 @@
-"""URDF robot files.
+"""Reads URDF robot files.
 
 A link's frame and {x} are exactly those of the file, except that a body's own frame may be turned: where a
-joint's axis is not +x, +y or +z, a constant rotation [B] takes body components from link components, so that
+joint's axis is not +x, +y or +z, a constant rotation [B] takes link components to body components, so that
 the joint moves along or about a basis vector. Masses, centres, inertias and further joints turn with it.
 """
 
@@ -15,95 +15,98 @@ from pathlib import Path
 from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.model.body import Body
 from kanegen.model.joint import Joint
-from kanegen.model.right_angles import AS_WRITTEN
+from kanegen.model.names import usable_identifier, usable_label
 from kanegen.model.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
 from kanegen.model.system import System
-from kanegen.readers.labels import identifier, label
-from kanegen.readers.rigid import Frame, lump
-from kanegen.readers.robot import Robot, RobotJoint, read_robot
-from kanegen.readers.text import read_text
-from kanegen.readers.tree import GROUND, MovingLink, moving_links
-from kanegen.readers.xml import parse
+from kanegen.readers.reader import ModelFile, Reader, ReadOptions
+from kanegen.readers.urdf_elements import Robot, RobotJoint, read_robot
+from kanegen.readers.urdf_tree import GROUND, MovingLink, moving_links
+from kanegen.readers.welding import Frame, weld
 
 
-def read_urdf(path: Path, floating_base: bool = False, right_angles: float = AS_WRITTEN) -> System:
-    """The system that a URDF file describes.
+def read_urdf(file: ModelFile, options: ReadOptions) -> System:
+    """Return the system that a URDF file describes.
 
     Args:
-        path: The file.
-        floating_base: Whether the root link moves freely: body 1, with its translation in world axes and
-            1-2-3 angles. Otherwise it is the ground.
-        right_angles: Tolerance (rad) within which the orientations of all frames and axes are made exact.
+        file: The file.
+        options: With `floating_base` the root link moves freely and is body 1, with its translation in world
+            axes and 1-2-3 angles; otherwise it is the ground. Orientations of frames and axes are made exact
+            within the tolerance `right_angles`.
 
     Raises:
         ReadError: If the file is not well formed, not one tree, or has a body that cannot exist.
 
     Warns:
-        KanegenWarning: Of joints with `mimic`, which move on their own here, and of names changed.
+        KanegenWarning: If a joint has `mimic`, which is ignored, or a name has to be changed.
     """
-    robot = read_robot(parse(read_text(path), str(path)), right_angles)
-    moving = moving_links(robot, floating_base)
+    robot = read_robot(file.root, options.right_angles)
+    moving = moving_links(robot, options.floating_base)
     if not moving:
         raise ReadError(
             f"{robot.where}: no joint of this robot moves. floating_base=True frees its root link."
         )
-    _warn_of_mimic(robot, path)
-    _warn_of_names(moving, path)
-    turns = [_turn(link.joint) for link in moving]
-    bodies = tuple(_bodies(moving, turns))
+    _warn_of_mimic(robot, file.path)
+    _warn_of_names(moving, file.path)
+    frames = [_body_frame(link.joint) for link in moving]
+    bodies = tuple(_bodies(moving, frames))
     try:
-        return System(identifier(robot.name), bodies)
+        return System(usable_identifier(robot.name), bodies)
     except ModelError as error:
-        raise ReadError(f"{path}: {error}") from None
+        raise ReadError(f"{file.path}: {error}") from None
+
+
+READER = Reader("URDF", ".urdf", read_urdf, root="robot")
 
 
 @dataclass(frozen=True)
-class _Turn:
-    """How a body's frame stands in its link.
+class _BodyFrame:
+    """The frame of a body in its link, and the freedoms of the body.
 
     Attributes:
         matrix: [B], from link components to body components.
-        free: The freedoms that the joint leaves the turned body, as `Joint.free`.
+        free: (6,) the freedoms that the joint leaves to the body in this frame, as `Joint.free`.
     """
 
     matrix: Square
     free: tuple[bool, ...]
 
 
-def _turn(joint: RobotJoint) -> _Turn:
+def _body_frame(joint: RobotJoint) -> _BodyFrame:
+    """Return a frame in which the joint moves along or about a basis vector."""
     if joint.kind == "floating":
-        return _Turn(UNIT, (True,) * 6)
+        return _BodyFrame(UNIT, (True,) * 6)
     axis, matrix = rotation_to_axis(joint.axis)
     along = tuple(i == axis for i in range(3))
     across = tuple(i != axis for i in range(3))
     locked = (False,) * 3
     angles = locked if joint.kind == "prismatic" else along
     translations = {"prismatic": along, "planar": across}.get(joint.kind, locked)
-    return _Turn(matrix, angles + translations)
+    return _BodyFrame(matrix, angles + translations)
 
 
-def _bodies(moving: Sequence[MovingLink], turns: Sequence[_Turn]) -> Iterator[Body]:
-    for link, turn in zip(moving, turns, strict=True):
-        below = UNIT if link.lower == GROUND else turns[link.lower - 1].matrix
+def _bodies(moving: Sequence[MovingLink], frames: Sequence[_BodyFrame]) -> Iterator[Body]:
+    for link, frame in zip(moving, frames, strict=True):
+        below = UNIT if link.lower == GROUND else frames[link.lower - 1].matrix
         where = link.parts[0][0].where
         try:
-            yield _body(link, below, turn)
+            yield _body(link, below, frame)
         except ModelError as error:
             raise ReadError(f"{where}: {error}") from None
 
 
-def _body(link: MovingLink, below: Square, turn: _Turn) -> Body:
-    """The body, seen in its turned frame, on a lower body whose frame is turned by `below`."""
-    rigid = lump([part.rigid.seen_from(place) for part, place in link.parts])
-    rigid = rigid.seen_from(Frame(rotation=turn.matrix))
-    to_joint_frame = product(turn.matrix, transpose(link.origin.rotation))
+def _body(link: MovingLink, below: Square, frame: _BodyFrame) -> Body:
+    """Return a body in its own frame; `below` takes components of the lower link to its body's frame."""
+    rigid = weld([part.rigid.resolved_in(place) for part, place in link.parts])
+    rigid = rigid.resolved_in(Frame(rotation=frame.matrix))
+    to_joint_frame = product(frame.matrix, transpose(link.origin.rotation))
     joint = Joint(
         position=apply(below, link.origin.position),
         orientation=product(to_joint_frame, transpose(below)),
-        free=turn.free,
-        name=label(link.joint.name) if link.joint.name else "",
+        free=frame.free,
+        name=usable_label(link.joint.name) if link.joint.name else "",
     )
-    return Body(label(link.joint.child), link.lower, rigid.mass, rigid.inertia, rigid.center, joint)
+    name = usable_label(link.joint.child)
+    return Body(name, link.lower, rigid.mass, rigid.inertia, rigid.center, joint)
 
 
 def _warn_of_mimic(robot: Robot, path: Path) -> None:
@@ -114,7 +117,7 @@ def _warn_of_mimic(robot: Robot, path: Path) -> None:
 
 def _warn_of_names(moving: Sequence[MovingLink], path: Path) -> None:
     names = [name for link in moving for name in (link.joint.name, link.joint.child) if name]
-    changed = [f"{name!r} is called {label(name)!r}" for name in names if label(name) != name]
+    changed = [f"{name!r} is called {usable_label(name)!r}" for name in names if usable_label(name) != name]
     if changed:
         _warn(f"{path}: names that kanegen cannot use are changed: {', '.join(changed)}.")
 

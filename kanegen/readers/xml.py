@@ -1,4 +1,4 @@
-"""XML as elements that know their line.
+"""Reads XML into elements that know their line.
 
 Namespaces are not resolved, so that a prefix may stay unbound, as in real robot files. A document type
 declaration is refused, and with it every entity beyond XML's own five and every reference to another file.
@@ -19,11 +19,11 @@ _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 @dataclass(frozen=True)
 class Element:
-    """One element.
+    """One element of an XML document.
 
     Attributes:
-        tag: Its name, with its prefix.
-        attributes: As written.
+        tag: Name of the element, with its prefix.
+        attributes: Values of its attributes as written, by name.
         where: File and line, for messages.
         children: The elements directly inside.
     """
@@ -34,47 +34,47 @@ class Element:
     children: list[Element] = field(default_factory=list)
 
     def error(self, message: str) -> ReadError:
-        """An error at this element."""
+        """Return an error whose message begins with file and line of this element."""
         return ReadError(f"{self.where}: {message}")
 
     def all(self, tag: str) -> list[Element]:
-        """The children with this tag."""
+        """Return the children with this tag."""
         return [child for child in self.children if child.tag == tag]
 
     def optional(self, tag: str) -> Element | None:
-        """The only child with this tag, or None."""
+        """Return the only child with this tag, or None; a second one is an error."""
         found = self.all(tag)
         if len(found) > 1:
             raise found[1].error(f"<{self.tag}> holds a second <{tag}>. Keep one.")
         return found[0] if found else None
 
     def child(self, tag: str) -> Element:
-        """The only child with this tag."""
+        """Return the only child with this tag; none or a second one is an error."""
         found = self.optional(tag)
         if found is None:
             raise self.error(f"<{self.tag}> lacks <{tag}>.")
         return found
 
     def text(self, name: str) -> str:
-        """An attribute that must be there and not be empty."""
+        """Return the text of an attribute, which must be there and not be empty."""
         value = self.attributes.get(name, "").strip()
         if not value:
             raise self.error(f'<{self.tag}> lacks the attribute {name}="...".')
         return value
 
     def number(self, name: str) -> float:
-        """An attribute that holds one finite number."""
+        """Return the one finite number that an attribute contains."""
         return self._number(self.text(name), name)
 
     def numbers(self, name: str, count: int) -> list[float]:
-        """An attribute that holds `count` finite numbers."""
+        """Return the `count` finite numbers that an attribute contains."""
         words = self.text(name).split()
         if len(words) != count:
             raise self.error(f'<{self.tag} {name}="{self.text(name)}">: expected {count} numbers.')
         return [self._number(word, name) for word in words]
 
     def vector(self, name: str) -> Triple:
-        """An attribute that holds three finite numbers; zeros where it is absent."""
+        """Return the three finite numbers that an attribute contains; zeros where it is absent."""
         if name not in self.attributes:
             return 0.0, 0.0, 0.0
         x, y, z = self.numbers(name, 3)
@@ -92,10 +92,10 @@ class Element:
 
 
 def parse(text: str, file: str) -> Element:
-    """The top element of an XML document.
+    """Return the root element of an XML document.
 
     Args:
-        text: The document; its own encoding declaration is not heeded.
+        text: The document; its own encoding declaration is ignored.
         file: Name of the file, for messages.
 
     Raises:

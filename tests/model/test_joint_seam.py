@@ -32,7 +32,7 @@ JOINT_KINDS = {
 
 ELSEWHERE = {
     "model/rotations.py": "quaternions in a robot file, which become a constant orientation",
-    "readers/robot.py": "the same",
+    "readers/urdf_elements.py": "the same",
 }
 """Modules that are about quaternions, but not about a kind of joint."""
 

@@ -10,8 +10,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from kanegen.model.arrays import Floats
+from kanegen.model.names import usable_label
 from kanegen.model.system import System
-from kanegen.readers.labels import label
 
 FREE = ("s1", "s2", "s3", "theta1", "theta2", "theta3")
 """Freedoms of a floating joint in Pinocchio's order."""
@@ -48,7 +48,9 @@ def floating_model(path: Path, system: System) -> tuple[pin.Model, Several]:
 
 def places(system: System, model: pin.Model, several: Several) -> NDArray[np.int64]:
     """For every velocity of Pinocchio's model its place in {x}."""
-    names = [freedom for joint in list(model.names)[1:] for freedom in several.get(joint, (label(joint),))]
+    names = [
+        freedom for joint in list(model.names)[1:] for freedom in several.get(joint, (usable_label(joint),))
+    ]
     assert sorted(names) == sorted(system.freedom_names)
     return np.array([system.freedom_names.index(name) for name in names])
 

@@ -29,7 +29,7 @@ from kanegen.measure.timing import OBJECTIVES
 from kanegen.model.saving import toml_text
 from kanegen.model.system import System
 from kanegen.options import Variant
-from kanegen.readers.text import read_text
+from kanegen.readers.reader import read_text
 from kanegen.studies.budget.region import Region
 from kanegen.studies.budget.request import SHARE
 from kanegen.studies.budget.sampling import random_stream

@@ -34,8 +34,8 @@ from kanegen.errors import KanegenError, OptionError
 from kanegen.model.arrays import Floats
 from kanegen.model.coordinates import COORDINATE_KINDS
 from kanegen.model.system import System
-from kanegen.readers.text import read_text
-from kanegen.readers.toml import parsed
+from kanegen.readers.reader import read_text
+from kanegen.readers.toml import parse_toml
 from kanegen.studies.tradeoff.domain import GRID, Domain, default_domain
 
 OPTION = "--domain"
@@ -104,8 +104,8 @@ def read_region(text: str | None, system: System) -> Region:
     if text is None:
         return region_from_table(system, {})
     if text.lower().endswith(".toml"):
-        return region_from_table(system, parsed(read_text(Path(text)), text), text)
-    return region_from_table(system, parsed(text.replace(";", "\n"), OPTION), OPTION)
+        return region_from_table(system, parse_toml(read_text(Path(text)), text), text)
+    return region_from_table(system, parse_toml(text.replace(";", "\n"), OPTION), OPTION)
 
 
 def region_from_table(system: System, table: Mapping[str, Any], where: str = "domain") -> Region:

@@ -1,4 +1,4 @@
-"""Frames and masses that are fixed in one another, and the one rigid body that they make."""
+"""Welding: rigid parts with fixed positions relative to each other, and the one rigid body that they form."""
 
 from __future__ import annotations
 
@@ -10,40 +10,46 @@ from kanegen.model.rotations import UNIT, ZERO, Square, Triple, apply, dot, prod
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a frame stands in an outer one.
+    """A frame inside an outer frame.
 
     Attributes:
-        position: Its origin, in outer components (m).
-        rotation: From its own components to outer ones.
+        position: (3,) origin of the frame, in outer components (m).
+        rotation: (3, 3) rotation from components of the frame to outer components.
     """
 
     position: Triple = ZERO
     rotation: Square = UNIT
 
     def point(self, p: Triple) -> Triple:
-        """A point's outer coordinates from its own ones."""
+        """Return the outer coordinates of a point `p` that is given in this frame (m)."""
         return _sum(self.position, apply(self.rotation, p))
 
     def then(self, inner: Frame) -> Frame:
-        """Where a frame inside this one stands in the outer one."""
+        """Return a frame `inner` inside this one as a frame inside the outer one."""
         return Frame(self.point(inner.position), product(self.rotation, inner.rotation))
 
 
 @dataclass(frozen=True)
 class Rigid:
-    """Mass (kg), mass centre (m) and inertia about it (kg m^2), in some frame."""
+    """Mass properties of a rigid part in some frame.
+
+    Attributes:
+        mass: Mass (kg).
+        center: (3,) mass centre (m).
+        inertia: (3, 3) inertia about the mass centre (kg m^2).
+    """
 
     mass: float = 0.0
     center: Triple = ZERO
     inertia: Square = (ZERO, ZERO, ZERO)
 
-    def seen_from(self, frame: Frame) -> Rigid:
-        """The same, in the components of the frame in which `frame` says where this one stands."""
+    def resolved_in(self, frame: Frame) -> Rigid:
+        """Return the same part in outer components; `frame` is the frame of the part in the outer frame."""
         return Rigid(self.mass, frame.point(self.center), similar(frame.rotation, self.inertia))
 
 
-def lump(parts: Sequence[Rigid]) -> Rigid:
-    """One rigid body from parts in one frame.
+def weld(parts: Sequence[Rigid]) -> Rigid:
+    """Return the rigid body that parts in one frame form.
 
     A single part that has mass keeps its centre and inertia to the last bit.
     """

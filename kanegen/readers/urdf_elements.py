@@ -1,4 +1,4 @@
-"""A URDF robot: links and joints as the file has them, each with its line."""
+"""Reads the elements of a URDF file: links and joints as the file has them, each with its line."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import ReadError
 from kanegen.model import right_angles
 from kanegen.model.rotations import ZERO, Triple, dot, normalized, rotation_quaternion, rotation_rpy
-from kanegen.readers.rigid import Frame, Rigid
+from kanegen.readers.welding import Frame, Rigid
 from kanegen.readers.xml import Element
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -19,14 +19,20 @@ WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
 DEFAULT_AXIS: Triple = (1.0, 0.0, 0.0)
 
 CANCELLED = 4 * sys.float_info.epsilon
-"""An inertia no larger than this many times m r^2, r being the mass centre's distance from the link's origin,
-is what rounding leaves of a point mass when a program moves its inertia to the centre; often it is not even
-positive. It means zero."""
+"""An inertia of at most this many times m r^2, with r the distance of the mass centre from the link's origin,
+is taken for zero. It is the rounding error that remains when a program moves the inertia of a point mass to
+its centre, and often it is not even positive."""
 
 
 @dataclass(frozen=True)
 class Link:
-    """A link: its name, its mass in its own frame, and where the file has it."""
+    """A link.
+
+    Attributes:
+        name: Name in the file.
+        rigid: Mass properties in the frame of the link.
+        where: File and line.
+    """
 
     name: str
     rigid: Rigid
@@ -35,16 +41,16 @@ class Link:
 
 @dataclass(frozen=True)
 class RobotJoint:
-    """A joint.
+    """A joint of a robot file.
 
     Attributes:
         name: Name in the file.
         kind: One of `JOINT_TYPES`.
         parent: Name of the lower link.
         child: Name of the upper link.
-        origin: Where the child stands in the parent at joint position zero.
+        origin: Frame of the child in the parent at joint position zero.
         axis: Unit vector, in child components.
-        mimic: Whether the file ties its position to another joint's.
+        mimic: Whether the file makes its position follow another joint's.
         where: File and line.
     """
 
@@ -60,7 +66,14 @@ class RobotJoint:
 
 @dataclass(frozen=True)
 class Robot:
-    """Everything that the equations of motion take from a file, in the file's order."""
+    """The parts of a robot file that the equations of motion need, in the order of the file.
+
+    Attributes:
+        name: Name of the robot; "" if the file has none.
+        links: Links by name.
+        joints: Joints by name.
+        where: File and line of the root element.
+    """
 
     name: str
     links: dict[str, Link]
@@ -69,17 +82,15 @@ class Robot:
 
 
 def read_robot(top: Element, tolerance: float) -> Robot:
-    """The robot below the top element of a document.
+    """Return the robot of a document.
 
     Args:
-        top: The element.
-        tolerance: What orientations may miss a right angle by to be made exact (rad).
+        top: The root element, `<robot>`.
+        tolerance: Largest distance (rad) of orientations from right angles that are made exact.
 
     Raises:
-        ReadError: If the document is no URDF, or an element is incomplete or has a bad number.
+        ReadError: If an element is incomplete or has a bad number.
     """
-    if top.tag != "robot":
-        raise top.error(f"the top element is <{top.tag}>, but a URDF file has <robot>.")
     for child in top.children:
         if child.tag.startswith("xacro:"):
             raise child.error(f"<{child.tag}> is a xacro instruction. Run xacro on the file first.")
@@ -126,7 +137,7 @@ def _rigid(inertial: Element, tolerance: float) -> Rigid:
     offset = kilograms * dot(place.position, place.position)
     if max(map(abs, (xx, yy, zz, xy, xz, yz))) <= CANCELLED * offset:
         return Rigid(kilograms, place.position)
-    return Rigid(kilograms, ZERO, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))).seen_from(place)
+    return Rigid(kilograms, ZERO, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))).resolved_in(place)
 
 
 def _joint(element: Element, tolerance: float) -> RobotJoint:

@@ -1,8 +1,8 @@
-"""The run-time parameters of a model file, and the strings that stand for them."""
+"""Tables of a TOML model file: which keys they may have, and strings that stand for run-time parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,17 +11,41 @@ from kanegen.errors import ModelError
 from kanegen.model.force_elements.expression import Expression
 from kanegen.model.numbers import Parameter
 
+Table = Mapping[str, Any]
+
+ORIGIN = (0, 0, 0)
+"""Default of a position (m)."""
+
+
+def check_keys(table: Table, known: Sequence[str], required: Sequence[str] = (), what: str = "") -> None:
+    """Make sure that a table has no key but `known` ones, and all that are `required`.
+
+    Raises:
+        ModelError: If a key is unknown or missing; the message begins with `what`.
+    """
+    for key in table:
+        if key not in known:
+            raise ModelError(f"{what}unknown key {key!r}. {did_you_mean(key, known)}")
+    for key in required:
+        if key not in table:
+            raise ModelError(f"{what}{key} is missing.")
+
 
 @dataclass(frozen=True)
 class Parameters:
-    """The parameters by name, and which of them a number of the model has named so far."""
+    """The run-time parameters of a model file.
+
+    Attributes:
+        known: The parameters by name.
+        used: Names that a number of the model has used so far.
+    """
 
     known: Mapping[str, Parameter]
     used: set[str] = field(default_factory=set)
 
     @classmethod
     def read(cls, table: Any) -> Parameters:
-        """The parameters of a table `name = default`.
+        """Return the parameters of a table `name = default`.
 
         Raises:
             ModelError: If it is no table, a name is no C identifier, or a default is no finite number.
@@ -31,7 +55,11 @@ class Parameters:
         return cls({name: Parameter(name, default) for name, default in table.items()})
 
     def resolve(self, value: Any, what: str) -> Any:
-        """`value` with a `Parameter` for every string in it, at any depth of nested lists.
+        """Return `value` with a `Parameter` for every string in it, at any depth of nested lists.
+
+        Args:
+            value: A number, a string or nested lists of these.
+            what: Name of the quantity, for the message.
 
         Raises:
             ModelError: If a string names no parameter.
@@ -46,11 +74,11 @@ class Parameters:
         self.used.add(value)
         return self.known[value]
 
-    def noted(self, expression: Expression) -> Expression:
-        """An expression, after taking note of the parameters in it."""
+    def mark_used(self, expression: Expression) -> Expression:
+        """Return `expression`, with the parameters in it marked as used."""
         self.used.update(value.name for value in expression.numbers() if isinstance(value, Parameter))
         return expression
 
     def unused(self) -> list[str]:
-        """Names that no number of the model has used, in the file's order."""
+        """Return the names that no number of the model has used, in the order of the file."""
         return [name for name in self.known if name not in self.used]

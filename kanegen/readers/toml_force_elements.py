@@ -1,4 +1,4 @@
-"""The force elements of a model file."""
+"""Reads the force elements of a TOML model file."""
 
 from __future__ import annotations
 
@@ -10,21 +10,24 @@ from kanegen.errors import ModelError
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import KINDS
 from kanegen.model.force_elements.grammar import parse
-from kanegen.readers.keys import Table, check_keys
-from kanegen.readers.parameters import Parameters
+from kanegen.readers.toml_tables import Parameters, Table, check_keys
 
 KEYS = tuple(kind.KEY for kind in KINDS)
-"""Of their arrays of tables, `[[spring]]` and so on."""
+"""Names of the arrays of tables of force elements: `[[spring]]` and so on."""
 
-NAMES = ("freedom", "point", "between")
-"""What holds names, which are no parameters."""
+NAME_FIELDS = ("freedom", "point", "between")
+"""Fields whose strings are names of freedoms or points, not of parameters."""
 
 
 def read_force_elements(table: Table, parameters: Parameters) -> tuple[ForceElement, ...]:
-    """Those of a model file.
+    """Return the force elements of a model file.
+
+    Args:
+        table: The whole file.
+        parameters: The run-time parameters of the model.
 
     Raises:
-        ModelError: If one is not usable; names it by its place in the file.
+        ModelError: If an element is not usable; the message begins with its kind and its place in the file.
     """
     found: list[ForceElement] = []
     for kind in KINDS:
@@ -45,25 +48,24 @@ def _element(kind: type[ForceElement], table: Table, parameters: Parameters) -> 
     check_keys(table, tuple(field.name for field in known), required)
     values = {}
     for name, value in table.items():
-        if name in NAMES:
-            values[name] = _end(value, parameters) if name == "between" else value
+        if name in NAME_FIELDS:
+            values[name] = _ends(value, parameters) if name == "between" else value
         elif name in kind.EXPRESSION_FIELDS:
-            values[name] = _written(value, parameters)
+            values[name] = _expressions(value, parameters)
         else:
             values[name] = parameters.resolve(value, name)
     return kind(**values)
 
 
-def _end(value: Any, parameters: Parameters) -> Any:
-    """Ends of a spring: names of points, or places of the ground in which a string is a parameter."""
+def _ends(value: Any, parameters: Parameters) -> Any:
+    """Return the ends of a spring: names of points, or places of the ground with parameters for strings."""
     if not isinstance(value, list):
         return value
     return [parameters.resolve(end, "between") if isinstance(end, list) else end for end in value]
 
 
-def _written(value: Any, parameters: Parameters) -> Any:
-    """An expression, or several."""
+def _expressions(value: Any, parameters: Parameters) -> Any:
+    """Return the expression of a string or number, or a list of expressions."""
     if isinstance(value, list):
-        return [_written(item, parameters) for item in value]
-    found = parse(value, parameters.known.values())
-    return parameters.noted(found)
+        return [_expressions(item, parameters) for item in value]
+    return parameters.mark_used(parse(value, parameters.known.values()))

@@ -1,25 +1,25 @@
-"""From a robot's links and joints to its moving bodies: the tree checked, fixed joints welded."""
+"""The tree of a URDF robot: moving links, each with the links that fixed joints weld to it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from kanegen.errors import ReadError
-from kanegen.readers.rigid import Frame
-from kanegen.readers.robot import Link, Robot, RobotJoint
+from kanegen.readers.urdf_elements import Link, Robot, RobotJoint
+from kanegen.readers.welding import Frame
 
 GROUND = 0
 
 
 @dataclass(frozen=True)
 class MovingLink:
-    """A link that moves on the one below it, with all that is welded to it.
+    """A link that moves relative to the link below it, with the links that are welded to it.
 
     Attributes:
-        joint: The joint below it; its child is this link.
+        joint: The joint below the link; its child is this link.
         lower: Number of the moving link below, counted from 1; `GROUND` for none.
-        origin: Where it stands at joint position zero, in the frame of the moving link below.
-        parts: It and the links welded to it, each with its place in this link's frame.
+        origin: Frame of the link at joint position zero, in the frame of the moving link below.
+        parts: The link and those welded to it, each with its frame in the frame of this link.
     """
 
     joint: RobotJoint
@@ -29,9 +29,10 @@ class MovingLink:
 
 
 def moving_links(robot: Robot, floating_base: bool) -> list[MovingLink]:
-    """The moving links, depth first, in the order in which the file has the joints.
+    """Return the moving links, depth first, in the order in which the file has the joints.
 
-    What is welded to the ground is left out. With `floating_base` the root link moves too, and is the first.
+    Links that are welded to the ground are left out. With `floating_base` the root link moves too, and is the
+    first.
 
     Raises:
         ReadError: If the links and joints are not one tree.
@@ -65,7 +66,7 @@ def _joints_by_parent(robot: Robot) -> dict[str, list[RobotJoint]]:
 
 
 def _root(robot: Robot) -> str:
-    """The one link without a parent, from which all others hang."""
+    """Return the name of the one link without a parent, from which all others hang."""
     below: dict[str, RobotJoint] = {}
     for joint in robot.joints.values():
         first = below.setdefault(joint.child, joint)
@@ -85,7 +86,7 @@ def _root(robot: Robot) -> str:
 
 
 def _refuse_loops(robot: Robot, below: dict[str, RobotJoint]) -> None:
-    """Walk down from every link; meeting a link of the same walk again is a loop."""
+    """Raise a `ReadError` if the walk down from a link meets a link of the same walk again."""
     grounded: set[str] = set()
     for link in robot.links:
         trail: dict[str, RobotJoint] = {}

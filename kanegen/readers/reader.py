@@ -1,0 +1,90 @@
+"""The seam for file formats: a reader has a suffix, a root element for XML, and a function that reads a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from kanegen.errors import ReadError
+from kanegen.model.right_angles import AS_WRITTEN
+from kanegen.model.system import System
+from kanegen.readers.xml import Element, parse
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """A file that describes a system; its contents are read on first use and kept."""
+
+    path: Path
+
+    @cached_property
+    def text(self) -> str:
+        """The text of the file.
+
+        Raises:
+            ReadError: If the file cannot be read or is not UTF-8.
+        """
+        return read_text(self.path)
+
+    @cached_property
+    def root(self) -> Element:
+        """The root element of an XML file.
+
+        Raises:
+            ReadError: If the file cannot be read or is not well-formed XML.
+        """
+        return parse(self.text, str(self.path))
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a caller of `load` chooses.
+
+    Attributes:
+        floating_base: Whether the root link of a robot file moves freely.
+        right_angles: Tolerance (rad) within which constant orientations are made exact right angles.
+    """
+
+    floating_base: bool = False
+    right_angles: float = AS_WRITTEN
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A file format that kanegen reads.
+
+    Attributes:
+        format: Name of the format, used in messages, such as "URDF".
+        suffix: Suffix of its files in lower case, with the dot.
+        read: Returns the system that a file describes. It raises `ReadError` with file and line.
+        root: Name of the root element of an XML format; "" for a format that is not XML.
+    """
+
+    format: str
+    suffix: str
+    read: Callable[[ModelFile, ReadOptions], System]
+    root: str = ""
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file, without a byte order mark.
+
+    Raises:
+        ReadError: If there is no such file, it cannot be read, or it is not UTF-8.
+    """
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise ReadError(f"{path}: there is no such file.") from None
+    except IsADirectoryError:
+        raise ReadError(f"{path}: this is a folder, not a model file.") from None
+    except (OSError, ValueError) as error:
+        raise ReadError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}.") from None
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        byte = data[error.start]
+        raise ReadError(f"{path}:{line}: byte 0x{byte:02x} is not UTF-8. Save the file as UTF-8.") from None

@@ -1,0 +1,33 @@
+"""The file formats that kanegen reads, and which of them a file is in.
+
+A further format is one module with a `Reader`, and one entry in `READERS`. Formats may share a suffix if they
+are XML and differ in their root elements.
+"""
+
+from __future__ import annotations
+
+from kanegen.errors import ReadError
+from kanegen.readers import toml, urdf
+from kanegen.readers.reader import ModelFile, Reader
+
+READERS: tuple[Reader, ...] = (toml.READER, urdf.READER)
+"""Every format."""
+
+
+def reader_of(file: ModelFile) -> Reader:
+    """Return the reader of a file, by its suffix and, for XML, its root element.
+
+    Raises:
+        ReadError: If no reader has the suffix, or none with the suffix has the root element.
+    """
+    suffix = file.path.suffix.lower()
+    readers = [reader for reader in READERS if reader.suffix == suffix]
+    if not readers:
+        known = " and ".join(dict.fromkeys(reader.suffix for reader in READERS))
+        hint = " Run xacro on it first." if suffix == ".xacro" else ""
+        raise ReadError(f"{file.path}: kanegen reads {known} files.{hint}")
+    for reader in readers:
+        if not reader.root or reader.root == file.root.tag:
+            return reader
+    expected = " or ".join(f"a {reader.format} file has <{reader.root}>" for reader in readers)
+    raise file.root.error(f"the top element is <{file.root.tag}>, but {expected}.")

@@ -1,0 +1,170 @@
+"""Reads the bodies of a TOML model file, with their points and the joints below them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from kanegen.choices import did_you_mean
+from kanegen.errors import ModelError
+from kanegen.model import validation
+from kanegen.model.body import Body, Point
+from kanegen.model.coordinates import FREEDOMS, NOTES, ORIENTATIONS, SPEEDS, selected_freedoms
+from kanegen.model.joint import IDENTITY, Joint
+from kanegen.model.numbers import Parameter, numbers
+from kanegen.model.right_angles import angle
+from kanegen.readers.toml_tables import ORIGIN, Parameters, Table, check_keys
+
+KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "points", "joint")
+POINT_KEYS = ("position", "loads")
+INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
+JOINT_KEYS = (
+    "name",
+    "position",
+    "orientation",
+    "orientation_angles",
+    "coordinates",
+    "sequence",
+    "free",
+    "locked",
+    "prescribed",
+    "speeds",
+)
+
+GROUND = "ground"
+
+
+def read_bodies(tables: Any, parameters: Parameters, tolerance: float) -> tuple[Body, ...]:
+    """Return the bodies of a model file.
+
+    Args:
+        tables: The array of tables `[[body]]`.
+        parameters: The run-time parameters of the model.
+        tolerance: Largest distance (rad) of `orientation_angles` from right angles that are made exact.
+
+    Raises:
+        ModelError: If a body is not usable; the message begins with its name.
+    """
+    if not isinstance(tables, list) or not tables or not all(isinstance(entry, Mapping) for entry in tables):
+        raise ModelError("a model needs bodies: begin each with a line [[body]], in double brackets.")
+    numbers_of: dict[str, int] = {}
+    bodies = []
+    for k, table in enumerate(tables, start=1):
+        body = _body(table, k, numbers_of, parameters, tolerance)
+        numbers_of.setdefault(body.name, k)
+        bodies.append(body)
+    return tuple(bodies)
+
+
+def _body(
+    table: Table, k: int, numbers_of: Mapping[str, int], parameters: Parameters, tolerance: float
+) -> Body:
+    name = table.get("name", f"body{k}")
+    try:
+        check_keys(table, KEYS, required=("connection", "mass"))
+        lower = _lower(table["connection"], numbers_of)
+        mass = parameters.resolve(table["mass"], "mass")
+        inertia = _inertia(table.get("inertia", [0, 0, 0]), parameters)
+        mass_center = parameters.resolve(table.get("mass_center", ORIGIN), "mass_center")
+        joint = _joint(table.get("joint", {}), parameters, tolerance)
+        points = _points(table.get("points", {}), parameters)
+    except ModelError as error:
+        raise ModelError(f"body {name!r}: {error}") from None
+    return Body(name, lower, mass, inertia, mass_center, joint, table.get("loads", False), points)
+
+
+def _points(table: Any, parameters: Parameters) -> tuple[Point, ...]:
+    if not isinstance(table, Mapping):
+        raise ModelError("points: write a table such as {tool = [0, 0, 0.1]}.")
+    return tuple(_point(name, value, parameters) for name, value in table.items())
+
+
+def _point(name: str, value: Any, parameters: Parameters) -> Point:
+    what = f"point {name!r}"
+    table = value if isinstance(value, Mapping) else {"position": value}
+    check_keys(table, POINT_KEYS, required=POINT_KEYS[:1], what=f"{what}: ")
+    position = numbers(parameters.resolve(table["position"], what), (3,), what)
+    return Point(name, position, table.get("loads", False))
+
+
+def _lower(connection: Any, numbers_of: Mapping[str, int]) -> Any:
+    """Return the number of the lower body, which a file calls by name or number."""
+    if not isinstance(connection, str):
+        return connection
+    if connection == GROUND:
+        return 0
+    if connection not in numbers_of:
+        hint = did_you_mean(connection, (GROUND, *numbers_of))
+        raise ModelError(f"connection: {connection!r} is no earlier body. {hint}")
+    return numbers_of[connection]
+
+
+def _inertia(value: Any, parameters: Parameters) -> Any:
+    """Return (3, 3) an inertia, from a matrix, three principal moments, or a table of entries."""
+    if isinstance(value, Mapping):
+        check_keys(value, INERTIA_KEYS, required=INERTIA_KEYS[:3])
+        entries = [value.get(key, 0) for key in INERTIA_KEYS]
+        xx, yy, zz, xy, xz, yz = parameters.resolve(entries, "inertia")
+        return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    value = parameters.resolve(value, "inertia")
+    if isinstance(value, list) and not any(isinstance(row, list) for row in value):
+        xx, yy, zz = numbers(value, (3,), "inertia")
+        return [[xx, 0, 0], [0, yy, 0], [0, 0, zz]]
+    return value
+
+
+def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
+    if not isinstance(table, Mapping):
+        raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
+    check_keys(table, JOINT_KEYS, what="joint: ")
+    prescribed = _flags("prescribed", table.get("prescribed", []))
+    not_prescribed = selected_freedoms(not flag for flag in prescribed)
+    free = _flags("free", table.get("free", list(not_prescribed)))
+    return Joint(
+        position=parameters.resolve(table.get("position", ORIGIN), "joint position"),
+        orientation=_orientation(table, parameters, tolerance),
+        free=free,
+        locked=_locked(table.get("locked", {}), {"free": free, "prescribed": prescribed}, parameters),
+        name=table.get("name", ""),
+        sequence=table.get("sequence", NOTES),
+        speeds=table.get("speeds", SPEEDS[0]),
+        coordinates=table.get("coordinates", ORIENTATIONS[0]),
+        prescribed=prescribed,
+    )
+
+
+def _orientation(table: Table, parameters: Parameters, tolerance: float) -> Any:
+    """Return the constant orientation [C_K]: three 1-2-3 angles (rad), or a (3, 3) matrix."""
+    if "orientation_angles" in table:
+        if "orientation" in table:
+            raise ModelError("both orientation and orientation_angles are given. Keep one.")
+        angles = parameters.resolve(table["orientation_angles"], "orientation_angles")
+        angles = numbers(angles, (3,), "orientation_angles")
+        return tuple(a if isinstance(a, Parameter) else angle(a, tolerance) for a in angles)
+    matrix = parameters.resolve(table.get("orientation", IDENTITY), "orientation")
+    return numbers(matrix, (3, 3), "orientation")
+
+
+def _flags(key: str, value: Any) -> tuple[bool, ...]:
+    """Return (6,) flags of freedoms, from "all", "none" or a list of names."""
+    if value in ("all", "none"):
+        return (value == "all",) * len(FREEDOMS)
+    if not isinstance(value, list):
+        raise ModelError(f'{key}: {value!r} is neither "all" nor "none" nor a list such as ["theta3", "s1"].')
+    for name in value:
+        if name not in FREEDOMS:
+            raise ModelError(f"{key}: {name!r} is no freedom. {did_you_mean(name, FREEDOMS)}")
+    validation.unique(f"{key}: freedom", value)
+    return tuple(name in value for name in FREEDOMS)
+
+
+def _locked(table: Any, moving: Mapping[str, tuple[bool, ...]], parameters: Parameters) -> Any:
+    """Return (6,) values of locked freedoms (rad, m), 0 where the file says nothing."""
+    if not isinstance(table, Mapping):
+        raise ModelError("locked: write a table such as {theta1 = 0.5}.")
+    check_keys(table, FREEDOMS, what="locked: ")
+    for key, flags in moving.items():
+        for name in selected_freedoms(flags):
+            if name in table:
+                raise ModelError(f"locked: {name!r} is {key}. Delete it here, or leave it out of {key}.")
+    return tuple(parameters.resolve(table.get(name, 0), f"locked {name}") for name in FREEDOMS)
