@@ -53,7 +53,7 @@ def check_label(name: object, what: str) -> str:
 
 
 def usable_label(name: str) -> str:
-    """Return a label for a body or joint of a robot file, with underscores for characters that it may not use."""
+    """Return a label for a body or joint of a robot file: forbidden characters become underscores."""
     name = re.sub(r"[^A-Za-z0-9_.:-]|\.(?=\.)", "_", name)
     return _without_keyword(name if re.match(r"[A-Za-z0-9_]", name) else f"_{name}")
 

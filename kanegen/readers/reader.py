@@ -1,4 +1,4 @@
-"""The seam for file formats: a reader has a suffix, a root element for XML, and a function that reads a file."""
+"""The seam for file formats: suffix, root element of an XML format, and the function that reads a file."""
 
 from __future__ import annotations
 
