@@ -13,7 +13,7 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.errors import ArrayError, OptionError
 from kanegen.measure.truth.balls import column
-from kanegen.measure.truth.tree import _orientation, turned
+from kanegen.measure.truth.tree import _orientation, rotations_by_angles
 from kanegen.model.body import Body
 from kanegen.model.coordinates import FREEDOMS, SEQUENCES
 from kanegen.model.joint import Joint
@@ -58,7 +58,7 @@ def rotation(system: kg.System, x: Any, k: int) -> Any:
     joint = system.bodies[k].joint
     angles = [x[system.places[freedom]] for freedom in system.freedoms if freedom.body == k + 1][:3]
     ctx.prec = 200
-    return turned(column(angles), joint.axes)[-1] * _orientation(joint)
+    return rotations_by_angles(column(angles), joint.axes)[-1] * _orientation(joint)
 
 
 @pytest.mark.parametrize("distance", [0.3, 1e-6, 1e-12])

@@ -36,6 +36,40 @@ _RESOLUTION = 6 * float(np.finfo(np.longdouble).eps)
 
 
 @dataclass(frozen=True)
+class Units:
+    """Factors that take the units from accelerations and forces, so that they can be put into one norm.
+
+    The unit of an angle and that of a translation differ by a length. The length that the tree has in a state
+    is the root of the mean moment of inertia that an angle moves over the mean mass that a translation moves;
+    both stand on the diagonal of [A]. Where there are only angles, or only translations, no error depends on
+    this length.
+
+    Attributes:
+        acceleration: (n,) factors after which all accelerations are in m/s^2.
+    """
+
+    acceleration: Floats
+
+    @property
+    def force(self) -> Floats:
+        """(n,) factors after which all generalized forces are in N."""
+        return 1 / self.acceleration
+
+    def of(self, output: str) -> Floats:
+        """Return the factors of an output, in its shape; after them [A] is in kg."""
+        if output == "mass_matrix":
+            return np.outer(self.force, self.force)
+        return self.acceleration if output == "forward_dynamics" else self.force
+
+
+def units(system: System, diagonal: Floats) -> Units:
+    """Return the factors in a state where [A] has the `diagonal` (n,)."""
+    angles = np.array([freedom.is_angle for freedom in system.freedoms])
+    length = np.sqrt(_mean(diagonal, angles) / _mean(diagonal, ~angles))
+    return Units(np.where(angles, length if 0 < length < np.inf else 1.0, 1.0))
+
+
+@dataclass(frozen=True)
 class StateErrors:
     """Errors of one output in one state.
 
@@ -87,16 +121,20 @@ class Residual:
 
 
 def errors(value: NDArray[Any], truth: Enclosure, scale: Floats, unit_roundoff: float) -> StateErrors:
-    """Compare `value` with the exact `truth`, both of the shape of `scale`.
+    """Return the errors of a result against the exact one, both of the shape of `scale`.
 
     Args:
         value: Floats of any precision, or sums of two along a last axis.
-        truth: The exact output.
+        truth: Exact output.
         scale: Factors that take the units away.
         unit_roundoff: Unit roundoff of the program that computed `value`.
 
     Raises:
         ArrayError: If the shapes differ.
+
+    Example:
+        >>> exact = truth.truth(system, x, y)
+        >>> truth.errors(library.forcing(x, y), exact["forcing"], exact.units.of("forcing"), 2.0**-53)
     """
     distance = truth.distance(value)
     scaled = np.abs(truth.value) * scale
@@ -139,31 +177,6 @@ def _ordinals(values: NDArray[Any]) -> list[int]:
     return [least - number if number < 0 else number for number in integers]
 
 
-@dataclass(frozen=True)
-class Units:
-    """(n,) factors: `acceleration` gives m/s^2 for all, `force` N, and its products with itself kg."""
-
-    acceleration: Floats
-
-    @property
-    def force(self) -> Floats:
-        """Of generalized forces."""
-        return 1 / self.acceleration
-
-    def of(self, output: str) -> Floats:
-        """Of an output, in its shape."""
-        if output == "mass_matrix":
-            return np.outer(self.force, self.force)
-        return self.acceleration if output == "forward_dynamics" else self.force
-
-
-def units(system: System, diagonal: Floats) -> Units:
-    """The factors where [A] has this `diagonal` (n,)."""
-    angles = np.array([freedom.is_angle for freedom in system.freedoms])
-    length = np.sqrt(_mean(diagonal, angles) / _mean(diagonal, ~angles))
-    return Units(np.where(angles, length if 0 < length < np.inf else 1.0, 1.0))
-
-
-def _mean(values: Floats, chosen: Flags) -> float:
-    """Mean of the `chosen`; 1 where there is none."""
-    return float(np.mean(values[chosen])) if chosen.any() else 1.0
+def _mean(values: Floats, selected: Flags) -> float:
+    """Return the mean of the selected values, 1 where none is selected."""
+    return float(np.mean(values[selected])) if selected.any() else 1.0

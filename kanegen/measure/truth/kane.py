@@ -1,9 +1,9 @@
-"""First algorithm: [A] and {f} by partial velocities, in the inertial frame.
+"""First algorithm: [A] and {f} by partial velocities, with all vectors in inertial components.
 
-Every freedom is an axis in space. The partial angular velocity of a body that an angle turns is the axis
-itself, and the partial velocity of its mass centre is the axis times the arm from it; a translation has no
-partial angular velocity, and its axis is the partial velocity. These and their time derivatives go into
-Eqs. (36)-(44) as they stand, with all vectors resolved in the inertial frame.
+Every freedom is an axis in space. An angle turns a body about its axis: the partial angular velocity of the
+body is the axis itself, and the partial velocity of its mass centre is the cross product of the axis and the
+arm from it. A translation has no partial angular velocity, and its partial velocity is the axis. These and
+their time derivatives go into Eqs. (36)-(44) as they stand in the notes.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from kanegen.measure.truth.tree import Link, Tree, rotations_along
 
 @dataclass(frozen=True)
 class Axis:
-    """A free freedom in space; vectors are (3, 1), inertial components.
+    """The axis of a free freedom in space; vectors are (3, 1), in inertial components.
 
     Attributes:
-        place: In {x}.
-        direction: Unit vector.
-        direction_dot: Its rate.
-        point: O_K, about which an angle turns; None for a translation.
-        point_dot: Its velocity.
+        place: Index of the freedom in {y}.
+        direction: Unit vector along the axis.
+        direction_dot: Time derivative of the unit vector.
+        point: Origin O_K, through which the axis of an angle passes; None for a translation.
+        point_dot: Velocity of this origin.
     """
 
     place: int
@@ -35,7 +35,15 @@ class Axis:
 
 @dataclass(frozen=True)
 class Frame:
-    """A body in space: rotation from inertial to body components, origin, and the axes that move it."""
+    """A body in space; vectors are (3, 1), in inertial components.
+
+    Attributes:
+        rotation: (3, 3) rotation from inertial to body components.
+        omega: Angular velocity of the body.
+        origin: Position of its origin O_K.
+        origin_dot: Velocity of this origin.
+        axes: Axes of all free freedoms that move the body.
+    """
 
     rotation: arb_mat
     omega: arb_mat
@@ -49,10 +57,10 @@ class Equations:
     """[A] and the parts of {f}, in balls.
 
     Attributes:
-        A: (n, n) Eq. (43).
-        loads: (n, 1) what applied forces and torques add to {f}.
-        gravity: (n, 1) what gravity adds.
-        velocity: (n, 1) what is left: inertia at constant speeds, with its sign in {f}.
+        A: (n, n) mass matrix, Eq. (43).
+        loads: (n, 1) part of {f} from applied forces and torques.
+        gravity: (n, 1) part of {f} from gravity.
+        velocity: (n, 1) part of {f} from inertia forces at constant generalized speeds.
     """
 
     A: arb_mat
@@ -62,12 +70,12 @@ class Equations:
 
     @property
     def f(self) -> arb_mat:
-        """(n, 1) Eq. (44)."""
+        """(n, 1) forcing {f}, Eq. (44)."""
         return self.loads + self.gravity + self.velocity
 
 
 def equations(tree: Tree) -> Equations:
-    """[A] and {f} of a tree in its state."""
+    """Return [A] and {f} of a tree in its state."""
     nothing, n = zeros(3, 1), tree.freedoms
     frames = [Frame(identity(3), nothing, nothing, nothing, ())]
     matrix, forces = zeros(n, n), zeros(n, 3)
@@ -82,7 +90,7 @@ def equations(tree: Tree) -> Equations:
 
 
 def _frame(link: Link, lower: Frame) -> Frame:
-    """Body K from its lower body: first the translation, then one turn after the other."""
+    """Return body K in space, from its lower body by the translation and the rotations of its joint."""
     joint = link.orientation * lower.rotation
     arm = lower.rotation.transpose() * link.position + joint.transpose() * link.translation
     origin = lower.origin + arm
@@ -93,8 +101,7 @@ def _frame(link: Link, lower: Frame) -> Frame:
         direction, place = joint.transpose() * unit(i), link.places[3 + i]
         if place is not None:
             axes.append(Axis(place, direction, cross(lower.omega, direction), None, zeros(3, 1)))
-    turns = rotations_along(link)
-    rotations = [turn * joint for turn in turns]
+    rotations = [rotation * joint for rotation in rotations_along(link)]
     directions, carriers = _directions(link, rotations, lower.omega)
     for direction, carrier, place in zip(directions, carriers, link.places, strict=False):
         if place is not None:
@@ -103,10 +110,16 @@ def _frame(link: Link, lower: Frame) -> Frame:
 
 
 def _directions(link: Link, rotations: list[arb_mat], omega: arb_mat) -> tuple[list[arb_mat], list[arb_mat]]:
-    """Three axes about which body K turns on its lower body, and angular velocities.
+    """Return three axes about which body K turns relative to its lower body, and four angular velocities.
 
-    These are of what carries each axis, and last of the body. An angle's axis is carried by the turns before
-    it; the axis of a component of the relative angular velocity by the body.
+    The first three angular velocities are those of the frames in which the axes are fixed, the last one is
+    that of body K. The axis of an angle is fixed in the frame after the rotations before it; the axis of a
+    component of the relative angular velocity is fixed in body K.
+
+    Args:
+        link: Body K and its joint.
+        rotations: (3, 3) rotations from inertial components to those of the four frames of the joint.
+        omega: (3, 1) angular velocity of the lower body, in inertial components.
     """
     frames = [0, 1, 2] if link.speeds_are_rates else [3, 3, 3]
     units = link.axes if link.speeds_are_rates else [0, 1, 2]
@@ -118,10 +131,10 @@ def _directions(link: Link, rotations: list[arb_mat], omega: arb_mat) -> tuple[l
 
 
 def _contribution(link: Link, frame: Frame, tree: Tree) -> tuple[arb_mat, arb_mat]:
-    """Body K's parts of Eqs. (43) and (44): (n, n), and (n, 3) of loads, gravity and velocities."""
+    """Return body K's parts of Eqs. (43) and (44): (n, n), and (n, 3) of loads, gravity and velocity."""
     outward = frame.rotation.transpose()
-    lever = outward * link.center
-    center, center_dot = frame.origin + lever, frame.origin_dot + cross(frame.omega, lever)
+    arm = outward * link.center
+    center, center_dot = frame.origin + arm, frame.origin_dot + cross(frame.omega, arm)
     v_y, v_y_dot, w_y, w_y_dot = _partials(frame, center, center_dot, tree.freedoms)
     inertia = outward * link.inertia * frame.rotation
     momentum = inertia * frame.omega
@@ -137,7 +150,10 @@ def _contribution(link: Link, frame: Frame, tree: Tree) -> tuple[arb_mat, arb_ma
 def _partials(
     frame: Frame, center: arb_mat, center_dot: arb_mat, freedoms: int
 ) -> tuple[arb_mat, arb_mat, arb_mat, arb_mat]:
-    """(3, n) partial velocities of G_K, their rates, partial angular velocities, their rates."""
+    """Return four (3, n) matrices: partial velocities of G_K, partial angular velocities, and their rates.
+
+    The order is [v_y], [dv_y/dt], [omega_y], [domega_y/dt].
+    """
     rows = {name: [zeros(1, 3)] * freedoms for name in ("v", "v_dot", "w", "w_dot")}
     for axis in frame.axes:
         v, v_dot, w, w_dot = axis.direction, axis.direction_dot, zeros(3, 1), zeros(3, 1)

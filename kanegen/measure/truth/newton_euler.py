@@ -1,24 +1,45 @@
 """Second algorithm: Newton and Euler, in the frames of the bodies, outward and back inward.
 
-The generalized forces that accelerations need are found for many columns of accelerations at once. [A] has
-those of unit accelerations without speed, gravity and loads; {f} those of no acceleration, with its sign
-changed. Rotations and angle rates come from the written-out Eqs. (4) and (17), under other names where the
-sequence is not 1-2-3.
+The generalized forces that accelerations require are computed for many columns of accelerations at once. The
+columns of [A] are the forces of unit accelerations without speeds, gravity and loads; {f} is the negative of
+the forces that no acceleration requires. Rotations and angle rates come from the written-out Eqs. (4) and
+(17); any other sequence of axes is 1-2-3 in a frame whose basis vectors have other names (`Renaming`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
-from kanegen.measure.truth.balls import arb, arb_mat, column, cross, identity, skew, square, stacked, zeros
+from kanegen.measure.truth.balls import (
+    arb,
+    arb_mat,
+    column,
+    cross,
+    identity,
+    skew,
+    square,
+    stacked,
+    unit,
+    zeros,
+)
 from kanegen.measure.truth.tree import Link, Tree
-from kanegen.reference.matrices import renaming
+from kanegen.model.coordinates import Axes
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A body's motion, in its own components; accelerations are those less gravity, one column each."""
+    """The motion of body K, in its own components, for m columns of accelerations.
+
+    Attributes:
+        rotation: (3, 3) rotation from the components of the lower body.
+        rate_matrix: (3, 3) angle-rate matrix [P_K^AV].
+        arm: (3, 1) vector from the lower body's origin to O_K, in the lower body.
+        omega: (3, 1) angular velocity.
+        alpha: (3, m) angular accelerations.
+        acceleration: (3, m) accelerations of O_K less gravity.
+    """
 
     rotation: arb_mat
     rate_matrix: arb_mat
@@ -28,23 +49,61 @@ class Motion:
     acceleration: arb_mat
 
 
+@dataclass(frozen=True)
+class Renaming:
+    """How a sequence of axes follows from 1-2-3.
+
+    Axes a-b-c are 1-2-3 in a frame whose basis vectors have other names; where this frame is left-handed, the
+    angles count the other way round. A sequence a-b-a ends with a turn about a, which is a turn about the
+    third axis between two quarter turns about b: the first of these adds to the middle angle, the second is
+    part of `after`.
+
+    Attributes:
+        before: (3, 3) from joint-frame components to those of the other names.
+        after: (3, 3) back to components of body K.
+        sign: Sign of the angles, 1 or -1.
+        is_proper_euler: Whether the last axis is the first.
+    """
+
+    before: arb_mat
+    after: arb_mat
+    sign: int
+    is_proper_euler: bool
+
+    @classmethod
+    def of(cls, axes: Axes) -> Self:
+        """Return the renaming of a sequence of axes."""
+        first, second, last = axes
+        names = stacked([unit(axis).transpose() for axis in (first, second, 3 - first - second)])
+        after = names.transpose()
+        if last == first:
+            after = after * square([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+        return cls(names, after, 1 if second == (first + 1) % 3 else -1, last == first)
+
+
 def inverse_dynamics(tree: Tree, ydot: arb_mat) -> arb_mat:
-    """[A]{ydot} - {f} for every column of `ydot` (n, m): (n, m)."""
-    return _required(tree, ydot, moving=True)
+    """Return the (n, m) forces [A]{ydot} - {f} for every column of `ydot` (n, m)."""
+    return _required_forces(tree, ydot, moving=True)
 
 
 def mass_matrix(tree: Tree) -> arb_mat:
-    """(n, n) [A], column by column."""
-    return _required(tree, identity(tree.freedoms), moving=False)
+    """Return the (n, n) mass matrix [A]."""
+    return _required_forces(tree, identity(tree.freedoms), moving=False)
 
 
 def forcing(tree: Tree) -> arb_mat:
-    """(n, 1) {f}."""
+    """Return the (n, 1) forcing {f}."""
     return -inverse_dynamics(tree, zeros(tree.freedoms, 1))
 
 
-def _required(tree: Tree, ydot: arb_mat, moving: bool) -> arb_mat:
-    """Generalized forces; where not `moving`, as if there were no speeds, no gravity and no loads."""
+def _required_forces(tree: Tree, ydot: arb_mat, moving: bool) -> arb_mat:
+    """Return the (n, m) generalized forces that accelerations require.
+
+    Args:
+        tree: The tree in its state.
+        ydot: (n, m) columns of accelerations.
+        moving: Whether speeds, gravity and loads count.
+    """
     m = ydot.ncols()
     weight = _repeated(-tree.gravity, m) if moving else zeros(3, m)
     still = zeros(3, 1)
@@ -68,10 +127,10 @@ def _required(tree: Tree, ydot: arb_mat, moving: bool) -> arb_mat:
 
 
 def _motion(link: Link, lower: Motion, ydot: arb_mat, moving: bool) -> Motion:
-    """Outward: from the motion of the lower body to that of body K."""
-    rotate, rates, rates_dot = _turning(link)
+    """Return the motion of body K from that of its lower body."""
+    rotate, rates, rates_dot = _rotation_and_rates(link)
     to_lower = link.orientation.transpose()
-    angles_ddot, translation_ddot = _chosen(ydot, link.places[:3]), _chosen(ydot, link.places[3:])
+    angles_ddot, translation_ddot = _rows(ydot, link.places[:3]), _rows(ydot, link.places[3:])
     rotation, arm = rotate * link.orientation, link.position + to_lower * link.translation
     carried = rotation * lower.omega
     relative = rates * link.rates if moving else zeros(3, 1)
@@ -87,7 +146,7 @@ def _motion(link: Link, lower: Motion, ydot: arb_mat, moving: bool) -> Motion:
 
 
 def _effort(link: Link, motion: Motion, moving: bool) -> tuple[arb_mat, arb_mat]:
-    """Force, and moment about O_K, that move body K, less its loads."""
+    """Return the (3, m) forces and moments about O_K that move body K, less its loads."""
     omega, m = motion.omega, motion.alpha.ncols()
     center_acceleration = motion.acceleration - skew(link.center) * motion.alpha
     spin = link.inertia * motion.alpha
@@ -100,20 +159,22 @@ def _effort(link: Link, motion: Motion, moving: bool) -> tuple[arb_mat, arb_mat]
     return force, spin + cross(link.center, force)
 
 
-def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
-    """[R_123] of Eq. (4), [P^AV] of Eq. (17), and its rate at the link's speeds.
+def _rotation_and_rates(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
+    """Return (3, 3) matrices of the joint: its rotation, [P_K^AV], and the time derivative of [P_K^AV].
 
-    Where the speeds are components of the relative angular velocity, [P^AV] is the identity.
+    They are Eqs. (4) and (17) for angles. Where the speeds are components of the relative angular velocity,
+    [P_K^AV] is the identity.
     """
     if link.quaternion is not None:
-        return _rotation(link.quaternion), identity(3), zeros(3, 3)
-    named = renaming(link.axes)
+        return _rotation_by_quaternion(link.quaternion), identity(3), zeros(3, 3)
+    renaming = Renaming.of(link.axes)
     (s1, c1), (s2, c2), (s3, c3) = (
-        ((sine * named.sign), cosine) for sine, cosine in (angle.sin_cos() for angle in link.angles.entries())
+        ((sine * renaming.sign), cosine)
+        for sine, cosine in (angle.sin_cos() for angle in link.angles.entries())
     )
-    if named.ends_alike:
+    if renaming.is_proper_euler:
         s2, c2 = c2, -s2
-    _, d2, d3 = (rate * named.sign for rate in link.rates.entries())
+    _, d2, d3 = (rate * renaming.sign for rate in link.rates.entries())
     rotate = square(
         [
             [c2 * c3, c1 * s3 + s1 * s2 * c3, s1 * s3 - c1 * s2 * c3],
@@ -129,30 +190,31 @@ def _turning(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:
             [c2 * d2, 0.0, 0.0],
         ]
     )
-    after = square(named.after)
+    rotate = renaming.after * rotate * renaming.before
     if not link.speeds_are_rates:
-        return after * rotate * square(named.before), identity(3), zeros(3, 3)
-    return after * rotate * square(named.before), after * rates, after * rates_dot
+        return rotate, identity(3), zeros(3, 3)
+    return rotate, renaming.after * rates, renaming.after * rates_dot
 
 
-def _rotation(quaternion: arb_mat) -> arb_mat:
-    """What turns components by a quaternion (4, 1) of any length but 0, after Rodrigues."""
+def _rotation_by_quaternion(quaternion: arb_mat) -> arb_mat:
+    """Return the (3, 3) rotation by a (4, 1) quaternion of any length but 0, after Rodrigues."""
     scalar, one, two, three = quaternion.entries()
     across = skew(column([one, two, three]))
     squared = scalar * scalar + one * one + two * two + three * three
     return identity(3) + (across * across - across * scalar) * (2 / squared)
 
 
-def _chosen(ydot: arb_mat, places: Sequence[int | None]) -> arb_mat:
-    """(3, m) rows of `ydot`, zeros where a freedom is locked."""
+def _rows(ydot: arb_mat, places: Sequence[int | None]) -> arb_mat:
+    """Return (3, m) rows of `ydot` by their indices, zeros where a freedom is locked."""
     return stacked([zeros(1, ydot.ncols()) if place is None else _row(ydot, place) for place in places])
 
 
 def _row(matrix: arb_mat, index: int) -> arb_mat:
+    """Return one row as a (1, m) matrix."""
     m = matrix.ncols()
     return arb_mat(1, m, [matrix[index, j] for j in range(m)])
 
 
 def _repeated(vector: arb_mat, m: int) -> arb_mat:
-    """(3, m) with `vector` in every column."""
+    """Return the (3, m) matrix with a (3, 1) vector in every column."""
     return vector * arb_mat(1, m, [1] * m)

@@ -1,9 +1,9 @@
-"""A system in one state, in balls: what both algorithms read.
+"""A system in one state, in balls: the numbers that both algorithms read.
 
-Floats are taken exactly. Only two things are rounded, to the precision at hand: the sines and cosines of
-constant joint angles, of which those beside right angles mean these, and joint orientations. A matrix of
-doubles is a rotation but for its rounding; what it means is the rotation nearest to it, which is an exact
-function of its entries.
+Floats are taken exactly. Only two things are rounded, to the working precision: sines and cosines of
+constant joint angles, and joint orientations. A constant angle next to a right angle means the right angle,
+which no double can express. A joint orientation that is a matrix of doubles is a rotation but for its
+rounding; it means the rotation nearest to it, which is an exact function of its entries.
 """
 
 from __future__ import annotations
@@ -53,25 +53,25 @@ class State:
 
 @dataclass(frozen=True)
 class Link:
-    """A body and the joint below it; vectors are (3, 1) and matrices (3, 3).
+    """Body K and the joint to its lower body J; vectors are (3, 1) and matrices (3, 3), in SI units.
 
     Attributes:
         lower: Number of the lower body J, 0 for the ground.
-        places: Where each of the six freedoms stands in {y}; None where it is locked.
-        mass: m_K.
-        inertia: [I'_{G_K}], in K.
-        center: r'_K, from O_K to G_K, in K.
-        position: q'_K, from O_J to Q_K, in J.
-        orientation: [C_K], from J components to joint-frame components.
+        places: Index of each of the six freedoms in {y}; None where a freedom is locked.
+        mass: Mass m_K.
+        inertia: Central inertia [I'_{G_K}], in K.
+        center: Mass centre {r'_K} from O_K, in K.
+        position: Joint position {q'_K} from O_J, in J.
+        orientation: Joint orientation [C_K], from J components to joint-frame components.
         angles: The three angles, free or locked; zeros where there is a quaternion.
-        quaternion: (4, 1) what stands in their place; None where nothing does.
-        axes: Basis vectors about which they turn, from 0.
-        translation: s'_K, in the joint frame.
-        rates: Rates of the angles, 0 where locked; or the components of the relative angular velocity in K.
-        speeds_are_rates: Whether they are rates of the angles.
+        quaternion: (4, 1) Euler parameters in the place of the angles; None where there are angles.
+        axes: Indices of the basis vectors about which the angles turn.
+        translation: Translation {s'_K}, in the joint frame.
+        rates: Rates of the angles, 0 where locked, or components of the relative angular velocity in K.
+        speeds_are_rates: Whether `rates` are rates of the angles.
         translation_rates: Rates of the translation.
-        force: F'_K.
-        torque: M'_K.
+        force: Force {F'_K}, in K.
+        torque: Torque {M'_K}, in K.
     """
 
     lower: int
@@ -94,7 +94,15 @@ class Link:
 
 @dataclass(frozen=True)
 class Tree:
-    """The links of bodies 1 to N and what else a state holds; (n, 1) columns."""
+    """A system in one state.
+
+    Attributes:
+        links: Bodies 1 to N with their joints.
+        gravity: (3, 1) gravity, in inertial components.
+        speeds: (n, 1) generalized speeds {y}.
+        tau: (n, 1) generalized forces beside loads and gravity.
+        ydot: (n, 1) accelerations {ydot}, for inverse dynamics.
+    """
 
     links: tuple[Link, ...]
     gravity: arb_mat
@@ -104,12 +112,12 @@ class Tree:
 
     @property
     def freedoms(self) -> int:
-        """n."""
+        """Number of free freedoms n."""
         return self.speeds.nrows()
 
 
 def tree(system: System, state: State) -> Tree:
-    """`system` in `state`, in balls of the precision at hand; parameters stand at their defaults."""
+    """Return `system` in `state`, in balls of the working precision; parameters stand at their defaults."""
     return Tree(
         links=tuple(_link(system, k, state) for k in range(1, system.number_of_bodies + 1)),
         gravity=column(map_numbers(system.gravity, value_of)),
@@ -120,11 +128,12 @@ def tree(system: System, state: State) -> Tree:
 
 
 def _link(system: System, k: int, state: State) -> Link:
+    """Return body K and its joint."""
     body = system.bodies[k - 1]
     places = tuple(system.places.get(Freedom(k, index)) for index in range(6))
-    standing = tuple(system.coordinate_places.get(Coordinate(k, index)) for index in range(6))
+    coordinate_places = tuple(system.coordinate_places.get(Coordinate(k, index)) for index in range(6))
     locked = map_numbers(body.joint.locked, value_of)
-    coordinates = _filled(standing, state.x, locked)
+    coordinates = _filled(coordinate_places, state.x, locked)
     speeds = _filled(places, state.y, (0.0,) * 6)
     return Link(
         lower=body.lower,
@@ -134,7 +143,7 @@ def _link(system: System, k: int, state: State) -> Link:
         center=column(map_numbers(body.mass_center, value_of)),
         position=column(map_numbers(body.joint.position, value_of)),
         orientation=_orientation(body.joint),
-        angles=column(_angles(body.joint, standing, state)),
+        angles=column(_angles(body.joint, coordinate_places, state)),
         quaternion=_quaternion(system, k, state),
         axes=body.joint.axes,
         translation=column(coordinates[3:]),
@@ -147,27 +156,28 @@ def _link(system: System, k: int, state: State) -> Link:
 
 
 def _filled(places: Sequence[int | None], values: Floats, locked: Sequence[float]) -> list[float]:
-    """The six numbers of a joint: of `values` where free, of `locked` elsewhere."""
+    """Return the six numbers of a joint: from `values` where a freedom is free, else from `locked`."""
     return [
         other if place is None else float(values[place]) for place, other in zip(places, locked, strict=True)
     ]
 
 
 def _angles(joint: Joint, places: Sequence[int | None], state: State) -> list[float | arb]:
-    """The three angles of a joint."""
+    """Return the three angles of a joint, free or locked."""
     pairs = zip(places[:3], joint.locked[:3], strict=True)
-    return [_meant(locked) if place is None else float(state.x[place]) for place, locked in pairs]
+    return [_constant_angle(locked) if place is None else float(state.x[place]) for place, locked in pairs]
 
 
 def _quaternion(system: System, k: int, state: State) -> arb_mat | None:
+    """Return the (4, 1) quaternion of body K; None where its orientation has angles."""
     match system.bodies[k - 1].joint.rotation:
         case QuaternionRotation(coordinates=kinds):
             return column(state.x[system.coordinate_place(k, kind)] for kind in kinds)
     return None
 
 
-def _meant(angle: Number) -> float | arb:
-    """A constant angle; one beside a right angle, which doubles cannot say, is that."""
+def _constant_angle(angle: Number) -> float | arb:
+    """Return a constant angle (rad); an angle next to a right angle is the right angle."""
     if isinstance(angle, Parameter):
         return angle.value
     turns = quarter_turns(angle)
@@ -175,31 +185,33 @@ def _meant(angle: Number) -> float | arb:
 
 
 def _orientation(joint: Joint) -> arb_mat:
+    """Return the (3, 3) joint orientation [C_K], given as a matrix or as three angles 1-2-3."""
     plain = map_numbers(joint.orientation, value_of)
     if isinstance(plain[0], tuple):
         return nearest_rotation(square(plain))
-    return turned(
-        column(_meant(angle) for angle in joint.orientation if not isinstance(angle, tuple)), SEQUENCES[NOTES]
+    return rotations_by_angles(
+        column(_constant_angle(angle) for angle in joint.orientation if not isinstance(angle, tuple)),
+        SEQUENCES[NOTES],
     )[-1]
 
 
 def rotations_along(link: Link) -> tuple[arb_mat, ...]:
     """Return the rotations from the joint frame to itself and to each frame of the joint, body K last."""
     if link.quaternion is None:
-        return turned(link.angles, link.axes)
-    return turned_at_once(link.quaternion)
+        return rotations_by_angles(link.angles, link.axes)
+    return rotations_by_quaternion(link.quaternion)
 
 
-def turned(angles: arb_mat, axes: Axes) -> tuple[arb_mat, ...]:
-    """Rotations from a frame to itself and to those after one, two and three turns about `axes`."""
+def rotations_by_angles(angles: arb_mat, axes: Axes) -> tuple[arb_mat, ...]:
+    """Return the rotations from a frame to itself and to the frames after one, two and three turns."""
     frames = [identity(3)]
     for axis, angle in zip(axes, angles.entries(), strict=True):
-        frames.append(_turn(axis, angle) * frames[-1])
+        frames.append(_rotation(axis, angle) * frames[-1])
     return tuple(frames)
 
 
-def turned_at_once(quaternion: arb_mat) -> tuple[arb_mat, ...]:
-    """The same for a quaternion (4, 1) of any length but 0, which has no turns on the way.
+def rotations_by_quaternion(quaternion: arb_mat) -> tuple[arb_mat, ...]:
+    """Return three times the identity and the rotation by a (4, 1) quaternion of any length but 0.
 
     The rotation is the product of two (3, 4) matrices of its elements over their squared length (Nikravesh
     1988, section 6.3).
@@ -210,16 +222,17 @@ def turned_at_once(quaternion: arb_mat) -> tuple[arb_mat, ...]:
         beside([-vector, *_columns(identity(3) * scalar + skew(vector) * sign)]) for sign in (arb(1), arb(-1))
     )
     squared = (quaternion.transpose() * quaternion)[0, 0]
-    before = identity(3)
-    return before, before, before, upper * lower.transpose() * (1 / squared)
+    still = identity(3)
+    return still, still, still, upper * lower.transpose() * (1 / squared)
 
 
 def _columns(matrix: arb_mat) -> list[arb_mat]:
+    """Return the three columns of a (3, 3) matrix."""
     return [matrix * unit(axis) for axis in range(3)]
 
 
-def _turn(axis: int, angle: arb) -> arb_mat:
-    """From a frame to the one turned by `angle` about basis vector 0, 1 or 2."""
+def _rotation(axis: int, angle: arb) -> arb_mat:
+    """Return the rotation from a frame to the one turned by `angle` about basis vector 0, 1 or 2."""
     sine, cosine = angle.sin_cos()
     j, k = (axis + 1) % 3, (axis + 2) % 3
     rows: list[list[float | arb]] = [[0.0] * 3 for _ in range(3)]
