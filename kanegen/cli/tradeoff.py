@@ -137,7 +137,7 @@ def _show(found: Study, objectives: Sequence[str]) -> None:
         title = tables.TITLES[objective]
         screen.print(f"[bold]All variants[/], {title}")
         screen.print(text_table(tables.SHORT, tables.short_rows(found, objective)))
-        screen.print(f"[bold]Front[/], {title}, measured again in fresh states and processes")
+        screen.print(f"[bold]Pareto front[/], {title}, measured again in fresh states and processes")
         screen.print(text_table(tables.FRESH, tables.fresh_rows(found, objective)))
     if found.runs:
         screen.print(f"[bold]Simulation[/] of {found.duration:.3g} s: the least work for an error")
