@@ -1,4 +1,4 @@
-"""Building a program one instruction at a time; nothing is simplified, which is the work of passes."""
+"""A builder of programs, one instruction at a time; it simplifies nothing, which is the work of passes."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ class _Part:
         return Output(output.array, values, existence, tuple(k for k, _ in own), accuracy)
 
     def _value(self, i: int) -> int:
-        """Return value i of the whole program in this part, read from the workspace where it must be."""
+        """Return value i of the whole program in this part; the workspace holds those of other parts."""
         if i not in self._moved:
             instruction = self._program.instructions[i]
             if instruction.op not in _SOURCES:

@@ -58,7 +58,7 @@ ARITY = {
 
 @dataclass(frozen=True, slots=True)
 class Instruction:
-    """One assignment.
+    """One assignment: the operation that computes a value.
 
     Attributes:
         op: The operation.

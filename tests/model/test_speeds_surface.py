@@ -15,8 +15,8 @@ from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.joint import Joint
 from kanegen.studies.bench import BenchOptions, compare
 from kanegen.symbolic.printing import render
-from tests.physics.test_speeds import SPINS, close, maps, mixed, state
 from tests.support import systems
+from tests.support.orientation_trees import ANGULAR_VELOCITY, angle_state, close, maps, mixed
 
 pytest.importorskip("flint")
 
@@ -35,21 +35,21 @@ def crane() -> kg.System:
 
 
 def test_names_and_units_say_what_the_speeds_are() -> None:
-    rates, spins = crane(), crane().with_speeds(SPINS)
+    rates, spins = crane(), crane().with_speeds(ANGULAR_VELOCITY)
     angles = ("body2.theta1", "body2.theta2", "body2.theta3", "elbow", "body1.s1")
     assert rates.freedom_names == spins.freedom_names == rates.speed_names == angles
     assert spins.speed_names == ("body2.omega1", "body2.omega2", "body2.omega3", "elbow", "body1.s1")
     assert rates.speeds_are_rates
     assert not spins.speeds_are_rates
     assert spins.with_speeds("angle_rates") == rates
-    assert [body.joint.speeds for body in spins.bodies] == ["angle_rates", SPINS, "angle_rates"]
+    assert [body.joint.speeds for body in spins.bodies] == ["angle_rates", ANGULAR_VELOCITY, "angle_rates"]
 
 
 def test_what_has_fewer_than_three_free_angles_is_refused() -> None:
     with pytest.raises(
         kg.ModelError, match=r'needs three free angles.*Free theta1, theta2 and theta3, or keep "angle'
     ):
-        Joint(free=(True, True, False, True, True, True), speeds=SPINS)
+        Joint(free=(True, True, False, True, True, True), speeds=ANGULAR_VELOCITY)
     with pytest.raises(
         kg.ModelError, match=r"joint speeds: 'rates' is unknown\. Did you mean 'angle_rates'?"
     ):
@@ -59,12 +59,14 @@ def test_what_has_fewer_than_three_free_angles_is_refused() -> None:
 
 
 def test_arrays_and_model_files_keep_them(tmp_path: Path) -> None:
-    spins = mixed(2).with_speeds(SPINS)
+    spins = mixed(2).with_speeds(ANGULAR_VELOCITY)
     assert systems.from_values(spins.values()).values().speeds == spins.values().speeds
     path = tmp_path / "tree.toml"
     spins.save(path)
     assert (
-        path.read_text().count('joint.speeds = "angular_velocity"') == spins.values().speeds.count(SPINS) > 0
+        path.read_text().count('joint.speeds = "angular_velocity"')
+        == spins.values().speeds.count(ANGULAR_VELOCITY)
+        > 0
     )
     assert kg.load(path) == spins
 
@@ -93,22 +95,22 @@ def test_errors_in_model_files(tmp_path: Path, line: str, message: str) -> None:
 
 
 def test_one_keyword_everywhere() -> None:
-    rates, spins = crane(), crane().with_speeds(SPINS)
-    assert kg.generate(rates, speeds=SPINS).files == kg.generate(spins).files
+    rates, spins = crane(), crane().with_speeds(ANGULAR_VELOCITY)
+    assert kg.generate(rates, speeds=ANGULAR_VELOCITY).files == kg.generate(spins).files
     assert kg.generate(spins, speeds="angle_rates").files == kg.generate(rates).files
-    assert kg.derive(rates, speeds=SPINS).y == kg.derive(spins).y != kg.derive(rates).y
-    library = kg.build(rates, ("coordinate_rates",), speeds=SPINS)
+    assert kg.derive(rates, speeds=ANGULAR_VELOCITY).y == kg.derive(spins).y != kg.derive(rates).y
+    library = kg.build(rates, ("coordinate_rates",), speeds=ANGULAR_VELOCITY)
     assert library.speed_names == spins.speed_names
     assert library.freedom_names == rates.freedom_names
     for function in (kg.derive, kg.generate, kg.build, kg.compare):
         with pytest.raises(kg.OptionError, match="unknown speeds 'omega'"):
             function(rates, speeds="omega")
         with pytest.raises(kg.OptionError, match="5 is no System"):
-            function(5, speeds=SPINS)
+            function(5, speeds=ANGULAR_VELOCITY)
 
 
 def test_the_files_say_it(tmp_path: Path) -> None:
-    source = kg.generate(crane(), ("forcing", "coordinate_rates"), speeds=SPINS)
+    source = kg.generate(crane(), ("forcing", "coordinate_rates"), speeds=ANGULAR_VELOCITY)
     header, readme = source.files["crane.h"], source.files["README.md"]
     assert "[A]{ydot} = {f},   {xdot} from {y} by Eq. (9), coordinate_rates\n" in header
     assert "0  body2.theta1  rad;  in y body2.omega1\n" in header
@@ -127,9 +129,9 @@ def test_the_files_say_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", [0, 3])
 def test_rates_of_the_coordinates_in_c(seed: int) -> None:
-    system = mixed(seed).with_speeds(SPINS)
+    system = mixed(seed).with_speeds(ANGULAR_VELOCITY)
     library = kg.build(system, ("coordinate_rates",))
-    given = [state(system, i) for i in range(5)]
+    given = [angle_state(system, i) for i in range(5)]
     expected = np.array([maps(system, values)[2] for values in given])
     x, y = (np.array([values[name] for values in given]) for name in "xy")
     close(library.coordinate_rates(x, y), expected)
@@ -140,7 +142,7 @@ def test_rates_of_the_coordinates_in_c(seed: int) -> None:
 
 def test_where_there_are_no_rates() -> None:
     """The status names the middle angle; [A] and {ydot} exist all the same."""
-    system = crane().with_speeds(SPINS)
+    system = crane().with_speeds(ANGULAR_VELOCITY)
     library = kg.build(system, ("forward_dynamics", "coordinate_rates"))
     x, y = np.full((3, 5), 0.3), np.ones((3, 5))
     x[1, 1] = np.nan
@@ -170,28 +172,31 @@ def test_where_there_are_no_rates() -> None:
 @pytest.mark.parametrize("form", ["text", "latex", "python", "markdown"])
 def test_equations_to_read(form: str) -> None:
     top = kg.load("models/spinning_top.toml")
-    text = render(kg.derive(top, speeds=SPINS), form)
+    text = render(kg.derive(top, speeds=ANGULAR_VELOCITY), form)
     assert "by Eqs. (9), (45)" in text
     assert "omega1" in text
     if form == "python":
         module: dict[str, object] = {}
         exec(text, module)  # what was just printed
-        given = state(top.with_speeds(SPINS))
-        close(module["coordinate_rates"](given["x"], given["y"]), maps(top.with_speeds(SPINS), given)[2])
+        given = angle_state(top.with_speeds(ANGULAR_VELOCITY))
+        close(
+            module["coordinate_rates"](given["x"], given["y"]),
+            maps(top.with_speeds(ANGULAR_VELOCITY), given)[2],
+        )
     else:
         assert ("thetadot_1_1 =" if form == "text" else r"\dot{\theta}_{1,1}") in text
     assert "by Eqs. (9), (45)" not in render(kg.derive(top), form)
 
 
 def test_blocks_have_no_angle_rate_matrix() -> None:
-    named = render(kg.derive(systems.chain(3, FREEDOMS[:3]), speeds=SPINS))
+    named = render(kg.derive(systems.chain(3, FREEDOMS[:3]), speeds=ANGULAR_VELOCITY))
     assert "[ω'_2,y1] = [[^1R_2], [I], [0]]" in named
     assert "P̂" not in named
 
 
 def test_a_contest_wants_rates() -> None:
     with pytest.raises(kg.OptionError, match=r'crane.*Take system.with_speeds\("angle_rates"\)'):
-        compare(crane().with_speeds(SPINS), BenchOptions(4, 1, 0.0))
+        compare(crane().with_speeds(ANGULAR_VELOCITY), BenchOptions(4, 1, 0.0))
 
 
 def test_command_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -203,5 +208,5 @@ def test_command_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Non
         (["equations", str(path)], "omegahat_2_1"),
         (["generate", str(path), "-o", str(tmp_path / "out")], "wrote crane.h"),
     ):
-        app([*arguments, "--speeds", SPINS], standalone_mode=False)
+        app([*arguments, "--speeds", ANGULAR_VELOCITY], standalone_mode=False)
         assert expected in capsys.readouterr().out, arguments

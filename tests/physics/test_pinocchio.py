@@ -1,4 +1,4 @@
-"""The reference against Pinocchio's `crba` and `rnea`, which share no code with it and no formulation."""
+"""The reference compared with Pinocchio's `crba` and `rnea`: different code and a different formulation."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EXAMPLES = settings(max_examples=60, deadline=None, derandomize=True)
 
 
 def differences(system: kg.System, count: int = 20) -> tuple[float, float]:
-    """Largest differences in [A] and {f}, relative to their largest entries."""
+    """Return the largest differences in [A] and {f}, relative to their largest entries."""
     other, states = PinocchioTree(system), random_states(system, count)
     a = reference.mass_matrix(system, states.x)
     f = reference.forcing(system, states.x, states.y, states.force, states.torque)
@@ -41,18 +41,18 @@ def test_eight_body_tree() -> None:
 @EXAMPLES
 @given(systems.systems())
 def test_any_tree(system: kg.System) -> None:
-    """Any topology, any free and locked freedoms, any joint orientations, loads and gravity."""
+    """Topology, free and locked freedoms, joint orientations, loads and gravity are all random."""
     report = compare(system, PinocchioTree(system), states=10)
     assert report.passed, str(report)
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_any_sequences(seed: int) -> None:
-    """Of the axes of the angles, each body with its own; some angles locked."""
+    """Each body has a random sequence of axes, and some angles are locked."""
     rng = np.random.default_rng(seed)
     arrays = systems.random_system(rng, 6).values()
-    drawn = rng.permutation(list(SEQUENCES))[:6]
-    system = systems.from_values(replace(arrays, sequence=tuple(str(name) for name in drawn)))
+    sequences = rng.permutation(list(SEQUENCES))[:6]
+    system = systems.from_values(replace(arrays, sequence=tuple(str(name) for name in sequences)))
     report = compare(system, PinocchioTree(system), states=10)
     assert report.passed, str(report)
 
@@ -64,8 +64,8 @@ def test_long_chains(freedoms: tuple[str, ...]) -> None:
     assert report.max_error < 1e-13
 
 
-def test_two_programs_use_a_fair_share_of_the_bound() -> None:
-    """The bound is not idle: of two honest programs in float64, some come within a factor of 20 of it."""
+def test_the_bound_is_not_too_wide() -> None:
+    """Differences between two correct programs in float64 come within a factor of 20 of the bound."""
     rng, shares = np.random.default_rng(4), []
     for bodies in (1, 1, 2, 3, 6, 12):
         system = systems.random_system(rng, bodies)

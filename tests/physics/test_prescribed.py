@@ -1,4 +1,4 @@
-"""Prescribed freedoms: every output against the same tree with these freedoms free, and against textbooks."""
+"""Prescribed freedoms: every output compared with the same tree with these freedoms free, and textbooks."""
 
 from __future__ import annotations
 
@@ -20,16 +20,15 @@ from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
 from kanegen.symbolic.literal.joint import skew
 from kanegen.symbolic.printing.formats import render
-from tests.physics.test_quaternions import with_some
-from tests.physics.test_speeds import SPINS, close, mixed
 from tests.support import systems
+from tests.support.orientation_trees import ANGULAR_VELOCITY, close, mixed, with_quaternions
 
 Arrays = dict[str, np.ndarray]
 
 SAME = ("kinetic_energy", "potential_energy", "momentum", "mass_center", "body_poses")
 POINTS = ("point_positions", "point_velocities", "point_accelerations", "point_jacobians")
 EQUATIONS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics", "prescribed_efforts")
-KINDS = ("slides and hinges", "sequences", "welded", "rates", "spins", "quaternions")
+KINDS = ("slides and hinges", "sequences", "welded", "rates", "angular velocities", "quaternions")
 
 
 @cache
@@ -37,9 +36,9 @@ def tree(kind: str, seed: int) -> kg.System:
     """A random tree with points; in most joints some freedoms are free, some prescribed, some locked."""
     rng = np.random.default_rng([KINDS.index(kind), seed])
     bodies = 3
-    if kind in ("rates", "spins", "quaternions"):
-        system = with_some(seed) if kind == "quaternions" else mixed(seed)
-        system = system.with_speeds(SPINS) if kind == "spins" else system
+    if kind in ("rates", "angular velocities", "quaternions"):
+        system = with_quaternions(seed) if kind == "quaternions" else mixed(seed)
+        system = system.with_speeds(ANGULAR_VELOCITY) if kind == "angular velocities" else system
     else:
         free = systems.random_free(rng, bodies, 0.7)
         free[1] &= kind != "welded"
@@ -65,7 +64,7 @@ def freed(system: kg.System) -> kg.System:
 
 
 def state(system: kg.System, seed: int) -> Arrays:
-    """Everything that a function may read."""
+    """Return random values of all arrays that a function may read."""
     rng = np.random.default_rng(seed)
     n, bodies = len(system.freedoms), system.number_of_bodies
     found = {name: rng.normal(size=n) for name in ("y", "ydot", "tau")}
@@ -75,13 +74,13 @@ def state(system: kg.System, seed: int) -> Arrays:
 
 
 def merged(system: kg.System, other: kg.System, given: Arrays) -> Arrays:
-    """The same state of the tree where all that moves is free."""
+    """Return the same state of the tree in which the prescribed freedoms are free."""
     x, y, ydot = np.zeros(len(other.coordinates)), *np.zeros((2, len(other.freedoms)))
     for coordinate, place in other.coordinate_places.items():
         known = system.coordinate_places.get(coordinate)
-        told = Freedom(coordinate.body, coordinate.index)
+        freedom = Freedom(coordinate.body, coordinate.index)
         x[place] = (
-            given["prescribed"][0, system.prescribed.index(told)] if known is None else given["x"][known]
+            given["prescribed"][0, system.prescribed.index(freedom)] if known is None else given["x"][known]
         )
     free, moved = parts(system, other)
     y[free], y[moved] = given["y"], given["prescribed"][1]
@@ -90,12 +89,12 @@ def merged(system: kg.System, other: kg.System, given: Arrays) -> Arrays:
 
 
 def parts(system: kg.System, other: kg.System) -> tuple[list[int], list[int]]:
-    """Where the free freedoms and the prescribed ones stand in {y} where all are free."""
+    """Return the places of free and of prescribed freedoms in {y} of the tree with all of them free."""
     return [other.places[f] for f in system.freedoms], [other.places[f] for f in system.prescribed]
 
 
 def values(system: kg.System, given: Arrays, *outputs: str) -> Arrays:
-    """Results of the program that becomes C, by output."""
+    """Return the results of the program that becomes C, by output."""
     module = compile_module(system, outputs).module
     function = module.functions["evaluate" if len(outputs) > 1 else outputs[0]]
     found = evaluate(function, {name: np.ravel(value) for name, value in given.items()}, np)
@@ -104,26 +103,26 @@ def values(system: kg.System, given: Arrays, *outputs: str) -> Arrays:
 
 
 def partitioned(system: kg.System, other: kg.System, given: Arrays) -> Arrays:
-    """[A], {f} and what follows from them, from the reference of the tree where all that moves is free."""
+    """Return [A], {f} and what follows from them, by partition of the tree with all freedoms free."""
     free, moved = parts(system, other)
     whole = merged(system, other, given)
     loads = {"force": given["force"], "torque": given["torque"]}
     a = reference.mass_matrix(other, whole["x"])
     f = reference.forcing(other, whole["x"], whole["y"], **loads)
     coupled, own = a[np.ix_(free, moved)], a[np.ix_(free, free)]
-    told = given["prescribed"][2]
-    forcing = f[free] - coupled @ told
+    accelerations = given["prescribed"][2]
+    forcing = f[free] - coupled @ accelerations
     return {
         "mass_matrix": own,
         "forcing": forcing,
         "inverse_dynamics": own @ given["ydot"] - forcing,
         "forward_dynamics": np.linalg.solve(own, forcing + given["tau"]),
-        "prescribed_efforts": coupled.T @ given["ydot"] + a[np.ix_(moved, moved)] @ told - f[moved],
+        "prescribed_efforts": coupled.T @ given["ydot"] + a[np.ix_(moved, moved)] @ accelerations - f[moved],
     }
 
 
 def require_equal(kind: str, seed: int) -> None:
-    """[A] and {f} partitioned; energies, momentum, poses and points as they are."""
+    """Require a partition of [A] and {f}, and equal energies, momentum, poses and points."""
     system = tree(kind, seed)
     other, given = freed(system), state(system, seed)
     free, _ = parts(system, other)
@@ -139,7 +138,7 @@ def require_equal(kind: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_same_tree_with_these_freedoms_free(kind: str) -> None:
+def test_outputs_equal_those_of_the_tree_with_these_freedoms_free(kind: str) -> None:
     assert tree(kind, 0).prescribed
     require_equal(kind, 0)
 
@@ -155,15 +154,15 @@ def test_many_trees(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_reference(kind: str) -> None:
-    """It takes the prescribed columns as they come; the partition is of [A] and {f} without any."""
+    """The reference of the prescribed tree equals a partition of that of the tree with all freedoms free."""
     system = tree(kind, 3)
     given = state(system, 3)
     right = partitioned(system, freed(system), given)
-    x, y, ydot, told = (given[name] for name in ("x", "y", "ydot", "prescribed"))
+    x, y, ydot, prescribed = (given[name] for name in ("x", "y", "ydot", "prescribed"))
     loads = {"force": given["force"], "torque": given["torque"]}
-    close(reference.mass_matrix(system, x, told), right["mass_matrix"])
-    close(reference.forcing(system, x, y, **loads, prescribed=told), right["forcing"])
-    close(reference.prescribed_efforts(system, x, y, ydot, told, **loads), right["prescribed_efforts"])
+    close(reference.mass_matrix(system, x, prescribed), right["mass_matrix"])
+    close(reference.forcing(system, x, y, **loads, prescribed=prescribed), right["forcing"])
+    close(reference.prescribed_efforts(system, x, y, ydot, prescribed, **loads), right["prescribed_efforts"])
 
 
 @pytest.mark.parametrize("solver", ["articulated bodies", "factorisation"])
@@ -180,19 +179,19 @@ def test_both_solvers(solver: str) -> None:
     assert all(0 < value <= 1 + 1e-12 for value in found["regularity"])
 
 
-def test_what_stands_still_is_locked() -> None:
-    """With rates and accelerations of zero nothing tells a prescribed freedom from one locked there."""
+def test_a_prescribed_freedom_at_rest_equals_a_locked_one() -> None:
+    """With zero rates and accelerations, outputs are those of the tree locked at the prescribed values."""
     system = tree("sequences", 4)
     given = state(system, 4)
     given["prescribed"][1:] = 0
-    held = list(system.bodies)
+    bodies = list(system.bodies)
     for freedom, value in zip(system.prescribed, given["prescribed"][0], strict=True):
-        body = held[freedom.body - 1]
-        locked, told = list(body.joint.locked), list(body.joint.prescribed)
-        locked[freedom.index], told[freedom.index] = float(value), False
-        joint = replace(body.joint, locked=tuple(locked), prescribed=tuple(told))
-        held[freedom.body - 1] = replace(body, joint=joint)
-    locked = replace(system, bodies=tuple(held))
+        body = bodies[freedom.body - 1]
+        locked, prescribed = list(body.joint.locked), list(body.joint.prescribed)
+        locked[freedom.index], prescribed[freedom.index] = float(value), False
+        joint = replace(body.joint, locked=tuple(locked), prescribed=tuple(prescribed))
+        bodies[freedom.body - 1] = replace(body, joint=joint)
+    locked = replace(system, bodies=tuple(bodies))
     outputs = (*EQUATIONS[:-1], *SAME, *POINTS)
     right = values(locked, given, *outputs)
     for name, found in values(system, given, *outputs).items():
@@ -221,14 +220,16 @@ def test_a_pendulum_on_a_turning_shaft(governor: kg.Library) -> None:
     m, length, g = 1.3, 0.7, 9.81
     assert governor.prescribed_names == ("shaft",)
     for phi, rate, turn, omega, alpha in np.random.default_rng(1).normal(size=(5, 5)):
-        told = np.array([[turn], [omega], [alpha]])
+        prescribed = np.array([[turn], [omega], [alpha]])
         sine, cosine = np.sin(phi), np.cos(phi)
-        found = governor.forward_dynamics([phi], [rate], prescribed=told)
+        found = governor.forward_dynamics([phi], [rate], prescribed=prescribed)
         assert found == pytest.approx([omega**2 * sine * cosine - g / length * sine])
         torque = m * length**2 * (alpha * sine**2 + 2 * omega * rate * sine * cosine)
-        assert governor.prescribed_efforts([phi], [rate], found, prescribed=told) == pytest.approx([torque])
+        assert governor.prescribed_efforts([phi], [rate], found, prescribed=prescribed) == pytest.approx(
+            [torque]
+        )
         energy = m * length**2 * (rate**2 + (omega * sine) ** 2) / 2
-        assert governor.kinetic_energy([phi], [rate], prescribed=told) == pytest.approx(energy)
+        assert governor.kinetic_energy([phi], [rate], prescribed=prescribed) == pytest.approx(energy)
 
 
 def test_a_pendulum_on_a_shaken_pivot() -> None:
@@ -257,7 +258,7 @@ def test_a_pendulum_on_a_shaken_pivot() -> None:
 
 
 def test_energy_is_the_work_of_the_efforts() -> None:
-    """Along a motion by Runge and Kutta's rule, whose error at this step is far below the tolerance."""
+    """The motion is integrated by the method of Runge and Kutta, whose error is far below the tolerance."""
     system = tree("rates", 1)
     outputs = ("forward_dynamics", "prescribed_efforts", "kinetic_energy", "potential_energy")
     library = kg.build(system, outputs)
@@ -269,15 +270,16 @@ def test_energy_is_the_work_of_the_efforts() -> None:
         return np.array([size * sine, size * pace * cosine, -size * pace**2 * sine])
 
     def rates(t: float, s: np.ndarray) -> np.ndarray:
-        x, y, told = s[:n].copy(), s[n : 2 * n].copy(), motion(t)
-        ydot = library.forward_dynamics(x, y, prescribed=told)
-        power = library.prescribed_efforts(x, y, ydot, prescribed=told) @ told[1]
+        x, y, prescribed = s[:n].copy(), s[n : 2 * n].copy(), motion(t)
+        ydot = library.forward_dynamics(x, y, prescribed=prescribed)
+        power = library.prescribed_efforts(x, y, ydot, prescribed=prescribed) @ prescribed[1]
         return np.concatenate([y, ydot, [power]])
 
     def energy(t: float, s: np.ndarray) -> float:
-        x, y, told = s[:n].copy(), s[n : 2 * n].copy(), motion(t)
+        x, y, prescribed = s[:n].copy(), s[n : 2 * n].copy(), motion(t)
         return float(
-            library.kinetic_energy(x, y, prescribed=told) + library.potential_energy(x, prescribed=told)
+            library.kinetic_energy(x, y, prescribed=prescribed)
+            + library.potential_energy(x, prescribed=prescribed)
         )
 
     s, h = np.concatenate([np.full(n, 0.1), np.zeros(n + 1)]), 1 / 1024
@@ -295,7 +297,7 @@ def test_energy_is_the_work_of_the_efforts() -> None:
 
 
 def test_one_state_and_many_in_c() -> None:
-    """The same bits, whether every state has a motion of its own or all share one."""
+    """A batch gives the same bits whether each state has its own prescribed motion or all share one."""
     system = tree("slides and hinges", 0)
     outputs = [name for name in available(system) if name not in DERIVATIVES]
     library = kg.build(system, outputs)
@@ -316,7 +318,7 @@ def test_one_state_and_many_in_c() -> None:
 
 @pytest.mark.parametrize("name", ["forcing", "forward_dynamics"])
 def test_derivatives(name: str) -> None:
-    """By {x} and {y}, against central differences; nothing is differentiated by what is prescribed."""
+    """Derivatives with respect to {x} and {y} equal central differences."""
     system = tree("sequences", 0)
     library = kg.build(system, (name, f"{name}_derivatives"))
     given = state(system, 7)
@@ -339,14 +341,14 @@ def test_the_literal_equations(kind: str) -> None:
     system = tree(kind, 2)
     given = state(system, 2)
     literal = derive(system, intermediates=True).lambdify()
-    x, y, told = given["x"], given["y"], given["prescribed"]
+    x, y, prescribed = given["x"], given["y"], given["prescribed"]
     right = values(system, given, "mass_matrix", "forcing")
-    close(literal.mass_matrix(x, prescribed=told), right["mass_matrix"])
-    close(literal.forcing(x, y, given["force"], given["torque"], prescribed=told), right["forcing"])
+    close(literal.mass_matrix(x, prescribed=prescribed), right["mass_matrix"])
+    close(literal.forcing(x, y, given["force"], given["torque"], prescribed=prescribed), right["forcing"])
 
 
 def test_the_accelerations_of_the_literal_equations() -> None:
-    """They are the derivatives of the velocities, all that moves being a function of time."""
+    """Accelerations are the time derivatives of velocities, with all freedoms as functions of time."""
     equations = derive(tree("slides and hinges", 5), intermediates=False)
     columns = [
         equations.x,
@@ -355,7 +357,7 @@ def test_the_accelerations_of_the_literal_equations() -> None:
         *(row.T for row in map(equations.prescribed.row, range(3))),
     ]
     values, rates, accelerations = (
-        one.col_join(told) for one, told in zip(columns[:3], columns[3:], strict=True)
+        free.col_join(prescribed) for free, prescribed in zip(columns[:3], columns[3:], strict=True)
     )
     state = values.col_join(rates)
     symbols = list(state.col_join(accelerations))
@@ -378,13 +380,13 @@ def test_the_printed_module(closed: bool, governor: kg.Library) -> None:
     assert r"\ddot{\theta}_{1,3}" in render(equations, "latex")
     module: dict[str, object] = {}
     exec(render(equations, "python", closed=closed), module)
-    told = np.array([[0.3], [1.1], [-0.7]])
+    prescribed = np.array([[0.3], [1.1], [-0.7]])
     x, y = np.array([0.4]), np.array([-0.9])
-    close(module["mass_matrix"](x, told), governor.mass_matrix(x, prescribed=told))
-    close(module["forcing"](x, y, told), governor.forcing(x, y, prescribed=told))
+    close(module["mass_matrix"](x, prescribed), governor.mass_matrix(x, prescribed=prescribed))
+    close(module["forcing"](x, y, prescribed), governor.forcing(x, y, prescribed=prescribed))
 
 
-def test_the_reference_in_a_report() -> None:
+def test_a_report_holds_the_prescribed_motion() -> None:
     report = kg.compare(tree("quaternions", 2), 20)
     assert report.passed
     worst = report.accuracies[0].worst
@@ -393,8 +395,8 @@ def test_the_reference_in_a_report() -> None:
 
 
 def test_c_compiles_without_a_warning(tmp_path: Path) -> None:
-    """Functions that do not depend on what is prescribed take it as well."""
-    system = tree("spins", 0)
+    """Functions that do not depend on prescribed motion take it as an argument, too."""
+    system = tree("angular velocities", 0)
     outputs = ("forward_dynamics", "body_poses", "coordinate_rates", "prescribed_efforts")
     source = kg.generate(system, outputs)
     header, name, p = source.files["tree.h"], system.prescribed_names[0], len(system.prescribed)

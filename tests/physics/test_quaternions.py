@@ -1,10 +1,9 @@
-"""Quaternions in place of three angles: values against truth, the reference and the form in angles."""
+"""Quaternions in place of three angles, compared with truth, the reference and the equations in angles."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -22,48 +21,28 @@ from kanegen.studies.tradeoff.domain import default_domain
 from kanegen.studies.tradeoff.evaluator import convert_sample
 from kanegen.symbolic import derive
 from kanegen.symbolic.printing import render
-from tests.physics.test_speeds import ARRAYS, SPINS, close, mixed, values
 from tests.support import systems
+from tests.support.orientation_trees import (
+    ANGULAR_VELOCITY,
+    ARRAYS,
+    close,
+    mixed,
+    quaternion_state,
+    remade,
+    values,
+    with_quaternions,
+)
 from tests.support.paths import MODELS
 
 OUTPUTS = (*ARRAYS, "kinetic_energy", "potential_energy", "momentum", "mass_center", "body_poses")
 
 
-@cache
-def with_some(seed: int) -> kg.System:
-    """A random tree in which about half of the bodies that turn freely have a quaternion."""
-    rng = np.random.default_rng(seed)
-    tree = mixed(seed)
-    held = [
-        "quaternion" if b.joint.has_free_orientation and rng.random() < 0.7 else "angles" for b in tree.bodies
-    ]
-    first = next(k for k, body in enumerate(tree.bodies) if body.joint.has_free_orientation)
-    held[first] = "quaternion"
-    return remade(tree, "coordinates", held)
-
-
-def remade(system: kg.System, what: str, value: list[str]) -> kg.System:
-    """The same system with one array changed."""
-    arrays = system.values()
-    kept = arrays.rows()
-    return kg.System.from_arrays(**(kept | {what: value}))
-
-
-def state(system: kg.System, seed: int = 0) -> dict[str, np.ndarray]:
-    """Everything that a function may read; quaternions have any length."""
-    rng = np.random.default_rng(seed)
-    n, bodies = len(system.freedoms), system.number_of_bodies
-    found = {name: rng.normal(size=n) for name in ("y", "ydot", "tau")}
-    found["x"] = rng.uniform(-1.2, 1.2, len(system.coordinates))
-    return found | {name: rng.normal(size=(bodies, 3)) for name in ("force", "torque")}
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_truth_and_reference(seed: int) -> None:
-    """Two algorithms in ball arithmetic, the notes' equations in NumPy, and the recursion."""
-    system = with_some(seed)
+    """The recursion agrees with two algorithms in ball arithmetic and the notes' equations in NumPy."""
+    system = with_quaternions(seed)
     assert len(system.coordinates) > len(system.freedoms)
-    given = state(system, seed)
+    given = quaternion_state(system, seed)
     exact = certified.truth(system, **given, outputs=tuple(ARRAYS))
     found = values(system, given, *ARRAYS)
     for output, array in ARRAYS.items():
@@ -75,12 +54,12 @@ def test_truth_and_reference(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_angles_of_the_same_orientation(seed: int) -> None:
-    """Every output is what it is with angles where these have the same orientation and angular velocity."""
-    turned = with_some(seed)
-    angles = mixed(seed).with_speeds(SPINS).with_coordinates("angles")
+    """Every output equals that with angles, for the same orientations and angular velocities."""
+    turned = with_quaternions(seed)
+    angles = mixed(seed).with_speeds(ANGULAR_VELOCITY).with_coordinates("angles")
     rates = [b.joint.speeds for b in turned.bodies]
     angles = kg.System.from_arrays(**(angles.values().rows() | {"speeds": rates}))
-    given = state(angles, seed)
+    given = quaternion_state(angles, seed)
     x = np.empty(len(turned.coordinates))
     for coordinate, place in turned.coordinate_places.items():
         if coordinate.index < 6:
@@ -97,8 +76,8 @@ def test_angles_of_the_same_orientation(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_literal_equations(seed: int) -> None:
-    system = with_some(seed)
-    given = state(system, seed)
+    system = with_quaternions(seed)
+    given = quaternion_state(system, seed)
     equations = derive(system).lambdify()
     close(equations.mass_matrix(given["x"]), reference.mass_matrix(system, given["x"]))
     found = equations.forcing(given["x"], given["y"], given["force"], given["torque"])
@@ -109,8 +88,8 @@ def test_the_literal_equations(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_rates_turn_the_bodies_and_keep_the_length(seed: int) -> None:
     """d[^J R_K]/dt = -[omega_hat~][^J R_K], Eq. (7), by a complex step along {xdot}."""
-    system = with_some(seed)
-    given = state(system, seed)
+    system = with_quaternions(seed)
+    given = quaternion_state(system, seed)
     xdot = values(system, given, "coordinate_rates")["xdot"]
     arrays, still = system.values(), np.zeros(len(system.freedoms))
     moved = kinematics(arrays, given["x"] + 1e-30j * xdot, still.astype(complex))
@@ -126,7 +105,7 @@ def test_rates_turn_the_bodies_and_keep_the_length(seed: int) -> None:
 
 @pytest.mark.parametrize("precision", ["double", "float"])
 def test_the_length_means_nothing(precision: str) -> None:
-    """A power of two changes no bit of [A] and {f}; only 0 is no orientation."""
+    """A quaternion scaled by a power of two changes no bit of [A] and {f}; length 0 is refused."""
     system = kg.load(MODELS / "free_body.toml").with_coordinates("quaternion")
     library = kg.build(system, ("mass_matrix", "forcing", "forward_dynamics"), precision=precision)
     states = random_states(system, 20)
@@ -139,8 +118,8 @@ def test_the_length_means_nothing(precision: str) -> None:
 
 @pytest.mark.parametrize("precision", ["double", "float", "long double", "double-double"])
 def test_compiled_code(precision: str) -> None:
-    """One state, a batch and the reference."""
-    system = with_some(1)
+    """C for one state and for a batch agrees with the reference."""
+    system = with_quaternions(1)
     report = kg.compare(system, states=200, precision=precision)
     assert report.passed, str(report)
     if precision in {"double", "float"}:
@@ -153,11 +132,11 @@ def test_compiled_code(precision: str) -> None:
 
 
 def test_eight_bodies_in_every_orientation() -> None:
-    """Where cos(theta2) = 0 nothing is lost: [A] and {xdot} know no angles."""
+    """Nothing is lost where cos(theta2) = 0, since [A] and {xdot} hold no angles."""
     system = systems.eight_body().with_coordinates("quaternion")
     outputs = ("forward_dynamics", "coordinate_rates", "error_estimate", "regularity")
     library = kg.build(system, outputs)
-    given = state(system, 3)
+    given = quaternion_state(system, 3)
     locked = np.roll(Rotation.from_euler("XYZ", [0.3, np.pi / 2, -0.8]).as_quat(), 1)
     for place in (place for c, place in system.coordinate_places.items() if c.name == "e0"):
         given["x"][place : place + 4] = locked
@@ -166,14 +145,14 @@ def test_eight_bodies_in_every_orientation() -> None:
     found = library.forward_dynamics(given["x"], given["y"], *loads)
     assert np.linalg.norm(found - exact) <= 1e-13 * np.linalg.norm(exact)
     assert np.isfinite(library.coordinate_rates(given["x"], given["y"])).all()
-    told = library.diagnose(given["x"], given["y"], *loads)
-    assert isinstance(told, Diagnosis)
-    assert told.singularity is None
-    assert told.singular == 0
+    diagnosis = library.diagnose(given["x"], given["y"], *loads)
+    assert isinstance(diagnosis, Diagnosis)
+    assert diagnosis.singularity is None
+    assert diagnosis.singular == 0
 
 
 def test_a_long_flight() -> None:
-    """A free body tumbles through every orientation: energy, momentum and length stay."""
+    """A free body tumbles through all orientations with constant energy, momentum and quaternion length."""
     body = kg.load(MODELS / "free_body.toml").with_coordinates("quaternion")
     outputs = ("forward_dynamics", "coordinate_rates", "kinetic_energy", "potential_energy", "momentum")
     library = kg.build(body, outputs)
@@ -202,14 +181,14 @@ def test_names_and_places() -> None:
 
 
 def test_a_file_and_arrays_keep_them(tmp_path: Path) -> None:
-    system = with_some(2)
+    system = with_quaternions(2)
     system.save(tmp_path / "tree.toml")
     assert kg.load(tmp_path / "tree.toml") == system
     assert "quaternion" in system.values().coordinates
 
 
 def test_there_and_back() -> None:
-    system = mixed(1).with_speeds(SPINS)
+    system = mixed(1).with_speeds(ANGULAR_VELOCITY)
     turned = system.with_coordinates("quaternion")
     assert turned.with_coordinates("angles") == system
     assert turned.with_speeds("angle_rates") == turned
@@ -219,12 +198,12 @@ def test_there_and_back() -> None:
 
 @pytest.mark.parametrize("format_", ["text", "latex", "python"])
 def test_equations_are_printed(format_: str, tmp_path: Path) -> None:
-    system = with_some(1)
+    system = with_quaternions(1)
     text = render(derive(system), format_)
     assert "epsilon" in text
     if format_ == "python":
         (tmp_path / "tree.py").write_text(text)
-        given = state(system, 5)
+        given = quaternion_state(system, 5)
         numbers = f"x = np.array({given['x'].tolist()}); y = np.array({given['y'].tolist()})"
         show = "print(*tree.mass_matrix(x).ravel(), *tree.coordinate_rates(x, y))"
         call = [sys.executable, "-c", f"import numpy as np, tree; {numbers}; {show}"]
@@ -253,11 +232,11 @@ def test_states_of_a_study_are_the_same_physically() -> None:
 
 
 def test_another_joint_is_reanchored() -> None:
-    """Places in {x} and {y} differ where a quaternion stands before them."""
+    """Places in {x} and {y} differ behind a quaternion."""
     rng = np.random.default_rng(4)
     tree = systems.random_system(rng, 3, free=np.ones((3, 6), dtype=bool), loads=False)
     system = remade(tree, "coordinates", ["quaternion", "angles", "angles"])
-    given = state(system, 7)
+    given = quaternion_state(system, 7)
     after = kg.reanchored(system, given["x"], given["y"], ["body2", "body3"])
     outputs = ("body_poses", "kinetic_energy", "momentum")
     before = values(system, given, *outputs)

@@ -1,4 +1,4 @@
-"""Property: the compiled C of any tree agrees with the reference."""
+"""Properties of compiled C of random trees: it agrees with the reference, in batches too."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from kanegen.measure import comparison as compare
 from tests.support.systems import systems
 
 TOLERANCE = 1e-13
-"""Trees of up to 12 bodies lose about 1e-15; the bound of `compare` itself is tighter still."""
+"""Errors of trees of up to 12 bodies are about 1e-15; the bound of `compare` is tighter still."""
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)
@@ -25,7 +25,7 @@ def test_c_equals_the_reference(system: kg.System) -> None:
 @settings(max_examples=10, deadline=None, derandomize=True)
 @given(systems(max_bodies=4))
 def test_a_batch_equals_its_states(system: kg.System) -> None:
-    """Up to what one unit in the last place of every sine and cosine makes; batches have their own."""
+    """The difference is at most the effect of an ulp of every sine and cosine, which batches compute anew."""
     library = kg.build(system)
     x, y = np.random.default_rng(3).normal(size=(2, 5, library.n))
     for batch, states in (

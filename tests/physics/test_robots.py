@@ -1,4 +1,4 @@
-"""Compiled C of real robots against Pinocchio's crba and nonLinearEffects."""
+"""Compiled C of real robots compared with Pinocchio's `crba` and `nonLinearEffects`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.support.robots import dynamics, floating_model, places, robot_file
 FIXED = ("panda", "ur5_robot", "kinova", "allegro_right_hand", "double_pendulum")
 FLOATING = ("hyq_no_sensors", "solo12")
 TOLERANCE = 1e-12
-"""Both sides round; real robots of this size lose less than 1e-14 each."""
+"""Tolerance of the comparison; robots of this size lose less than 1e-14 on either side."""
 
 
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")

@@ -1,4 +1,4 @@
-"""All twelve sequences of axes: against certified truth, the reference, SciPy, and one another."""
+"""All twelve sequences of axes, compared with certified truth, the reference, SciPy and one another."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Arrays = dict[str, Any]
 
 
 def values(system: kg.System, outputs: tuple[str, ...], inputs: Arrays) -> Arrays:
-    """The outputs by one program for all of them."""
+    """Return outputs that one program computes together."""
     module = compile_module(system, outputs).module
     program = module.functions.get("evaluate") or module.functions[outputs[0]]
     results = evaluate(program, {name: np.ravel(value) for name, value in inputs.items()}, np)
@@ -42,11 +42,11 @@ def values(system: kg.System, outputs: tuple[str, ...], inputs: Arrays) -> Array
 
 
 def tree(sequence: str, seed: int, joints: Any = JOINTS) -> kg.System:
-    """A branched tree, loads on all bodies, its joints free in the named freedoms."""
+    """Return a branched tree with loads on all bodies and joints that are free in the named freedoms."""
     free = np.array([[name in joint for name in FREEDOMS] for joint in joints])
     rng, bodies = np.random.default_rng(seed), len(free)
-    drawn = systems.random_system(rng, bodies, connection=(0, 1, 1, 2)[:bodies], free=free, loads=True)
-    return systems.from_values(replace(drawn.values(), sequence=(sequence,) * bodies))
+    tree = systems.random_system(rng, bodies, connection=(0, 1, 1, 2)[:bodies], free=free, loads=True)
+    return systems.from_values(replace(tree.values(), sequence=(sequence,) * bodies))
 
 
 def inputs(system: kg.System, seed: int) -> Arrays:
@@ -81,7 +81,7 @@ def test_against_truth_and_the_reference(sequence: str) -> None:
 
 @pytest.mark.parametrize("sequence", SEQUENCES)
 def test_literal_equations(sequence: str) -> None:
-    """The notes' equations in SymPy, with locked angles too."""
+    """The notes' equations in SymPy equal the reference, with locked angles too."""
     system = tree(sequence, 5, JOINTS[:2])
     given = inputs(system, 6)
     equations = derive(system).lambdify()
@@ -108,7 +108,7 @@ def test_rotations_of_scipy(sequence: str) -> None:
 
 @pytest.mark.parametrize("sequence", SEQUENCES)
 def test_rate_matrices(sequence: str) -> None:
-    """Eqs. (8), (9), (17), (20) in SymPy: by differentiating Eq. (4), in numbers of 50 digits."""
+    """Eqs. (8), (9), (17), (20) in SymPy equal derivatives of Eq. (4), in numbers of 50 digits."""
     theta, rates = sympy.symbols("theta_1:4", real=True), sympy.symbols("u_1:4", real=True)
     angles = Angles(SEQUENCES[sequence], [sympy.sin(t) for t in theta], [sympy.cos(t) for t in theta])
     at = dict(zip((*theta, *rates), sympy.sympify("(1/3, 4/5, -7/6, 2/3, -5/4, 8/7)"), strict=True))
@@ -129,7 +129,7 @@ def test_rate_matrices(sequence: str) -> None:
 
 
 def test_the_matrices_of_the_notes() -> None:
-    """Eqs. (4), (9) and (17) come out of the products of turns as the notes write them."""
+    """The products of three turns are Eqs. (4), (9) and (17) as the notes write them."""
     (s1, s2, s3), (c1, c2, c3) = s, c = sympy.symbols("s1:4"), sympy.symbols("c1:4")
     angles = Angles(SEQUENCES["1-2-3"], s, c)
     assert angles.rotation.tolist() == [
@@ -161,7 +161,7 @@ def test_other_angles_of_the_same_motion(other: str) -> None:
 
 
 def mapped(x: Any, y: Any, old: str, new: str) -> tuple[Any, Any]:
-    """Angles and rates of bodies that only turn, in another sequence, by SciPy and by finite turns."""
+    """Return angles and rates of bodies that only turn in another sequence of axes, by SciPy."""
     letters = ["".join("XYZ"[axis] for axis in SEQUENCES[name]) for name in (old, new)]
     angles, rates = [], []
     for theta, rate in zip(x.reshape(-1, 3), y.reshape(-1, 3), strict=True):
@@ -171,7 +171,7 @@ def mapped(x: Any, y: Any, old: str, new: str) -> tuple[Any, Any]:
 
 
 def axes(theta: Any, sequence: str) -> Any:
-    """(3, 3) the axes of the angles in body components, as columns, by SciPy's turns."""
+    """Return (3, 3) axes of the three angles in body components, as columns, by SciPy."""
     columns, outward = [], np.eye(3)
     for axis, angle in reversed(list(zip(SEQUENCES[sequence], theta, strict=True))):
         columns.append(outward[:, axis])
@@ -180,7 +180,7 @@ def axes(theta: Any, sequence: str) -> Any:
 
 
 def angular_accelerations(system: kg.System, given: Arrays, ydot: Any) -> Any:
-    """(N, 3) of all bodies, in their components."""
+    """Return the angular accelerations of all bodies in their own components, (N, 3) (rad/s^2)."""
     bodies = kinematics(system.values(), given["x"], given["y"])
     return np.array([body.omega_y @ full(ydot) + body.omega_y_dot @ full(given["y"]) for body in bodies])
 
@@ -191,7 +191,7 @@ def full(angles_only: Any) -> Any:
 
 @pytest.mark.parametrize("sequence", SEQUENCES)
 def test_angular_velocities_as_speeds(sequence: str) -> None:
-    """Rates of the angles by Eq. (9), and accelerations like those from rates of angles."""
+    """Rates of the angles follow Eq. (9), and angular accelerations equal those from angle rates."""
     rates = tree(sequence, 13, [FREEDOMS[:3]] * 2)
     spinning = rates.with_speeds("angular_velocity")
     given = inputs(rates, 14) | {"tau": np.zeros(6)}
@@ -216,7 +216,7 @@ def test_angular_velocities_as_speeds(sequence: str) -> None:
 @pytest.mark.parametrize("distance", [1e-1, 1e-6, 1e-12])
 @pytest.mark.parametrize("sequence", ["3-1-3", "2-1-2", "2-1-3"])
 def test_near_the_singularity(sequence: str, distance: float) -> None:
-    """Nothing is lost where the axes almost lie in a plane: theta2 = 0 for those that end as they begin."""
+    """Nothing is lost where the axes almost lie in a plane, at theta2 = 0 or pi/2."""
     system = tree(sequence, 11, [FREEDOMS] * 3)
     given = inputs(system, 12)
     given["tau"] *= 0.0  # its torque would grow like one over the distance
@@ -262,7 +262,7 @@ def test_unknown_sequences(name: Any) -> None:
 
 
 def test_closed_forms_of_parallel_hinges() -> None:
-    """Hinges that are free in another axis's place still add their angles up."""
+    """Angles of parallel hinges are added up for any sequence of axes."""
     free = (True, False, False, False, False, False)
     upper, lower = (
         Body(name, k, 1.0, np.eye(3), (1.0, 0, 0), Joint((k, 0, 0), free=free, sequence="3-1-2"))
@@ -273,7 +273,7 @@ def test_closed_forms_of_parallel_hinges() -> None:
 
 
 def test_the_top_of_the_textbooks() -> None:
-    """Precession, nutation and spin: [A] of a symmetric top in the angles 3-1-3, and what its weight does."""
+    """[A] and the moment of the weight of a symmetric top in the angles 3-1-3: precession, nutation, spin."""
     values_of = dict(zip("ijmhg", (0.2, 0.1, 2.0, 0.3, -9.8), strict=True))
     i, j, m, h, g = (kg.Parameter(name, value) for name, value in values_of.items())
     joint = Joint(free=(True, True, True, False, False, False), sequence="3-1-3")

@@ -1,4 +1,4 @@
-"""Closed forms are the textbook's equations, and as short as the textbook prints them.
+"""Closed forms are equal to the equations of textbooks, and as short.
 
 The expected expressions are typed from the usual derivations (Lagrange's equations, Euler's equations); none
 of them comes from kanegen.
@@ -46,7 +46,7 @@ def operations(entries: Iterable[Expr]) -> int:
 
 
 def check(form: ClosedForm, A: Any, f: Any, shortness: tuple[int, int]) -> None:
-    """Equal to the textbook's, and no longer than `shortness` operations for [A] and {f}."""
+    """Require a form equal to the textbook's, with at most `shortness` operations in [A] and {f}."""
     assert sympy.simplify(form.A - Matrix(A)) == sympy.zeros(*form.A.shape)
     assert sympy.simplify(form.f - Matrix(f)) == sympy.zeros(*form.f.shape)
     assert form.A == form.A.T
@@ -214,7 +214,7 @@ def test_planar_chain_has_sums_of_angles() -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_closed_forms_of_random_systems_equal_the_reference(seed: int) -> None:
-    """Numbers with 17 digits and turned joint frames: nothing that matters is lost in simplifying."""
+    """Simplification keeps the values of systems with numbers of 17 digits and turned joint frames."""
     rng = np.random.default_rng(seed)
     mask = np.zeros((3, 6), bool)
     mask[np.unravel_index(rng.choice(18, 4, replace=False), (3, 6))] = True
@@ -232,7 +232,7 @@ def test_closed_forms_of_random_systems_equal_the_reference(seed: int) -> None:
         assert np.abs(actual - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-def test_a_form_that_would_be_too_long() -> None:
+def test_a_form_that_is_too_long_is_refused() -> None:
     arm = random_system(
         np.random.default_rng(0), 6, connection=range(6), free=flags(6, ["theta1"]), orientations=True
     )

@@ -1,4 +1,4 @@
-"""URDF robots: their dynamics against Pinocchio, which shares nothing with kanegen but the format."""
+"""The dynamics of URDF robots compared with Pinocchio, which shares only the file format with kanegen."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ REFUSED = {
     "romeo_laas_small": r"romeo_laas_small\.urdf:\d+: body '\w+': inertia is not positive semidefinite",
     "ur3": r"ur3\.urdf:\d+: the robot has no <link>",
 }
-"""Files that describe nothing that moves, or a body that cannot exist."""
+"""Error messages for files that describe no freedom, or a body that cannot exist, by stem."""
 
 FLOATING_ONLY = ("quadrotor_base", "iris_simple")
 
 
 def assert_same_dynamics(system: System, model: pin.Model, several: dict[str, tuple[str, ...]]) -> None:
-    """[A] and {f} of both at a random state."""
+    """Require equal [A] and {f} of kanegen and Pinocchio at a random state."""
     x, y = np.random.default_rng(4).uniform(-1, 1, (2, len(system.freedoms)))
     a, f = dynamics(model, places(system, model, several), x, y)
     ours = reference.mass_matrix(system, x)
@@ -68,7 +68,7 @@ def row(values: Iterable[float]) -> str:
 
 
 def random_robot(rng: np.random.Generator, links: int) -> str:
-    """A tree of links with every joint type of one freedom or none, and axes of every kind."""
+    """Return a random tree of links with all joint types of at most one freedom and all kinds of axes."""
     text = '<robot name="random">'
     for k in range(links):
         tensor = random_inertia(rng)

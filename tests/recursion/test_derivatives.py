@@ -11,9 +11,15 @@ from kanegen.program.count import count
 from kanegen.recursion.outputs import DERIVATIVES
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
-from tests.physics.test_quaternions import with_some
-from tests.physics.test_speeds import SPINS, close, mixed, state, values
 from tests.support import systems
+from tests.support.orientation_trees import (
+    ANGULAR_VELOCITY,
+    angle_state,
+    close,
+    mixed,
+    values,
+    with_quaternions,
+)
 from tests.support.paths import MODELS
 
 STEP = 1e-30
@@ -21,7 +27,7 @@ STEP = 1e-30
 
 def given(system: kg.System, seed: int) -> dict[str, np.ndarray]:
     """A state away from where three angles fail; quaternions of any length."""
-    found = state(system.with_coordinates("angles"), seed)
+    found = angle_state(system.with_coordinates("angles"), seed)
     if len(system.coordinates) > len(system.freedoms):
         found["x"] = np.random.default_rng(seed).uniform(-1.0, 1.0, len(system.coordinates))
     return found
@@ -56,8 +62,8 @@ def expected(system: kg.System, g: dict[str, np.ndarray], name: str) -> np.ndarr
 
 SYSTEMS = {
     "rates": mixed,
-    "spins": lambda seed: mixed(seed).with_speeds(SPINS),
-    "quaternions": with_some,
+    "spins": lambda seed: mixed(seed).with_speeds(ANGULAR_VELOCITY),
+    "quaternions": with_quaternions,
     "slides and hinges": lambda seed: systems.random_system(np.random.default_rng(seed), 5, loads=True),
 }
 
@@ -74,7 +80,7 @@ def test_complex_steps(kind: str, name: str) -> None:
 
 def test_together_with_what_they_are_derivatives_of() -> None:
     """No value changes, and the intermediates are shared."""
-    system = mixed(2).with_speeds(SPINS)
+    system = mixed(2).with_speeds(ANGULAR_VELOCITY)
     g = given(system, 2)
     names = ("forward_dynamics", "forward_dynamics_derivatives", "inverse_dynamics")
     together = values(system, g, *names)

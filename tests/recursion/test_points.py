@@ -13,9 +13,8 @@ from kanegen.program.count import count
 from kanegen.reference.freedoms import free_columns
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.matrices import skew
-from tests.physics.test_quaternions import with_some
-from tests.physics.test_speeds import SPINS, close, mixed, values
 from tests.support import systems
+from tests.support.orientation_trees import ANGULAR_VELOCITY, close, mixed, values, with_quaternions
 from tests.support.paths import MODELS
 
 POINTS = ("point_positions", "point_velocities", "point_accelerations", "point_jacobians")
@@ -62,8 +61,8 @@ def test_the_equations_of_the_notes(kind: str, each: int) -> None:
     for seed in range(3):
         tree = {
             "rates": mixed(seed),
-            "spins": mixed(seed).with_speeds(SPINS),
-            "quaternions": with_some(seed),
+            "spins": mixed(seed).with_speeds(ANGULAR_VELOCITY),
+            "quaternions": with_quaternions(seed),
             "slides and hinges": systems.random_system(np.random.default_rng(seed), 5),
         }[kind]
         system = pointed(tree, seed, each)
@@ -76,7 +75,7 @@ def test_the_equations_of_the_notes(kind: str, each: int) -> None:
 
 
 def test_compiled_code() -> None:
-    system = pointed(mixed(2).with_speeds(SPINS), 2, 2)
+    system = pointed(mixed(2).with_speeds(ANGULAR_VELOCITY), 2, 2)
     library = kg.build(system, (*POINTS, "inverse_dynamics"))
     given = state(system, 4)
     right = expected(system, given)

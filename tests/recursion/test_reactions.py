@@ -17,9 +17,8 @@ from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.general_form import steps, with_all_freedoms, with_numbers_as_parameters
-from tests.physics.test_quaternions import state, with_some
-from tests.physics.test_speeds import SPINS, mixed
 from tests.support import moving_bodies, systems
+from tests.support.orientation_trees import ANGULAR_VELOCITY, mixed, quaternion_state, with_quaternions
 from tests.support.paths import MODELS
 
 WARNINGS = "-O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
@@ -64,7 +63,7 @@ def efforts(system: kg.System, given: Arrays) -> dict[Freedom, float]:
 
 
 def require_right(system: kg.System, seed: int) -> None:
-    given = state(system, seed)
+    given = quaternion_state(system, seed)
     every = efforts(system, given)
     expected = np.array([every[freedom] for freedom in system.reaction_freedoms])
     size = max(map(abs, every.values()))
@@ -90,8 +89,8 @@ TREES = {
     "hinges turned by locked angles": lambda seed: turned(seed, free=sliding("theta2")),
     "slides": lambda seed: turned(seed, free=sliding("s1 s3")),
     "welded": lambda seed: turned(seed, free=np.arange(30).reshape(5, 6) == 12, connection=(0, 1, 2, 3, 2)),
-    "angular velocities": lambda seed: mixed(seed).with_speeds(SPINS),
-    "quaternions": with_some,
+    "angular velocities": lambda seed: mixed(seed).with_speeds(ANGULAR_VELOCITY),
+    "quaternions": with_quaternions,
     "parameters": lambda seed: with_numbers_as_parameters(turned(seed, 3)),
 }
 
@@ -149,7 +148,7 @@ def test_the_ground_changes_the_momentum(seed: int) -> None:
     system = systems.random_system(
         rng, 5, connection=(0, 1, 2, 2, 1), free=free, loads=False, orientations=False, locked=False
     ).with_reactions([f"body1.{name}" for name in FREEDOMS])
-    given, arrays = state(system, seed), system.values()
+    given, arrays = quaternion_state(system, seed), system.values()
     x, y, ydot = (given[name] for name in ("x", "y", "ydot"))
     h = 1e-30  # of a complex step, which cancels nothing
     rate = moving_bodies.expected(arrays, x + 1j * h * y, y + 1j * h * ydot)["momentum"].imag / h
@@ -166,7 +165,7 @@ def test_compiled_code() -> None:
     system = with_numbers_as_parameters(turned(4, 3, loads=True)).with_parameters({"number7": 0.5})
     library = kg.build(system, ("reaction_loads", "inverse_dynamics"), flags=WARNINGS)
     assert library.reaction_names == system.reaction_names
-    given = [state(system, seed) for seed in range(9)]
+    given = [quaternion_state(system, seed) for seed in range(9)]
     x, y, ydot, force, torque = (
         np.array([one[name] for one in given]) for name in ("x", "y", "ydot", "force", "torque")
     )
@@ -190,7 +189,7 @@ def test_compiled_code() -> None:
 
 def test_those_that_are_chosen_are_those_of_all_and_cost_less() -> None:
     system = turned(1, 5, loads=True)
-    every, given = reactions(system, state(system, 1)), state(system, 1)
+    every, given = reactions(system, quaternion_state(system, 1)), quaternion_state(system, 1)
     names = (system.reaction_names[-1], system.reaction_names[2])
     some = system.with_reactions(names)
     assert some.reaction_names == names

@@ -42,9 +42,9 @@ class Factor:
     """One matrix or column of body K on its lower body J.
 
     Attributes:
-        kind: What it is.
-        body: K.
-        lower: J, 0 for the ground.
+        kind: Which matrix or column it is.
+        body: Number K of the body.
+        lower: Number J of its lower body, 0 for the ground.
     """
 
     kind: Kind
@@ -62,7 +62,7 @@ class Factor:
 
 @dataclass(frozen=True)
 class Product:
-    """A product.
+    """A product of matrices and columns that is not multiplied out.
 
     Attributes:
         factors: Factors from left to right; the last may be a sum or a row.
@@ -87,7 +87,7 @@ class Row:
 
     Attributes:
         blocks: N blocks for {y_1} or 2N for {y}; None for a zero.
-        bodies: N.
+        bodies: Number N of bodies.
     """
 
     blocks: tuple[Term | None, ...]
@@ -115,7 +115,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Sum:
-    """A sum.
+    """A sum of terms with their signs.
 
     Attributes:
         terms: Signs, +1 or -1, and terms from left to right.

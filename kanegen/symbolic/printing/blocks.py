@@ -132,20 +132,20 @@ class Blocks:
         return self._factor(Kind.ROTATION_FROM_GROUND if self._lower(k) == GROUND else Kind.ROTATION, k)
 
     def _turning(self, k: int, terms: Sum) -> Sum:
-        """Return `terms` behind the time derivative of [^J R_K], Eq. (7)."""
+        """Return the product of the time derivative of [^J R_K], Eq. (7), and `terms`."""
         if not self._turns(k):
             return NOTHING
         omega = Kind.OMEGA_TILDE_T if self._lower(k) == GROUND else Kind.RELATIVE_OMEGA_TILDE_T
         return times((self._factor(omega, k), self._rotation(k)), terms)
 
     def _turned_rates(self, prefix: tuple[Factor, ...], k: int) -> Term:
-        """Return [P_K] behind rotations, without [P_K] where the speeds are those of an angular velocity."""
+        """Return rotations times [P_K], which is the identity for speeds of an angular velocity."""
         if self._has_angular_velocity_speeds(k):
             return product(*prefix) if prefix else self._factor(Kind.IDENTITY, k)
         return product(*prefix, self._factor(Kind.ANGLE_RATE_MATRIX, k))
 
     def _in_lower_components(self, k: int, kind: Kind) -> Term:
-        """Return a factor in joint-frame components, behind [C_K]^T where the joint frame is turned."""
+        """Return a factor in J components: behind [C_K]^T if the joint frame is turned."""
         if self.system.bodies[k - 1].joint.orientation == IDENTITY:
             return self._factor(kind, k)
         back = self._factor(Kind.JOINT_ORIENTATION_T, k)
@@ -165,13 +165,13 @@ class Blocks:
         return total(product(self._rotation(k), velocity)) if velocity.terms else NOTHING
 
     def _swung(self, k: int, arm: Term) -> Sum:
-        """Return the cross product of the angular velocity of K and an arm, nothing if K never turns."""
+        """Return the cross product of the angular velocity of K and an arm, no term if K never turns."""
         if not any(self._turns(body) for body in self._path(k)):
             return NOTHING
         return total(product(self._factor(Kind.OMEGA_TILDE, k), arm))
 
     def _angular_row(self, k: int) -> Sum:
-        """Return [omega'_K,y1] as a sum, nothing if all its blocks are zero."""
+        """Return [omega'_K,y1] as a sum, without a term if all its blocks are zero."""
         row = self.partial_angular_velocity(k)
         return total(row) if any(row.blocks) else NOTHING
 
