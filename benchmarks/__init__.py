@@ -1,1 +1,1 @@
-"""Figures by which kanegen is judged; `python -m benchmarks` times it beside its peers."""
+"""Measurements for the documentation; `python -m benchmarks` times kanegen beside its peers."""

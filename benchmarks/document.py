@@ -1,4 +1,4 @@
-"""All of docs/benchmarks.md."""
+"""The document docs/benchmarks.md: summaries, the method, and every number."""
 
 from __future__ import annotations
 
@@ -19,28 +19,31 @@ from kanegen.studies.bench.results import QUANTITIES, TOLERANCE
 from kanegen.studies.markdown import markdown_table
 
 PEERS = (PINOCCHIO, FREE_FLYER, MUJOCO, CASADI, PYDY)
+"""The peers in the order of the columns."""
 
 _INTRODUCTION = """\
-Written by `make bench` (`python -m benchmarks`); nobody edits it by hand. `kanegen bench MODEL` does the same
-for one model. A ratio is the time of kanegen over that of the peer: 1/8 is an eighth of its time."""
+Written by `make bench` (`python -m benchmarks`); do not edit it by hand. `kanegen bench MODEL` measures the
+same for one model. A ratio is the time of kanegen over that of the peer: 1/8 means that kanegen takes an
+eighth of the time. The ratios carry over to other machines better than the nanoseconds."""
 
 _SHARED = """\
-The machine was shared with other work while the times were taken. The programs took turns, so ratios carry
-over; nanoseconds are those of this machine under that load."""
+Other work ran on the machine while the times were taken. The programs were timed in turns, so the load
+affected all of them alike; the nanoseconds are those of this machine under this load."""
 
 _CALLS = f"""\
-One state a call, `library.evaluate(x, y)` and `library.forward_dynamics(x, y, tau)` with arrays of doubles.
-The C is the same, compiled as *{EXACT.name}*; *beyond* is what Python and NumPy add to it."""
+One state in each call, `library.evaluate(x, y)` and `library.forward_dynamics(x, y, tau)` with arrays of
+doubles. The C is the same, compiled as *{EXACT.name}*; *beyond* is the time that Python and NumPy add to it.
+Large batches hide this time."""
 
 _METHOD = Path(__file__).with_name("method.md")
 
 
-def document(comparisons: Sequence[Comparison], terms: BenchOptions) -> str:
-    """Markdown with summaries first, then how it was done, then every number."""
+def document(comparisons: Sequence[Comparison], options: BenchOptions) -> str:
+    """Return the Markdown: summaries first, then the method, then every number."""
     parts = [
         "# kanegen beside its peers",
         _INTRODUCTION,
-        "![Times of everybody on every model](benchmarks.svg)",
+        "![Times of all programs on all models](benchmarks.svg)",
         f"## One state, compiler setting *{NATIVE.name}*",
         *_summaries(comparisons, NATIVE),
         f"## Many states at once, compiler setting *{NATIVE.name}*",
@@ -54,8 +57,8 @@ def document(comparisons: Sequence[Comparison], terms: BenchOptions) -> str:
         _CALLS,
         _calls(comparisons),
         "## What is compared",
-        _method(terms),
-        "Settings of the compilers:",
+        _method(options),
+        "Compiler settings:",
         "\n".join(f"- *{setting.name}*: `{' '.join(setting.flags)}`" for setting in SETTINGS),
         "## Machine",
         "\n".join(f"- {line}" for line in machine.description()),
@@ -67,7 +70,7 @@ def document(comparisons: Sequence[Comparison], terms: BenchOptions) -> str:
 
 
 def section(comparison: Comparison) -> str:
-    """Every number of one model."""
+    """Return the section with every number of one model."""
     parts = [f"### {comparison.model}, {comparison.n} freedoms"]
     for quantity in QUANTITIES:
         parts.append(
@@ -77,7 +80,7 @@ def section(comparison: Comparison) -> str:
 
 
 def _summaries(comparisons: Sequence[Comparison], setting: Setting, batch: bool = False) -> Iterator[str]:
-    """A table a quantity, a line a model: kanegen compiled in one setting over its peers."""
+    """Yield one table for each quantity: a row a model, kanegen in one compiler setting over its peers."""
     for quantity in QUANTITIES:
         title = f"{table.TITLES[quantity]}{', batch' if batch else ''}, ns a state"
         rows = []
@@ -89,7 +92,7 @@ def _summaries(comparisons: Sequence[Comparison], setting: Setting, batch: bool 
 
 
 def _calls(comparisons: Sequence[Comparison]) -> str:
-    """A line a model: from C, from Python, and the difference."""
+    """Return the table of calls from C, calls from Python, and the difference; one row for each model."""
     head, rows = [""], [[comparison.model] for comparison in comparisons]
     for quantity in QUANTITIES:
         head += [f"{table.TITLES[quantity]} from C, ns", "from Python", "beyond"]
@@ -104,12 +107,12 @@ def _ns(entry: Entry | None) -> str:
     return table.ns(None if entry is None else entry.median)
 
 
-def _method(terms: BenchOptions) -> str:
+def _method(options: BenchOptions) -> str:
     template = Template(_METHOD.read_text(encoding="utf-8"))
     numbers = {
-        "states": terms.states,
-        "rounds": terms.rounds,
-        "seconds": f"{terms.seconds:g}",
+        "states": options.states,
+        "rounds": options.rounds,
+        "seconds": f"{options.seconds:g}",
         "tolerance": f"{TOLERANCE:.0e}",
         "most": MOST_FREEDOMS,
         "derived": MOST_DERIVATIVE_FREEDOMS,

@@ -1,9 +1,9 @@
-"""Prints the figures that kanegen is judged by: errors, operation counts, times.
+"""Prints figures of quality: errors, operation counts and times.
 
     python -m benchmarks.figures
 
-Needs the extra `test` (Pinocchio and its robots). Times are one run each on whatever machine this is; errors
-and counts are reproducible.
+Needs the extra `test` (Pinocchio and its robots). A time is that of one run on this machine; errors and
+counts are reproducible.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The systems that everybody computes."""
+"""The standard models of the benchmarks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NAMES = (*ROBOTS, *FLOATING, "eight_body", "chain64")
 
 
 def system(name: str) -> kg.System:
-    """The system `name`, one of `NAMES`, without loads: not every peer takes them."""
+    """Return the system `name`, one of `NAMES`, without loads, which not every peer takes."""
     if name == "eight_body":
         loaded = kg.load(EIGHT_BODY)
         return replace(loaded, bodies=tuple(replace(body, loads=False) for body in loaded.bodies))
@@ -34,7 +34,7 @@ def system(name: str) -> kg.System:
 
 
 def revolute_chain(links: int) -> kg.System:
-    """Hinges about axes 1, 2, 3, 1, ... in turn; nothing about the links is symmetrical."""
+    """Return a chain of hinges about axes 1, 2, 3, 1, ... in turn, with asymmetrical links."""
     rng = np.random.default_rng(links)
     points = rng.uniform(-0.1, 0.1, (links, 6, 3))
     points -= points.mean(axis=1, keepdims=True)

@@ -1,1 +1,1 @@
-"""How everything grows with the number of bodies; `python -m benchmarks.growth` writes docs/growth.md."""
+"""The growth of costs with the number of bodies; `python -m benchmarks.growth` writes docs/growth.md."""

@@ -1,8 +1,8 @@
-"""Measures how kanegen grows from 1 to 256 bodies, and writes docs/growth.md and docs/growth.svg.
+"""Measures the costs of trees of 1 to 256 bodies; writes docs/growth.md and docs/growth.svg.
 
-python -m benchmarks.growth [--most N] [--rounds R] [--seconds S] [--time-limit S] [--docs FOLDER]
+    python -m benchmarks.growth [--most N] [--rounds R] [--seconds S] [--time-limit S] [--docs FOLDER]
 
-Needs the extra `bench` for the picture. The whole takes about an hour, most of it in the C compiler.
+Needs the extra `bench` for the plot. It takes about an hour, most of it in the C compiler.
 """
 
 from __future__ import annotations
@@ -28,75 +28,82 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 
 def main() -> None:
-    options = _options()
-    terms = GrowthOptions(options.rounds, options.seconds, options.time_limit)
+    arguments = _arguments()
+    options = GrowthOptions(arguments.rounds, arguments.seconds, arguments.time_limit)
     require("matplotlib")
-    options.docs.mkdir(parents=True, exist_ok=True)
-    study = Study([Point(case) for case in cases(options.most)])
+    arguments.docs.mkdir(parents=True, exist_ok=True)
+    study = Study([Point(case) for case in cases(arguments.most)])
     with tempfile.TemporaryDirectory() as folder:
         folders = [Path(folder) / str(i) for i in range(len(study.points))]
-        for _ in range(terms.rounds):
+        for _ in range(options.rounds):
             _generate(study, folders)
-        _compile(study, folders, terms)
-        _time(study, folders, terms)
-    write_whole(options.docs / "growth.md", document(study, terms))
-    write_whole(options.docs / "growth.svg", svg(study))
+        _compile(study, folders, options)
+        _time(study, folders, options)
+    write_whole(arguments.docs / "growth.md", document(study, options))
+    write_whole(arguments.docs / "growth.svg", svg(study))
 
 
-def _options() -> argparse.Namespace:
+def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.growth", description=__doc__.splitlines()[0])
-    parser.add_argument("--most", type=int, default=256, help="bodies of the largest tree")
+    parser.add_argument("--most", type=int, default=256, help="number of bodies of the largest tree")
     parser.add_argument(
-        "--rounds", type=int, default=GrowthOptions.rounds, help="of everything; medians count"
+        "--rounds",
+        type=int,
+        default=GrowthOptions.rounds,
+        help="rounds, of which medians are taken",
     )
     parser.add_argument(
-        "--seconds", type=float, default=GrowthOptions.seconds, help="of every timing of one state"
+        "--seconds", type=float, default=GrowthOptions.seconds, help="duration of each timing of one state"
     )
     parser.add_argument(
-        "--time-limit", type=float, default=GrowthOptions.time_limit, help="s for one file of C"
+        "--time-limit",
+        type=float,
+        default=GrowthOptions.time_limit,
+        help="seconds to compile one file",
     )
     parser.add_argument("--docs", type=Path, default=DOCS)
     return parser.parse_args()
 
 
 def _generate(study: Study, folders: Sequence[Path]) -> None:
-    """One round."""
+    """Generate the C of all points once."""
     for point, folder in zip(study.points, folders, strict=True):
         _say(f"generating {point.case}")
         point.add(generated(point.case, folder))
 
 
-def _compile(study: Study, folders: Sequence[Path], terms: GrowthOptions) -> None:
-    """All rounds; where a file has exceeded the time limit, larger trees of the same curve are left out."""
+def _compile(study: Study, folders: Sequence[Path], options: GrowthOptions) -> None:
+    """Compile the C of all points in all rounds; a file over the time limit excludes larger trees of its
+    curve."""
     given_up: dict[tuple[Curve, str], int] = {}
     for turn, (point, folder), kind in product(
-        range(terms.rounds), list(zip(study.points, folders, strict=True)), compiling.KINDS
+        range(options.rounds), list(zip(study.points, folders, strict=True)), compiling.KINDS
     ):
         curve, bodies = point.case.curve, point.case.bodies
         known = point.median(f"compile{kind}") or 0.0
-        if bodies >= given_up.get((curve, kind), bodies + 1) or (turn and known > terms.time_limit * ONCE):
+        if bodies >= given_up.get((curve, kind), bodies + 1) or (turn and known > options.time_limit * ONCE):
             continue
         _say(f"compiling {point.case}{kind}")
         try:
-            point.add(compiling.compiled(folder, kind, terms.time_limit))
+            point.add(compiling.compiled(folder, kind, options.time_limit))
         except TimeLimitError as error:
             given_up[curve, kind] = bodies
             reason = f"the compiler took more than {error.seconds:g} s for a file"
             study.missing.append(f"{point.case}{kind} and larger ones: {reason}")
 
 
-def _time(study: Study, folders: Sequence[Path], terms: GrowthOptions) -> None:
-    """Everybody has a turn in every round."""
+def _time(study: Study, folders: Sequence[Path], options: GrowthOptions) -> None:
+    """Time one state of every point in each round."""
     programs = {
         id(point): compiling.link(point.case, folder, int(point.found["freedoms"][0]))
         for point, folder in zip(study.points, folders, strict=True)
         if point.median("compile") is not None
     }
-    for turn in range(terms.turns):
+    for turn in range(options.turns):
         _say(f"timing, round {turn + 1}")
         for point in study.points:
             if id(point) in programs:
-                point.add({"run": compiling.run_time(programs[id(point)], terms.seconds)})
+                point.add({"run": compiling.run_time(programs[id(point)], options.seconds)})
 
 
 def _say(stage: str) -> None:

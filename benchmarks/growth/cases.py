@@ -1,4 +1,4 @@
-"""What is measured: two families of trees, three outputs, doubled until the largest."""
+"""The cases of the growth study: two families of trees, three outputs, and numbers of bodies that double."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from benchmarks.models import revolute_chain
 from kanegen.model.coordinates import FREEDOMS
 
 LARGEST = {"forcing": 256, "forward_dynamics": 256, "mass_matrix": 64}
-"""Bodies; [A] itself has as many entries as freedoms squared."""
+"""Largest number of bodies for each output; [A] has the square of the freedoms as entries."""
 
 
 def free_tree(bodies: int) -> kg.System:
-    """A binary tree of bodies with six freedoms each; nothing about them is symmetrical."""
+    """Return a binary tree of asymmetrical bodies with six freedoms each."""
     rng = np.random.default_rng(bodies)
     points = rng.uniform(-0.1, 0.1, (bodies, 6, 3))
     points -= points.mean(axis=1, keepdims=True)
@@ -33,12 +33,12 @@ def free_tree(bodies: int) -> kg.System:
 
 
 FAMILIES: dict[str, Callable[[int], kg.System]] = {"chain": revolute_chain, "tree": free_tree}
-"""Chains of hinges, and binary trees of bodies with six freedoms."""
+"""Functions from the number of bodies to a chain of hinges or a binary tree of free bodies."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A family and one output."""
+    """A curve of the study: a family of trees and one output."""
 
     family: str
     output: str
@@ -52,7 +52,7 @@ CURVES = tuple(Curve(family, output) for output in LARGEST for family in FAMILIE
 
 @dataclass(frozen=True)
 class Case:
-    """One point of a curve."""
+    """A point of a curve: its number of bodies."""
 
     curve: Curve
     bodies: int
@@ -61,12 +61,12 @@ class Case:
         return f"{self.curve} of {self.bodies}"
 
     def system(self) -> kg.System:
-        """The tree."""
+        """Return the tree of this case."""
         return FAMILIES[self.curve.family](self.bodies)
 
 
 def cases(most: int) -> Iterator[Case]:
-    """Every curve at 1, 2, 4, ... bodies, no more than `most`; the small ones first."""
+    """Yield all curves at 1, 2, 4, ... bodies up to `most`, small trees first."""
     bodies = 1
     while bodies <= most:
         yield from (Case(curve, bodies) for curve in CURVES if bodies <= LARGEST[curve.output])

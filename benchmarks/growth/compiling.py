@@ -1,4 +1,4 @@
-"""Compile the files of a case one by one, and run one state of it."""
+"""The C of a case: compile its files one by one, and time one state."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ ARGUMENTS = {
 
 
 KINDS = ("", " batch")
-"""Of files: those of one state, those of many states at once. Ends of the names of measures."""
+"""Kinds of files, for one state and for many at once, as they end the names of measures."""
 
 
 def compiled(folder: Path, kind: str, time_limit: float) -> dict[str, float]:
     """Compile every file of a kind with kanegen's default flags, one after the other.
 
     Returns:
-        Seconds, and bytes of instructions where binutils tell them.
+        Seconds to compile and, where binutils is installed, bytes of instructions.
 
     Raises:
         TimeLimitError: If a file takes more than `time_limit` seconds.
@@ -47,13 +47,13 @@ def compiled(folder: Path, kind: str, time_limit: float) -> dict[str, float]:
 
 
 def _text_bytes(file: Path) -> float:
-    """Size of the instructions in an object file."""
+    """Return the size of the instructions in an object file (byte)."""
     printed = commands.output(["size", "-A", "-d", file])
     return float(sum(map(int, re.findall(r"^\.text\S*\s+(\d+)", printed, flags=re.MULTILINE))))
 
 
 def link(case: Case, folder: Path, freedoms: int) -> Path:
-    """The program that times one state, from the objects of that kind of file."""
+    """Link the program that times one state and return its path."""
     output, name = case.curve.output, f"{case.curve.family}{case.bodies}"
     definitions = [
         f'-DHEADER="{name}.h"',
@@ -68,7 +68,7 @@ def link(case: Case, folder: Path, freedoms: int) -> Path:
 
 
 def run_time(program: Path, seconds: float) -> float:
-    """Nanoseconds of one state, over about `seconds`."""
+    """Return the nanoseconds of one state, measured for about `seconds`."""
     return float(commands.output([program, str(seconds)]))
 
 

@@ -1,4 +1,4 @@
-"""All of docs/growth.md."""
+"""The document docs/growth.md: exponents of growth, the method, and every number."""
 
 from __future__ import annotations
 
@@ -13,34 +13,37 @@ from kanegen.options import STRICT
 from kanegen.studies.markdown import markdown_table
 
 _INTRODUCTION = f"""\
-Written by `make growth` (`python -m benchmarks.growth`); nobody edits it by hand. *chain*: hinges about
-axes 1, 2, 3, 1, ... in turn. *tree*: a binary tree of bodies with six freedoms each. Every output is
-generated alone.
+Written by `make growth` (`python -m benchmarks.growth`); do not edit it by hand. It shows how operations,
+times and sizes grow with the number of bodies, so that the cost of a larger tree can be estimated. *chain*
+is a chain of hinges about axes 1, 2, 3, 1, ... in turn; *tree* is a binary tree of bodies with six freedoms
+each. Every output is generated alone.
 
 ![Every measure over the number of bodies](growth.svg)
 
-Dotted: the file for many states at once, which is but a loop over the other where inputs,
-results and what pieces leave for each other are more than 8192 numbers a state.
+Dotted lines are the file for many states at once. It is a loop over the other file where inputs, results
+and the values that function parts pass to each other are more than 8192 numbers a state.
 
 ## Growth
 
-The exponent p of bodies^p, fitted to the points from {FROM} bodies on: 1 is linear. The entries of [A] grow
-as the square, so 2 is all that can be asked there."""
+The table gives the exponent p of bodies^p, fitted to the points from {FROM} bodies on: p = 1 means linear
+growth, so that twice the bodies cost twice as much. The number of entries of [A] grows with the square of
+the freedoms, so p = 2 is linear in the size of [A]."""
 
 WIDTH = 110
+"""Characters of a line of text."""
 
 ONCE = 0.1
-"""Share of the time limit beyond which nothing is compiled a second time."""
+"""Share of the time limit; a file that takes longer is compiled only once."""
 
 
 @dataclass(frozen=True)
 class GrowthOptions:
-    """How carefully it was measured.
+    """The extent of the study.
 
     Attributes:
-        rounds: Of generation and compilation; three times as many of run times.
-        seconds: Of every timing of one state.
-        time_limit: Seconds that the compiler is given for one file.
+        rounds: Number of rounds of generation and compilation; run times have three times as many.
+        seconds: Duration of each timing of one state (s).
+        time_limit: Time that the compiler has for one file (s).
     """
 
     rounds: int = 3
@@ -49,13 +52,13 @@ class GrowthOptions:
 
     @property
     def turns(self) -> int:
-        """Run times vary most and cost least."""
+        """The number of rounds of run times, which vary most and cost least."""
         return 3 * self.rounds
 
 
-def document(study: Study, terms: GrowthOptions) -> str:
-    """Markdown: growth first, then how it was done, then every number."""
-    parts = ["# Growth with the number of bodies", _INTRODUCTION, _exponents(study), _method(terms)]
+def document(study: Study, options: GrowthOptions) -> str:
+    """Return the Markdown: growth first, then the method, then every number."""
+    parts = ["# Growth with the number of bodies", _INTRODUCTION, _exponents(study), _method(options)]
     if study.missing:
         parts += ["\n".join(["Left out:", "", *(f"- {reason}" for reason in study.missing)])]
     parts += ["\n".join(["The machine:", "", *(f"- {line}" for line in machine.description())])]
@@ -67,24 +70,25 @@ def document(study: Study, terms: GrowthOptions) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _method(terms: GrowthOptions) -> str:
+def _method(options: GrowthOptions) -> str:
     largest = ", ".join(f"`{output}` up to {bodies} bodies" for output, bodies in LARGEST.items())
     care = (
-        f"{largest}. Every case has a turn in each of {terms.rounds} rounds; medians are over rounds. What "
-        f"takes the compiler more than {terms.time_limit * ONCE:g} s is compiled once; a file is given up "
-        f"after {terms.time_limit:g} s, and with it all larger trees of its curve."
+        f"{largest}. Every case has one turn in each of {options.rounds} rounds; the tables give medians "
+        f"of the rounds. A file that takes the compiler more than {options.time_limit * ONCE:g} s is "
+        f"compiled once; after {options.time_limit:g} s it is given up, and with it all larger trees of its curve."
     )
     return f"""\
 ## What is measured
 
 {textwrap.fill(care, WIDTH)}
 
-- *operations*: of one evaluation, as `kanegen info` counts them.
-- *derivation*: the recursive form in SymPy, part of *generation*: all of `kg.generate`, in a new process.
-- *memory*: peak of that process beyond what it had with kanegen and the tree loaded.
-- *C*, *compile*, *.text*: size of the C file, the compiler's time for it with `{" ".join(STRICT.flags)}`, and
-  size of the instructions; *batch* is the same of the file for many states at once.
-- *one state*: one call of the function; {terms.turns} processes of {terms.seconds:g} s each, in turns."""
+- *operations*: operations of one evaluation, as `kanegen info` counts them.
+- *generation*: time of `kg.generate` in a new process; *derivation* is its part for the recursive form.
+- *memory*: peak memory of that process beyond that of kanegen and the tree.
+- *C*, *compile*, *.text*: size of the C file, time to compile it with `{" ".join(STRICT.flags)}`, and size of
+the
+  instructions; *batch* is the same for the file for many states at once.
+- *one state*: time of one call, from {options.turns} processes of {options.seconds:g} s each, in turns."""
 
 
 def _exponents(study: Study) -> str:

@@ -1,4 +1,4 @@
-/* Prints the nanoseconds of one evaluation, CALL, over about argv[1] seconds; a few states take turns. */
+/* Time the call CALL for about argv[1] seconds, over a few states in turn, and print its nanoseconds. */
 #define _POSIX_C_SOURCE 199309L
 #include HEADER
 #include <stdio.h>

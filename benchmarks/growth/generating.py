@@ -1,4 +1,4 @@
-"""One generation in a process of its own, so that its memory and its caches are its own.
+"""The generation of a case in a new process, which measures its memory without that of other cases.
 
 python -m benchmarks.growth.generating FAMILY OUTPUT BODIES FOLDER
 """
@@ -21,11 +21,11 @@ ROOT = Path(__file__).parents[2]
 
 
 def generated(case: Case, folder: Path) -> dict[str, float]:
-    """Generate `case` in a new process, its files into `folder`.
+    """Generate the C of a case in a new process and write it into `folder`.
 
     Returns:
-        Operations, freedoms, seconds of derivation and of the whole, bytes of memory beyond those of a
-        process that has loaded kanegen and the tree, bytes of C.
+        Numbers of operations and freedoms, seconds of the derivation and of the whole generation, bytes of
+        memory beyond those of a process that has loaded kanegen and the tree, and bytes of C.
     """
     command = [sys.executable, "-m", __name__, case.curve.family, case.curve.output, str(case.bodies)]
     done = subprocess.run([*command, str(folder)], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
@@ -56,7 +56,10 @@ def _measured(case: Case, folder: Path) -> dict[str, float]:
 
 
 def _peak_memory() -> float:
-    """Bytes; Linux counts what the parent had before exec into ru_maxrss, so its own record comes first."""
+    """Return the peak memory of this process (byte).
+
+    On Linux it comes from /proc, since ru_maxrss also counts memory of the parent process before exec.
+    """
     try:
         status = Path("/proc/self/status").read_text(encoding="utf-8")
         return 1024.0 * int(re.findall(r"^VmHWM:\s+(\d+) kB", status, flags=re.MULTILINE)[0])

@@ -1,4 +1,4 @@
-"""The picture: a panel a measure, a line a curve, both axes logarithmic."""
+"""The plot docs/growth.svg: one panel for each measure, one line for each curve, on logarithmic axes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _COLOURS = {output: f"C{i}" for i, output in enumerate(LARGEST)}
 
 
 def svg(study: Study) -> str:
-    """Full lines are the file for one state, dotted ones that for many.
+    """Draw the file for one state as full lines and the file for many states as dotted lines.
 
     Raises:
         MissingError: If matplotlib is not installed.

@@ -1,4 +1,4 @@
-"""What was measured, and how fast it grows."""
+"""The measurements of the growth study, and the exponents of growth fitted to them."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 from benchmarks.growth.cases import Case, Curve
 
 FROM = 32
-"""Bodies from which on growth is fitted: before, the first joint and the last count for too much."""
+"""Smallest number of bodies to which exponents are fitted; in smaller trees the first and last joint
+dominate."""
 
 
 @dataclass(frozen=True)
 class Measure:
-    """One quantity: its key in a point, its heading, and by what a stored number is divided for it."""
+    """A measure: its key in a point, the head of its column, and the unit in which the column shows it."""
 
     name: str
     title: str
@@ -40,41 +41,42 @@ MEASURES = (
 
 @dataclass
 class Point:
-    """A case and by measure what every round found: SI units, bytes, and ns for "run"."""
+    """A case and the values of all rounds by measure, in SI units, bytes, and ns for "run"."""
 
     case: Case
     found: dict[str, list[float]] = field(default_factory=dict)
 
     def add(self, measured: Mapping[str, float]) -> None:
-        """One more round."""
+        """Add the values of one more round."""
         for name, value in measured.items():
             self.found.setdefault(name, []).append(value)
 
     def median(self, name: str) -> float | None:
-        """None where nothing was measured."""
+        """Return the median of all rounds; None without a measurement."""
         return statistics.median(self.found[name]) if self.found.get(name) else None
 
 
 @dataclass
 class Study:
-    """All points, and what was left out for what reason."""
+    """All points of the study, and texts on points that were left out."""
 
     points: list[Point]
     missing: list[str] = field(default_factory=list)
 
     def curve(self, curve: Curve) -> list[Point]:
-        """Its points, small ones first."""
+        """Return the points of a curve, small trees first."""
         return [point for point in self.points if point.case.curve == curve]
 
 
 def series(points: Sequence[Point], name: str) -> list[tuple[int, float]]:
-    """(bodies, median) of every point that has the measure."""
+    """Return (bodies, median) of every point that has the measure."""
     pairs = ((point.case.bodies, point.median(name)) for point in points)
     return [(bodies, value) for bodies, value in pairs if value is not None]
 
 
 def exponent(values: Sequence[tuple[int, float]]) -> float | None:
-    """p of value ~ bodies^p from `FROM` bodies on, by least squares of logarithms; None below 2 points."""
+    """Fit p of value ~ bodies^p from `FROM` bodies on by least squares of logarithms; None for fewer than 2
+    points."""
     logs = [(math.log(bodies), math.log(value)) for bodies, value in values if bodies >= FROM and value > 0]
     if len(logs) < 2:
         return None

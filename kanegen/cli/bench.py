@@ -64,7 +64,7 @@ def bench(
 
 
 def _show(comparison: Comparison, terms: BenchOptions) -> None:
-    """Print a comparison for people."""
+    """Print the tables and notes of a comparison."""
     from kanegen.studies.bench import table
     from kanegen.studies.bench.results import QUANTITIES
 

@@ -80,7 +80,7 @@ def explain(
 
 
 def _show(report: CostReport) -> None:
-    """Print a cost report for people."""
+    """Print the tables of a cost report."""
     from kanegen.studies.explain import tables
 
     names = ", ".join(report.outputs)

@@ -28,7 +28,7 @@ SYMBOLS = {"mass_matrix": "[A]", "forcing": "{f}", "ydot": "{ydot}"}
 
 
 def show(summary: Summary, console: Console) -> None:
-    """Print the summary for people."""
+    """Print a summary: the tree, its sections, and the changes of exact right angles."""
     system = summary.system
     n, bodies = len(system.freedoms), system.number_of_bodies
     gravity = ", ".join(_text(value) for value in system.gravity)

@@ -118,13 +118,13 @@ class _Files:
         return cls(writers)
 
     def write(self, found: Study) -> None:
-        """Write every file."""
+        """Write the study into every file."""
         for path, text in self.writers.items():
             write_whole(path, text(found))
 
 
 def _show(found: Study, objectives: Sequence[str]) -> None:
-    """Print a study for people."""
+    """Print the tables and statements of a study."""
     from kanegen.studies.tradeoff import report, tables
 
     terms = found.options

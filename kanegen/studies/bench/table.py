@@ -8,7 +8,7 @@ from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, QUAN
 TITLES = {EQUATIONS: "A + f", DYNAMICS: "forward dynamics", DERIVATIVES: "its derivatives"}
 """Titles of the tables by quantity."""
 
-_WAYS = {"aba": "aba", "cholesky": "Cholesky"}
+_METHODS = {"aba": "aba", "cholesky": "Cholesky"}
 """Names of methods by name of the task, where a driver has several methods for a quantity."""
 
 TEXTS = 3
@@ -16,8 +16,16 @@ TEXTS = 3
 
 
 def head(comparison: Comparison, quantity: str) -> list[str]:
-    """Return the heads of the columns."""
-    return [TITLES[quantity], "way", "compiler", "ns", "range", f"over {comparison.standard}", "differs by"]
+    """Return the heads of the columns of a table."""
+    return [
+        TITLES[quantity],
+        "method",
+        "compiler",
+        "ns",
+        "range",
+        f"over {comparison.standard}",
+        "differs by",
+    ]
 
 
 def rows(comparison: Comparison, quantity: str) -> list[list[str]]:
@@ -62,8 +70,8 @@ def ratio(part: Entry | None, whole: Entry | None) -> str:
 
 def _row(comparison: Comparison, entry: Entry) -> list[str]:
     task = entry.task
-    way = "batch" if task.batch else _WAYS.get(task.name, "")
-    row = [entry.participant, way, entry.setting.name]
+    method = "batch" if task.batch else _METHODS.get(task.name, "")
+    row = [entry.participant, method, entry.setting.name]
     if not entry.times.rounds:
         return [*row, "not timed", "", "", f"{entry.error:.0e}"]
     spread = f"{ns(entry.times.least)}-{ns(entry.times.largest)}"

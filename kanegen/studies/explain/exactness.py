@@ -1,4 +1,4 @@
-"""What exact right angles change: the model, the results and the operations."""
+"""The changes that exact right angles make to a model: its bodies, its results and its operations."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from kanegen.reference import equations as reference
 from kanegen.reference.states import random_states
 
 STATES = 64
-"""Random states in which results are compared."""
+"""Number of random states in which results are compared."""
 
 COUNTED = (EQUATIONS, ("forward_dynamics",))
-"""Outputs, each tuple together, whose operations are counted."""
+"""The groups of outputs whose operations are counted; the outputs of a group are computed together."""
 
 
 @dataclass(frozen=True)
-class Changed:
-    """A body that is not quite the same.
+class BodyChange:
+    """The change of a body by exact right angles.
 
     Attributes:
-        body: Its name.
-        turned: How far its constant angles, or the frame of its joint, are turned at most (rad).
-        shifted: How far its joint or its mass centre is shifted at most (m); links welded to it do that.
-        inertia: The largest change of an entry, over the largest entry.
+        body: Name of the body.
+        turned: Largest change of its locked angles and of the orientation of its joint frame (rad).
+        shifted: Largest shift of its joint and of its mass centre (m), which links welded to it cause.
+        inertia: Largest change of an entry of its inertia, relative to the largest entry.
     """
 
     body: str
@@ -42,25 +42,25 @@ class Changed:
 
 @dataclass(frozen=True)
 class Exactness:
-    """A model with exact right angles beside the model as written.
+    """The changes of a model by exact right angles.
 
     Attributes:
-        bodies: Those that differ.
-        results: The largest change of [A], {f} and {ydot} in random states, relative to their norms.
-        operations: As written and exact, by the outputs that are computed together.
+        bodies: The bodies that change.
+        results: Largest change of [A], {f} and {ydot} in random states, relative to their norms.
+        operations: Numbers of operations as written and with exact right angles, by group of outputs.
     """
 
-    bodies: tuple[Changed, ...]
+    bodies: tuple[BodyChange, ...]
     results: dict[str, float]
     operations: dict[str, tuple[int, int]]
 
     @property
     def turned(self) -> float:
-        """The largest angle (rad)."""
+        """The largest change of an orientation of any body (rad)."""
         return max(body.turned for body in self.bodies)
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as plain data."""
+        """Return all fields as plain data for JSON."""
         return {
             "bodies": [asdict(body) for body in self.bodies],
             "results": self.results,
@@ -74,14 +74,17 @@ class Exactness:
 def exactness(
     written: System, exact: System, progress: Progress = quiet, states: int = STATES, seed: int = 0
 ) -> Exactness | None:
-    """What making right angles exact has changed; None where the two systems are equal.
+    """Compare a system with the same system with exact right angles.
 
     Args:
-        written: The system as its file, or its maker, has it.
-        exact: The same with exact right angles.
-        progress: Told the name of each stage.
-        states: How many random states.
-        seed: Of the states.
+        written: The system as written.
+        exact: The system with exact right angles.
+        progress: Function that receives the name of each stage.
+        states: Number of random states.
+        seed: Seed of the random states.
+
+    Returns:
+        The changes; None if the two systems are equal.
 
     Raises:
         SingularError: If [A] is singular in every state.
@@ -95,7 +98,9 @@ def exactness(
     progress("comparing")
     before, after = written.values(), exact.values()
     names = [body.name for body in written.bodies]
-    return Exactness(tuple(_changed(names, before, after)), _results(before, after, states, seed), operations)
+    return Exactness(
+        tuple(_body_changes(names, before, after)), _results(before, after, states, seed), operations
+    )
 
 
 def _operations(system: System, names: tuple[str, ...], progress: Progress) -> int:
@@ -103,8 +108,8 @@ def _operations(system: System, names: tuple[str, ...], progress: Progress) -> i
     return sum(operations.values()) - operations["prepare"]
 
 
-def _changed(names: list[str], before: SystemArrays, after: SystemArrays) -> Iterator[Changed]:
-    """The bodies that differ; a turn by a small angle moves a matrix by sqrt(2) of it (Frobenius)."""
+def _body_changes(names: list[str], before: SystemArrays, after: SystemArrays) -> Iterator[BodyChange]:
+    """Yield the bodies that change; the Frobenius norm of a small turn is sqrt(2) times its angle."""
     frames = np.linalg.norm(after.joint_orientation - before.joint_orientation, axis=(1, 2)) / np.sqrt(2)
     angles = np.abs(after.locked - before.locked).max(axis=1)
     joints = np.linalg.norm(after.joint_position - before.joint_position, axis=1)
@@ -115,11 +120,11 @@ def _changed(names: list[str], before: SystemArrays, after: SystemArrays) -> Ite
     turned, shifted = np.maximum(frames, angles), np.maximum(joints, centers)
     for name, *row in zip(names, turned.tolist(), shifted.tolist(), inertias.tolist(), strict=True):
         if any(row):
-            yield Changed(name, *row)
+            yield BodyChange(name, *row)
 
 
 def _results(before: SystemArrays, after: SystemArrays, states: int, seed: int) -> dict[str, float]:
-    """With D = diag([A])^(1/2), which takes the units away, of D^-1 [A] D^-1, D^-1 {f} and D {ydot}."""
+    """Return the changes of D^-1 [A] D^-1, D^-1 {f} and D {ydot}, without units by D = diag([A])^(1/2)."""
     sample = random_states(before, states, seed)
     state, loads, given = (sample.x, sample.y), (sample.force, sample.torque), sample.inputs
     a, other_a = (reference.mass_matrix(arrays, sample.x, sample.prescribed) for arrays in (before, after))
@@ -135,7 +140,7 @@ def _results(before: SystemArrays, after: SystemArrays, states: int, seed: int) 
 
 
 def _change(value: Floats, other: Floats, scale: Floats) -> float:
-    """The largest norm of a difference over that of the value, state by state; 0 where both are 0."""
+    """Return the largest ratio, over all states, of the norm of the change to the norm of the value."""
     states = len(value)
     difference = np.linalg.norm(((other - value) * scale).reshape(states, -1), axis=1)
     size = np.linalg.norm((value * scale).reshape(states, -1), axis=1)

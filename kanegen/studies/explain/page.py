@@ -54,7 +54,7 @@ class Drawing:
 
 
 def html(report: CostReport) -> str:
-    """Return the page."""
+    """Return the cost report as an HTML page."""
     return fill(
         "cost_report.html",
         report=report,

@@ -51,7 +51,7 @@ class FreeFlyer:
         return converted
 
     def _jacobian(self, x: Floats) -> Floats:
-        """Return the (n, n) matrix [J]."""
+        """Return the (n, n) matrix [J] of v = [J]{y} at the coordinates {x}."""
         jacobian = np.eye(len(x), dtype=x.dtype)
         for block in self.blocks:
             jacobian[np.ix_(block, block)] = _body_velocity(x[block[3:]])

@@ -29,7 +29,7 @@ MUJOCO = "MuJoCo"
 
 
 def builders(problem: Problem) -> Builders:
-    """Yield the builder of one participant."""
+    """Yield the name and the builder of the only participant."""
     yield MUJOCO, functools.partial(_build, problem)
 
 

@@ -23,7 +23,7 @@ MOST_FREEDOMS = 9
 
 
 def builders(problem: Problem) -> Builders:
-    """Yield the builder of one participant."""
+    """Yield the name and the builder of the only participant."""
     yield PYDY, functools.partial(_build, problem)
 
 
