@@ -75,7 +75,8 @@ def _method(options: GrowthOptions) -> str:
     care = (
         f"{largest}. Every case has one turn in each of {options.rounds} rounds; the tables give medians "
         f"of the rounds. A file that takes the compiler more than {options.time_limit * ONCE:g} s is "
-        f"compiled once; after {options.time_limit:g} s it is given up, and with it all larger trees of its curve."
+        f"compiled once; after {options.time_limit:g} s it is given up, and with it all larger trees of its "
+        "curve."
     )
     return f"""\
 ## What is measured
