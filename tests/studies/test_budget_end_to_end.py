@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.artifacts.certificate import certificate_text
 from kanegen.c.folder import with_provenance
 from kanegen.errors import BudgetError, CertificateError, OptionError, ReadError
 from kanegen.measure.truth import measure
@@ -118,7 +119,7 @@ def rewritten(path: Path, change: Callable[[dict[str, Any]], Any]) -> Path:
     content = json.loads(path.read_text())
     del content["//"]
     change(content)
-    path.write_text(certificate.Certificate(content).text(path.name))
+    path.write_text(certificate_text(path.name, content))
     return path
 
 

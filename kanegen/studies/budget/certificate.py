@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from kanegen import __version__
-from kanegen.artifacts.certificate import certificate_text
 from kanegen.c import Source
 from kanegen.c.folder import is_unchanged
 from kanegen.errors import CertificateError, KanegenError
@@ -56,10 +55,6 @@ class Certificate:
     """
 
     content: Mapping[str, Any]
-
-    def text(self, name: str) -> str:
-        """Return the text of the certificate file of this name."""
-        return certificate_text(name, self.content)
 
     def section(self, name: str) -> Any:
         """Return the section of this name.

@@ -46,7 +46,7 @@ class Screening(Generic[C]):
 
     @property
     def sample(self) -> SampleSpec:
-        """The sample for selection."""
+        """The sample by which candidates are selected."""
         return SampleSpec(SELECT, 0, self.request.effort.select)
 
     @property
