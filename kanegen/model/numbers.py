@@ -15,11 +15,17 @@ from kanegen.model.names import check_identifier
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that the generated code takes at run time.
+    """A number of a model that stays open until run time.
 
     Attributes:
         name: A C identifier, unique within a system.
-        value: Default, in the unit of the place where the parameter stands.
+        value: Default value, in the unit of the quantity that the parameter replaces.
+
+    Raises:
+        ModelError: If the name is no C identifier or the value is not finite.
+
+    Example:
+        payload = kg.Parameter("payload", 1.5)  # kg, where a mass is expected
     """
 
     name: str
@@ -31,12 +37,17 @@ class Parameter:
 
 
 Number = float | Parameter
+"""A number of a model: fixed, or open until run time."""
+
 Vector = tuple[Number, Number, Number]
+"""(3,) numbers of a model."""
+
 Matrix = tuple[Vector, Vector, Vector]
+"""(3, 3) numbers of a model, row by row."""
 
 
 def finite(value: Any, what: str) -> float:
-    """`value` as a finite float.
+    """Return `value` as a finite float; `what` names the quantity for the message.
 
     Raises:
         ModelError: If it is not a real number, or is NaN or infinite.
@@ -53,12 +64,12 @@ def finite(value: Any, what: str) -> float:
 
 
 def number(value: Any, what: str) -> Number:
-    """`value` as a finite float, or the `Parameter` that it is."""
+    """Return a parameter as it is, and anything else as a finite float."""
     return value if isinstance(value, Parameter) else finite(value, what)
 
 
 def listed(value: Any) -> list[Any] | None:
-    """The items of something that has an order; None of a string, a table, a set and whatever is no list."""
+    """Return the items of an ordered collection; None for strings, tables, sets and single values."""
     if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
         return None
     if isinstance(value, np.ndarray) and value.ndim == 0:
@@ -67,7 +78,7 @@ def listed(value: Any) -> list[Any] | None:
 
 
 def numbers(value: Any, shape: tuple[int, ...], what: str) -> Any:
-    """`value` as nested tuples of `Number` with exactly `shape`.
+    """Return `value` as nested tuples of `Number` with exactly `shape`.
 
     Args:
         value: Nested sequences or an array; entries are numbers or parameters.
@@ -93,14 +104,14 @@ def _describe(shape: tuple[int, ...]) -> str:
 
 
 def map_numbers(value: Any, function: Callable[[Number], Any]) -> Any:
-    """`function` applied to every number of nested tuples, keeping their nesting."""
+    """Return nested tuples with `function` applied to every number in them."""
     if isinstance(value, tuple):
         return tuple(map_numbers(item, function) for item in value)
     return function(value)
 
 
 def value_of(value: Number) -> float:
-    """The number itself, or a parameter's default."""
+    """Return a number as it is, and the default value of a parameter."""
     return value.value if isinstance(value, Parameter) else value
 
 

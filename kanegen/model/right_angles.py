@@ -1,7 +1,8 @@
-"""Right angles that a model misses: 1.5708 for pi/2, 3.1416 for pi, 6e-17 for 0.
+"""Rounded right angles of a model, such as 1.5708 for pi/2, 3.1416 for pi and 6e-17 for 0.
 
-What no more than a tolerance parts from a multiple of a right angle can be taken for it. Its sine and cosine
-are then 0 and +-1, and the operations that they cost disappear; but it is another model, if only by so much.
+An angle that is no farther than a tolerance from a multiple of a right angle can be replaced by it. Its sine
+and cosine are then 0 and +-1, and the operations that they cost disappear. The model changes, but by no more
+than the tolerance.
 """
 
 from __future__ import annotations
@@ -15,19 +16,19 @@ from kanegen.model.rotations import Square, Triple, cross, normalized
 from kanegen.program.constants import MOST_QUARTER_TURNS
 
 AS_WRITTEN = 0.0
-"""The default (rad): a file means the numbers that it holds, and agrees to the last digits with every other
-program that reads it. Even 1.57079632679, the commonest of all, would change results by 5e-12."""
+"""Default tolerance (rad): numbers stay as the file has them, so that results agree to the last digits with
+other programs that read the same file. Making even 1.57079632679 exact changes results by 5e-12."""
 
 TYPED = 5e-5
-"""Half a unit of the fourth decimal (rad): what a right angle misses at most that was rounded there, as
-1.5708, 3.1416 and 4.7124 were. It is less than joints are built or measured to."""
+"""Tolerance (rad) for right angles that were typed with four decimals, as 1.5708, 3.1416 and 4.7124: half a
+unit of the last. Real joints are neither built nor measured as accurately."""
 
 LARGEST = 0.01
-"""The largest tolerance (rad): more than half a degree is something that a designer means."""
+"""Largest tolerance (rad): an angle more than half a degree from a right angle is intended."""
 
 
 def checked(tolerance: Any) -> float:
-    """A tolerance that makes sense.
+    """Return `tolerance` (rad) as a float.
 
     Raises:
         OptionError: If it is not a number from 0 to `LARGEST`.
@@ -45,14 +46,14 @@ def checked(tolerance: Any) -> float:
 
 
 def angle(value: float, tolerance: float) -> float:
-    """`value` (rad), or the multiple of a right angle that is no farther away than `tolerance`."""
+    """Return the multiple of a right angle within `tolerance` of `value` (rad), else `value`."""
     turns = round(value / (math.pi / 2))
     exact = turns * (math.pi / 2)
     return exact if abs(turns) <= MOST_QUARTER_TURNS and abs(value - exact) <= tolerance else value
 
 
 def direction(v: Triple, tolerance: float) -> Triple:
-    """A unit vector, at right angles to the basis vectors to which it nearly is."""
+    """Return a unit vector whose components within `tolerance` of zero are exactly zero."""
     if not _misses(v, tolerance):
         return v
     x, y, z = (0.0 if abs(x) <= tolerance else x for x in v)
@@ -60,9 +61,9 @@ def direction(v: Triple, tolerance: float) -> Triple:
 
 
 def rotation(m: Square, tolerance: float) -> Square:
-    """A rotation, the axes of its frames along each other where they nearly are.
+    """Return a rotation with exact zeros and ones where axes of its two frames coincide within `tolerance`.
 
-    Where one axis is, a turn about it is left; where two are, so is the third.
+    If one axis coincides, the rotation becomes one about this axis; if two do, all three coincide.
     """
     if not any(_misses(row, tolerance) for row in m):
         return m

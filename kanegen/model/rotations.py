@@ -18,65 +18,65 @@ UNIT: Square = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def dot(a: Triple, b: Triple) -> float:
-    """The scalar product."""
+    """Return the scalar product of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Triple, b: Triple) -> Triple:
-    """The vector product."""
+    """Return the vector product of two vectors."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def apply(matrix: Square, v: Triple) -> Triple:
-    """[matrix] {v}."""
+    """Return the product [matrix] {v}."""
     return dot(matrix[0], v), dot(matrix[1], v), dot(matrix[2], v)
 
 
 def transpose(m: Square) -> Square:
-    """[m]^T."""
+    """Return the transpose [m]^T."""
     (a, b, c), (d, e, f), (g, h, i) = m
     return (a, d, g), (b, e, h), (c, f, i)
 
 
 def product(a: Square, b: Square) -> Square:
-    """[a] [b]."""
+    """Return the product [a] [b]."""
     columns = transpose(b)
     return apply(columns, a[0]), apply(columns, a[1]), apply(columns, a[2])
 
 
 def similar(rotation: Square, tensor: Square) -> Square:
-    """[rotation] [tensor] [rotation]^T: a tensor's components in the other frame."""
+    """Return [rotation] [tensor] [rotation]^T: the components of a tensor in the rotated frame."""
     return product(product(rotation, tensor), transpose(rotation))
 
 
 def nearest_rotation(m: Square) -> Square:
-    """The rotation nearest to a matrix that is almost one, by a Newton step; exact zeros stay."""
+    """Return the rotation nearest to a matrix that is almost one, by a Newton step; exact zeros stay."""
     (a, b, c), (d, e, f), (g, h, i) = product(transpose(m), m)
     half = ((3 - a) / 2, -b / 2, -c / 2), (-d / 2, (3 - e) / 2, -f / 2), (-g / 2, -h / 2, (3 - i) / 2)
     return product(m, half)
 
 
 def turn(axis: int, angle: float) -> Square:
-    """From a frame to the one turned by a constant `angle` (rad) about basis vector `axis` (0, 1 or 2)."""
+    """Return the rotation to a frame turned by a constant `angle` (rad) about basis vector `axis`, from 0."""
     return planar(axis, *sine_cosine(angle))
 
 
 def planar(axis: int, sine: float, cosine: float) -> Square:
-    """From a frame to the one turned about basis vector `axis` by the angle of this sine and cosine."""
+    """Return the rotation to a frame turned about basis vector `axis` by the angle of a sine and a cosine."""
     j, k = (axis + 1) % 3, (axis + 2) % 3
     return _with_entries({(axis, axis): 1.0, (j, j): cosine, (j, k): sine, (k, j): -sine, (k, k): cosine})
 
 
 def rotation_123(angles: Triple) -> Square:
-    """[R_123] of Eq. (4): from the frame before three body-fixed turns (rad) to the one after them."""
+    """Return [R_123] of Eq. (4): from the frame before three body-fixed turns (rad) to the one after."""
     return product(turn(2, angles[2]), product(turn(1, angles[1]), turn(0, angles[0])))
 
 
 def angles_123(m: Square) -> Triple:
-    """Angles (rad) of `rotation_123` with a middle one from -pi/2 to pi/2.
+    """Return the angles (rad) of `rotation_123` for a rotation, the middle one from -pi/2 to pi/2.
 
-    The last is read from the rotation that the first leaves, so that together they stay accurate where
-    neither is well defined.
+    The last angle is computed from the rotation that remains after the first, so that both together stay
+    accurate near gimbal lock, where neither is well defined.
     """
     first = math.atan2(-m[2][1], m[2][2])
     middle = math.atan2(m[2][0], math.hypot(m[2][1], m[2][2]))
@@ -86,13 +86,13 @@ def angles_123(m: Square) -> Triple:
 
 
 def rotation_rpy(angles: Triple) -> Square:
-    """From a frame turned by roll, pitch, yaw (rad; about the fixed x, y, z in this order) to the old one."""
+    """Return the rotation from a frame turned by roll, pitch, yaw (rad; fixed x, y, z) to the old frame."""
     roll, pitch, yaw = angles
     return transpose(product(turn(0, roll), product(turn(1, pitch), turn(2, yaw))))
 
 
 def rotation_quaternion(x: float, y: float, z: float, w: float) -> Square:
-    """From a frame turned by a quaternion of any length but zero to the old one."""
+    """Return the rotation from a frame turned by a quaternion of any length but zero to the old frame."""
     size = max(abs(x), abs(y), abs(z), abs(w))
     x, y, z, w = x / size, y / size, z / size, w / size
     t = 2 / (x * x + y * y + z * z + w * w)
@@ -104,7 +104,7 @@ def rotation_quaternion(x: float, y: float, z: float, w: float) -> Square:
 
 
 def normalized(v: Triple) -> Triple:
-    """`v` / |v|; `v` must not be zero."""
+    """Return `v` / |v|; `v` must not be zero."""
     size = max(abs(v[0]), abs(v[1]), abs(v[2]))
     x, y, z = v[0] / size, v[1] / size, v[2] / size
     length = math.hypot(x, y, z)
@@ -112,7 +112,7 @@ def normalized(v: Triple) -> Triple:
 
 
 def rotation_to_axis(v: Triple) -> tuple[int, Square]:
-    """The basis vector i nearest to the unit vector `v`, up to sign, and a rotation [B] with [B] {v} = e_i.
+    """Return the basis vector i nearest to the unit vector `v`, up to sign, and [B] with [B] {v} = e_i.
 
     [B] is the identity where `v` is e_i and diagonal with entries +-1 where it is -e_i. Otherwise it is the
     smallest rotation that takes v (or its mirror image, where component i is negative) to e_i.

@@ -1,4 +1,4 @@
-"""The rules that a model must keep, each with the message that says how to mend it."""
+"""The rules that a model must satisfy, each with a message that says what to change."""
 
 from __future__ import annotations
 
@@ -17,26 +17,27 @@ from kanegen.model.rotations import nearest_rotation, rotation_123
 _T = TypeVar("_T")
 
 ORTHOGONALITY = 1e-12
-"""How far [C][C]^T may be from the identity: the rounding of a product of many rotations, not of a
-number typed with six digits, whose error would pass into [A] and {f}."""
+"""Largest entry of [C][C]^T - [1] that is accepted: the rounding error of a product of many rotations.
+Entries typed with six digits have a larger one, which would pass into [A] and {f}, and are refused."""
 
 ROUNDED_ROTATION = 1e-15
-"""How far a rotation rounded to doubles may be from orthonormal; beyond this it is made so, because the
-derivation uses [C][C]^T = 1 and its result would depend on where."""
+"""Largest entry of [C][C]^T - [1] that a rotation rounded to doubles may have. Beyond it the nearest rotation
+is taken, because the derivation uses [C][C]^T = [1], and its result would depend on the places where it
+does."""
 
 INERTIA_ROUNDING = 1e-12
-"""Relative asymmetry, and relative size of a negative principal moment, that count as rounding."""
+"""Relative asymmetry, and relative size of a negative principal moment, that count as rounding errors."""
 
 
 def integer(value: Any, what: str) -> int:
-    """`value` as an int; bools and floats are refused."""
+    """Return `value` as an int; bools and floats are refused."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
         raise ModelError(f"{what}: {value!r} is not an integer.")
     return int(value)
 
 
 def sequence(value: Any, length: int, what: str) -> Sequence[Any]:
-    """`value` as a list of exactly `length` items."""
+    """Return `value` as a list of exactly `length` items."""
     items = listed(value)
     if items is None:
         raise ModelError(f"{what}: expected {length} entries, got {value!r}.")
@@ -46,7 +47,7 @@ def sequence(value: Any, length: int, what: str) -> Sequence[Any]:
 
 
 def instances(values: Any, kind: type[_T], what: str) -> tuple[_T, ...]:
-    """`values` as a tuple of objects of the class `kind`."""
+    """Return `values` as a tuple of objects of the class `kind`."""
     items = listed(values)
     if items is None:
         raise ModelError(f"{what}: expected a sequence of {kind.__name__} objects, got {values!r}.")
@@ -57,7 +58,7 @@ def instances(values: Any, kind: type[_T], what: str) -> tuple[_T, ...]:
 
 
 def flags(value: Any, length: int, what: str) -> tuple[bool, ...]:
-    """`value` as a tuple of exactly `length` bools."""
+    """Return `value` as a tuple of exactly `length` flags."""
     items = sequence(value, length, what)
     for item in items:
         if not isinstance(item, bool | np.bool_):
@@ -66,7 +67,7 @@ def flags(value: Any, length: int, what: str) -> tuple[bool, ...]:
 
 
 def connection(lower: Sequence[int]) -> tuple[int, ...]:
-    """A connection array: L(1) = 0 and 0 <= L(K) < K."""
+    """Return a connection array; it must satisfy L(1) = 0 and 0 <= L(K) < K."""
     if not lower:
         raise ModelError("connection array is empty: a system needs at least one body.")
     if lower[0] != 0:
@@ -85,14 +86,18 @@ def connection(lower: Sequence[int]) -> tuple[int, ...]:
 
 
 def mass(value: Number) -> Number:
-    """A mass that is not negative."""
+    """Return a mass (kg), which must not be negative."""
     if value_of(value) < 0:
         raise ModelError(f"mass {value_of(value)!r} kg is negative.")
     return value
 
 
 def inertia(value: Matrix, body: str) -> Matrix:
-    """A symmetric, positive semidefinite inertia; warns where the triangle inequality fails."""
+    """Return an inertia (kg m^2), which must be symmetric and positive semidefinite.
+
+    Warns:
+        KanegenWarning: If the principal moments violate the triangle inequality.
+    """
     matrix = np.array(map_numbers(value, value_of))
     unit = _power_of_two(float(np.abs(matrix).max()))
     matrix = matrix / unit
@@ -118,7 +123,7 @@ def inertia(value: Matrix, body: str) -> Matrix:
 
 
 def _power_of_two(size: float) -> float:
-    """The one next to `size`: what is divided by it neither overflows nor loses a bit when squared."""
+    """Return the power of two next to `size`, by which numbers can be scaled without rounding."""
     return 2.0 ** (math.frexp(size)[1] - 1) if size else 1.0
 
 
@@ -137,7 +142,7 @@ def _symmetric(value: Matrix) -> Matrix:
 
 
 def orientation(value: Any) -> Matrix | Vector:
-    """A rotation matrix, or three constant angles where one of them is a parameter."""
+    """Return a constant orientation: a rotation matrix, or three angles (rad) where one is a parameter."""
     items = listed(value) or []
     if items and all(isinstance(item, Parameter) or np.ndim(item) == 0 for item in items):
         angles: Vector = numbers(items, (3,), "joint orientation")
@@ -161,7 +166,7 @@ def orientation(value: Any) -> Matrix | Vector:
 
 
 def unique(what: str, names: Sequence[str]) -> None:
-    """No name twice."""
+    """Raise a `ModelError` if a name occurs twice."""
     seen: set[str] = set()
     for name in names:
         if name in seen:
@@ -173,7 +178,7 @@ _SYMBOL = re.compile(r"(?:theta|thetadot|thetaddot|omegahat|omegahatdot|s|sdot|s
 
 
 def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int) -> None:
-    """No parameter may take the name of a coordinate, a speed or a load."""
+    """Raise a `ModelError` if a parameter has the name of the symbol of a coordinate, a speed or a load."""
     for parameter in parameters:
         match = _SYMBOL.fullmatch(parameter.name)
         if match and 1 <= int(match[1]) <= number_of_bodies:
@@ -184,6 +189,6 @@ def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int) -> N
 
 
 def store(instance: object, **values: Any) -> None:
-    """Put checked values into a frozen dataclass while it is being made."""
+    """Store checked values in a frozen dataclass, from its `__post_init__`."""
     for name, value in values.items():
         object.__setattr__(instance, name, value)

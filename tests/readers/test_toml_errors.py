@@ -111,7 +111,7 @@ def with_joint(line: str) -> str:
             ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'exp(t)'\n",
             r"drive 1: .*there is no function 'exp'",
         ),
-        (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'k*t'\n", r"drive: 'k' stands for nothing"),
+        (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'k*t'\n", r"drive: 'k' is not known"),
         (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 't.real'\n", r"only x and y have elements"),
         (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 't**999'\n", r"drive 1: .*a huge power"),
         (

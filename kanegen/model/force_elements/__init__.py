@@ -1,4 +1,7 @@
-"""Loads that belong to a model: springs, dampers, drives, loads on points, potentials."""
+"""Force elements: loads that belong to a model, as springs, dampers, drives, loads on points and potentials.
+
+Numbers in them may be parameters, and efforts may be expressions of coordinates, speeds and the time.
+"""
 
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring

@@ -1,6 +1,6 @@
 """The kinds of force elements: springs, drives, loads on points, potentials.
 
-Freedoms and points go by their names; `names.resolved` looks them up when a system is made.
+They name freedoms and points; `names.resolved` looks the names up when a system is made.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from kanegen.model.force_elements.grammar import parse
 from kanegen.model.numbers import Number, Vector, number, numbers, value_of
 
 End = str | Vector
-"""Where a spring is fixed: the name of a point, or a place of the ground, inertial components (m)."""
+"""End of a spring: the name of a point, or a place fixed in the ground, in inertial components (m)."""
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,16 @@ class JointSpring(ForceElement):
     """A spring and a damper on one freedom: effort -stiffness (x - rest) - damping xdot.
 
     Attributes:
-        freedom: Its name.
-        stiffness: N m/rad or N/m.
-        rest: Where the spring is free (rad, m).
-        damping: N m s/rad or N s/m.
+        freedom: Name of the freedom.
+        stiffness: Stiffness (N m/rad or N/m).
+        rest: Coordinate at which the spring exerts no effort (rad, m).
+        damping: Damping coefficient (N m s/rad or N s/m).
+
+    Raises:
+        ModelError: If stiffness and damping are both zero, or a value is no number.
+
+    Example:
+        kg.JointSpring("elbow.theta3", stiffness=40.0, damping=0.5)
     """
 
     KEY: ClassVar[str] = "joint_spring"
@@ -44,16 +50,22 @@ class JointSpring(ForceElement):
 
 @dataclass(frozen=True)
 class Spring(ForceElement):
-    """A spring and a damper between two points: they pull with stiffness (l - rest_length) + damping ldot.
+    """A spring and a damper between two points, with the pull stiffness (l - rest_length) + damping ldot.
 
-    Without a rest length the force is stiffness times the way between the points, also where they meet;
-    with one, or with damping, it has no direction there.
+    The distance of the points is l. Without a rest length the force is the stiffness times the vector between
+    the points, and is defined where they meet; with a rest length or damping its direction is undefined there.
 
     Attributes:
-        between: Its two ends.
-        stiffness: N/m.
-        rest_length: Where the spring is free (m).
-        damping: N s/m.
+        between: The two ends.
+        stiffness: Stiffness (N/m).
+        rest_length: Length at which the spring exerts no force (m).
+        damping: Damping coefficient (N s/m).
+
+    Raises:
+        ModelError: If both ends are the same, stiffness and damping are both zero, or a value is not usable.
+
+    Example:
+        kg.Spring(("hook", (0.0, 0.0, 2.0)), stiffness=900.0, rest_length=0.5)
     """
 
     KEY: ClassVar[str] = "spring"
@@ -76,11 +88,17 @@ class Spring(ForceElement):
 
 @dataclass(frozen=True)
 class Drive(ForceElement):
-    """An effort on one freedom.
+    """An effort on one freedom, as an expression.
 
     Attributes:
-        freedom: Name of its speed.
-        effort: N m or N; of {x}, {y}, t and parameters.
+        freedom: Name of the speed at which the effort does work.
+        effort: Effort (N m or N), an expression of {x}, {y}, t and parameters.
+
+    Raises:
+        ModelError: If the effort is no expression.
+
+    Example:
+        kg.Drive("wheel.theta3", "2*sin(t) - 0.1*y.wheel.theta3")
     """
 
     KEY: ClassVar[str] = "drive"
@@ -95,12 +113,18 @@ class Drive(ForceElement):
 
 @dataclass(frozen=True)
 class PointLoad(ForceElement):
-    """A force and a moment on the body of a point, inertial components.
+    """A force and a moment on the body of a point, as expressions in inertial components.
 
     Attributes:
-        point: Its name.
-        force: Acting there (N); of {x}, {y}, t and parameters.
-        moment: N m, likewise.
+        point: Name of the point.
+        force: (3,) force that acts at the point (N), expressions of {x}, {y}, t and parameters.
+        moment: (3,) moment on the body of the point (N m), expressions likewise.
+
+    Raises:
+        ModelError: If a component is no expression, or there are not three.
+
+    Example:
+        kg.PointLoad("tip", force=("0", "0", "10*sin(t)"))
     """
 
     KEY: ClassVar[str] = "point_load"
@@ -122,7 +146,13 @@ class Potential(ForceElement):
     """A potential energy, whose negative gradient acts on the freedoms.
 
     Attributes:
-        energy: J; of {x} and parameters.
+        energy: Energy (J), an expression of {x} and parameters.
+
+    Raises:
+        ModelError: If the energy depends on speeds or the time.
+
+    Example:
+        kg.Potential("0.5*k*x.slider.s1**2")
     """
 
     KEY: ClassVar[str] = "potential"
@@ -141,7 +171,7 @@ class Potential(ForceElement):
 
 
 KINDS: tuple[type[ForceElement], ...] = (JointSpring, Spring, Drive, PointLoad, Potential)
-"""Every kind, in the order of a model file."""
+"""Every kind of force element, in the order of a model file."""
 
 
 def _check_spring(spring: JointSpring | Spring, rest: str) -> None:

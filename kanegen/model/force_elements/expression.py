@@ -1,8 +1,7 @@
-"""Expressions that a model may hold: what they can say, and how they print.
+"""Expressions in a model: trees of numbers, variables, operations and powers, and how they print.
 
-An expression is a small tree of numbers, variables, operations and powers. It is read by `grammar`,
-differentiated and lowered through SymPy by the derivation, and evaluated in NumPy by the reference, each on
-its own.
+`grammar` reads them. The derivation differentiates and lowers them through SymPy, and the reference evaluates
+them in NumPy, independently.
 """
 
 from __future__ import annotations
@@ -13,23 +12,23 @@ from dataclasses import dataclass
 from kanegen.model.numbers import Number, toml_number
 
 FUNCTIONS = ("abs", "cos", "sin", "sqrt", "tan")
-"""What an expression may call. All of them are exactly defined on every machine; others, such as exp, are the
-C library's and differ in their last bits from one to the next."""
+"""Functions that an expression may call. Their results have the same bits on every machine; others, such as
+exp, come from the C library, whose last bits differ between systems."""
 
 TIME = "t"
-"""The variable that is the time (s)."""
+"""Name of the variable that is the time (s)."""
 
 
 @dataclass(frozen=True)
 class Constant:
-    """A number of the model."""
+    """A number of the model, which may be a parameter."""
 
     value: Number
 
 
 @dataclass(frozen=True)
 class Variable:
-    """`t`, `x.<coordinate>` or `y.<speed>`; another name stands for nothing, which a system refuses."""
+    """A variable: `t`, `x.<coordinate>` or `y.<speed>`; a system refuses other names."""
 
     name: str
 
@@ -39,7 +38,7 @@ Leaf = Constant | Variable
 
 @dataclass(frozen=True)
 class Power:
-    """A whole power; its exponent is no number of the model."""
+    """A power with a whole exponent, which is no parameter."""
 
     base: Node
     exponent: int
@@ -47,7 +46,7 @@ class Power:
 
 @dataclass(frozen=True)
 class Operation:
-    """`operator` is one of `+ - * /`, "negate" or one of `FUNCTIONS`."""
+    """An operation; `operator` is one of `+ - * /`, "negate" or one of `FUNCTIONS`."""
 
     operator: str
     operands: tuple[Node, ...]
@@ -62,21 +61,29 @@ _ATOM = 5
 
 @dataclass(frozen=True)
 class Expression:
-    """A number that depends on the state, the time and parameters."""
+    """A number that depends on the state, the time and parameters.
+
+    Example:
+        kg.parse("k*x.slider.s1 - 2*y.slider.s1", [kg.Parameter("k", 40.0)])
+    """
 
     root: Node
 
     def __str__(self) -> str:
-        """As `grammar.parse` reads it, parameters by their names."""
+        """Return the text of the expression as `grammar.parse` reads it, parameters by their names."""
         return _text(self.root)
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """Names of its variables, each once, in the order of first use."""
+        """Names of the variables, each once, in the order of first use."""
         return tuple(dict.fromkeys(leaf.name for leaf in _leaves(self.root) if isinstance(leaf, Variable)))
 
     def numbers(self) -> Iterator[Number]:
-        """Its numbers, from the left."""
+        """Return the numbers of the expression, from the left.
+
+        Example:
+            list(kg.parse("2*x.slider.s1 + 3").numbers())  # [2.0, 3.0]
+        """
         return (leaf.value for leaf in _leaves(self.root) if isinstance(leaf, Constant))
 
     def map_numbers(self, change: Callable[[Number], Number]) -> Expression:
@@ -105,7 +112,7 @@ class Expression:
 
 
 def _mapped(node: Node, function: Callable[[Leaf], Leaf]) -> Node:
-    """The tree with `function` applied to its leaves."""
+    """Return the tree with `function` applied to its leaves."""
     match node:
         case Operation(operator, operands):
             return Operation(operator, tuple(_mapped(operand, function) for operand in operands))
@@ -140,7 +147,7 @@ def _text(node: Node) -> str:
         case Operation(function, (operand,)):
             return f"{function}({_text(operand)})"
         case Operation(sign, (left, right)):
-            # What stands on the right of a sign of the same level would be read in another order.
+            # Without brackets, an operation of the same level on the right would be evaluated in another order.
             return f"{_within(left, _LEVELS[sign])} {sign} {_within(right, _LEVELS[sign] + 1)}"
     raise ValueError(node)
 
@@ -162,7 +169,7 @@ def _level(node: Node) -> int:
 
 
 def _variable(name: str) -> str:
-    """With dots where Python's grammar has names between them, else with brackets."""
+    """Return the text of a variable, with dots if all parts are identifiers, else with brackets."""
     if all(part.isidentifier() for part in name.split(".")):
         return name
     vector, rest = name.split(".", 1)

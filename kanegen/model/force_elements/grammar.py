@@ -1,11 +1,11 @@
-"""Reads expressions by a grammar; nothing in them is ever evaluated.
+"""The grammar of expressions, and a reader that evaluates nothing.
 
     expression = number | variable | parameter | "(" expression ")" | function "(" expression ")"
                | ("+" | "-") expression | expression ("+" | "-" | "*" | "/") expression
                | expression "**" whole number
     variable   = "t" | "x." name | "y." name | 'x["' name '"]' | 'y["' name '"]'
 
-The signs bind as in Python, whose parser makes the tree; whatever else it can hold is refused here.
+Operators bind as in Python, whose parser makes the tree; everything else that Python allows is refused.
 """
 
 from __future__ import annotations
@@ -28,29 +28,32 @@ from kanegen.model.force_elements.expression import (
 from kanegen.model.numbers import Parameter, finite
 
 LONGEST = 4000
-"""Characters of an expression."""
+"""Largest number of characters of an expression."""
 
 DEEPEST = 200
-"""Operations inside each other."""
+"""Largest depth of nested operations."""
 
 LARGEST_POWER = 64
-"""Of exponents, and of the product of those inside each other."""
+"""Largest exponent, and largest product of the exponents of nested powers."""
 
 VECTORS = ("x", "y")
-"""What has elements: coordinates and speeds."""
+"""Names of the vectors whose elements are variables: coordinates and speeds."""
 
 _SIGNS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 
 
 def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
-    """The expression that a text is.
+    """Return the expression of a text.
 
     Args:
-        text: It; a number is one too.
-        parameters: Those that may be named.
+        text: The text; a number or an `Expression` is accepted too.
+        parameters: Parameters whose names the text may contain.
 
     Raises:
-        ModelError: If it is no text of the grammar; says which part, and what is possible.
+        ModelError: If the text does not follow the grammar; says which part, and what is possible.
+
+    Example:
+        kg.parse("k*sin(x.arm.theta3)", [kg.Parameter("k", 2.0)])
     """
     if isinstance(text, Expression):
         return text
@@ -66,9 +69,9 @@ def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
 
 
 def _tree(text: str) -> ast.expr:
-    """What Python's parser makes of a text."""
+    """Return the syntax tree that Python's parser makes of a text."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # of what is refused later
+        with warnings.catch_warnings(action="ignore"):  # Python warns of texts that are refused later
             return ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
         where = f" near column {error.offset}" if error.offset else ""
@@ -82,14 +85,14 @@ def _quoted(text: str) -> str:
 
 
 class _Reader:
-    """From Python's tree to ours, refusing what the grammar does not have."""
+    """Converts Python's syntax tree to an expression and refuses what the grammar does not have."""
 
     def __init__(self, text: str, parameters: dict[str, Parameter]) -> None:
         self._text = text
         self._parameters = parameters
 
     def node(self, found: ast.expr, depth: int = 0, power: int = 1) -> Node:
-        """The tree below `found`, `depth` operations down and inside powers whose product is `power`."""
+        """Return the tree of `found`, at depth `depth` and inside powers whose exponents multiply to `power`."""
         if depth > DEEPEST:
             raise self._refused(found, f"more than {DEEPEST} operations inside each other.")
         match found:
@@ -123,7 +126,7 @@ class _Reader:
         return Constant(parameter) if parameter else Variable(name)
 
     def _element(self, found: ast.expr) -> str:
-        """`x.arm.theta1` from names with dots between them, or from a text in brackets."""
+        """Return `x.arm.theta1` from names with dots between them, or from a text in brackets."""
         match found:
             case ast.Subscript(value=ast.Name(id=vector), slice=ast.Constant(value=str(name))) if (
                 vector in VECTORS

@@ -1,7 +1,7 @@
-"""What the names in force elements stand for; every one gets the name that its freedom keeps.
+"""Names of coordinates, speeds and points in force elements, looked up when a system is made.
 
-A freedom is `<body>.<freedom>`, also where its joint has a name of its own or where it is locked: locking one
-changes no element.
+Every name becomes `<body>.<freedom>`, also where the joint has a name of its own or the freedom is locked, so
+that locking a freedom changes no element.
 """
 
 from __future__ import annotations
@@ -50,16 +50,16 @@ def _with_joint_names(found: dict[str, Place], bodies: Sequence[Body]) -> dict[s
 
 
 def variable_places(bodies: Sequence[Body]) -> dict[str, Place]:
-    """Every variable of expressions but the time."""
+    """Return the places of all variables of expressions except the time."""
     coordinates = {f"x.{name}": place for name, place in coordinate_places(bodies).items()}
     return coordinates | {f"y.{name}": place for name, place in speed_places(bodies).items()}
 
 
 def resolved(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[ForceElement, ...]:
-    """The elements, kind by kind, with names that locking a freedom does not change.
+    """Return the elements, kind by kind, with names that do not change when a freedom is locked.
 
     Raises:
-        ModelError: If a name stands for nothing, or an element makes no sense where it acts.
+        ModelError: If a name is unknown, or an element makes no sense where it acts.
     """
     resolver = _Resolver(bodies)
     found = [resolver.resolved(element) for element in elements]
@@ -67,7 +67,7 @@ def resolved(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[
 
 
 def coordinates_named(elements: Iterable[ForceElement]) -> set[str]:
-    """The names of the coordinates and speeds that elements act by or on, as variables."""
+    """Return the variables of elements, and as variables the freedoms on which elements act."""
     found: set[str] = set()
     for element in elements:
         found |= {name for expression in element.expressions() for name in expression.variables}
@@ -78,7 +78,12 @@ def coordinates_named(elements: Iterable[ForceElement]) -> set[str]:
 
 @dataclass(frozen=True)
 class _Names:
-    """Of one kind: what each may be called, and what it is called."""
+    """The names of all coordinates or of all speeds.
+
+    Attributes:
+        kind: "coordinate" or "speed", for messages.
+        known: By every name the name that does not change when a freedom is locked.
+    """
 
     kind: str
     known: Mapping[str, str]
@@ -97,7 +102,7 @@ class _Names:
 
 
 class _Resolver:
-    """Looks up the names of elements in the bodies of a system."""
+    """Looks up the names in force elements among the bodies of a system."""
 
     def __init__(self, bodies: Sequence[Body]) -> None:
         self._bodies = bodies
@@ -130,12 +135,12 @@ class _Resolver:
                 return f"{vector}.{names.named(name[2:], what)}"
         if name != TIME:
             raise ModelError(
-                f"{what}: {name!r} stands for nothing. Write x.<coordinate>, y.<speed>, t or a parameter."
+                f"{what}: {name!r} is not known. Write x.<coordinate>, y.<speed>, t or a parameter."
             )
         return name
 
     def _require_rate(self, variable: str, what: str) -> None:
-        """Elements that pull at a coordinate need its rate among the speeds."""
+        """Raise a `ModelError` if the rate of a coordinate, which an element needs, is not among the speeds."""
         k, index = self._places[variable[2:]]
         body = self._bodies[k - 1]
         if index >= len(FREEDOMS) or not SPEED_KINDS[body.joint.speed_kinds[index]].is_rate:
@@ -155,7 +160,7 @@ class _Resolver:
             )
 
     def _body(self, point: str, what: str) -> int:
-        """The number of the body of a point, which must exist."""
+        """Return the number of the body of a point, which must exist."""
         if point not in self._points:
             raise ModelError(f"{what}: there is no point {point!r}. {did_you_mean(point, self._points)}")
         return self._points[point]
