@@ -124,7 +124,7 @@ class Freedom:
 
     @property
     def unit(self) -> Literal["rad", "m"]:
-        """Unit of the coordinate of the freedom."""
+        """Unit of the coordinate of the freedom: rad or m."""
         return "rad" if self.is_angle else "m"
 
     @property
@@ -157,7 +157,7 @@ class Coordinate:
 
     @property
     def unit(self) -> Literal["rad", "m", "1"]:
-        """Unit of the coordinate."""
+        """Unit of the coordinate: rad, m or 1."""
         return self.kind.unit
 
     @property

@@ -240,7 +240,7 @@ class HasPrescribedNames(Protocol):
 
     @property
     def name(self) -> str:
-        """Name of the system."""
+        """Name of the system, used in messages."""
 
     @property
     def prescribed_names(self) -> Iterable[str]:

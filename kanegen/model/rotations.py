@@ -33,7 +33,7 @@ def apply(matrix: Square, v: Triple) -> Triple:
 
 
 def transpose(m: Square) -> Square:
-    """Return the transpose [m]^T."""
+    """Return the transpose [m]^T of a matrix."""
     (a, b, c), (d, e, f), (g, h, i) = m
     return (a, d, g), (b, e, h), (c, f, i)
 

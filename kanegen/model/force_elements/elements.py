@@ -53,7 +53,7 @@ class Spring(ForceElement):
     """A spring and a damper between two points, with the pull stiffness (l - rest_length) + damping ldot.
 
     The distance of the points is l. Without a rest length the force is the stiffness times the vector between
-    the points, and is defined where they meet; with a rest length or damping its direction is undefined there.
+    the points, and is defined where they meet; with a rest length or damping its direction is undefined.
 
     Attributes:
         between: The two ends.

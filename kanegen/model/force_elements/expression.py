@@ -147,7 +147,7 @@ def _text(node: Node) -> str:
         case Operation(function, (operand,)):
             return f"{function}({_text(operand)})"
         case Operation(sign, (left, right)):
-            # Without brackets, an operation of the same level on the right would be evaluated in another order.
+            # Without brackets, an operation of the same level on the right would be evaluated first.
             return f"{_within(left, _LEVELS[sign])} {sign} {_within(right, _LEVELS[sign] + 1)}"
     raise ValueError(node)
 

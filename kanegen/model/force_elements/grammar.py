@@ -92,7 +92,7 @@ class _Reader:
         self._parameters = parameters
 
     def node(self, found: ast.expr, depth: int = 0, power: int = 1) -> Node:
-        """Return the tree of `found`, at depth `depth` and inside powers whose exponents multiply to `power`."""
+        """Return the tree of `found`, at depth `depth`, inside exponents that multiply to `power`."""
         if depth > DEEPEST:
             raise self._refused(found, f"more than {DEEPEST} operations inside each other.")
         match found:

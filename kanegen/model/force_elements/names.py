@@ -140,7 +140,7 @@ class _Resolver:
         return name
 
     def _require_rate(self, variable: str, what: str) -> None:
-        """Raise a `ModelError` if the rate of a coordinate, which an element needs, is not among the speeds."""
+        """Raise a `ModelError` if the rate of a coordinate is needed, but is not among the speeds."""
         k, index = self._places[variable[2:]]
         body = self._bodies[k - 1]
         if index >= len(FREEDOMS) or not SPEED_KINDS[body.joint.speed_kinds[index]].is_rate:
