@@ -80,11 +80,13 @@ def refined(system: System, steps: int, precision: Precision) -> Refinement:
 def measured_error(system: System, solver: str, states: States) -> float:
     """Return the largest ratio of the first correction of {ydot} to the solution; infinity if undefined."""
     form = derive_correction_size(system, solver)
-    array = Array("sizes", (1 + len(system.freedoms),), "", "")
-    program = lower_definitions(input_arrays(system), form.definitions, {array: form.outputs["sizes"]})
+    array = Array("correction_size", (1 + len(system.freedoms),), "", "")
+    program = lower_definitions(
+        input_arrays(system), form.definitions, {array: form.outputs["correction_size"]}
+    )
     program = prune(program)
     with np.errstate(all="ignore"):
-        size, *corrections = evaluate(program, _inputs(system, program, states), np)["sizes"]
+        size, *corrections = evaluate(program, _inputs(system, program, states), np)["correction_size"]
         largest = np.max(np.broadcast_arrays(size, *corrections)[1:], axis=0)
         share = np.sqrt(np.where(largest == 0, 0.0, largest / size))
     return float(np.max(np.where(np.isnan(share), np.inf, share)))

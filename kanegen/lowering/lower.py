@@ -14,8 +14,8 @@ from kanegen.program.check import check
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.program.ir import Array, Op, Output, Program
 from kanegen.recursion import RecursiveForm
-from kanegen.recursion.derived import Derived
 from kanegen.recursion.outputs import input_arrays, output_array
+from kanegen.recursion.tree import Derived
 from kanegen.symbolic.definitions import Definition
 
 FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
@@ -62,8 +62,8 @@ def lower_definitions(
         Output(
             array,
             lowering.all_values(derived.entries),
-            lowering.all_values(derived.positive),
-            accurate_if_positive=lowering.all_values(derived.margins),
+            lowering.all_values(derived.exists_if_positive),
+            accurate_if_positive=lowering.all_values(derived.accurate_if_positive),
         )
         for array, derived in outputs.items()
     ]

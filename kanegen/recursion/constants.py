@@ -9,13 +9,19 @@ import sympy
 from mpmath.libmp import to_rational
 from sympy import Expr, Rational
 
+from kanegen.model.numbers import Number, Parameter
 from kanegen.program.constants import MULTIPRECISION, Constants, sine_cosine
 
-Rows = Sequence[Sequence[Expr]]
+Matrix = Sequence[Sequence[Expr]]
 """A matrix, row by row."""
 
 _NEWTON_STEPS = 4
 """Newton steps to a rotation: each doubles the correct bits, of which a matrix of doubles has 50 or more."""
+
+
+def exact(value: Number) -> Expr:
+    """Return the symbol of a parameter, or the fraction that a float is, so that folding rounds only once."""
+    return sympy.Symbol(value.name, real=True) if isinstance(value, Parameter) else sympy.Rational(value)
 
 
 def constant_sine_cosine(angle: float, constants: Constants) -> tuple[Expr, Expr]:
@@ -24,7 +30,7 @@ def constant_sine_cosine(angle: float, constants: Constants) -> tuple[Expr, Expr
     return rational(sine), rational(cosine)
 
 
-def constant_rotation(matrix: Rows, constants: Constants) -> Rows:
+def constant_rotation(matrix: Matrix, constants: Constants) -> Matrix:
     """Return the rotation that a matrix of doubles stands for: itself, or the nearest rotation.
 
     [C] <- [C] (3 [1] - [C]^T [C]) / 2, the Newton iteration for the polar factor (Higham, Functions of
@@ -35,7 +41,7 @@ def constant_rotation(matrix: Rows, constants: Constants) -> Rows:
     turned = sympy.Matrix(matrix)
     for _ in range(_NEWTON_STEPS):
         turned = (turned * (3 * sympy.eye(3) - turned.T * turned) / 2).applyfunc(_rounded)
-    rows: Rows = turned.tolist()
+    rows: Matrix = turned.tolist()
     return rows
 
 

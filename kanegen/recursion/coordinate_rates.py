@@ -1,36 +1,45 @@
-"""{xdot} from the speeds: Eq. (9) where they are components of an angular velocity, Eq. (45) elsewhere."""
+"""The output {xdot}, and the map between the rates of a joint's angles and its relative angular velocity.
+
+Eqs. (8), (9) hold for any sequence of axes. In the frame between the second turn and the third, the second
+and third axes are basis vectors, and the first is {v}, which has no component along the second. So only one
+component of an angular velocity stands between it and the first rate, that across both basis vectors; where
+{v} has none, the axes lie in a plane (gimbal lock) and no rates exist. For 1-2-3 it is the middle cosine, for
+a sequence that begins and ends with one axis a sine.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from sympy import Expr, S
 
-from kanegen.recursion.derived import Derived
-from kanegen.recursion.joint_motion import JointMotion
-from kanegen.recursion.orientations import rotation_rates
-from kanegen.recursion.rates import angle_rates
-from kanegen.recursion.tree import Tree
+from kanegen.recursion.joint_motion import JointMotion, Step
+from kanegen.recursion.tree import Derived, Tree
+from kanegen.recursion.turns import rotation_rates
+from kanegen.recursion.vectors import unit
+from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import coordinate_rate
 
 
 def coordinate_rates(tree: Tree) -> Derived:
-    """The entries of {xdot}; what must be positive for the rates of three angles to exist."""
+    """Derive the entries of {xdot}: Eq. (9) where speeds are angular velocities, Eq. (45) elsewhere."""
     system = tree.system
     rates: list[Expr] = [coordinate_rate(one.body, one.index) for one in system.coordinates]
     positive: dict[int, Expr] = {}
-    for motion in tree.motions:
-        if motion.spins:
-            tree.about(motion.body, "rates of the orientation, Eq. (9)")
+    for joint in tree.joints:
+        if joint.angular_speeds:
+            tree.about(joint.body, "rates of the orientation, Eq. (9)")
             places = [
                 place
                 for coordinate, place in system.coordinate_places.items()
-                if coordinate.body == motion.body and not coordinate.is_translation
+                if coordinate.body == joint.body and not coordinate.is_translation
             ]
             names = [f"xdot_{place}" for place in places]
-            found = (
-                _angles(motion, tree, names, positive) if motion.behind else _as_a_whole(motion, tree, names)
-            )
+            if joint.composed_of:
+                found = _rates_of_angles(joint, tree, names, positive)
+            else:
+                found = _rates_as_a_whole(joint, tree, names)
             for place, rate in zip(places, found, strict=True):
                 rates[place] = rate
     if not positive:
@@ -38,20 +47,93 @@ def coordinate_rates(tree: Tree) -> Derived:
     return Derived(rates, [positive.get(place, S.One) for place in range(len(system.freedoms))])
 
 
-def _angles(
-    motion: JointMotion, tree: Tree, names: Sequence[str], positive: dict[int, Expr]
+def _rates_of_angles(
+    joint: JointMotion, tree: Tree, names: Sequence[str], positive: dict[int, Expr]
 ) -> Sequence[Expr]:
-    """Of the angles of one joint; where two of their axes coincide there are none."""
+    """Return the rates of the angles of one joint, and add to `positive` what is zero in gimbal lock."""
     one, two, three = names
-    found = angle_rates(motion, tree.definitions)
-    square = tree.definitions.define(f"Cq_{motion.body}", found.across * found.across)
+    found = angle_rates(joint, tree.definitions)
+    square = tree.definitions.define(f"Cq_{joint.body}", found.across * found.across)
     # The middle angle decides, and the status names it.
-    positive[motion.spins[1].freedom] = square
-    return found.rates(motion.spinning, (one, two, three))
+    positive[joint.angular_speeds[1].freedom] = square
+    return found.rates(joint.relative_omega, (one, two, three))
 
 
-def _as_a_whole(motion: JointMotion, tree: Tree, names: Sequence[str]) -> Sequence[Expr]:
+def _rates_as_a_whole(joint: JointMotion, tree: Tree, names: Sequence[str]) -> Sequence[Expr]:
     """Return the rates of the coordinates of a rotation that is not made of turns about axes."""
-    rotation = tree.system.bodies[motion.body - 1].joint.rotation
-    rates = rotation_rates(motion.body, rotation, motion.spinning)
+    rotation = tree.system.bodies[joint.body - 1].joint.rotation
+    rates = rotation_rates(joint.body, rotation, joint.relative_omega)
     return [tree.definitions.define(name, rate) for name, rate in zip(names, rates, strict=True)]
+
+
+@dataclass(frozen=True)
+class AngleRates:
+    """The map between rates and angular velocity of a joint whose three angles are free.
+
+    Attributes:
+        body: Number of body K.
+        first: Turn of theta1.
+        second: Turn of theta2.
+        third: Turn of theta3.
+        definitions: Definitions that the intermediates are added to.
+    """
+
+    body: int
+    first: Step
+    second: Step
+    third: Step
+    definitions: Definitions
+
+    @property
+    def across(self) -> Expr:
+        """The component of {v} that vanishes where the axes lie in a plane."""
+        return self._v[self._across_axis]
+
+    def rates(self, omega: Vector, names: tuple[str, str, str]) -> tuple[Expr, Expr, Expr]:
+        """Return the rates of the angles, Eq. (9).
+
+        Args:
+            omega: Relative angular velocity, in K (rad/s), or a relative angular acceleration less all terms
+                without second derivatives (rad/s^2).
+            names: Names of the rates.
+        """
+        define = self.definitions.define
+        between = self.third.turn.down(omega)
+        across = define(f"qq_{self.body}", between[self._across_axis])
+        one = define(names[0], across * self._reciprocal)
+        two = define(names[1], between[self.second.axis])
+        three = define(names[2], between[self.third.axis] - self._v[self.third.axis] * one)
+        return one, two, three
+
+    def torque(self, efforts: tuple[Expr, Expr, Expr]) -> Vector:
+        """Return the torque, in K, that works on the rates as generalized forces do: [P]^T {T} = {tau}."""
+        one, two, three = efforts
+        name = f"T_{self.body}"
+        surplus = one - self._v[self.third.axis] * three
+        between = {
+            self._across_axis: self.definitions.define(f"{name}_q", surplus * self._reciprocal),
+            self.second.axis: two,
+            self.third.axis: three,
+        }
+        torque = self.third.turn.up(Vector(between[0], between[1], between[2]))
+        return self.definitions.vector(name, torque)
+
+    @property
+    def _v(self) -> Vector:
+        """The first axis {v} in the frame between the second turn and the third."""
+        return self.second.turn.up(unit(self.first.axis))
+
+    @property
+    def _across_axis(self) -> int:
+        """The axis that is neither the second nor the third."""
+        return 3 - self.second.axis - self.third.axis
+
+    @property
+    def _reciprocal(self) -> Expr:
+        return self.definitions.define(f"Ci_{self.second.frame}", 1 / self.across)
+
+
+def angle_rates(joint: JointMotion, definitions: Definitions) -> AngleRates:
+    """Return the map between rates and angular velocity of a joint whose three angles are free."""
+    first, second, third = joint.composed_of if joint.angular_speeds else joint.angles
+    return AngleRates(joint.body, first, second, third, definitions)

@@ -1,4 +1,4 @@
-"""How large a solution {ydot} is, and its first correction, freedom by freedom.
+"""The size of a solution {ydot} and of its first correction, freedom by freedom.
 
 Errors are measured in units that do not matter: a length, whose square is the mean pivot of the angles over
 that of the translations, stands between them.
@@ -15,45 +15,45 @@ from sympy import Expr, Rational, S
 from kanegen.recursion.tree import Tree
 
 SHARE = Rational(1, 128)
-"""Of the whole solution; it is what a correction is compared with where an entry of {ydot} is smaller. The
+"""Share of the whole solution that a correction is compared with where an entry of {ydot} is smaller. The
 entries have to be compared one by one: errors of small ones enter the large ones at the next step."""
 
 
 @dataclass(frozen=True, eq=False)
-class Sizes:
-    """Squares of both, in one unit.
+class CorrectionSize:
+    """Squares of a solution and of its correction, in one unit.
 
     Attributes:
-        tree: Of which system.
-        pivots: By freedom, what a solver divides by.
-        found: The solution; its free components, by freedom.
-        correction: Of it, likewise.
+        tree: The tree.
+        pivots: Divisors of a solver by freedom.
+        solution: Free components of the solution by freedom.
+        correction: Free components of its first correction by freedom.
     """
 
     tree: Tree
     pivots: Sequence[Expr]
-    found: Sequence[Expr]
+    solution: Sequence[Expr]
     correction: Sequence[Expr]
 
     @cached_property
     def whole(self) -> Expr:
-        """Of the solution."""
+        """Square of the size of the solution."""
         return self._define("yy", sum(self._parts, S.Zero))
 
     @cached_property
     def errors(self) -> list[Expr]:
-        """Of the correction, by freedom."""
+        """Squares of the correction by freedom."""
         return self._squares(self.correction, "dd")
 
     def margins(self, limit: float, floor: Sequence[float]) -> list[Expr]:
-        """By freedom, what is positive where the correction is within its limit; NaN on overflow.
+        """Return by freedom what is positive where the correction is within its limit; NaN on overflow.
 
         Args:
             limit: Largest correction over the solution.
-            floor: Per freedom an acceleration that counts as part of the solution; none for zeros.
+            floor: By freedom an acceleration that counts as part of the solution; empty for zeros.
         """
         define, square = self._define, Rational(limit) ** 2
-        pairs = zip(self._weights, floor or (0.0,) * len(self.found), strict=True)
+        pairs = zip(self._weights, floor or (0.0,) * len(self.solution), strict=True)
         least = sum((weight * Rational(a) ** 2 for weight, a in pairs), S.Zero)
         size = define("yy_all", self.whole + define("yy_0", least))
         one = define("yy_1", size * define("yy_i", 1 / size))
@@ -66,8 +66,8 @@ class Sizes:
 
     @cached_property
     def _parts(self) -> list[Expr]:
-        """Of the solution, by freedom."""
-        return self._squares(self.found, "yy")
+        """Squares of the solution by freedom."""
+        return self._squares(self.solution, "yy")
 
     def _squares(self, values: Sequence[Expr], name: str) -> list[Expr]:
         self.tree.definitions.about("size of the solution and of its first correction")
@@ -77,17 +77,17 @@ class Sizes:
 
     @cached_property
     def _weights(self) -> list[Expr]:
-        """By freedom, what gives squares of accelerations one unit."""
+        """Factors by freedom that give squares of accelerations one unit."""
         angles = [freedom.is_angle for freedom in self.tree.system.freedoms]
-        turning, moving = (
+        rotational, translational = (
             [pivot for pivot, is_angle in zip(self.pivots, angles, strict=True) if is_angle == wanted]
             for wanted in (True, False)
         )
-        if not turning or not moving:
+        if not rotational or not translational:
             return [S.One for _ in angles]
-        share = Rational(len(turning), len(moving))
-        whole = self._define("pm", share * self._define("ps", sum(moving, S.Zero)))
-        square = self._define("ll", self._define("pa", sum(turning, S.Zero)) / whole)
+        share = Rational(len(rotational), len(translational))
+        whole = self._define("pm", share * self._define("ps", sum(translational, S.Zero)))
+        square = self._define("ll", self._define("pa", sum(rotational, S.Zero)) / whole)
         return [square if is_angle else S.One for is_angle in angles]
 
     def _define(self, name: str, value: Expr) -> Expr:

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from kanegen.model.system import System
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.recursion import factorisation
-from kanegen.recursion.derived import Derived
-from kanegen.recursion.forward_dynamics import ArticulatedBodies
+from kanegen.recursion.articulated_bodies import ArticulatedBodies
 from kanegen.recursion.outputs.output import OfSolution, Recursion
 from kanegen.recursion.outputs.table import OUTPUTS
 from kanegen.recursion.refinement import UNREFINED, Refinement, Solution, Solver
-from kanegen.recursion.tree import Tree, apart, tree
+from kanegen.recursion.tree import Derived, Tree, tree, with_own_inertias
 from kanegen.symbolic.definitions import Definition
 
 SOLVERS: dict[str, Callable[[Tree], Solver]] = {
@@ -101,11 +100,11 @@ def derive(
 
 def _solved_tree(prepared: Tree, methods: Methods, refinement: Refinement) -> Tree:
     """Return the tree for a solver; corrections need the inertia of every body by itself."""
-    return apart(prepared) if refinement.steps or "error_estimate" in methods else prepared
+    return with_own_inertias(prepared) if refinement.steps or "error_estimate" in methods else prepared
 
 
 def derive_correction_size(system: System, solver: str) -> RecursiveForm:
-    """Derive the size of a solution and of its first correction, named "sizes"; see `Solution.sizes`."""
+    """Derive `Solution.correction_size`, as the only output, named "correction_size"."""
     prepared = tree(system)
-    sizes = Solution(SOLVERS[solver](prepared)).sizes()
-    return RecursiveForm(system, {}, prepared.definitions.listed(), {"sizes": sizes})
+    size = Solution(SOLVERS[solver](prepared)).correction_size()
+    return RecursiveForm(system, {}, prepared.definitions.listed(), {"correction_size": size})

@@ -1,4 +1,4 @@
-"""{ydot} from the generalized forces, by factorising [A] = [L]^T [D] [L].
+"""The solver of [A]{ydot} = {b} by factorising [A] = [L]^T [D] [L].
 
 Freedoms are eliminated from the outermost inward. An entry of [A] is zero unless one of its freedoms carries
 the other, and this order keeps it so: no fill (Featherstone 2008, section 6.5). Cheap for short trees; its
@@ -12,68 +12,69 @@ from collections.abc import Mapping, Sequence
 from sympy import Expr, S
 
 from kanegen.model.system import System
-from kanegen.recursion.forcing import works
-from kanegen.recursion.joint_path import Stop, stops
+from kanegen.recursion.inverse_dynamics import needed_efforts
+from kanegen.recursion.joint_path import PathElement, joint_path
 from kanegen.recursion.mass_matrix import mass_matrix
-from kanegen.recursion.motion import Requirement
 from kanegen.recursion.tree import Tree
+from kanegen.recursion.vectors import Wrench
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import generalized_force
 
 ARTICULATED_COST = 350
-"""About what articulated bodies cost per freedom: beyond it a factorisation is not worth deriving."""
+"""Operations of articulated bodies per freedom, roughly: beyond it a factorisation is not worth deriving."""
 
 MOST_ANGLES = 2
-"""With the rates of three free angles as speeds [A] is singular where they lose rank; articulated bodies stay
-accurate there."""
+"""Most free angles of a joint whose rates are speeds. With three, [A] is singular in gimbal lock; articulated
+bodies stay accurate there."""
 
 
 def worth_trying(system: System) -> bool:
-    """Whether a factorisation may be the cheaper way, and loses no accuracy."""
+    """Return whether a factorisation may be the cheaper solver, and loses no accuracy."""
     cost = sum(len(carrying) ** 2 for carrying in carriers(system).values())
     angles = max(sum(body.joint.free[:3]) if body.joint.speeds_are_rates else 0 for body in system.bodies)
     return angles <= MOST_ANGLES and cost <= ARTICULATED_COST * len(system.freedoms)
 
 
 class Factorisation:
-    """[L] and [D] of a tree, which solve [A]{ydot} = {b} for any right side.
+    """The factors [L] and [D] of a tree, which solve [A]{ydot} = {b} for any right side.
 
     Attributes:
-        tree: What was factorised.
-        ways: By body the stops of its joint. Its free components are {ydot} itself.
-        pivots: The entries of [D], by freedom; positive where [A] is regular.
+        tree: The tree.
+        paths: By body the path through its joint; its free components are {ydot} itself.
+        pivots: Entries of [D] by freedom; positive where [A] is regular.
+        diagonal: Diagonal entries of [A] by freedom.
     """
 
     def __init__(self, tree: Tree) -> None:
         """Form [A], and factorise it from the outermost freedom inward."""
         n = len(tree.system.freedoms)
         self.tree = tree
-        self.ways: Mapping[int, tuple[Stop, ...]] = {
-            motion.body: stops(motion, together=False) for motion in tree.motions
+        self.paths: Mapping[int, tuple[PathElement, ...]] = {
+            joint.body: joint_path(joint, together=False) for joint in tree.joints
         }
         entries = mass_matrix(tree).entries
         a = {(i, j): entries[n * i + j] for i in range(n) for j in range(n)}
         self.diagonal = [a[i, i] for i in range(n)]
         self._carriers = carriers(tree.system)
         tree.definitions.about("[A] = [L]^T [D] [L], then {ydot}, Eq. (42)")
-        self._factors, pivots = _factorised(a, self._carriers, tree.definitions)
+        self._factors, pivots = _factorise(a, self._carriers, tree.definitions)
         self.pivots: Sequence[Expr] = [pivots[i] for i in range(n)]
 
     @property
-    def positive(self) -> Sequence[Expr]:
-        """By freedom what is positive where [A] is regular."""
+    def regular_if_positive(self) -> Sequence[Expr]:
+        """Expressions by freedom that are positive where [A] is regular."""
         return self.pivots
 
-    def solve(self, needs: Sequence[Requirement], name: str) -> list[Expr]:
-        """The {ydot} that the efforts cause.
+    def solve(self, needs: Sequence[Wrench], name: str) -> list[Expr]:
+        """Return the {ydot} that the efforts cause.
 
         Args:
-            needs: What each body needs for anything else.
-            name: For names.
+            needs: Wrench that each body needs for anything else.
+            name: Prefix of the names of the entries.
         """
         definitions, factors = self.tree.definitions, self._factors
         efforts = [generalized_force(f.body, f.index) for f in self.tree.system.freedoms]
-        b = [effort - work for effort, work in zip(efforts, works(self.tree, needs), strict=True)]
+        b = [effort - work for effort, work in zip(efforts, needed_efforts(self.tree, needs), strict=True)]
         definitions.about("{ydot}, Eq. (42)")
         for k in self._carriers:
             b[k] = definitions.define(f"b_{k}", b[k])
@@ -87,16 +88,16 @@ class Factorisation:
             result[k] = definitions.define(f"{name}_{k}", scaled - known)
         return [result[i] for i in range(len(efforts))]
 
-    def coordinates(self, found: Sequence[Expr], name: str) -> list[Expr]:
-        """{ydot} is what is solved for."""
+    def speed_rates(self, components: Sequence[Expr], name: str) -> list[Expr]:
+        """Return {ydot}, which is what is solved for."""
         del name
-        return list(found)
+        return list(components)
 
 
-def _factorised(
+def _factorise(
     a: dict[tuple[int, int], Expr], carriers: dict[int, list[int]], definitions: Definitions
 ) -> tuple[dict[tuple[int, int], Expr], dict[int, Expr]]:
-    """The entries of [L] left of its diagonal and those of [D]."""
+    """Return the entries of [L] left of its diagonal and those of [D]."""
     factors: dict[tuple[int, int], Expr] = {}
     pivots: dict[int, Expr] = {}
     for k, carrying in carriers.items():
@@ -115,7 +116,7 @@ def _factorised(
 
 
 def carriers(system: System) -> dict[int, list[int]]:
-    """For every freedom, from the outermost inward, the freedoms that carry it."""
+    """Return for every freedom, from the outermost inward, the freedoms that carry it."""
     number = system.places
     outward: dict[int, list[int]] = {0: []}
     for k, body in enumerate(system.bodies, start=1):

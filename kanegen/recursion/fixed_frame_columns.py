@@ -1,8 +1,10 @@
-"""Columns of [A] on long ways: seen from one frame near the ground, they need no turning.
+"""Columns of [A] on long paths: in one frame near the ground they need no turning.
 
-A column that passes many joints can keep its components in a frame that stands still, and take its entries
-from the axes of the joints seen from there. Moments are still about one origin after the other, so that no
-digits are lost to a far one. Whether this saves operations is counted beforehand, body by body.
+A column that passes many joints can keep its components in a fixed frame, and take its entries from the axes
+of the joints seen from there. Moments are still about one origin after the other, so that no digits are lost
+to a far one. `bodies_that_save` counts beforehand, body by body, where this saves operations. Costs are those
+of vectors without zeros, for one column and one joint. A body seen from the fixed frame needs its lower body
+seen from there, so the bodies that are chosen form a tree with the same root.
 """
 
 from __future__ import annotations
@@ -12,112 +14,189 @@ from dataclasses import dataclass, replace
 
 from sympy import Expr
 
-from kanegen.recursion import fixed_frame_choice as routes
-from kanegen.recursion.columns import Wrench
+from kanegen.recursion.columns import RotationColumn
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.turns import Turn
-from kanegen.recursion.vectors import ZERO, dot, unit
+from kanegen.recursion.vectors import ZERO, dot, present, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 
+MATRIX_COST = 15
+"""Operations of a matrix times a vector."""
+
+SHIFT_COST = 12
+"""Operations of a moment about another origin."""
+
+DOT_COST = 5
+"""Operations of a scalar product."""
+
 
 @dataclass(frozen=True)
-class View:
-    """The basis vectors of the frame at home, seen from another frame."""
+class Basis:
+    """The basis vectors of the fixed frame in components of another frame."""
 
-    basis: tuple[Vector, Vector, Vector]
+    vectors: tuple[Vector, Vector, Vector]
 
-    def home(self, v: Vector) -> Vector:
-        """A vector's components at home."""
-        return Vector(*(dot(direction, v) for direction in self.basis))
+    def to_fixed(self, v: Vector) -> Vector:
+        """Return the components of a vector in the fixed frame."""
+        return Vector(*(dot(direction, v) for direction in self.vectors))
 
-    def up(self, turn: Turn, frame: str, definitions: Definitions) -> View:
-        """The view from above a turn."""
+    def up(self, turn: Turn, frame: str, definitions: Definitions) -> Basis:
+        """Return the basis in components of the frame above a turn."""
         x, y, z = (
             definitions.vector(f"E_{frame}_{i + 1}", turn.up(direction))
-            for i, direction in enumerate(self.basis)
+            for i, direction in enumerate(self.vectors)
         )
-        return View((x, y, z))
+        return Basis((x, y, z))
 
 
 @dataclass(frozen=True)
-class Station:
-    """A body and its joint, seen from home.
+class FixedFrameJoint:
+    """A joint and its body K, seen from the fixed frame.
 
     Attributes:
-        body: K.
-        view: From the frame of K.
-        axes: Of the free angles and spins, by freedom.
-        directions: Of the free translations, by freedom.
-        offset: From the origin of the lower body to that of K.
+        body: Number of body K.
+        basis: The fixed frame in components of K.
+        axes: Axes of the free rotations in the fixed frame, by freedom.
+        directions: Directions of the free translations in the fixed frame, by freedom.
+        offset: Vector from the origin of the lower body to that of K in the fixed frame (m).
     """
 
     body: int
-    view: View
+    basis: Basis
     axes: dict[int, Vector]
     directions: dict[int, Vector]
     offset: Vector
 
-    def taken(self, col: Wrench, definitions: Definitions) -> Wrench:
-        """A column in the frame of K, seen from home."""
-        force = definitions.vector(f"F_{col.label}_{self.body}h", self.view.home(col.force))
-        moment = definitions.vector(f"M_{col.label}_{self.body}h", self.view.home(col.moment))
-        return replace(col, force=force, moment=moment, shares={})
+    def to_fixed(self, column: RotationColumn, definitions: Definitions) -> RotationColumn:
+        """Return a column that is given in the frame of K in the fixed frame."""
+        force = definitions.vector(f"F_{column.label}_{self.body}h", self.basis.to_fixed(column.force))
+        moment = definitions.vector(f"M_{column.label}_{self.body}h", self.basis.to_fixed(column.moment))
+        return replace(column, force=force, moment=moment, shares={})
 
-    def entries(self, col: Wrench, definitions: Definitions) -> dict[int, Expr]:
-        """The column's entries of [A] with the freedoms of the joint."""
-        values = {freedom: dot(axis, col.moment) for freedom, axis in self.axes.items()}
-        values |= {freedom: dot(direction, col.force) for freedom, direction in self.directions.items()}
-        return {b: definitions.define(f"A_{col.freedom}_{b}", value) for b, value in values.items()}
+    def entries(self, column: RotationColumn, definitions: Definitions) -> dict[int, Expr]:
+        """Return the entries of [A] that a column has with the freedoms of the joint."""
+        values = {freedom: dot(axis, column.moment) for freedom, axis in self.axes.items()}
+        values |= {freedom: dot(direction, column.force) for freedom, direction in self.directions.items()}
+        return {b: definitions.define(f"A_{column.freedom}_{b}", value) for b, value in values.items()}
 
 
-def stations(tree: Tree) -> dict[int, Station]:
-    """The bodies where columns change to the view from home."""
-    found: dict[int, Station] = {}
-    chosen = routes.chosen(tree)
-    for motion in tree.motions:
-        if motion.body in chosen:
-            tree.about(motion.body, "the joint seen from the frame of long columns of [A]")
-            if motion.lower:
-                found[motion.body] = _next(motion, found[motion.lower].view, tree.definitions)
+def fixed_frame_joints(tree: Tree) -> dict[int, FixedFrameJoint]:
+    """Return by body the joints where columns change to the fixed frame."""
+    found: dict[int, FixedFrameJoint] = {}
+    chosen = bodies_that_save(tree)
+    for joint in tree.joints:
+        if joint.body in chosen:
+            tree.about(joint.body, "the joint seen from the frame of long columns of [A]")
+            if joint.lower:
+                found[joint.body] = _next(joint, found[joint.lower].basis, tree.definitions)
             else:
-                found[motion.body] = _first(motion, tree)
+                found[joint.body] = _first(joint, tree)
     return found
 
 
-def _first(motion: JointMotion, tree: Tree) -> Station:
-    """Home is above the innermost angle, where two angles' axes are basis vectors; with spins in the body."""
-    free = [i for i, step in enumerate(motion.steps) if step.freedom != NO_FREEDOM]
-    below = motion.steps if motion.spins else motion.steps[: free[0] + 1] if free else ()
-    directions = {slide.freedom: slide.direction for slide in motion.slides}
+def _first(joint: JointMotion, tree: Tree) -> FixedFrameJoint:
+    """Return the joint on the ground seen from the fixed frame.
+
+    The fixed frame is the one above the innermost angle, where the axes of two angles are basis vectors;
+    where angular velocities are speeds it is that of the body.
+    """
+    free = [i for i, step in enumerate(joint.steps) if step.freedom != NO_FREEDOM]
+    below = joint.steps if joint.angular_speeds else joint.steps[: free[0] + 1] if free else ()
+    directions = {translation.freedom: translation.direction for translation in joint.translations}
     for step in below:
         for freedom, direction in directions.items():
             name = f"u_{freedom}_{step.frame}"
             directions[freedom] = tree.definitions.vector(name, step.turn.up(direction))
     axes = {step.freedom: unit(step.axis) for step in below if step.freedom != NO_FREEDOM}
-    station = Station(motion.body, View((unit(0), unit(1), unit(2))), axes, directions, ZERO)
-    return _outward(station, motion, motion.steps[len(below) :], tree.definitions)
+    seen = FixedFrameJoint(joint.body, Basis((unit(0), unit(1), unit(2))), axes, directions, ZERO)
+    return _outward(seen, joint, joint.steps[len(below) :], tree.definitions)
 
 
-def _next(motion: JointMotion, view: View, definitions: Definitions) -> Station:
-    """The view passes outward with the joints."""
-    k = motion.body
+def _next(joint: JointMotion, basis: Basis, definitions: Definitions) -> FixedFrameJoint:
+    """Return a joint seen from the fixed frame, whose basis is given in the frame of the lower body."""
+    k = joint.body
     directions = {
-        slide.freedom: definitions.vector(f"u_{slide.freedom}h", view.home(slide.direction))
-        for slide in motion.slides
+        translation.freedom: definitions.vector(
+            f"u_{translation.freedom}h", basis.to_fixed(translation.direction)
+        )
+        for translation in joint.translations
     }
-    offset = definitions.vector(f"d_{k}h", view.home(motion.offset))
-    return _outward(Station(k, view, {}, directions, offset), motion, motion.steps, definitions)
+    offset = definitions.vector(f"d_{k}h", basis.to_fixed(joint.offset))
+    return _outward(FixedFrameJoint(k, basis, {}, directions, offset), joint, joint.steps, definitions)
 
 
 def _outward(
-    station: Station, motion: JointMotion, steps: Iterable[Step], definitions: Definitions
-) -> Station:
-    """Through turns of the joint, up to its body."""
-    axes, view = dict(station.axes), station.view
+    seen: FixedFrameJoint, joint: JointMotion, steps: Iterable[Step], definitions: Definitions
+) -> FixedFrameJoint:
+    """Return the joint with the axes of its turns `steps` and with the basis above them."""
+    axes, basis = dict(seen.axes), seen.basis
     for step in steps:
         if step.freedom != NO_FREEDOM:
-            axes[step.freedom] = view.home(unit(step.axis))
-        view = view.up(step.turn, f"{step.frame}u", definitions)
-    axes |= {spin.freedom: view.home(unit(spin.axis)) for spin in motion.spins}
-    return replace(station, axes=axes, view=view)
+            axes[step.freedom] = basis.to_fixed(unit(step.axis))
+        basis = basis.up(step.turn, f"{step.frame}u", definitions)
+    axes |= {speed.freedom: basis.to_fixed(unit(speed.axis)) for speed in joint.angular_speeds}
+    return replace(seen, axes=axes, basis=basis)
+
+
+def bodies_that_save(tree: Tree) -> set[int]:
+    """Return the bodies from which columns in the fixed frame save most operations, if they save any.
+
+    Inward, every body is weighed: seen from the fixed frame, it takes all columns from outward, or those that
+    have not changed to it further out. Outward, those that save and can be reached are taken.
+    """
+    own = [_rotations(joint) for joint in tree.joints]
+    outward = list(own)
+    gains = [-_basis_cost(joint) for joint in tree.joints]
+    saving: set[int] = set()
+    for joint in reversed(tree.joints):
+        k, j = joint.body, joint.lower
+        each = _saved(tree, tree.joints[j - 1]) if j else 0
+        without, with_basis = each * outward[k - 1], each * own[k - 1] + gains[k - 1]
+        if with_basis > without:
+            saving.add(k)
+        if j:
+            gains[j - 1] += max(without, with_basis)
+            outward[j - 1] += outward[k - 1]
+    reached: set[int] = set()
+    for joint in tree.joints:
+        if joint.body in saving and joint.lower in reached | {0}:
+            reached.add(joint.body)
+    return reached
+
+
+def _saved(tree: Tree, joint: JointMotion) -> int:
+    """Return the operations that a column from outward saves by changing to the fixed frame at a joint."""
+    here, *inward = tree.inward(joint)
+    if not inward:
+        return 0
+    *between, first = inward
+    saved = _pass_cost(here) - _entry_cost(here) - SHIFT_COST - 2 * MATRIX_COST
+    for other in between:
+        saved += _pass_cost(other) - DOT_COST * (_rotations(other) + len(other.translations)) - SHIFT_COST
+    first_entries = 3 * (max(_rotations(first) - 2, 0) + max(len(first.translations) - 1, 0))
+    return max(saved + _entry_cost(first) - first_entries, 0)
+
+
+def _pass_cost(joint: JointMotion) -> int:
+    """Return the operations of a column that passes a joint turn by turn."""
+    force = min(joint.turn_cost, MATRIX_COST) if joint.translations else joint.turn_cost
+    return joint.turn_cost + force + 4 * present(joint.offset)
+
+
+def _entry_cost(joint: JointMotion) -> int:
+    """Return the operations of a column of which only the entries with a joint are wanted."""
+    turns = len(joint.angles)
+    return 3 * (turns * (turns - 1) // 2) + (joint.turn_cost if joint.translations else 0)
+
+
+def _basis_cost(joint: JointMotion) -> int:
+    """Return the operations of the basis of the fixed frame; on the ground it holds many zeros."""
+    if joint.lower:
+        return 3 * joint.turn_cost + MATRIX_COST
+    return 3 * max(joint.turn_cost - SHIFT_COST, 0)
+
+
+def _rotations(joint: JointMotion) -> int:
+    """Return the number of free rotations of a joint."""
+    return len(joint.angular_speeds) + sum(step.freedom != NO_FREEDOM for step in joint.steps)

@@ -1,4 +1,4 @@
-"""A joint as the recursions see it: a shift of origin, then turns from the lower frame to the body's."""
+"""The motion of a joint in the recursions: a shift of origin, then turns from the lower frame outward."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from kanegen.recursion.vectors import ZERO, add, scale, unit
 from kanegen.symbolic.definitions import Vector
 
 NO_FREEDOM = -1
+"""Place in {y} of what is no freedom."""
+
 NO_ANGLE = -1
+"""Number of the angle of a constant turn."""
 
 
 @dataclass(frozen=True)
@@ -20,16 +23,16 @@ class Step:
     """One turn of a joint.
 
     Attributes:
-        turn: From the lower to the upper frame.
-        freedom: Number in {x} of the angle that turns it, or `NO_FREEDOM`.
+        turn: Turn from the lower to the upper frame.
+        frame: Suffix of the names of quantities in the frame below the turn.
+        freedom: Place in {y} of the angle that turns it, or `NO_FREEDOM`.
         axis: Basis vector about which that angle turns.
-        rate: The angle's rate.
-        acceleration: The angle's second derivative.
-        sine: Of the angle.
-        cosine: Of the angle.
-        frame: Suffix for the names of quantities seen below this turn.
-        angle: Which of the joint's three angles turns it, free or locked, from 0; or `NO_ANGLE`.
-        number: That in {x}, or of a prescribed angle that behind {x}: `system.prescribed` go on counting.
+        rate: Rate of the angle (rad/s).
+        acceleration: Second derivative of the angle (rad/s^2).
+        sine: Sine of the angle.
+        cosine: Cosine of the angle.
+        angle: The angle of the joint, 0 to 2, that turns it, free or locked; or `NO_ANGLE`.
+        number: `freedom`, or for a prescribed angle its place in `system.prescribed`, counted on from {y}.
     """
 
     turn: Turn
@@ -45,21 +48,21 @@ class Step:
 
     @property
     def moves(self) -> bool:
-        """Whether an angle turns it, free or prescribed."""
+        """Whether the angle is free or prescribed."""
         return self.number != NO_FREEDOM
 
 
 @dataclass(frozen=True)
-class Slide:
-    """One translation that moves.
+class Translation:
+    """One translation of a joint that moves.
 
     Attributes:
-        freedom: Its number in {x}, or `NO_FREEDOM`.
+        freedom: Place in {y}, or `NO_FREEDOM` where the translation is prescribed.
         axis: Basis vector of the joint frame along which it moves.
-        direction: The same in the lower body's frame.
-        rate: Its rate.
-        acceleration: Its second derivative.
-        number: That in {x}, or behind {x} as that of a `Step`.
+        direction: The same vector in the lower body's frame.
+        rate: Rate of the translation (m/s).
+        acceleration: Second derivative of the translation (m/s^2).
+        number: `freedom`, or for a prescribed translation its number as in `Step`.
     """
 
     freedom: int
@@ -71,14 +74,14 @@ class Slide:
 
 
 @dataclass(frozen=True)
-class Spin:
-    """One free component of the relative angular velocity, Eq. (8), in the frame of body K, above all turns.
+class AngularSpeed:
+    """One component of the relative angular velocity, Eq. (8), that is a speed, in the frame of body K.
 
     Attributes:
-        freedom: Its number in {y}.
+        freedom: Place in {y}.
         axis: Basis vector along which it points.
-        rate: The component itself.
-        acceleration: Its derivative.
+        rate: The component itself (rad/s).
+        acceleration: Time derivative of the component (rad/s^2).
     """
 
     freedom: int
@@ -89,23 +92,25 @@ class Spin:
 
 @dataclass(frozen=True)
 class JointMotion:
-    """How body K moves on its lower body J.
+    """The motion of body K on its lower body J.
+
+    A joint whose speeds are components of the relative angular velocity turns as a whole, by one of `angles`
+    that has neither freedom nor rate.
 
     Attributes:
-        body: K.
-        lower: J, 0 for the ground.
-        arm: From O_J to O_K, in J (m): {q'_K} + [C_K]^T {s'_K}.
-        directions: Of the three translations, free or locked, in J: basis vectors of the joint frame.
-        offset: From the origin of J to that of K, in J (m): `arm` and what the `origin` of both adds.
-        origin: From O_K to the point of K that serves as its origin, in K (m); see `_origin`.
-        slides: The free translations.
+        body: Number of K.
+        lower: Number of J, 0 for the ground.
+        arm: Vector from O_J to O_K, in J (m): {q'_K} + [C_K]^T {s'_K}.
+        directions: Directions of the three translations, free or locked, in J.
+        offset: Vector from the origin of J to that of K, in J (m): `arm` and what the `origin` of both adds.
+        origin: Vector from O_K to the point of K that serves as its origin, in K (m).
+        translations: The free translations.
         constant: The turns of [C_K], from J to the joint frame.
         angles: The turns of the angles, from the joint frame to K.
-        spins: The free components of the relative angular velocity, if these are the speeds of the joint.
-            The joint then turns as a whole, by one of `angles` that has neither freedom nor rate.
-        behind: The turns of the angles from which that one is made; none where a quaternion makes it.
-        through: `constant` and `angles` as one turn, for what passes both.
-        drives: The prescribed translations.
+        angular_speeds: The components of the relative angular velocity, if these are the speeds of the joint.
+        composed_of: The turns of the angles from which the turn as a whole is made; empty for a quaternion.
+        merged: `constant` and `angles` as one turn, for vectors that pass both; or empty.
+        prescribed_translations: The prescribed translations.
     """
 
     body: int
@@ -114,73 +119,75 @@ class JointMotion:
     directions: tuple[Vector, Vector, Vector]
     offset: Vector
     origin: Vector
-    slides: tuple[Slide, ...]
+    translations: tuple[Translation, ...]
     constant: tuple[Step, ...]
     angles: tuple[Step, ...]
-    spins: tuple[Spin, ...] = ()
-    behind: tuple[Step, ...] = ()
-    through: tuple[Step, ...] = ()
-    drives: tuple[Slide, ...] = ()
+    angular_speeds: tuple[AngularSpeed, ...] = ()
+    composed_of: tuple[Step, ...] = ()
+    merged: tuple[Step, ...] = ()
+    prescribed_translations: tuple[Translation, ...] = ()
 
     @property
-    def turns(self) -> bool:
+    def rotates(self) -> bool:
         """Whether any angle moves."""
-        return bool(self.spins) or any(step.moves for step in self.angles)
+        return bool(self.angular_speeds) or any(step.moves for step in self.angles)
 
     @property
-    def sliding(self) -> tuple[Slide, ...]:
-        """The translations that move, free or prescribed."""
-        return self.slides + self.drives
+    def moving_translations(self) -> tuple[Translation, ...]:
+        """The translations that are free or prescribed."""
+        return self.translations + self.prescribed_translations
 
     @property
-    def spinning(self) -> Vector:
-        """What the spins make of the relative angular velocity, in K (rad/s)."""
-        return _along(self.spins, [spin.rate for spin in self.spins])
+    def relative_omega(self) -> Vector:
+        """The relative angular velocity by speeds that are its components, in K (rad/s)."""
+        return _along_axes(self.angular_speeds, [speed.rate for speed in self.angular_speeds])
 
     @property
-    def spinning_up(self) -> Vector:
-        """What their derivatives make of the angular acceleration, in K (rad/s^2)."""
-        return _along(self.spins, [spin.acceleration for spin in self.spins])
+    def relative_alpha(self) -> Vector:
+        """The time derivative of `relative_omega`, in K (rad/s^2)."""
+        return _along_axes(self.angular_speeds, [speed.acceleration for speed in self.angular_speeds])
 
     @property
     def hinge(self) -> Step | None:
         """The one angle that moves, if nothing else does and no locked angle turns its axis in K."""
-        alone = len(self.angles) == 1 and not self.sliding and not self.spins
-        return self.angles[0] if alone and self.turns else None
+        alone = len(self.angles) == 1 and not self.moving_translations and not self.angular_speeds
+        return self.angles[0] if alone and self.rotates else None
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """All turns, from J outward."""
-        return self.through or self.constant + self.angles
+        return self.merged or self.constant + self.angles
 
     @property
-    def turning(self) -> int:
-        """Operations that it takes to turn a vector through all of them."""
+    def turn_cost(self) -> int:
+        """Number of operations that pass a vector through all turns."""
         return sum(step.turn.cost for step in self.steps)
 
     def above(self, step: Step) -> str:
-        """Suffix for the names of quantities seen above one of the turns."""
-        return f"{self.body}" if step is self.steps[-1] and not self.spins else f"{step.frame}u"
+        """Return the suffix of the names of quantities in the frame above one of the turns."""
+        is_last = step is self.steps[-1] and not self.angular_speeds
+        return f"{self.body}" if is_last else f"{step.frame}u"
 
-    def below(self, step: Step, v: Vector) -> Vector:
-        """A vector from the frame below one of the turns to the lower body's frame."""
+    def down_from(self, step: Step, v: Vector) -> Vector:
+        """Return a vector of the frame below one of the turns in components of the lower body."""
         inner = self.steps[: self.steps.index(step)]
         return down(tuple(other.turn for other in inner), v)
 
     def down(self, v: Vector) -> Vector:
-        """A vector from the frame of K to the lower body's."""
+        """Return a vector of K in components of the lower body."""
         return down(tuple(step.turn for step in self.steps), v)
 
 
-def _along(spins: Iterable[Spin], values: Iterable[Expr]) -> Vector:
+def _along_axes(speeds: Iterable[AngularSpeed], values: Iterable[Expr]) -> Vector:
+    """Return the vector with these components along the axes of the speeds."""
     total = ZERO
-    for one, value in zip(spins, values, strict=True):
-        total = add(total, scale(value, unit(one.axis)))
+    for speed, value in zip(speeds, values, strict=True):
+        total = add(total, scale(value, unit(speed.axis)))
     return total
 
 
 def down(turns: Iterable[Turn], v: Vector) -> Vector:
-    """A vector from the frame above several turns, counted from below, to the frame below them."""
+    """Return a vector above several turns, which are counted from below, in components below them."""
     for turn in reversed(tuple(turns)):
         v = turn.down(v)
     return v

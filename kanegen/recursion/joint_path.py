@@ -1,8 +1,9 @@
-"""The way between a body and its lower body, stop by stop, for pairs of vectors that pass along it.
+"""The path between a body and its lower body, element by element, for pairs of vectors that pass along it.
 
 Inward pass forces with their moments, outward accelerations: a turn changes their frame, a shift their
-origin, and at a free component of the acceleration the joint itself has a say. Both solvers of [A]{ydot} go
-this way, so that what accelerations need can be found again from these alone.
+origin, and at a free component of the acceleration the joint itself adds to them. Both solvers of [A]{ydot}
+go along this path, so that what given accelerations need can be computed again from the free components
+alone.
 """
 
 from __future__ import annotations
@@ -13,24 +14,24 @@ from dataclasses import dataclass
 from sympy import Expr, S
 
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
-from kanegen.recursion.motion import Requirement
 from kanegen.recursion.turns import Turn
-from kanegen.recursion.vectors import add, cross
+from kanegen.recursion.vectors import Wrench, add, cross
 from kanegen.symbolic.definitions import Definitions, Vector
 
 STILL = (S.Zero,) * 6
-"""The acceleration of the ground."""
+"""Angular acceleration of the ground, and acceleration of its origin."""
 
-TURNS, SLIDES = (0, 1, 2), (3, 4, 5)
+ROTATIONS, TRANSLATIONS = (0, 1, 2), (3, 4, 5)
+"""Components of a pair of angular acceleration and acceleration of the origin."""
 
 
 @dataclass(frozen=True)
-class Free:
+class FreeComponent:
     """A component of the acceleration that the joint leaves free.
 
     Attributes:
-        index: 0-2 for turning about a basis vector, 3-5 for moving along one.
-        freedom: Its place in {y}.
+        index: One of `ROTATIONS` or `TRANSLATIONS`.
+        freedom: Place of the freedom in {y}.
     """
 
     index: int
@@ -38,80 +39,91 @@ class Free:
 
 
 @dataclass(frozen=True)
-class Turned:
-    """A change of frame; `name` is that of the frame below it."""
+class FrameChange:
+    """A change of frame.
+
+    Attributes:
+        turn: Turn between the two frames.
+        name: Name of the lower frame.
+    """
 
     turn: Turn
     name: str
 
-    def inward(self, need: Requirement, definitions: Definitions) -> Requirement:
-        """Force and moment seen from below."""
-        return Requirement(self.turn.down(need.force), self.turn.down(need.moment)).named(
-            self.name, definitions
-        )
+    def inward(self, need: Wrench, definitions: Definitions) -> Wrench:
+        """Return a wrench in components of the lower frame."""
+        return Wrench(self.turn.down(need.force), self.turn.down(need.moment)).named(self.name, definitions)
 
     def outward(self, a: tuple[Expr, ...], definitions: Definitions) -> tuple[Expr, ...]:
-        """Accelerations seen from above."""
-        turning = definitions.vector(f"qw_{self.name}u", self.turn.up(Vector(*a[:3])))
-        return (*turning, *definitions.vector(f"qa_{self.name}u", self.turn.up(Vector(*a[3:]))))
+        """Return accelerations in components of the upper frame."""
+        angular = definitions.vector(f"qw_{self.name}u", self.turn.up(Vector(*a[:3])))
+        return (*angular, *definitions.vector(f"qa_{self.name}u", self.turn.up(Vector(*a[3:]))))
 
 
 @dataclass(frozen=True)
-class Shifted:
-    """A change of origin, outward by {offset}, in the lower body's frame."""
+class OriginChange:
+    """A change of origin.
+
+    Attributes:
+        offset: Vector from the lower body's origin to the other, in the lower body's frame (m).
+        name: Name of the lower origin.
+    """
 
     offset: Vector
     name: str
 
-    def inward(self, need: Requirement, definitions: Definitions) -> Requirement:
-        """Force and moment about the lower body's origin."""
+    def inward(self, need: Wrench, definitions: Definitions) -> Wrench:
+        """Return a wrench about the lower body's origin."""
         moment = add(need.moment, cross(self.offset, need.force))
-        return Requirement(need.force, moment).named(self.name, definitions)
+        return Wrench(need.force, moment).named(self.name, definitions)
 
     def outward(self, a: tuple[Expr, ...], definitions: Definitions) -> tuple[Expr, ...]:
-        """Accelerations of the upper body's origin."""
+        """Return angular acceleration, and acceleration of the upper body's origin."""
         moved = add(Vector(*a[3:]), cross(Vector(*a[:3]), self.offset))
         return (*a[:3], *definitions.vector(f"qa_{self.name}", moved))
 
 
-Stop = Free | Turned | Shifted
+PathElement = FreeComponent | FrameChange | OriginChange
 
 
-def stops(motion: JointMotion, *, together: bool) -> tuple[Stop, ...]:
-    """From body K inward.
+def joint_path(joint: JointMotion, *, together: bool) -> tuple[PathElement, ...]:
+    """Return the path from body K inward to its lower body.
 
     Args:
-        motion: The joint.
-        together: Three free angles, or translations, count as free components in the frame of K. For those
-            of angles this is regular everywhere; their own rates are not.
+        joint: The joint of K.
+        together: Whether three free angles, or translations, count as free components in the frame of K. For
+            those of angles [A] is regular everywhere; with their own rates it is not.
     """
-    return tuple(_stops(motion, together))
+    return tuple(_elements(joint, together))
 
 
-def _stops(motion: JointMotion, together: bool) -> Iterator[Stop]:
-    slides, turns = together and slides_freely(motion), together and turns_freely(motion)
-    if slides:
-        yield from (Free(i, slide.freedom) for i, slide in zip(SLIDES, motion.slides, strict=True))
-    yield from (Free(spin.axis, spin.freedom) for spin in motion.spins)
-    if turns:
-        yield from (Free(i, step.freedom) for i, step in zip(TURNS, motion.angles, strict=True))
-    for step in reversed(motion.angles):
-        if step.freedom != NO_FREEDOM and not turns:
-            yield Free(step.axis, step.freedom)
-        yield Turned(step.turn, step.frame)
-    if not slides:
-        for slide in motion.slides:
-            yield Free(3 + slide.axis, slide.freedom)
-    for step in reversed(motion.constant):
-        yield Turned(step.turn, step.frame)
-    yield Shifted(motion.offset, f"{motion.body}j")
+def _elements(joint: JointMotion, together: bool) -> Iterator[PathElement]:
+    all_translations = together and translates_freely(joint)
+    all_angles = together and rotates_freely(joint)
+    if all_translations:
+        for index, translation in zip(TRANSLATIONS, joint.translations, strict=True):
+            yield FreeComponent(index, translation.freedom)
+    yield from (FreeComponent(speed.axis, speed.freedom) for speed in joint.angular_speeds)
+    if all_angles:
+        for index, step in zip(ROTATIONS, joint.angles, strict=True):
+            yield FreeComponent(index, step.freedom)
+    for step in reversed(joint.angles):
+        if step.freedom != NO_FREEDOM and not all_angles:
+            yield FreeComponent(step.axis, step.freedom)
+        yield FrameChange(step.turn, step.frame)
+    if not all_translations:
+        for translation in joint.translations:
+            yield FreeComponent(3 + translation.axis, translation.freedom)
+    for step in reversed(joint.constant):
+        yield FrameChange(step.turn, step.frame)
+    yield OriginChange(joint.offset, f"{joint.body}j")
 
 
-def turns_freely(motion: JointMotion) -> bool:
-    """Whether the rates of three free angles are speeds."""
-    return sum(step.freedom != NO_FREEDOM for step in motion.angles) == len(TURNS)
+def rotates_freely(joint: JointMotion) -> bool:
+    """Return whether the rates of three free angles are speeds."""
+    return sum(step.freedom != NO_FREEDOM for step in joint.angles) == len(ROTATIONS)
 
 
-def slides_freely(motion: JointMotion) -> bool:
-    """Whether all three translations are free."""
-    return len(motion.slides) == len(SLIDES)
+def translates_freely(joint: JointMotion) -> bool:
+    """Return whether all three translations are free."""
+    return len(joint.translations) == len(TRANSLATIONS)

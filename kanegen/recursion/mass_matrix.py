@@ -1,12 +1,13 @@
-"""[A] by composite bodies: Eq. (43) regrouped so that nothing is computed twice.
+"""The output [A] by composite bodies: Eq. (43) regrouped so that nothing is computed twice.
 
 Hold every joint outward of a freedom still: all bodies that the freedom carries move as one composite body.
 Its unit speed then needs a force {F} and a moment {M} about the origin, and the work of that pair on every
 freedom further inward is an entry of [A] (Featherstone 2008, section 6.2). The joint's turns are passed one
 at a time, so that an angle's entry is simply a component of {M}, a translation's a component of {F}.
 
-Three ways spare columns some of this: a lever begins them about the lower origin, a triad combines their
-forces from others, and a station lets them stay in one frame from there on.
+Three ways spare columns some of this: shifted columns begin about the lower origin, force combinations
+replace turned forces, and fixed-frame columns stay in one frame on long paths; see `columns` and
+`fixed_frame_columns`.
 """
 
 from __future__ import annotations
@@ -16,26 +17,31 @@ from dataclasses import dataclass, field
 
 from sympy import Expr, S
 
-from kanegen.recursion.bodies import Inertia
-from kanegen.recursion.columns import Column, Push, Wrench
-from kanegen.recursion.derived import Derived
-from kanegen.recursion.fixed_frame_columns import Station, stations
-from kanegen.recursion.force_combinations import Triad, combined, triad
+from kanegen.recursion.columns import (
+    Column,
+    ForceBasis,
+    RotationColumn,
+    TranslationColumn,
+    combine_forces,
+    force_basis,
+    shifted_columns,
+)
+from kanegen.recursion.fixed_frame_columns import FixedFrameJoint, fixed_frame_joints
+from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
-from kanegen.recursion.shifted_columns import lever
-from kanegen.recursion.tree import Tree
+from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import column, cross, dot, scale, unit
 
 
 def mass_matrix(tree: Tree) -> Derived:
-    """The entries of [A], row-major; both halves hold the same symbols."""
-    empty: list[list[Column]] = [[] for _ in tree.motions]
-    far: list[list[Wrench]] = [[] for _ in tree.motions]
-    assembly = _Assembly(tree, list(tree.inertias), empty, far, stations(tree))
-    for motion in reversed(tree.motions):
-        tree.about(motion.body, "composite body and its columns of [A], Eq. (43)")
-        assembly.pass_far(motion)
-        assembly.pass_near(motion)
+    """Derive the entries of [A], row-major; both halves hold the same symbols."""
+    moving: list[list[Column]] = [[] for _ in tree.joints]
+    fixed: list[list[RotationColumn]] = [[] for _ in tree.joints]
+    assembly = _Assembly(tree, list(tree.inertias), moving, fixed, fixed_frame_joints(tree))
+    for joint in reversed(tree.joints):
+        tree.about(joint.body, "composite body and its columns of [A], Eq. (43)")
+        assembly.pass_fixed_columns(joint)
+        assembly.pass_moving_columns(joint)
     n = len(tree.system.freedoms)
     pairs = ((max(r, c), min(r, c)) for r in range(n) for c in range(n))
     return Derived([assembly.entries.get(pair, S.Zero) for pair in pairs])
@@ -43,141 +49,147 @@ def mass_matrix(tree: Tree) -> Derived:
 
 @dataclass(frozen=True)
 class _Assembly:
-    """[A] in the making.
+    """The assembly of [A], joint by joint inward.
 
     Attributes:
-        tree: The tree; its definitions take the intermediates.
-        bodies: By body, with what is outward of it as far as it has been passed.
-        near: By body, the columns that have arrived in its frame.
-        far: By body, the columns about its origin that stay in the frame at home.
-        stations: By body, where columns go home.
-        triads: By body, pushes that began along the basis vectors of its frame.
-        entries: By pair of freedoms, the larger first.
+        tree: The tree.
+        bodies: By body the composite body, with what is outward of it as far as it has been passed.
+        moving: By body the columns that have arrived in its frame.
+        fixed: By body the columns about its origin that stay in the fixed frame.
+        seen: By body the joints where columns change to the fixed frame.
+        bases: By body the translation columns that began along the basis vectors of its frame.
+        entries: Entries of [A] by pair of freedoms, the larger first.
     """
 
     tree: Tree
     bodies: list[Inertia]
-    near: list[list[Column]]
-    far: list[list[Wrench]]
-    stations: dict[int, Station]
-    triads: dict[int, Triad] = field(default_factory=dict)
+    moving: list[list[Column]]
+    fixed: list[list[RotationColumn]]
+    seen: dict[int, FixedFrameJoint]
+    bases: dict[int, ForceBasis] = field(default_factory=dict)
     entries: dict[tuple[int, int], Expr] = field(default_factory=dict)
 
     def record(self, a: int, b: int, value: Expr) -> None:
-        """Store an entry; its mirror image is the same."""
+        """Store the entries (a, b) and (b, a), which are the same."""
         self.entries[max(a, b), min(a, b)] = value
 
-    def pass_far(self, motion: JointMotion) -> None:
-        """Columns at home take their entries with a joint and pass to the lower origin; others join them."""
-        station, definitions = self.stations.get(motion.body), self.tree.definitions
-        if station is None:
+    def pass_fixed_columns(self, joint: JointMotion) -> None:
+        """Take the entries of fixed-frame columns with a joint and pass them inward; others join them."""
+        seen, definitions = self.seen.get(joint.body), self.tree.definitions
+        if seen is None:
             return
-        far = self.far[motion.body - 1]
-        for col in far:
-            for freedom, value in station.entries(col, definitions).items():
+        fixed = self.fixed[joint.body - 1]
+        for col in fixed:
+            for freedom, value in seen.entries(col, definitions).items():
                 self.record(col.freedom, freedom, value)
-        if motion.lower:
-            arriving = [col for col in self.near[motion.body - 1] if isinstance(col, Wrench)]
-            far = far + [station.taken(col, definitions) for col in arriving]
-            origin = f"{motion.lower}h"
-            self.far[motion.lower - 1] += [col.shifted(station.offset, origin, definitions) for col in far]
+        if joint.lower:
+            arriving = [col for col in self.moving[joint.body - 1] if isinstance(col, RotationColumn)]
+            fixed = fixed + [seen.to_fixed(col, definitions) for col in arriving]
+            origin = f"{joint.lower}h"
+            self.fixed[joint.lower - 1] += [col.shifted(seen.offset, origin, definitions) for col in fixed]
 
-    def pass_near(self, motion: JointMotion) -> None:
-        """Columns pass the turns of a joint, then its translations; those of its freedoms begin."""
-        definitions, composite = self.tree.definitions, self.bodies[motion.body - 1]
-        arriving, own = self._joined(motion), self._spun(motion, composite)
-        for step in reversed(motion.steps):
+    def pass_moving_columns(self, joint: JointMotion) -> None:
+        """Pass columns through the turns of a joint, then its translations; those of its freedoms begin."""
+        definitions, composite = self.tree.definitions, self.bodies[joint.body - 1]
+        arriving, own = self._arriving(joint), self._angular_speed_columns(joint, composite)
+        for step in reversed(joint.steps):
             above, composite = composite, composite.down(step.turn, step.frame, definitions)
-            self._read([*arriving, *own], step)
+            self._record_angle([*arriving, *own], step)
             arriving = [col.down(step.turn, step.frame, definitions) for col in arriving]
             own = [col.down(step.turn, step.frame, definitions) for col in own]
             if step.freedom != NO_FREEDOM:
-                own.append(self._begun(step, motion, above, composite))
-        arriving = combined(arriving, motion, definitions)
-        self._slide([*arriving, *own], composite, motion)
-        if motion.lower:
-            if motion.body in self.stations:
-                arriving = [col for col in arriving if isinstance(col, Push)]
-            self._shift(arriving, own, composite, motion)
+                own.append(self._angle_column(step, joint, above, composite))
+        arriving = combine_forces(arriving, joint, definitions)
+        self._record_translations([*arriving, *own], composite, joint)
+        if joint.lower:
+            if joint.body in self.seen:
+                arriving = [col for col in arriving if isinstance(col, TranslationColumn)]
+            self._pass_to_lower_body(arriving, own, composite, joint)
 
-    def _spun(self, motion: JointMotion, composite: Inertia) -> list[Wrench]:
-        """The columns of the joint's spins, which begin in the body's own frame, and their entries there."""
-        begun: list[Wrench] = []
-        for spin in motion.spins:
-            for col in (*self.near[motion.body - 1], *begun):
-                self.record(col.freedom, spin.freedom, col.moment_about(spin.axis, self.tree.definitions))
-            moment = column(composite.inertia, spin.axis)
-            self.record(spin.freedom, spin.freedom, moment[spin.axis])
-            label = f"{motion.body}w{spin.axis + 1}"
-            begun.append(Wrench(spin.freedom, label, cross(unit(spin.axis), composite.moment), moment))
+    def _angular_speed_columns(self, joint: JointMotion, composite: Inertia) -> list[RotationColumn]:
+        """Begin the columns of relative angular velocities in the body's own frame; record their entries."""
+        begun: list[RotationColumn] = []
+        for speed in joint.angular_speeds:
+            for col in (*self.moving[joint.body - 1], *begun):
+                self.record(col.freedom, speed.freedom, col.moment_about(speed.axis, self.tree.definitions))
+            moment = column(composite.inertia, speed.axis)
+            self.record(speed.freedom, speed.freedom, moment[speed.axis])
+            label = f"{joint.body}w{speed.axis + 1}"
+            force = cross(unit(speed.axis), composite.moment)
+            begun.append(RotationColumn(speed.freedom, label, force, moment))
         return begun
 
-    def _joined(self, motion: JointMotion) -> list[Column]:
-        """The columns in a body's frame, with their shares in its triad."""
-        columns, found = self.near[motion.body - 1], self.triads.get(motion.body)
-        if found is None:
+    def _arriving(self, joint: JointMotion) -> list[Column]:
+        """Return the columns in a body's frame, with their shares in the force basis of that frame."""
+        columns, basis = self.moving[joint.body - 1], self.bases.get(joint.body)
+        if basis is None:
             return columns
-        path = list(self.tree.inward(motion))
+        path = list(self.tree.inward(joint))
         return [
-            found.joined(col, col.force, path, self.tree.definitions) if isinstance(col, Wrench) else col
+            basis.with_shares(col, col.force, path, self.tree.definitions)
+            if isinstance(col, RotationColumn)
+            else col
             for col in columns
         ]
 
-    def _read(self, columns: Iterable[Column], step: Step) -> None:
-        """The entries of a turn's angle with columns above or below it."""
+    def _record_angle(self, columns: Iterable[Column], step: Step) -> None:
+        """Record the entries of an angle with columns that are given above or below its turn."""
         if step.freedom != NO_FREEDOM:
             for col in columns:
                 self.record(col.freedom, step.freedom, col.moment_about(step.axis, self.tree.definitions))
 
-    def _begun(self, step: Step, motion: JointMotion, above: Inertia, below: Inertia) -> Wrench:
-        """The column of a turn's angle, seen from below, where the body is `below`."""
+    def _angle_column(self, step: Step, joint: JointMotion, above: Inertia, below: Inertia) -> RotationColumn:
+        """Begin the column of an angle below its turn, where the composite body is `below`."""
         axis = unit(step.axis)
         moment = column(below.inertia, step.axis)
         self.record(step.freedom, step.freedom, moment[step.axis])
-        col = Wrench(step.freedom, step.frame, cross(axis, below.moment), moment)
-        found = self.triads.get(motion.body)
-        if found is None or step is not motion.steps[-1]:
+        col = RotationColumn(step.freedom, step.frame, cross(axis, below.moment), moment)
+        basis = self.bases.get(joint.body)
+        if basis is None or step is not joint.steps[-1]:
             return col
-        _, *path = self.tree.inward(motion)
-        return found.joined(col, cross(axis, above.moment), path, self.tree.definitions)
+        _, *path = self.tree.inward(joint)
+        return basis.with_shares(col, cross(axis, above.moment), path, self.tree.definitions)
 
-    def _slide(self, columns: list[Column], composite: Inertia, motion: JointMotion) -> None:
-        """The entries of the joint's translations."""
-        for slide in motion.slides:
+    def _record_translations(self, columns: list[Column], composite: Inertia, joint: JointMotion) -> None:
+        """Record the entries of the joint's translations."""
+        for translation in joint.translations:
             for col in columns:
-                name = f"A_{col.freedom}_{slide.freedom}"
-                value = self.tree.definitions.define(name, dot(slide.direction, col.force))
-                self.record(col.freedom, slide.freedom, value)
-            self.record(slide.freedom, slide.freedom, composite.mass)
+                name = f"A_{col.freedom}_{translation.freedom}"
+                value = self.tree.definitions.define(name, dot(translation.direction, col.force))
+                self.record(col.freedom, translation.freedom, value)
+            self.record(translation.freedom, translation.freedom, composite.mass)
 
-    def _shift(
-        self, arriving: list[Column], own: list[Wrench], composite: Inertia, motion: JointMotion
+    def _pass_to_lower_body(
+        self, arriving: list[Column], own: list[RotationColumn], composite: Inertia, joint: JointMotion
     ) -> None:
-        """The composite body and its columns pass to the lower body."""
-        k, j, definitions = motion.body, motion.lower, self.tree.definitions
-        arm = lever(composite, motion, definitions)
-        near = self.near[j - 1]
-        near += [col.shifted(motion.offset, str(j), definitions) for col in arriving]
-        near += [arm.begun(col) if arm else col.shifted(motion.offset, str(j), definitions) for col in own]
-        shifted = composite.shifted(motion.offset, f"{k}j", definitions, arm.matrix if arm else None)
-        near += self._pushes(shifted, motion)
+        """Pass the composite body and its columns to the lower body."""
+        k, j, definitions = joint.body, joint.lower, self.tree.definitions
+        shift = shifted_columns(composite, joint, definitions)
+        moving = self.moving[j - 1]
+        moving += [col.shifted(joint.offset, str(j), definitions) for col in arriving]
+        moving += [
+            shift.shift(col) if shift else col.shifted(joint.offset, str(j), definitions) for col in own
+        ]
+        matrix = shift.moment_matrix if shift else None
+        shifted = composite.shifted(joint.offset, f"{k}j", definitions, matrix)
+        moving += self._translation_columns(shifted, joint)
         self.bodies[j - 1] = self.bodies[j - 1].plus(shifted, str(j), definitions)
 
-    def _pushes(self, composite: Inertia, motion: JointMotion) -> list[Push]:
-        """The columns of the joint's translations, about O_J.
+    def _translation_columns(self, composite: Inertia, joint: JointMotion) -> list[TranslationColumn]:
+        """Begin the columns of the joint's translations, about the origin of the lower body.
 
-        A translation moves the whole composite body along a direction fixed in J, so its column begins there.
+        A translation moves the whole composite body along a direction that is fixed in the lower body.
         """
-        if not motion.slides or composite.mass == 0:
+        if not joint.translations or composite.mass == 0:
             return []
         definitions = self.tree.definitions
         center = scale(1 / composite.mass, composite.moment)
-        center = definitions.vector(f"c_{motion.body}", center)
-        pushes: list[Push] = []
-        for slide in motion.slides:
-            label = f"{motion.body}s{slide.freedom}"
-            force = definitions.vector(f"F_{label}", scale(composite.mass, slide.direction))
-            pushes.append(Push(slide.freedom, label, motion.body, force, center))
-        if found := triad(motion, composite.mass):
-            self.triads.setdefault(motion.lower, found)
-        return pushes
+        center = definitions.vector(f"c_{joint.body}", center)
+        columns: list[TranslationColumn] = []
+        for translation in joint.translations:
+            label = f"{joint.body}s{translation.freedom}"
+            force = definitions.vector(f"F_{label}", scale(composite.mass, translation.direction))
+            columns.append(TranslationColumn(translation.freedom, label, joint.body, force, center))
+        if basis := force_basis(joint, composite.mass):
+            self.bases.setdefault(joint.lower, basis)
+        return columns

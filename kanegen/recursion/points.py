@@ -1,7 +1,7 @@
-"""Points of the bodies, inertial components: positions, velocities, accelerations, partial velocities.
+"""Outputs about points, in inertial components: positions, velocities, accelerations, Jacobians.
 
-What belongs to a point can be turned inward joint by joint, or by the rotation of its body as a whole, which
-costs more alone and less where it serves several points. Operations decide.
+A vector of a point can be turned inward joint by joint, or by the rotation of its body as a whole, which
+costs more for one point and less where it serves several. The operation count decides.
 """
 
 from __future__ import annotations
@@ -10,127 +10,125 @@ from collections.abc import Iterator
 
 from sympy import Expr, S
 
-from kanegen.recursion.derived import Derived
+from kanegen.recursion.constants import exact
+from kanegen.recursion.inverse_dynamics import body_motions
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
-from kanegen.recursion.joints import exact
-from kanegen.recursion.motion import outward
-from kanegen.recursion.poses import Pose, poses
-from kanegen.recursion.tree import Tree
+from kanegen.recursion.kinematics import Pose, angular_velocities, poses, velocities
+from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import add, cross, multiply, subtract, unit
-from kanegen.recursion.velocities import angular_velocities, velocities
 from kanegen.symbolic.definitions import Vector
 
-MATRIX = 15
-"""Operations that it takes to turn a vector by a rotation."""
+MATRIX_COST = 15
+"""Operations of a rotation matrix times a vector."""
 
 
 def point_positions(tree: Tree) -> Derived:
-    """{p_P} of every point, Eq. (22) one arm further."""
+    """Derive {p_P} of every point, Eq. (22) with the point in place of an origin."""
     entries: list[Expr] = []
-    seen = _poses_that_pay(tree)
+    seen = _poses_that_save(tree)
     for number, k, position in _points(tree):
         tree.about(k, f"position of point {number}")
         if seen:
             p = add(seen[k].origin, seen[k].inertial(position))
         else:
             p = position
-            for motion in tree.inward(tree.motions[k - 1]):
-                p = add(motion.arm, _below(tree, motion, p, f"pp_{number}"))
-                p = tree.definitions.vector(f"pp_{number}_{motion.body}j", p)
+            for joint in tree.inward(tree.joints[k - 1]):
+                p = add(joint.arm, _below(tree, joint, p, f"pp_{number}"))
+                p = tree.definitions.vector(f"pp_{number}_{joint.body}j", p)
         entries += tree.definitions.vector(f"pP_{number}", p)
     return Derived(entries)
 
 
 def point_velocities(tree: Tree) -> Derived:
-    """{v_P} = {v_O} + {omega} x {arm} of every point, Eq. (27)."""
+    """Derive {v_P} = {v_O} + {omega} x {arm} of every point, Eq. (27)."""
     omega = angular_velocities(tree)
     velocity = velocities(tree, omega)
     found = {number: add(velocity[k], cross(omega[k], arm)) for number, k, arm in _arms(tree)}
-    return _turned(tree, found, "vP", "velocity")
+    return _inertial(tree, found, "vP", "velocity")
 
 
 def point_accelerations(tree: Tree) -> Derived:
-    """{a_P} of every point, without gravity, Eq. (33)."""
-    moved = outward(tree, accelerated=True, weightless=True)
+    """Derive {a_P} of every point, without gravity, Eq. (33)."""
+    moved = body_motions(tree, accelerated=True, weightless=True)
     found = {
         number: add(moved[k].acceleration, multiply(moved[k].field, arm)) for number, k, arm in _arms(tree)
     }
-    return _turned(tree, found, "aP", "acceleration")
+    return _inertial(tree, found, "aP", "acceleration")
 
 
 def point_jacobians(tree: Tree) -> Derived:
-    """The partial velocities of every point by {y}, Eq. (32): (3, n), one point after the other."""
+    """Derive the partial velocities of every point by {y}, Eq. (32): (3, n), one point after the other."""
     n, seen = len(tree.system.freedoms), poses(tree)
     entries: list[Expr] = []
     for number, k, position in _points(tree):
         tree.about(k, f"partial velocities of point {number}")
         p = tree.definitions.vector(f"pP_{number}", add(seen[k].origin, seen[k].inertial(position)))
         columns: dict[int, Vector] = {}
-        for motion in tree.inward(tree.motions[k - 1]):
-            arm = subtract(p, seen[motion.body].origin)
-            arm = tree.definitions.vector(f"rP_{number}_{motion.body}", arm)
-            columns |= {freedom: cross(axis, arm) for freedom, axis in _axes(tree, motion, seen)}
-            lower = seen[motion.lower]
-            columns |= {slide.freedom: lower.inertial(slide.direction) for slide in motion.slides}
+        for joint in tree.inward(tree.joints[k - 1]):
+            arm = subtract(p, seen[joint.body].origin)
+            arm = tree.definitions.vector(f"rP_{number}_{joint.body}", arm)
+            columns |= {freedom: cross(axis, arm) for freedom, axis in _axes(tree, joint, seen)}
+            lower = seen[joint.lower]
+            columns |= {one.freedom: lower.inertial(one.direction) for one in joint.translations}
         for i in range(3):
             entries += [columns[freedom][i] if freedom in columns else S.Zero for freedom in range(n)]
     return Derived(entries)
 
 
-def _axes(tree: Tree, motion: JointMotion, seen: list[Pose]) -> Iterator[tuple[int, Vector]]:
-    """The freedoms that turn body K, and their axes in inertial components."""
-    turned = seen[motion.body]
-    for spin in motion.spins:
-        yield spin.freedom, turned.inertial(unit(spin.axis))
-    for place, step in enumerate(motion.angles):
+def _axes(tree: Tree, joint: JointMotion, seen: list[Pose]) -> Iterator[tuple[int, Vector]]:
+    """Yield the freedoms that rotate body K, with their axes in inertial components."""
+    pose = seen[joint.body]
+    for speed in joint.angular_speeds:
+        yield speed.freedom, pose.inertial(unit(speed.axis))
+    for place, step in enumerate(joint.angles):
         if step.freedom != NO_FREEDOM:
             axis = unit(step.axis)
-            for outer in motion.angles[place + 1 :]:
+            for outer in joint.angles[place + 1 :]:
                 axis = outer.turn.up(axis)
-            axis = tree.definitions.vector(f"n_{step.frame}", turned.inertial(axis))
+            axis = tree.definitions.vector(f"n_{step.frame}", pose.inertial(axis))
             yield step.freedom, axis
 
 
 def _points(tree: Tree) -> Iterator[tuple[int, int, Vector]]:
-    """Of every point its number from 1, its body, and its position from O_K in K."""
+    """Yield number, from 1, body, and position from O_K in K (m) of every point."""
     for number, (k, point) in enumerate(tree.system.points, start=1):
         yield number, k, Vector(*(exact(value) for value in point.position))
 
 
 def _arms(tree: Tree) -> Iterator[tuple[int, int, Vector]]:
-    """The same from the point that serves as the origin of K."""
+    """Yield number, body, and position from the origin of the body in K (m) of every point."""
     for number, k, position in _points(tree):
-        arm = subtract(position, tree.motions[k - 1].origin)
+        arm = subtract(position, tree.joints[k - 1].origin)
         yield number, k, tree.definitions.vector(f"r_{k}p{number}", arm)
 
 
-def _turned(tree: Tree, vectors: dict[int, Vector], name: str, what: str) -> Derived:
-    """A vector of each point, seen from its body, in inertial components."""
+def _inertial(tree: Tree, vectors: dict[int, Vector], name: str, quantity: str) -> Derived:
+    """Derive the inertial components of one vector for each point, given in the frame of its body."""
     entries: list[Expr] = []
-    seen = _poses_that_pay(tree)
+    seen = _poses_that_save(tree)
     for number, k, _ in _points(tree):
-        tree.about(k, f"{what} of point {number}")
+        tree.about(k, f"{quantity} of point {number}")
         v = tree.definitions.vector(f"{name}_{number}", vectors[number])
         if seen:
             v = seen[k].inertial(v)
         else:
-            for motion in tree.inward(tree.motions[k - 1]):
-                v = _below(tree, motion, v, f"{name}_{number}")
+            for joint in tree.inward(tree.joints[k - 1]):
+                v = _below(tree, joint, v, f"{name}_{number}")
         entries += v
     return Derived(entries)
 
 
-def _below(tree: Tree, motion: JointMotion, v: Vector, name: str) -> Vector:
-    """A vector through the turns of a joint."""
-    for step in reversed(motion.steps):
+def _below(tree: Tree, joint: JointMotion, v: Vector, name: str) -> Vector:
+    """Return a vector of body K in components of the lower body."""
+    for step in reversed(joint.steps):
         v = tree.definitions.vector(f"{name}_{step.frame}", step.turn.down(v))
     return v
 
 
-def _poses_that_pay(tree: Tree) -> list[Pose]:
-    """The poses of the bodies, where turning by them costs less than joint by joint; else none."""
-    joints = [list(tree.inward(tree.motions[k - 1])) for _, k, _ in _points(tree)]
-    inward = sum(motion.turning for path in joints for motion in path)
-    turning = {motion.body: 3 * motion.turning for path in joints for motion in path}
-    by_poses = sum(turning.values()) + MATRIX * len(joints)
-    return poses(tree) if by_poses < inward else []
+def _poses_that_save(tree: Tree) -> list[Pose]:
+    """Return the poses of the bodies where turning by them costs less than joint by joint; else none."""
+    paths = [list(tree.inward(tree.joints[k - 1])) for _, k, _ in _points(tree)]
+    by_joints = sum(joint.turn_cost for path in paths for joint in path)
+    columns = {joint.body: 3 * joint.turn_cost for path in paths for joint in path}
+    by_poses = sum(columns.values()) + MATRIX_COST * len(paths)
+    return poses(tree) if by_poses < by_joints else []

@@ -1,4 +1,4 @@
-"""{ydot} by a solver, improved step by step, and what is known of its error.
+"""The solution {ydot} of [A]{ydot} = {b}: found by a solver, refined step by step, with its error.
 
 A solution leaves a residual, {tau} less what it needs by inverse dynamics, and the eliminations that found it
 turn that into a correction (Higham 2002, chapter 12). Nothing is computed in a higher precision: a solution
@@ -8,7 +8,7 @@ correct digits, and the correction tells how many those were.
 A step does not form the residual. What the bodies need for the solution is added to what they need without
 it, and the solver starts again from there: what is then missing is the residual. It must know the inertia of
 every body by itself, since next to a heavy body that hangs on it a light one's would be rounded away; see
-`tree.apart`.
+`tree.with_own_inertias`.
 """
 
 from __future__ import annotations
@@ -21,13 +21,12 @@ from typing import Protocol
 import sympy
 from sympy import Expr
 
-from kanegen.recursion.bodies import Inertia
-from kanegen.recursion.correction_size import Sizes
-from kanegen.recursion.derived import Derived
-from kanegen.recursion.joint_path import STILL, Free, Stop
-from kanegen.recursion.motion import Requirement, requirements
-from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import add, column, cross, dot, scale
+from kanegen.recursion.correction_size import CorrectionSize
+from kanegen.recursion.inertia import Inertia
+from kanegen.recursion.inverse_dynamics import needed_wrenches
+from kanegen.recursion.joint_path import STILL, FreeComponent, PathElement
+from kanegen.recursion.tree import Derived, Tree
+from kanegen.recursion.vectors import Wrench, add, column, cross, dot, scale
 from kanegen.symbolic.definitions import Vector
 
 
@@ -35,39 +34,39 @@ class Solver(Protocol):
     """A way to solve [A]{ydot} = {b} for several {b}.
 
     Attributes:
-        tree: Of which system.
-        ways: By body the stops of its joint, with the free components that are solved for.
-        pivots: By freedom, what is divided by.
+        tree: The tree.
+        paths: By body the path through its joint, with the free components that are solved for.
+        pivots: By freedom the divisor of its elimination.
     """
 
     tree: Tree
-    ways: Mapping[int, tuple[Stop, ...]]
+    paths: Mapping[int, tuple[PathElement, ...]]
     pivots: Sequence[Expr]
 
     @property
-    def positive(self) -> Sequence[Expr]:
-        """By freedom what is positive where [A] is regular; pivots, weakened where coordinates fail."""
+    def regular_if_positive(self) -> Sequence[Expr]:
+        """Expressions by freedom, positive where [A] is regular: pivots, smaller near gimbal lock."""
 
     @property
     def diagonal(self) -> Sequence[Expr]:
-        """What the pivots would be if all other components stood still."""
+        """The pivots by freedom if all other components stood still."""
 
-    def solve(self, needs: Sequence[Requirement], name: str) -> list[Expr]:
-        """The free components that the efforts cause where the bodies need `needs` for anything else."""
+    def solve(self, needs: Sequence[Wrench], name: str) -> list[Expr]:
+        """Return the free components that the efforts cause, less what the bodies need beside them."""
 
-    def coordinates(self, found: Sequence[Expr], name: str) -> list[Expr]:
-        """{ydot} behind free components."""
+    def speed_rates(self, components: Sequence[Expr], name: str) -> list[Expr]:
+        """Return the {ydot} that belongs to free components."""
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """How {ydot} is improved, and when the result is called inaccurate.
+    """Iterative refinement of {ydot}, and when its result is called inaccurate.
 
     Attributes:
-        steps: How many.
+        steps: Number of steps.
         limit: Largest first correction over the solution, freedom by freedom.
-        floor: Per freedom an acceleration that counts as part of the whole solution, so that nothing is
-            called inaccurate where forces cancel (rad/s^2, m/s^2).
+        floor: By freedom an acceleration that counts as part of the whole solution, so that nothing is called
+            inaccurate where forces cancel (rad/s^2, m/s^2).
     """
 
     steps: int = 0
@@ -79,7 +78,7 @@ UNREFINED = Refinement()
 
 
 class Solution:
-    """{ydot}, and what goes with it; nothing is derived before it is asked for."""
+    """The solution {ydot}, with its correction; nothing is derived before it is asked for."""
 
     def __init__(self, solver: Solver, refinement: Refinement = UNREFINED) -> None:
         self._solver = solver
@@ -87,77 +86,79 @@ class Solution:
         self._refinement = refinement
 
     def forward_dynamics(self) -> Derived:
-        """The entries of {ydot}."""
-        found, refinement = self._found, self._refinement
+        """Derive the entries of {ydot}, refined."""
+        components, refinement = self._components, self._refinement
         for step in range(refinement.steps):
-            correction = self._corrected(found) if step else self._correction
-            pairs = zip(found, correction, strict=True)
-            found = [self._define(f"ydot_{i}", old + new) for i, (old, new) in enumerate(pairs)]
-        entries = self._solver.coordinates(found, "ydot")
-        margins = self._sizes.margins(refinement.limit, refinement.floor) if refinement.steps else ()
-        return Derived(entries, self._solver.positive, margins)
+            correction = self._corrected(components) if step else self._correction
+            pairs = zip(components, correction, strict=True)
+            components = [self._define(f"ydot_{i}", old + new) for i, (old, new) in enumerate(pairs)]
+        entries = self._solver.speed_rates(components, "ydot")
+        margins = self._size.margins(refinement.limit, refinement.floor) if refinement.steps else ()
+        return Derived(entries, self._solver.regular_if_positive, margins)
 
     def error_estimate(self) -> Derived:
-        """How much the first step changes each entry of {ydot}."""
-        entries = self._solver.coordinates(self._correction, "dy")
+        """Derive the absolute change of each entry of {ydot} by the first step of refinement."""
+        entries = self._solver.speed_rates(self._correction, "dy")
         squares = [self._define(f"de_{i}", entry * entry) for i, entry in enumerate(entries)]
-        return Derived([sympy.sqrt(square) for square in squares], self._solver.positive)
+        return Derived([sympy.sqrt(square) for square in squares], self._solver.regular_if_positive)
 
     def regularity(self) -> Derived:
-        """By freedom, what the other freedoms leave of its inertia."""
-        pairs = zip(self._solver.positive, self._solver.diagonal, strict=True)
+        """Derive by freedom the share of its inertia that the other freedoms leave."""
+        pairs = zip(self._solver.regular_if_positive, self._solver.diagonal, strict=True)
         return Derived([left / whole for left, whole in pairs])
 
-    def sizes(self) -> Derived:
-        """The square of the solution, then those of the first correction by freedom; without units."""
-        return Derived([self._sizes.whole, *self._sizes.errors])
+    def correction_size(self) -> Derived:
+        """Derive the square of the solution, then those of the first correction by freedom, in one unit."""
+        return Derived([self._size.whole, *self._size.errors])
 
     @cached_property
-    def _needs(self) -> list[Requirement]:
-        return requirements(self._tree, accelerated=False)
+    def _needs(self) -> list[Wrench]:
+        return needed_wrenches(self._tree, accelerated=False)
 
     @cached_property
-    def _found(self) -> list[Expr]:
+    def _components(self) -> list[Expr]:
         return self._solver.solve(self._needs, "ydot")
 
     @cached_property
     def _correction(self) -> list[Expr]:
-        return self._corrected(self._found)
+        return self._corrected(self._components)
 
     @cached_property
-    def _sizes(self) -> Sizes:
-        return Sizes(self._tree, self._solver.pivots, self._found, self._correction)
+    def _size(self) -> CorrectionSize:
+        return CorrectionSize(self._tree, self._solver.pivots, self._components, self._correction)
 
-    def _corrected(self, found: Sequence[Expr]) -> list[Expr]:
-        return self._solver.solve(_needed(self._solver, self._needs, found), "dy")
+    def _corrected(self, components: Sequence[Expr]) -> list[Expr]:
+        """Return the correction of a solution."""
+        return self._solver.solve(_needs_with(self._solver, self._needs, components), "dy")
 
     def _define(self, name: str, value: Expr) -> Expr:
         return self._tree.definitions.define(name, value)
 
 
-def _needed(solver: Solver, needs: Sequence[Requirement], found: Sequence[Expr]) -> list[Requirement]:
-    """What each body needs for accelerations with the free components `found`, beside `needs`."""
+def _needs_with(solver: Solver, needs: Sequence[Wrench], components: Sequence[Expr]) -> list[Wrench]:
+    """Return the wrenches that the bodies need for given free components, beside `needs`."""
     tree, definitions = solver.tree, solver.tree.definitions
     accelerations = {0: STILL}
     total = []
-    for motion in tree.motions:
-        k = motion.body
+    for joint in tree.joints:
+        k = joint.body
         tree.about(k, "what the solution needs, Eq. (44)")
-        a = accelerations[motion.lower]
-        for stop in reversed(solver.ways[k]):
-            if isinstance(stop, Free):
-                i, freedom = stop.index, stop.freedom
-                a = (*a[:i], definitions.define(f"r_{freedom}", a[i] + found[freedom]), *a[i + 1 :])
+        a = accelerations[joint.lower]
+        for element in reversed(solver.paths[k]):
+            if isinstance(element, FreeComponent):
+                i, freedom = element.index, element.freedom
+                moved = definitions.define(f"r_{freedom}", a[i] + components[freedom])
+                a = (*a[:i], moved, *a[i + 1 :])
             else:
-                a = stop.outward(a, definitions)
+                a = element.outward(a, definitions)
         accelerations[k] = a
-        own = _moved(tree.inertias[k - 1], Vector(*a[:3]), Vector(*a[3:]))
+        own = _accelerated(tree.inertias[k - 1], Vector(*a[:3]), Vector(*a[3:]))
         total.append(needs[k - 1].plus(own, f"{k}own", definitions))
     return total
 
 
-def _moved(inertia: Inertia, alpha: Vector, a: Vector) -> Requirement:
-    """What a body needs for an angular acceleration and the acceleration of its origin."""
+def _accelerated(inertia: Inertia, alpha: Vector, a: Vector) -> Wrench:
+    """Return the wrench that a body needs for an angular acceleration and the acceleration of its origin."""
     force = add(scale(inertia.mass, a), cross(alpha, inertia.moment))
-    turning = Vector(*(dot(column(inertia.inertia, axis), alpha) for axis in range(3)))
-    return Requirement(force, add(turning, cross(inertia.moment, a)))
+    angular = Vector(*(dot(column(inertia.inertia, axis), alpha) for axis in range(3)))
+    return Wrench(force, add(angular, cross(inertia.moment, a)))

@@ -1,9 +1,9 @@
-"""The tree as the recursions see it: joints, and inertias regrouped so that many numbers vanish.
+"""The tree that the recursions walk: joints, and inertias regrouped so that many numbers vanish.
 
 What a joint cannot move apart from the lower body may as well belong to the lower body: the mass of a body
-whose joint does not slide, as a point at its origin; the first moment along a hinge, and the inertia of a rod
-on its axis; the whole inertia of a body that does not turn; everything of a welded body. [A] and {f} do not
-change (base inertial parameters: Gautier and Khalil 1990).
+whose joint has no moving translation, as a point at its origin; the first moment along a hinge, and the
+inertia of a rod on its axis; the whole inertia of a body that does not rotate; everything of a welded body.
+[A] and {f} do not change (base inertial parameters: Gautier and Khalil 1990).
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from sympy import S
+from sympy import Expr, S
 
 from kanegen.model.system import System
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
-from kanegen.recursion.bodies import NOTHING, Inertia, body_inertia
+from kanegen.recursion.inertia import NO_INERTIA, Inertia, body_inertia
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joints import joint_motion
 from kanegen.recursion.vectors import ZERO, entry, scale, unit
@@ -23,109 +23,140 @@ from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 
 
 @dataclass(frozen=True)
-class Tree:
-    """A system, ready for recursions.
+class Derived:
+    """The result of a recursion: the entries of an output, in terms of definitions.
 
     Attributes:
-        system: What it was made from.
-        motions: The joint of each body.
-        inertias: What each body keeps, about its origin.
-        ground: What they pass to the ground, about the inertial origin; it never moves.
-        definitions: Take the intermediates.
+        entries: Entries, row-major.
+        exists_if_positive: Expressions by freedom that are positive where the entries exist; empty if they
+            always do.
+        accurate_if_positive: Expressions by freedom that are positive where the entries are accurate; empty
+            if no accuracy is promised.
+    """
+
+    entries: Sequence[Expr]
+    exists_if_positive: Sequence[Expr] = ()
+    accurate_if_positive: Sequence[Expr] = ()
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A system, prepared for recursions.
+
+    Attributes:
+        system: The system.
+        joints: Joint of each body.
+        inertias: Inertia that each body keeps, about its origin.
+        ground: Inertia that bodies pass to the ground, about the inertial origin; it never moves.
+        definitions: Definitions that recursions add their intermediates to.
     """
 
     system: System
-    motions: tuple[JointMotion, ...]
+    joints: tuple[JointMotion, ...]
     inertias: tuple[Inertia, ...]
     ground: Inertia
     definitions: Definitions
 
-    def inward(self, motion: JointMotion) -> Iterator[JointMotion]:
-        """The joint, and those between it and the ground."""
-        yield motion
-        while motion.lower:
-            motion = self.motions[motion.lower - 1]
-            yield motion
+    def inward(self, joint: JointMotion) -> Iterator[JointMotion]:
+        """Yield a joint, then those between it and the ground."""
+        yield joint
+        while joint.lower:
+            joint = self.joints[joint.lower - 1]
+            yield joint
 
-    def about(self, k: int, what: str) -> None:
-        """Say what the following definitions are: something of body `k`."""
-        self.definitions.about(f"Body {k} ({self.system.bodies[k - 1].name}): {what}")
+    def about(self, k: int, quantity: str) -> None:
+        """Set the comment of the definitions that follow: a quantity of body `k`."""
+        self.definitions.about(f"Body {k} ({self.system.bodies[k - 1].name}): {quantity}")
 
 
 def tree(system: System, constants: Constants = DOUBLE_CONSTANTS) -> Tree:
-    """The tree of `system`, with new definitions."""
+    """Return the tree of a system, with definitions of its own."""
     definitions = Definitions([parameter.name for parameter in system.parameters], constants)
-    motions: list[JointMotion] = []
+    joints: list[JointMotion] = []
     for k, body in enumerate(system.bodies, start=1):
-        below = motions[body.lower - 1].origin if body.lower else ZERO
-        motions.append(joint_motion(system, k, below, definitions))
-    return _grouped(system, motions, definitions, lambda motion: True)
+        below = joints[body.lower - 1].origin if body.lower else ZERO
+        joints.append(joint_motion(system, k, below, definitions))
+    return _regrouped(system, joints, definitions, lambda joint: True)
 
 
-def apart(tree: Tree) -> Tree:
-    """The same tree, where every body that turns on its lower body keeps its inertia.
+def with_own_inertias(tree: Tree) -> Tree:
+    """Return the same tree, where every body that rotates on its lower body keeps its inertia.
 
-    A sum of two inertias is rounded as the larger is, which may be all there is of the smaller one. What the
-    tree needs for given accelerations, body by body, is then still accurate.
+    A sum of two inertias is rounded as the larger is, which may swallow the smaller one. What the bodies need
+    for given accelerations is then still accurate for each of them.
     """
-    return _grouped(tree.system, tree.motions, tree.definitions, lambda motion: not motion.turns)
+    return _regrouped(tree.system, tree.joints, tree.definitions, lambda joint: not joint.rotates)
 
 
 def ungrouped(tree: Tree) -> Tree:
-    """The same tree, where every body keeps its inertia: what joints carry depends on which side has it."""
-    return _grouped(tree.system, tree.motions, tree.definitions, lambda motion: False)
+    """Return the same tree, where every body keeps its inertia, as the loads that joints carry demand."""
+    return _regrouped(tree.system, tree.joints, tree.definitions, lambda joint: False)
 
 
-def _grouped(
+def _regrouped(
     system: System,
-    motions: Sequence[JointMotion],
+    joints: Sequence[JointMotion],
     definitions: Definitions,
-    passes: Callable[[JointMotion], bool],
+    is_regrouped: Callable[[JointMotion], bool],
 ) -> Tree:
-    """The tree in which the bodies whose joints `passes` names give the lower body what they can."""
-    own = [Inertia(), *(body_inertia(system, m.body, m.origin, definitions) for m in motions)]
-    for motion in reversed(motions):
-        k, j = motion.body, motion.lower
-        if passes(motion):
-            own[k], passed = _regrouped(own[k], motion, definitions)
+    """Return the tree in which bodies pass to the lower body what their joints cannot move apart from it.
+
+    Args:
+        system: The system.
+        joints: Joint of each body.
+        definitions: Definitions that the intermediates are added to.
+        is_regrouped: Function that says at which joints this is done.
+    """
+    own = [Inertia(), *(body_inertia(system, joint.body, joint.origin, definitions) for joint in joints)]
+    for joint in reversed(joints):
+        k, j = joint.body, joint.lower
+        if is_regrouped(joint):
+            own[k], passed = _split(own[k], joint, definitions)
             own[j] = own[j].plus(passed, f"{j}r{k}", definitions)
     ground, *kept = own
-    return Tree(system, tuple(motions), tuple(kept), ground, definitions)
+    return Tree(system, tuple(joints), tuple(kept), ground, definitions)
 
 
-def _regrouped(own: Inertia, motion: JointMotion, definitions: Definitions) -> tuple[Inertia, Inertia]:
-    """What a body keeps, and what its lower body gets, about the lower body's origin and in its frame."""
-    if motion.sliding and motion.turns:
+def _split(own: Inertia, joint: JointMotion, definitions: Definitions) -> tuple[Inertia, Inertia]:
+    """Return what a body keeps, and what its lower body gets, about the lower origin and in its frame."""
+    if joint.moving_translations and joint.rotates:
         return own, Inertia()
-    if motion.sliding:
-        spinning = _seen_below(Inertia(inertia=own.inertia), motion, ZERO, definitions)
-        return replace(own, inertia=NOTHING), spinning
-    if not motion.turns:
-        return Inertia(), _seen_below(own, motion, motion.offset, definitions)
-    fixed = _on_axis(own, motion.hinge.axis) if motion.hinge else Inertia(mass=own.mass)
-    return _difference(own, fixed), _seen_below(fixed, motion, motion.offset, definitions)
+    if joint.moving_translations:
+        rotational = _seen_below(Inertia(inertia=own.inertia), joint, ZERO, definitions)
+        return replace(own, inertia=NO_INERTIA), rotational
+    if not joint.rotates:
+        return Inertia(), _seen_below(own, joint, joint.offset, definitions)
+    fixed = _on_axis(own, joint.hinge.axis) if joint.hinge else Inertia(mass=own.mass)
+    return _difference(own, fixed), _seen_below(fixed, joint, joint.offset, definitions)
 
 
 def _on_axis(own: Inertia, axis: int) -> Inertia:
-    """Mass on the axis that a hinge does not move: its first moment along the axis, and a rod's inertia."""
+    """Return the part of an inertia that a hinge about `axis` does not move.
+
+    It is the mass, its first moment along the axis, and the inertia of a rod on the axis.
+    """
     j, k = (axis + 1) % 3, (axis + 2) % 3
     rod = getattr(own.inertia, entry(k, k))
     inertia = {name: S.Zero for name in Symmetric._fields} | {entry(j, j): rod, entry(k, k): rod}
     return Inertia(own.mass, scale(own.moment[axis], unit(axis)), Symmetric(**inertia))
 
 
-def _difference(own: Inertia, fixed: Inertia) -> Inertia:
+def _difference(own: Inertia, part: Inertia) -> Inertia:
+    """Return an inertia less a part of it."""
     return Inertia(
-        own.mass - fixed.mass,
-        Vector(*(a - b for a, b in zip(own.moment, fixed.moment, strict=True))),
-        Symmetric(*(a - b for a, b in zip(own.inertia, fixed.inertia, strict=True))),
+        own.mass - part.mass,
+        Vector(*(a - b for a, b in zip(own.moment, part.moment, strict=True))),
+        Symmetric(*(a - b for a, b in zip(own.inertia, part.inertia, strict=True))),
     )
 
 
-def _seen_below(part: Inertia, motion: JointMotion, offset: Vector, definitions: Definitions) -> Inertia:
-    """Through the turns that stand still, which leave a rod on a turning axis as it is, and by the offset."""
-    name = f"{motion.body}r"
-    for step in reversed(motion.steps):
+def _seen_below(part: Inertia, joint: JointMotion, offset: Vector, definitions: Definitions) -> Inertia:
+    """Return an inertia below the constant turns of a joint and about an origin `offset` before it.
+
+    Moving turns leave a rod on the turning axis as it is.
+    """
+    name = f"{joint.body}r"
+    for step in reversed(joint.steps):
         if not step.moves:
             part = part.down(step.turn, f"{name}{step.frame}", definitions)
     return part.shifted(offset, name, definitions)

@@ -1,19 +1,35 @@
 """Changes of frame along a joint, one elementary turn at a time.
 
-[R_123] of Eq. (4) is the product of three planar turns. Passing vectors through them one by one costs no
-more than multiplying by the product, shows every angle's axis as a unit vector of some frame, and needs no
-matrix to be formed.
+[R_123] of Eq. (4) is the product of three planar turns. Passing vectors through them one by one costs no more
+than multiplying by the product, shows every angle's axis as a unit vector of some frame, and needs no matrix
+to be formed. Other turns are given by a matrix: constant ones, those by a quaternion, and several as
+one. A new kind of rotation, with the rates of its coordinates, is written in this module alone.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from sympy import Expr
+from sympy import Expr, Rational, S
 
-from kanegen.recursion.vectors import INDEX, column, dot, dot_cost, entry, multiply
-from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
+from kanegen.model.coordinates import QuaternionRotation, Rotation
+from kanegen.recursion.vectors import (
+    INDEX,
+    Rows,
+    add,
+    column,
+    cross,
+    dot,
+    dot_cost,
+    entry,
+    multiply,
+    scale,
+    unit,
+)
+from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
+from kanegen.symbolic.symbols import rotation_coordinates
 
 
 class Turn(Protocol):
@@ -21,25 +37,31 @@ class Turn(Protocol):
 
     @property
     def cost(self) -> int:
-        """Operations that it takes to turn a vector."""
+        """Number of operations that turn a vector."""
         ...
 
     def up(self, v: Vector) -> Vector:
-        """Lower components to upper components."""
+        """Return upper components of a vector from its lower components."""
         ...
 
     def down(self, v: Vector) -> Vector:
-        """Upper components to lower components."""
+        """Return lower components of a vector from its upper components."""
         ...
 
     def down_symmetric(self, definitions: Definitions, name: str, m: Symmetric) -> Symmetric:
-        """[T]^T [m] [T]: a symmetric matrix from upper to lower components, named `name`."""
+        """Return [T]^T [m] [T], a symmetric matrix in lower components from its upper ones, named `name`."""
         ...
 
 
 @dataclass(frozen=True)
 class PlanarTurn:
-    """A turn of the upper frame about a basis vector that both frames share."""
+    """A turn of the upper frame about a basis vector that both frames share.
+
+    Attributes:
+        axis: The basis vector, 0 to 2.
+        sine: Sine of the angle.
+        cosine: Cosine of the angle.
+    """
 
     axis: int
     sine: Expr
@@ -47,15 +69,15 @@ class PlanarTurn:
 
     @property
     def cost(self) -> int:
-        """Operations that it takes to turn a vector."""
+        """Number of operations that turn a vector."""
         return 6
 
     def up(self, v: Vector) -> Vector:
-        """Lower components to upper components."""
+        """Return upper components of a vector from its lower components."""
         return self._turn(v, self.sine)
 
     def down(self, v: Vector) -> Vector:
-        """Upper components to lower components."""
+        """Return lower components of a vector from its upper components."""
         return self._turn(v, -self.sine)
 
     def _turn(self, v: Vector, s: Expr) -> Vector:
@@ -71,7 +93,7 @@ class PlanarTurn:
         return self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3
 
     def down_symmetric(self, definitions: Definitions, name: str, m: Symmetric) -> Symmetric:
-        """[T]^T [m] [T] in 15 operations, where the product of matrices takes 30.
+        """Return [T]^T [m] [T] in 15 operations, where the product of matrices takes 30.
 
         With p = s (m_kk - m_jj) - 2 c m_jk the turned block is m_jj + s p, m_kk - s p, -(c p + m_jk);
         the couplings with the axis turn as a vector.
@@ -97,13 +119,13 @@ class PlanarTurn:
 
 @dataclass(frozen=True)
 class MatrixTurn:
-    """A turn given by its matrix, lower to upper components."""
+    """A turn that is given by its matrix from lower to upper components."""
 
-    matrix: tuple[Vector, Vector, Vector]
+    matrix: Rows
 
     @property
     def cost(self) -> int:
-        """Operations that it takes to turn a vector."""
+        """Number of operations that turn a vector."""
         return sum(dot_cost(row) for row in self.matrix)
 
     @property
@@ -111,15 +133,15 @@ class MatrixTurn:
         return tuple(Vector(*(row[j] for row in self.matrix)) for j in range(3))
 
     def up(self, v: Vector) -> Vector:
-        """Lower components to upper components."""
+        """Return upper components of a vector from its lower components."""
         return multiply(self.matrix, v)
 
     def down(self, v: Vector) -> Vector:
-        """Upper components to lower components."""
+        """Return lower components of a vector from its upper components."""
         return multiply(self._transpose, v)
 
     def down_symmetric(self, definitions: Definitions, name: str, m: Symmetric) -> Symmetric:
-        """[T]^T [m] [T], through the product [m] [T]."""
+        """Return [T]^T [m] [T], through the product [m] [T]."""
         columns = self._transpose  # columns of [T]
         products = [
             definitions.vector(f"{name}_{'abc'[j]}", multiply([column(m, i) for i in range(3)], columns[j]))
@@ -130,30 +152,135 @@ class MatrixTurn:
 
 
 @dataclass(frozen=True)
-class WholeTurn:
+class ComposedTurn:
     """Several turns at once, for a joint in which nothing happens between them.
 
     Vectors turn by the matrix, which costs less than three planar turns; a symmetric matrix by the parts.
+
+    Attributes:
+        product: The product of all parts.
+        parts: The turns from below.
     """
 
-    whole: MatrixTurn
+    product: MatrixTurn
     parts: tuple[Turn, ...]
 
     @property
     def cost(self) -> int:
-        """Operations that it takes to turn a vector."""
-        return self.whole.cost
+        """Number of operations that turn a vector."""
+        return self.product.cost
 
     def up(self, v: Vector) -> Vector:
-        """Lower components to upper components."""
-        return self.whole.up(v)
+        """Return upper components of a vector from its lower components."""
+        return self.product.up(v)
 
     def down(self, v: Vector) -> Vector:
-        """Upper components to lower components."""
-        return self.whole.down(v)
+        """Return lower components of a vector from its upper components."""
+        return self.product.down(v)
 
     def down_symmetric(self, definitions: Definitions, name: str, m: Symmetric) -> Symmetric:
-        """[T]^T [m] [T]: a symmetric matrix from upper to lower components, named `name`."""
+        """Return [T]^T [m] [T], a symmetric matrix in lower components from its upper ones, named `name`."""
         for i, part in reversed(list(enumerate(self.parts, start=1))):
             m = part.down_symmetric(definitions, f"{name}_{i}", m)
         return m
+
+
+def planar_turn(axis: int, sine: Expr, cosine: Expr) -> Turn:
+    """Return a turn about a basis vector; right angles become signed permutations, which cost nothing."""
+    if sine != 0 and cosine != 0:
+        return PlanarTurn(axis, sine, cosine)
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    rows = [[S.Zero] * 3 for _ in range(3)]
+    rows[axis][axis] = S.One
+    rows[j][j] = rows[k][k] = cosine
+    rows[j][k], rows[k][j] = sine, -sine
+    return MatrixTurn((Vector(*rows[0]), Vector(*rows[1]), Vector(*rows[2])))
+
+
+def rotation_as_a_whole(body: int, rotation: Rotation, definitions: Definitions) -> MatrixTurn:
+    """Return the turn by a rotation that is not made of turns about axes, from the joint frame to body K.
+
+    Raises:
+        TypeError: If the rotation is made of turns about axes.
+    """
+    match rotation:
+        case QuaternionRotation():
+            return _by_quaternion(body, rotation_coordinates(body, rotation), definitions)
+    raise TypeError(rotation)
+
+
+def _by_quaternion(body: int, elements: Sequence[Expr], definitions: Definitions) -> MatrixTurn:
+    """Return the turn by a quaternion of any length but 0.
+
+    Twice the products of its elements, over their squared length, make up the matrix.
+    """
+    scalar, *vector = elements
+    squared = sum((element * element for element in elements), start=S.Zero)
+    factor = definitions.define(f"eh_{body}", 2 / squared)
+    scaled = [definitions.define(f"eh_{body}_{i}", factor * one) for i, one in enumerate(vector, start=1)]
+    turn = [definitions.define(f"es_{body}_{i}", scalar * one) for i, one in enumerate(scaled, start=1)]
+    square = [a * b for a, b in zip(scaled, vector, strict=True)]
+    square = [definitions.define(f"ee_{body}_{i}{i}", value) for i, value in enumerate(square, start=1)]
+    rows = [[S.One] * 3 for _ in range(3)]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        product = definitions.define(f"ee_{body}_{i + 1}{j + 1}", scaled[i] * vector[j])
+        rows[i][i] = S.One - (square[j] + square[k])
+        rows[i][j], rows[j][i] = product + turn[k], product - turn[k]
+    named = [definitions.vector(f"R_{body}_{AXES[i]}", Vector(*row)) for i, row in enumerate(rows)]
+    return MatrixTurn((named[0], named[1], named[2]))
+
+
+def rotation_rates(body: int, rotation: Rotation, omega: Vector) -> tuple[Expr, ...]:
+    """Return the rates of the coordinates of a rotation that is not made of turns about axes.
+
+    Args:
+        body: Number of body K.
+        rotation: Its rotation in the joint frame.
+        omega: Relative angular velocity, in K (rad/s).
+
+    Raises:
+        TypeError: If the rotation is made of turns about axes.
+    """
+    match rotation:
+        case QuaternionRotation():
+            return _quaternion_rates(rotation_coordinates(body, rotation), omega)
+    raise TypeError(rotation)
+
+
+def _quaternion_rates(quaternion: Sequence[Expr], omega: Vector) -> tuple[Expr, ...]:
+    """Return the rates of a quaternion, which keep its length, from the angular velocity in K (rad/s)."""
+    scalar, *elements = quaternion
+    vector, half = Vector(*elements), scale(Rational(1, 2), omega)
+    return (-dot(vector, half), *add(scale(scalar, half), cross(vector, half)))
+
+
+def constant_turns(matrix: Sequence[Sequence[Expr]]) -> tuple[Turn, ...]:
+    """Return the turns that make up a constant orientation [C_K]; none for the identity."""
+    rows = [Vector(*row) for row in matrix]
+    if rows == [unit(0), unit(1), unit(2)]:
+        return ()
+    for axis in range(3):
+        j, k = (axis + 1) % 3, (axis + 2) % 3
+        alone = rows[axis] == unit(axis) and rows[j][axis] == rows[k][axis] == S.Zero
+        if alone and rows[j][j] == rows[k][k] and rows[j][k] == -rows[k][j]:
+            return (planar_turn(axis, sine=rows[j][k], cosine=rows[j][j]),)
+    return (MatrixTurn((rows[0], rows[1], rows[2])),)
+
+
+def composed(name: str, parts: Sequence[Turn], definitions: Definitions) -> ComposedTurn:
+    """Return several turns, counted from below, as one; `name` is for the rows of its matrix."""
+    columns = [unit(axis) for axis in range(3)]
+    for i, part in enumerate(parts, start=1):
+        turned = [part.up(column) for column in columns]
+        rows = [
+            definitions.vector(f"{name}_{i}_{axis}", Vector(*(column[j] for column in turned)))
+            for j, axis in enumerate(AXES)
+        ]
+        columns = [Vector(*(row[j] for row in rows)) for j in range(3)]
+    return ComposedTurn(MatrixTurn((rows[0], rows[1], rows[2])), tuple(parts))
+
+
+def is_identity(turn: Turn) -> bool:
+    """Return whether a turn leaves all basis vectors as they are."""
+    return all(turn.up(unit(axis)) == unit(axis) for axis in range(3))

@@ -1,4 +1,4 @@
-"""Columns of [A] by levers, triads and from home: the same entries as ever, for fewer operations."""
+"""Columns of [A] shifted, by force combinations and in a fixed frame: the same entries, fewer operations."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.program.evaluate import evaluate
-from kanegen.recursion import fixed_frame_choice as routes
-from kanegen.recursion import force_combinations as triads
-from kanegen.recursion import shifted_columns as levers
+from kanegen.recursion import columns, fixed_frame_columns
+from kanegen.recursion.fixed_frame_columns import bodies_that_save
 from kanegen.recursion.tree import Tree, tree
 from kanegen.reference import equations as reference
 from tests.support import systems
@@ -68,7 +67,7 @@ def cost(system: kg.System) -> int:
 
 
 def all_bodies(prepared: Tree) -> set[int]:
-    return {motion.body for motion in prepared.motions}
+    return {joint.body for joint in prepared.joints}
 
 
 def no_bodies(prepared: Tree) -> set[int]:
@@ -77,63 +76,61 @@ def no_bodies(prepared: Tree) -> set[int]:
 
 def some_bodies(prepared: Tree) -> set[int]:
     """A random part of the bodies, with all that is inward of them."""
-    rng = np.random.default_rng(len(prepared.motions))
-    picked = {motion.body: bool(rng.random() < 0.8) for motion in prepared.motions}
-    return {
-        motion.body for motion in prepared.motions if all(picked[m.body] for m in prepared.inward(motion))
-    }
+    rng = np.random.default_rng(len(prepared.joints))
+    picked = {joint.body: bool(rng.random() < 0.8) for joint in prepared.joints}
+    return {joint.body for joint in prepared.joints if all(picked[j.body] for j in prepared.inward(joint))}
 
 
-@pytest.mark.parametrize("stations", [routes.chosen, all_bodies, some_bodies])
+@pytest.mark.parametrize("choice", [bodies_that_save, all_bodies, some_bodies])
 @pytest.mark.parametrize("name", MODELS)
-def test_the_way_of_a_column_does_not_matter(
-    name: str, stations: object, monkeypatch: pytest.MonkeyPatch
+def test_the_frame_of_a_column_does_not_matter(
+    name: str, choice: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(routes, "chosen", stations)
+    monkeypatch.setattr(fixed_frame_columns, "bodies_that_save", choice)
     assert error(MODELS[name]()) <= 1e-14
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_each_way_saves_operations_where_it_is_taken(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     system = MODELS[name]()
-    chosen = routes.chosen(tree(system))
+    chosen = bodies_that_save(tree(system))
     with_all = cost(system)
-    monkeypatch.setattr(routes, "chosen", no_bodies)
-    without_stations = cost(system)
-    assert with_all < without_stations if chosen else with_all == without_stations
-    monkeypatch.setattr(levers, "_saves", lambda *_: False)
-    without_levers = cost(system)
-    monkeypatch.setattr(triads, "_combining", lambda _: 10**6)
-    assert without_stations <= without_levers <= cost(system)
+    monkeypatch.setattr(fixed_frame_columns, "bodies_that_save", no_bodies)
+    without_fixed_frame = cost(system)
+    assert with_all < without_fixed_frame if chosen else with_all == without_fixed_frame
+    monkeypatch.setattr(columns, "_shift_saves", lambda *_: False)
+    without_shifts = cost(system)
+    monkeypatch.setattr(columns, "_combination_cost", lambda _: 10**6)
+    assert without_fixed_frame <= without_shifts <= cost(system)
 
 
-def test_stations_are_where_they_pay() -> None:
-    """Long chains of gimbals have them up to the last but one body, hinges and free bodies have none."""
-    assert routes.chosen(tree(joints(10, FREEDOMS[:3]))) == set(range(1, 9))
-    assert routes.chosen(tree(joints(3, FREEDOMS[:3]))) == set()
-    assert routes.chosen(tree(joints(20, ["theta3"]))) == set()
-    assert routes.chosen(tree(joints(10, FREEDOMS))) == set()
+def test_columns_change_to_the_fixed_frame_where_this_saves() -> None:
+    """Long chains of gimbals do up to the last but one body, hinges and free bodies do not."""
+    assert bodies_that_save(tree(joints(10, FREEDOMS[:3]))) == set(range(1, 9))
+    assert bodies_that_save(tree(joints(3, FREEDOMS[:3]))) == set()
+    assert bodies_that_save(tree(joints(20, ["theta3"]))) == set()
+    assert bodies_that_save(tree(joints(10, FREEDOMS))) == set()
 
 
-def test_the_lower_body_of_a_station_is_one() -> None:
+def test_the_lower_body_of_a_chosen_body_is_chosen() -> None:
     free = systems.flags(15, FREEDOMS[:3])
     binary = systems.random_system(np.random.default_rng(2), 15, connection=BINARY, free=free)
     for system in (binary, *(mixed(seed, bodies=14) for seed in range(3))):
-        chosen = routes.chosen(tree(system))
+        chosen = bodies_that_save(tree(system))
         assert chosen
         assert {system.connection[k - 1] for k in chosen} <= chosen | {0}
 
 
-def test_every_tree_on_the_ground_has_its_own_stations() -> None:
+def test_every_tree_on_the_ground_has_its_own_choice() -> None:
     """A second tree beside a chain of gimbals changes nothing for it."""
     one = joints(6, FREEDOMS[:3])
     hinge = replace(joints(1, ["theta3"]).bodies[0], name="alone")
     both = kg.System("both", (*one.bodies, hinge))
-    assert routes.chosen(tree(both)) == routes.chosen(tree(one)) != set()
+    assert bodies_that_save(tree(both)) == bodies_that_save(tree(one)) != set()
     assert error(both) <= 1e-14
 
 
-def test_masses_as_parameters_reach_levers_and_triads() -> None:
+def test_masses_as_parameters_reach_shifts_and_force_combinations() -> None:
     """Shares hold a reciprocal mass, which `prepare` takes."""
     numbers = joints(3, FREEDOMS)
     bodies = tuple(

@@ -9,10 +9,9 @@ import pytest
 
 import kanegen as kg
 from kanegen.program.ir import Array
-from kanegen.recursion.derived import Derived
+from kanegen.recursion.kinematics import angular_velocities
 from kanegen.recursion.outputs import OUTPUTS, Output, Recursion, chosen
-from kanegen.recursion.tree import Tree
-from kanegen.recursion.velocities import angular_velocities
+from kanegen.recursion.tree import Derived, Tree
 from kanegen.reference.kinematics import kinematics
 from tests.support import systems
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from kanegen.model.arguments import ARGUMENTS, FURTHER
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS, Array
-from kanegen.recursion.derived import Derived
 from kanegen.recursion.refinement import Solution
-from kanegen.recursion.tree import Tree
+from kanegen.recursion.tree import Derived, Tree
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from kanegen.model.system import System
 from kanegen.program.ir import Array, Condition
 from kanegen.recursion.coordinate_rates import coordinate_rates
-from kanegen.recursion.first_moment import mass_center, potential_energy
-from kanegen.recursion.forcing import forcing, inverse_dynamics, prescribed_efforts
+from kanegen.recursion.energy_and_momentum import kinetic_energy, mass_center, momentum, potential_energy
+from kanegen.recursion.inverse_dynamics import forcing, inverse_dynamics, prescribed_efforts
+from kanegen.recursion.kinematics import body_poses
 from kanegen.recursion.mass_matrix import mass_matrix
-from kanegen.recursion.momentum import kinetic_energy, momentum
 from kanegen.recursion.outputs.inputs import LOADS, coordinate_units
 from kanegen.recursion.outputs.output import Derivative, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.points import point_accelerations, point_jacobians, point_positions, point_velocities
-from kanegen.recursion.poses import body_poses
 from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import Solution
 

@@ -1,14 +1,14 @@
-"""A body with everything outward of it, as the force that it takes to accelerate it.
+"""Articulated inertia: a body with everything outward of it, as the wrench that accelerates it.
 
-The pair {N}, {F} about an origin is linear in the angular acceleration and the acceleration of that origin,
+The pair {N}, {F} of moment and force about an origin is linear in the angular acceleration and the
+acceleration of that origin,
 
     {N; F} = [S] {alpha; a} + {p},
 
-with a symmetric [S] of rows and columns 0-2 for turning and 3-5 for translation. Where a component of the
+with a symmetric [S] of rows and columns 0-2 for rotation and 3-5 for translation. Where a component of the
 acceleration is free, its row is solved for it and what is left passes inward (Featherstone 2008, section
-7.3).
-A component that is eliminated leaves exact zeros in [S] and its own effort in {p}. [S] depends on {x} alone,
-so one elimination serves any number of {p}.
+7.3). A component that is eliminated leaves exact zeros in [S] and its own effort in {p}. [S] depends on {x}
+alone, so one elimination serves any number of {p}.
 """
 
 from __future__ import annotations
@@ -18,26 +18,24 @@ from dataclasses import dataclass, replace
 
 from sympy import Expr, S
 
-from kanegen.recursion.bodies import Inertia
-from kanegen.recursion.motion import Requirement
+from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.turns import Turn
-from kanegen.recursion.vectors import INDEX, add, add_symmetric, cross, entry
+from kanegen.recursion.vectors import INDEX, Rows, Wrench, add, add_symmetric, cross, entry
 from kanegen.symbolic.definitions import AXES, Definitions, Symmetric, Vector
 
 SIX = range(6)
-Rows = tuple[Vector, Vector, Vector]
 
 
 @dataclass(frozen=True)
 class Elimination:
-    """How a free component of the acceleration follows from the others.
+    """The elimination of a free component of the acceleration.
 
     Attributes:
-        index: The component.
-        name: For names.
-        pivot: Its entry of [S]; positive, or [A] is singular.
-        inverse: Of the pivot.
-        gains: By other component, what it takes away per unit.
+        index: The component, 0-2 for rotation and 3-5 for translation.
+        name: Suffix of the names of intermediates.
+        pivot: Its diagonal entry of [S]; positive, or [A] is singular.
+        inverse: Reciprocal of the pivot.
+        gains: Factors by which it follows from the other components, by component.
     """
 
     index: int
@@ -46,58 +44,65 @@ class Elimination:
     inverse: Expr
     gains: dict[int, Expr]
 
-    def passed(self, bias: Requirement, effort: Expr, definitions: Definitions) -> tuple[Requirement, Expr]:
-        """What is left of {p} where `effort` acts along the component.
+    def eliminate(self, bias: Wrench, effort: Expr, definitions: Definitions) -> tuple[Wrench, Expr]:
+        """Eliminate the component from {p}.
+
+        Args:
+            bias: The wrench {p}.
+            effort: Generalized force along the component.
+            definitions: Definitions that the intermediates are added to.
 
         Returns:
-            It, and the component where the others are zero.
+            What is left of {p}, and the component where all others are zero.
         """
         left = [*bias.moment, *bias.force]
         surplus = definitions.define(f"e_{self.name}", effort - left[self.index])
-        free = definitions.define(f"n_{self.name}", surplus * self.inverse)
+        alone = definitions.define(f"n_{self.name}", surplus * self.inverse)
         for i, gain in self.gains.items():
             left[i] += gain * surplus
         left[self.index] = effort  # what the joint transmits along the component
-        return Requirement(Vector(*left[3:]), Vector(*left[:3])).named(self.name, definitions), free
+        return Wrench(Vector(*left[3:]), Vector(*left[:3])).named(self.name, definitions), alone
 
-    def solve(self, free: Expr, acceleration: Sequence[Expr]) -> Expr:
-        """The component, from what it is where the others are zero and from the others."""
-        return free - sum(gain * acceleration[i] for i, gain in self.gains.items())
+    def solve(self, alone: Expr, acceleration: Sequence[Expr]) -> Expr:
+        """Return the component, from its value where all others are zero and from the others."""
+        return alone - sum(gain * acceleration[i] for i, gain in self.gains.items())
 
 
 @dataclass(frozen=True)
-class Articulated:
-    """[S] in blocks.
+class ArticulatedInertia:
+    """The matrix [S] in blocks.
 
     Attributes:
-        inertia: Moments by angular acceleration (kg m^2).
-        coupling: Rows of moments by acceleration (kg m).
-        mass: Forces by acceleration (kg).
+        inertia: Moment by angular acceleration (kg m^2).
+        coupling: Rows of moment by acceleration of the origin (kg m).
+        mass: Force by acceleration of the origin (kg).
     """
 
     inertia: Symmetric
     coupling: Rows
     mass: Symmetric
 
-    def plus(self, other: Articulated, name: str, definitions: Definitions) -> Articulated:
-        """Both together."""
-        return Articulated(
+    def plus(self, other: ArticulatedInertia, name: str, definitions: Definitions) -> ArticulatedInertia:
+        """Return the sum of both."""
+        return ArticulatedInertia(
             add_symmetric(self.inertia, other.inertia),
             _rows([add(a, b) for a, b in zip(self.coupling, other.coupling, strict=True)]),
             add_symmetric(self.mass, other.mass),
         ).named(name, definitions)
 
-    def named(self, name: str, definitions: Definitions) -> Articulated:
-        """With a symbol for every entry."""
+    def named(self, name: str, definitions: Definitions) -> ArticulatedInertia:
+        """Return the same matrix with a symbol for every entry."""
         rows = zip(AXES, self.coupling, strict=True)
-        return Articulated(
+        return ArticulatedInertia(
             definitions.symmetric(f"SI_{name}", self.inertia),
             _rows([definitions.vector(f"SH_{name}_{axis}", row) for axis, row in rows]),
             definitions.symmetric(f"SM_{name}", self.mass),
         )
 
-    def eliminated(self, index: int, name: str, definitions: Definitions) -> tuple[Articulated, Elimination]:
-        """What is left where component `index` is free."""
+    def eliminated(
+        self, index: int, name: str, definitions: Definitions
+    ) -> tuple[ArticulatedInertia, Elimination]:
+        """Return what is left where component `index` is free, and its elimination."""
         matrix = self._matrix()
         others = [i for i in SIX if i != index and matrix[index][i] != 0]
         pivot = matrix[index][index]
@@ -110,8 +115,8 @@ class Articulated:
             matrix[index][i] = matrix[i][index] = S.Zero
         return _from_matrix(matrix).named(name, definitions), Elimination(index, name, pivot, inverse, gains)
 
-    def down(self, turn: Turn, name: str, definitions: Definitions) -> Articulated:
-        """The same from below a turn."""
+    def down(self, turn: Turn, name: str, definitions: Definitions) -> ArticulatedInertia:
+        """Return the same matrix in components of the frame below a turn."""
         rows = [turn.down(row) for row in self.coupling]
         rows = [definitions.vector(f"SHr_{name}_{axis}", row) for axis, row in zip(AXES, rows, strict=True)]
         columns = [turn.down(Vector(rows[0][j], rows[1][j], rows[2][j])) for j in range(3)]
@@ -122,8 +127,8 @@ class Articulated:
             mass=turn.down_symmetric(definitions, f"SM_{name}", self.mass),
         ).named(name, definitions)
 
-    def shifted(self, d: Vector, name: str, definitions: Definitions) -> Articulated:
-        """About an origin from which this one is {d} away.
+    def shifted(self, d: Vector, name: str, definitions: Definitions) -> ArticulatedInertia:
+        """Return the matrix about another origin, from which {d} leads to the current one.
 
         With [H'] = [H] + [d~][M], the inertia becomes [I] - [H][d~] + [d~][H']^T.
         """
@@ -145,9 +150,10 @@ class Articulated:
                 for (i, j), name_ij in INDEX.items()
             }
         )
-        return Articulated(inertia, _rows(coupling), self.mass).named(name, definitions)
+        return ArticulatedInertia(inertia, _rows(coupling), self.mass).named(name, definitions)
 
     def _matrix(self) -> list[list[Expr]]:
+        """Return [S] row by row."""
         matrix = [[S.Zero] * 6 for _ in SIX]
         for (i, j), name in INDEX.items():
             matrix[i][j] = matrix[j][i] = getattr(self.inertia, name)
@@ -158,8 +164,8 @@ class Articulated:
         return matrix
 
 
-def rigid(inertia: Inertia) -> Articulated:
-    """A rigid body alone."""
+def rigid_body(inertia: Inertia) -> ArticulatedInertia:
+    """Return the articulated inertia of a rigid body alone."""
     m, h = inertia.mass, inertia.moment
     coupling = (
         Vector(S.Zero, -h.z, h.y),
@@ -167,11 +173,12 @@ def rigid(inertia: Inertia) -> Articulated:
         Vector(-h.y, h.x, S.Zero),
     )
     mass = Symmetric(m, m, m, S.Zero, S.Zero, S.Zero)
-    return Articulated(inertia.inertia, coupling, mass)
+    return ArticulatedInertia(inertia.inertia, coupling, mass)
 
 
-def _from_matrix(matrix: list[list[Expr]]) -> Articulated:
-    return Articulated(
+def _from_matrix(matrix: list[list[Expr]]) -> ArticulatedInertia:
+    """Return the blocks of [S]."""
+    return ArticulatedInertia(
         Symmetric(**{name: matrix[i][j] for (i, j), name in INDEX.items()}),
         _rows([Vector(*matrix[i][3:]) for i in range(3)]),
         Symmetric(**{name: matrix[3 + i][3 + j] for (i, j), name in INDEX.items()}),

@@ -1,0 +1,260 @@
+"""The outputs {f} and [A]{ydot} - {f} by a recursion of forces.
+
+Outward go the motions of the bodies, inward the force and moment about each origin that they need, less the
+loads. Their work on a freedom is the generalized force that it needs; with {ydot} = 0 this is minus its entry
+of {f} (Luh, Walker and Paul 1980; Featherstone 2008, section 5.3). Prescribed freedoms need such a force as
+well.
+
+The motion of a body is its angular velocity and the accelerations that belong to given {ydot}; gravity counts
+as an upward acceleration of the ground. With {ydot} = 0 this is what remains of Eqs. (20) and (33).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from sympy import Expr, S
+
+from kanegen.recursion.constants import exact
+from kanegen.recursion.force_elements import applied_wrenches, element_efforts
+from kanegen.recursion.inertia import Inertia
+from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.tree import Derived, Tree
+from kanegen.recursion.vectors import (
+    ZERO,
+    Rows,
+    Wrench,
+    add,
+    cross,
+    dot,
+    multiply,
+    negate,
+    scale,
+    subtract,
+    unit,
+)
+from kanegen.symbolic.definitions import AXES, Definitions, Vector
+from kanegen.symbolic.symbols import force as force_symbol
+from kanegen.symbolic.symbols import torque as torque_symbol
+
+
+def forcing(tree: Tree) -> Derived:
+    """Derive the entries of {f}, Eq. (44)."""
+    return Derived([-needed for needed in needed_efforts(tree, needed_wrenches(tree, accelerated=False))])
+
+
+def inverse_dynamics(tree: Tree) -> Derived:
+    """Derive the entries of [A]{ydot} - {f}: what {ydot} needs beside loads and gravity."""
+    return Derived(needed_efforts(tree, needed_wrenches(tree, accelerated=True)))
+
+
+def prescribed_efforts(tree: Tree) -> Derived:
+    """Derive the generalized forces at the prescribed freedoms, beside loads and gravity."""
+    found = _all_needed_efforts(tree, needed_wrenches(tree, accelerated=True))
+    first = len(tree.system.freedoms)
+    return Derived([found[first + i] for i in range(len(tree.system.prescribed))])
+
+
+@dataclass(frozen=True)
+class BodyMotion:
+    """Motion of a body, in its frame.
+
+    Attributes:
+        omega: Angular velocity {omega'_K} (rad/s).
+        alpha: Angular acceleration (rad/s^2).
+        acceleration: Acceleration of the origin, less gravity (m/s^2).
+        squares: Products omega_i omega_j by pair of axes.
+        field: [alpha~] + [omega~][omega~], which times a body-fixed vector gives its acceleration.
+    """
+
+    omega: Vector
+    alpha: Vector
+    acceleration: Vector
+    squares: dict[tuple[int, int], Expr]
+    field: Rows
+
+
+def body_motions(tree: Tree, *, accelerated: bool, weightless: bool = False) -> dict[int, BodyMotion]:
+    """Return the motions of the ground, 0, and of every body.
+
+    Args:
+        tree: The tree.
+        accelerated: Whether {ydot} are symbols, else zero. Prescribed freedoms accelerate in either case.
+        weightless: Whether to leave gravity out of the accelerations.
+    """
+    gravity = ZERO if weightless else Vector(*(exact(value) for value in tree.system.gravity))
+    still = {(i, j): exact(0.0) for i in range(3) for j in range(3)}
+    moved = {0: BodyMotion(ZERO, ZERO, negate(gravity), still, (ZERO, ZERO, ZERO))}
+    for joint in tree.joints:
+        tree.about(joint.body, "angular velocity and acceleration, Eqs. (11), (20)")
+        moved[joint.body] = _outward(moved[joint.lower], joint, tree.definitions, accelerated)
+    return moved
+
+
+def _outward(
+    lower: BodyMotion, joint: JointMotion, definitions: Definitions, accelerated: bool
+) -> BodyMotion:
+    """Return the motion of body K from that of J: Eqs. (11), (20), (33), one turn at a time."""
+    k = joint.body
+    omega, alpha = lower.omega, lower.alpha
+    sliding = ZERO
+    carried = add(lower.acceleration, multiply(lower.field, joint.offset))
+    for translation in joint.moving_translations:
+        sliding = add(sliding, scale(translation.rate, translation.direction))
+        if accelerated or translation.freedom == NO_FREEDOM:
+            carried = add(carried, scale(translation.acceleration, translation.direction))
+    twice = definitions.vector(f"w_{joint.lower}", scale(exact(2.0), omega))
+    sliding = definitions.vector(f"v_{k}", sliding)
+    acceleration = definitions.vector(f"a_{k}j", add(carried, cross(twice, sliding)))
+    for step in joint.steps:
+        above = joint.above(step)
+        turned = step.turn.up(omega)
+        rate = scale(step.rate, unit(step.axis))
+        alpha = add(step.turn.up(alpha), cross(turned, rate))
+        if accelerated or step.freedom == NO_FREEDOM:
+            alpha = add(alpha, scale(step.acceleration, unit(step.axis)))
+        alpha = definitions.vector(f"alpha_{above}", alpha)
+        omega = definitions.vector(f"omega_{above}", add(turned, rate))
+        acceleration = definitions.vector(f"a_{above}", step.turn.up(acceleration))
+    if joint.angular_speeds:
+        alpha = add(alpha, cross(omega, joint.relative_omega))
+        if accelerated:
+            alpha = add(alpha, joint.relative_alpha)
+        alpha = definitions.vector(f"alpha_{k}", alpha)
+        omega = definitions.vector(f"omega_{k}", add(omega, joint.relative_omega))
+    return _with_field(k, omega, alpha, acceleration, definitions)
+
+
+def _with_field(
+    k: int, omega: Vector, alpha: Vector, acceleration: Vector, definitions: Definitions
+) -> BodyMotion:
+    """Return the motion of body `k` with the products of its angular velocity and its field."""
+    squares: dict[tuple[int, int], Expr] = {}
+    for i in range(3):
+        for j in range(i, 3):
+            name = f"ww_{k}_{AXES[i]}{AXES[j]}"
+            squares[i, j] = squares[j, i] = definitions.define(name, omega[i] * omega[j])
+    w = squares
+    field = (
+        Vector(-(w[1, 1] + w[2, 2]), w[0, 1] - alpha.z, w[0, 2] + alpha.y),
+        Vector(w[0, 1] + alpha.z, -(w[0, 0] + w[2, 2]), w[1, 2] - alpha.x),
+        Vector(w[0, 2] - alpha.y, w[1, 2] + alpha.x, -(w[0, 0] + w[1, 1])),
+    )
+    named = tuple(definitions.vector(f"W_{k}_{axis}", row) for axis, row in zip(AXES, field, strict=True))
+    return BodyMotion(omega, alpha, acceleration, squares, (named[0], named[1], named[2]))
+
+
+def needed_wrenches(tree: Tree, *, accelerated: bool) -> list[Wrench]:
+    """Return by body the force and moment about its origin that its motion needs, less its loads.
+
+    Args:
+        tree: The tree.
+        accelerated: Whether {ydot} are symbols, else zero.
+    """
+    moved, loads = body_motions(tree, accelerated=accelerated), applied_wrenches(tree)
+    return [
+        _needed_wrench(tree, joint.body, moved[joint.body], loads.get(joint.body, Wrench()))
+        for joint in tree.joints
+    ]
+
+
+def _needed_wrench(tree: Tree, k: int, motion: BodyMotion, applied: Wrench) -> Wrench:
+    """Return what the motion of body `k` needs, less its loads: its terms of Eqs. (38) and (44)."""
+    body, inertia, definitions = tree.system.bodies[k - 1], tree.inertias[k - 1], tree.definitions
+    tree.about(k, "force and moment about its origin, Eq. (44)")
+    m, h = inertia.mass, inertia.moment
+    force = add(scale(m, motion.acceleration), multiply(motion.field, h))
+    moment = add(_rotational_moment(inertia, motion, definitions, k), cross(h, motion.acceleration))
+    if body.loads:
+        load = Vector(*(force_symbol(k, axis) for axis in range(3)))
+        torque = Vector(*(torque_symbol(k, axis) for axis in range(3)))
+        center = Vector(*(exact(value) for value in body.mass_center))
+        arm = definitions.vector(f"r_{k}", subtract(center, tree.joints[k - 1].origin))
+        force = subtract(force, load)
+        moment = subtract(subtract(moment, torque), cross(arm, load))
+    named = definitions.vector(f"F_{k}own", subtract(force, applied.force))
+    return Wrench(named, definitions.vector(f"M_{k}own", subtract(moment, applied.moment)))
+
+
+def _rotational_moment(inertia: Inertia, motion: BodyMotion, definitions: Definitions, k: int) -> Vector:
+    """Return [I] {alpha} + [omega~] [I] {omega}, from the products of speeds that `field` already holds."""
+    i, w, field = inertia.inertia, motion.squares, motion.field
+    diagonal = (i.xx, i.yy, i.zz)
+    product = {(0, 1): i.xy, (1, 0): i.xy, (0, 2): i.xz, (2, 0): i.xz, (1, 2): i.yz, (2, 1): i.yz}
+    components = []
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        difference = definitions.define(f"I_{k}_d{a}", diagonal[c] - diagonal[b])
+        spread = definitions.define(f"ww_{k}_d{a}", w[b, b] - w[c, c])
+        components.append(
+            diagonal[a] * motion.alpha[a]
+            - product[a, b] * field[c][a]
+            + product[a, c] * field[b][a]
+            + difference * w[b, c]
+            + product[b, c] * spread
+        )
+    return Vector(*components)
+
+
+@dataclass(frozen=True)
+class CarriedWrench:
+    """What a joint carries: the force and moment that its body needs, with all that hangs on it.
+
+    Attributes:
+        joint: The joint of body K.
+        above: Force and moment about the origin of K, in its frame.
+        moments: Moment above each of the turns of the joint, in the frame there.
+        force: Force in the frame of J.
+    """
+
+    joint: JointMotion
+    above: Wrench
+    moments: tuple[Vector, ...]
+    force: Vector
+
+
+def carried_wrenches(tree: Tree, needs: Sequence[Wrench]) -> Iterator[CarriedWrench]:
+    """Yield, joint by joint inward, what the joints carry where the bodies need the wrenches `needs`."""
+    definitions = tree.definitions
+    carried = [Wrench() for _ in tree.joints]
+    for joint in reversed(tree.joints):
+        k, j, own = joint.body, joint.lower, needs[joint.body - 1]
+        tree.about(k, "force and moment about its origin, Eq. (44)")
+        force = definitions.vector(f"F_{k}", add(own.force, carried[k - 1].force))
+        moment = definitions.vector(f"M_{k}", add(own.moment, carried[k - 1].moment))
+        above, moments = Wrench(force, moment), []
+        for step in reversed(joint.steps):
+            moments.append(moment)
+            force = definitions.vector(f"F_{step.frame}", step.turn.down(force))
+            moment = definitions.vector(f"M_{step.frame}", step.turn.down(moment))
+        yield CarriedWrench(joint, above, tuple(reversed(moments)), force)
+        if j:
+            shifted = definitions.vector(f"M_{k}j", add(moment, cross(joint.offset, force)))
+            carried[j - 1] = Wrench(
+                definitions.vector(f"F_{k}s", add(carried[j - 1].force, force)),
+                definitions.vector(f"M_{k}s", add(carried[j - 1].moment, shifted)),
+            )
+
+
+def needed_efforts(tree: Tree, needs: Sequence[Wrench]) -> list[Expr]:
+    """Return by freedom the generalized force that the bodies' needs demand, less those of force elements."""
+    found = _all_needed_efforts(tree, needs)
+    return [found[i] for i in range(len(tree.system.freedoms))]
+
+
+def _all_needed_efforts(tree: Tree, needs: Sequence[Wrench]) -> dict[int, Expr]:
+    """Return the same by number of a freedom; prescribed freedoms are numbered behind the others."""
+    result: dict[int, Expr] = {}
+    for carried in carried_wrenches(tree, needs):
+        joint = carried.joint
+        result |= {speed.freedom: carried.above.moment[speed.axis] for speed in joint.angular_speeds}
+        for step, moment in zip(joint.steps, carried.moments, strict=True):
+            if step.moves:
+                result[step.number] = moment[step.axis]
+        for translation in joint.moving_translations:
+            work = dot(translation.direction, carried.force)
+            result[translation.number] = tree.definitions.define(f"f_{translation.number}", work)
+    acting = element_efforts(tree)
+    moving = enumerate((*tree.system.freedoms, *tree.system.prescribed))
+    return {i: result[i] - acting.get((freedom.body, freedom.index), S.Zero) for i, freedom in moving}
