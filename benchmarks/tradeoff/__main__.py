@@ -1,4 +1,4 @@
-"""Studies speed against accuracy and writes docs/tradeoff; takes about three quarters of an hour.
+"""Study speed against accuracy and write docs/tradeoff; takes about three quarters of an hour.
 
 python -m benchmarks.tradeoff [--models NAME ...] [--budgets ERROR ...] [--docs FOLDER]
 """
@@ -26,31 +26,36 @@ BUDGETS = (1e-6, 1e-9, 1e-12)
 
 
 def main() -> None:
+    """Study the models, write their reports, and certify the fastest variant for each budget."""
     options = _options()
     for name in options.models:
-        told = functools.partial(_say, name)
+        progress = functools.partial(_say, name)
         system = models.system(name)
-        found = with_simulations(system, study(system, progress=told), told)
+        found = with_simulations(system, study(system, progress=progress), progress)
         _write(found, options.docs / name)
     lines = []
     for name in CERTIFIED if options.budgets else ():
         for budget in options.budgets:
-            told = functools.partial(_say, f"{name}, {budget:.0e}")
-            lines.append(certificates.made(models.system(name), budget, options.docs, told))
-            certificates.write(lines, options.docs)
+            progress = functools.partial(_say, f"{name}, {budget:.0e}")
+            lines.append(certificates.write_certificate(models.system(name), budget, options.docs, progress))
+            certificates.write_table(lines, options.docs)
 
 
 def _options() -> argparse.Namespace:
+    """Return the options of the command line."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.tradeoff", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("--models", nargs="*", default=MODELS, choices=models.NAMES, help="to study")
-    parser.add_argument("--budgets", nargs="*", type=float, default=BUDGETS, help="of the certificates")
+    parser.add_argument("--models", nargs="*", default=MODELS, choices=models.NAMES, help="models to study")
+    parser.add_argument(
+        "--budgets", nargs="*", type=float, default=BUDGETS, help="error budgets of the certificates"
+    )
     parser.add_argument("--docs", type=Path, default=DOCS)
     return parser.parse_args()
 
 
 def _write(found: Study, folder: Path) -> None:
+    """Write the report and the pictures of a study into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / "tradeoff.md", report.markdown(found))
     write_whole(folder / "tradeoff.svg", tradeoff_svg(found))
@@ -58,6 +63,7 @@ def _write(found: Study, folder: Path) -> None:
 
 
 def _say(what: str, stage: str) -> None:
+    """Print the stage of a model to the standard error."""
     print(f"{what}: {stage}", file=sys.stderr, flush=True)
 
 

@@ -1,4 +1,4 @@
-"""Certificates of error, and the table of them."""
+"""Certificates of error for docs/tradeoff, and the page with their table."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ from kanegen.studies.budget.region import region_from_table
 from kanegen.studies.budget.request import Request
 
 CLEARANCE = 0.05
-"""Of the domains: gimbal lock itself has no accelerations."""
+"""Distance of the domains from gimbal lock, where [A] is singular."""
 
 HEAD = """# Certificates of error
 
-Written by `make tradeoff` (`python -m benchmarks.tradeoff`); nobody edits it by hand. `kanegen verify` makes
-the C of a certificate anew and measures it in states of its own.
+`make tradeoff` (`python -m benchmarks.tradeoff`) writes this page. `kanegen verify` generates the C of a
+certificate again and measures it in fresh states.
 
-A budget bounds the normwise relative error of {{ydot}} in forward dynamics, in every state that is tried, on
-the default domain without what is next to gimbal lock (`exclude.clearance = {clearance}`). *exceeded* counts
-the fresh states of one validation in which the error was larger, *share* is what they say of the whole
-domain, with 95 % confidence, and *found* is the largest error that two searches found.
+A budget bounds the normwise relative error of {{ydot}} in forward dynamics. The domain is the default one
+without the states next to gimbal lock (`exclude.clearance = {clearance}`), and no state that is tried may
+exceed the budget. *exceeded* counts the fresh states of the validation whose error is larger than the
+budget. *share* is the upper limit, with 95 % confidence, on the part of the domain in which the error is
+larger. *median* and *largest* describe the errors in the fresh states, and *found* is the largest error
+that two searches found. *ns* is the median time of one evaluation.
 
 | model | budget | variant | exceeded | share | median | largest | found | ns |
 | --- | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: |
@@ -36,15 +38,23 @@ domain, with 95 % confidence, and *found* is the largest error that two searches
 
 @dataclass(frozen=True)
 class Line:
-    """A row of the table."""
+    """A row of the table.
+
+    Attributes:
+        model: Name of the model.
+        budget: Budget of the error.
+        cells: Texts of the columns after these two.
+    """
 
     model: str
     budget: float
     cells: Sequence[str]
 
 
-def made(system: kg.System, budget: float, folder: Path, progress: Callable[[str], None]) -> Line:
-    """The certificate of the fastest variant that keeps a budget, written into a folder."""
+def write_certificate(
+    system: kg.System, budget: float, folder: Path, progress: Callable[[str], None]
+) -> Line:
+    """Certify the fastest variant that keeps a budget, write its certificate, and return its row."""
     domain = region_from_table(system, {"exclude": {"clearance": CLEARANCE}})
     try:
         found = certify_variant(system, domain, Request(error=budget, attempts=1), progress=progress)
@@ -56,6 +66,7 @@ def made(system: kg.System, budget: float, folder: Path, progress: Callable[[str
 
 
 def _cells(found: CertifiedSource) -> tuple[str, ...]:
+    """Return the columns of one certificate after the model and the budget."""
     choice, errors = found.choice, found.choice.validation.errors
     return (
         choice.candidate.label,
@@ -68,7 +79,7 @@ def _cells(found: CertifiedSource) -> tuple[str, ...]:
     )
 
 
-def write(lines: Sequence[Line], folder: Path) -> None:
-    """The table of all."""
+def write_table(lines: Sequence[Line], folder: Path) -> None:
+    """Write the page with the table of all certificates."""
     rows = [f"| {line.model} | {line.budget:.0e} | {' | '.join(line.cells)} |" for line in lines]
     write_whole(folder / "certificates.md", HEAD.format(clearance=CLEARANCE) + "\n".join(rows) + "\n")

@@ -1,4 +1,4 @@
-"""Options of `generate` by which a budget chooses the variant, and which options go with them."""
+"""Options of `kanegen generate` by which a budget chooses the variant, and the options that exclude them."""
 
 from __future__ import annotations
 
@@ -9,68 +9,86 @@ import typer
 from kanegen.errors import OptionError
 
 _PANEL = "With a budget"
+"""Title of the group of these options in the help."""
 
 ErrorBudget = Annotated[
     str | None,
-    typer.Option("--error", metavar="NUMBER", help="Budget of the relative error.", rich_help_panel=_PANEL),
+    typer.Option(
+        "--error", metavar="NUMBER", help="Largest relative error of {ydot} allowed.", rich_help_panel=_PANEL
+    ),
 ]
 TimeBudget = Annotated[
     str | None,
-    typer.Option("--budget", metavar="TIME", help="Such as 200ns or 1.5us.", rich_help_panel=_PANEL),
+    typer.Option(
+        "--budget",
+        metavar="TIME",
+        help="Longest time of one evaluation allowed, such as 200ns or 1.5us.",
+        rich_help_panel=_PANEL,
+    ),
 ]
 Domain = Annotated[
     str | None,
     typer.Option(
         "--domain",
         metavar="FILE.toml",
-        help="States that count, or such as 'x.angles = [-1, 1]; y.angles = [-2, 2]'.",
+        help="Domain of states, a file or a text such as 'x.angles = [-1, 1]; y.angles = [-2, 2]'.",
         rich_help_panel=_PANEL,
     ),
 ]
 Objective = Annotated[
     str,
-    typer.Option("--objective", metavar="NAME", help="Timed: latency or batch.", rich_help_panel=_PANEL),
+    typer.Option(
+        "--objective",
+        metavar="NAME",
+        help="Time that is minimised: that of one call (latency) or of a state of a batch (batch).",
+        rich_help_panel=_PANEL,
+    ),
 ]
 Quantile = Annotated[
     str,
     typer.Option(
         "--quantile",
         metavar="SHARE",
-        help="Of the states that keep the error, such as 0.999; max: no state that is tried exceeds it.",
+        help="Share of the states that must keep the error, such as 0.999, or max for every state tried.",
         rich_help_panel=_PANEL,
     ),
 ]
 Confidence = Annotated[
-    float, typer.Option("--confidence", help="With which that is shown.", rich_help_panel=_PANEL)
+    float,
+    typer.Option(
+        "--confidence",
+        help="Confidence with which the share of states is shown by sampling.",
+        rich_help_panel=_PANEL,
+    ),
 ]
 Attempts = Annotated[
     int,
-    typer.Option("--attempts", help="Variants that may be validated at most.", rich_help_panel=_PANEL),
+    typer.Option("--attempts", help="Largest number of variants that are validated.", rich_help_panel=_PANEL),
 ]
 SelectStates = Annotated[
     int,
-    typer.Option("--states", help="Random states to choose a variant by.", rich_help_panel=_PANEL),
+    typer.Option("--states", help="Number of random states that rank the variants.", rich_help_panel=_PANEL),
 ]
 Search = Annotated[
     int,
     typer.Option(
-        "--search", help="States tried in each search for a counterexample.", rich_help_panel=_PANEL
+        "--search", help="Number of states tried in each search for counterexamples.", rich_help_panel=_PANEL
     ),
 ]
 Reproducible = Annotated[
     bool,
     typer.Option(
         "--reproducible",
-        help="Only variants with the same bits on every machine.",
+        help="Allow only variants that compute the same bits on every machine.",
         rich_help_panel=_PANEL,
     ),
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Of all samples.", rich_help_panel=_PANEL)]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all samples.", rich_help_panel=_PANEL)]
 
 BUDGETS = ("error", "budget")
-"""Options by which the variant is chosen."""
+"""Names of the options that set a budget."""
 
-TERMS = (
+BUDGET_OPTIONS = (
     "domain",
     "objective",
     "quantile",
@@ -81,31 +99,31 @@ TERMS = (
     "reproducible",
     "seed",
 )
-"""Options that say how."""
+"""Names of the options that are allowed only with a budget."""
 
-CHOICES = ("tier", "without", "storage", "sincos", "output", "function", "poses", "reactions", "reanchoring")
-"""Options that would choose something themselves."""
+EXCLUDED = ("tier", "without", "storage", "sincos", "output", "poses", "reactions", "reanchoring")
+"""Names of the options that a budget excludes, since they choose what the budget chooses."""
 
 
 def has_budget(context: typer.Context) -> bool:
-    """Whether a budget chooses the variant.
+    """Return whether a budget chooses the variant.
 
     Raises:
-        OptionError: If options contradict each other.
+        OptionError: If the options that were typed contradict each other.
     """
     typed = {name for name in context.params if _is_typed(context, name)}
-    chosen_by = [f"--{name}" for name in BUDGETS if name in typed]
-    if len(chosen_by) > 1:
+    budgets = [f"--{name}" for name in BUDGETS if name in typed]
+    if len(budgets) > 1:
         raise OptionError("--error and --budget: give one of them. The other is what you get.")
-    if not chosen_by:
-        idle = [f"--{name}" for name in TERMS if name in typed]
+    if not budgets:
+        idle = [f"--{name}" for name in BUDGET_OPTIONS if name in typed]
         if idle:
             raise OptionError(f"{', '.join(idle)}: only with a budget. Add --error 1e-9 or --budget 200ns.")
         return False
-    rivals = [f"--{name}" for name in CHOICES if name in typed]
+    rivals = [f"--{name}" for name in EXCLUDED if name in typed]
     if rivals:
         raise OptionError(
-            f"{', '.join(rivals)}: not with {chosen_by[0]}, which chooses the variant, for forward_dynamics. "
+            f"{', '.join(rivals)}: not with {budgets[0]}, which chooses the variant, for forward_dynamics. "
             "Leave one of them out; --precision and --reproducible limit the choice."
         )
     return True

@@ -1,4 +1,7 @@
-"""The battery of extremes: generated code where arithmetic is hardest, each row with the limit it must meet.
+"""The battery of extremes: experiments with generated code where arithmetic is hardest.
 
-`python -m tests.battery` writes docs/extremes.md; tests/battery/test_extremes.py runs the quick size.
+Every experiment has a number, X1 to X39, and yields rows; a row is a figure and the limit that it must meet.
+`experiments` defines them, `measurement` computes errors against certified truth, `scenes` holds the trees,
+`c_programs` the C programs that call generated code, and `report` and `plot` make docs/extremes.md.
+`python -m tests.battery` runs the full size, test_extremes.py the quick one.
 """

@@ -1,67 +1,49 @@
-"""Every subject of the battery, in the order of their numbers."""
+"""All experiments of the battery, in the order of their numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from tests.battery import (
-    angles,
-    cancelling,
     chains,
-    compiling,
-    conservation,
-    flags,
-    fuzzing,
-    gimbal,
+    compilers,
+    conditioning,
+    counterexamples,
+    floating_point,
+    gimbal_lock,
+    gimbal_lock_passage,
     identities,
     invariances,
-    lasting,
-    literals,
-    masses,
+    motions,
     mutations,
-    passage,
-    reproducibility,
-    rounding,
-    sanitizing,
+    precisions,
+    robustness,
     scaling,
-    searching,
-    sines,
-    specialisation,
-    stiffness,
-    tiers,
+    sine_cosine,
 )
-from tests.battery.rows import SUBJECTS, Subject
+from tests.battery.experiments import EXPERIMENTS, Experiment
 
 MODULES = (
     chains,
-    masses,
-    gimbal,
-    passage,
-    angles,
-    sines,
+    conditioning,
+    gimbal_lock,
+    gimbal_lock_passage,
+    sine_cosine,
     scaling,
-    specialisation,
-    cancelling,
-    flags,
-    stiffness,
-    lasting,
-    conservation,
+    floating_point,
+    motions,
     identities,
     invariances,
-    literals,
-    compiling,
-    reproducibility,
-    sanitizing,
-    fuzzing,
-    searching,
-    rounding,
-    tiers,
+    compilers,
+    robustness,
+    counterexamples,
+    precisions,
     mutations,
 )
-"""Reading them has entered their subjects."""
+"""The modules of the experiments; importing them registers their experiments."""
 
 
-def subjects() -> Iterator[Subject]:
-    """By number."""
-    for number in sorted(SUBJECTS, key=lambda name: int(name[1:])):
-        yield SUBJECTS[number]
+def experiments() -> Iterator[Experiment]:
+    """Yield all experiments by number."""
+    for number in sorted(EXPERIMENTS, key=lambda name: int(name[1:])):
+        yield EXPERIMENTS[number]

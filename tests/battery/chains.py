@@ -10,7 +10,8 @@ from kanegen.measure.truth import Measurement, bound
 from kanegen.program.precision import Precision
 from kanegen.reference.states import States, random_states
 from tests.battery import scenes
-from tests.battery.measuring import (
+from tests.battery.experiments import Point, Row, Size, experiment
+from tests.battery.measurement import (
     LINEAR,
     PRECISIONS,
     PROMISE,
@@ -21,12 +22,11 @@ from tests.battery.measuring import (
     points,
     worst,
 )
-from tests.battery.rows import Point, Row, Size, subject
 
 
-@subject("X1", "Straight chain")
+@experiment("X1", "Straight chain")
 def straight_chain(size: Size) -> Iterator[Row]:
-    """Its condition number grows like N^4; recursion over the bodies does not lose by it."""
+    """The condition number of [A] grows like N^4, but recursion over the bodies loses no accuracy by it."""
     lengths = size.pick([1, 8, 32], [1, 2, 4, 8, 16, 32, 64, 128, 256])
     for precision in PRECISIONS:
         found: list[Point] = []
@@ -39,9 +39,9 @@ def straight_chain(size: Size) -> Iterator[Row]:
         yield worst(precision.name, found, LINEAR, over)
 
 
-@subject("X2", "Random chains of hinges on random axes")
+@experiment("X2", "Random chains of hinges on random axes")
 def random_chains(size: Size) -> Iterator[Row]:
-    """Orientations, arms and inertias are random too."""
+    """Orientations, arms and inertias are random, too."""
     lengths = size.pick([3, 12], [2, 3, 4, 6, 8, 12, 16, 20, 24, 32, 64])
     for precision in PRECISIONS:
         found = [point for n in lengths for point in _chain(n, precision)]
@@ -54,9 +54,9 @@ def _chain(bodies: int, precision: Precision) -> list[Point]:
     return points(bodies, forward(system, precision, seed=bodies))
 
 
-@subject("X3", "Trees: binary, star, caterpillar, roots with six freedoms")
+@experiment("X3", "Trees: binary, star, caterpillar, roots with six freedoms")
 def trees(size: Size) -> Iterator[Row]:
-    """The star is held to the limit of two bodies however many leaves it has."""
+    """The limit of the star is that of two bodies, however many leaves it has."""
     sizes = size.pick([8], [7, 31])
     for precision in PRECISIONS:
         for shape, connect in scenes.SHAPES.items():
@@ -69,13 +69,15 @@ def trees(size: Size) -> Iterator[Row]:
                 states = random_states(system, 4, bodies)
                 states.x[:, 1] = rng.uniform(-1, 1, 4)  # away from gimbal lock, which is X7
                 measured = forward(system, precision, states, efforts(system, states, rng))
-                found += points(bodies, measured, _as_two(measured, precision) if shape == "star" else None)
+                found += points(
+                    bodies, measured, _limit_of_two_bodies(measured, precision) if shape == "star" else None
+                )
             rule = PROMISE + (" with N = 2" if shape == "star" else "")
             over = f"{' , '.join(map(str, sizes))} bodies, 4 states each".replace(" ,", ",")
             yield worst(f"{shape}, {precision.name}", found, rule, over)
 
 
-def _as_two(measured: Measurement, precision: Precision) -> Floats:
-    """(B,) T(u) as if there were two bodies, the root and one leaf."""
+def _limit_of_two_bodies(measured: Measurement, precision: Precision) -> Floats:
+    """Return (B,) T(u) for two bodies, the root and one leaf."""
     rows = zip(measured.chi, measured.kappa_s, measured.formation, strict=True)
     return np.array([bound(precision.roundoff, 2, *row) for row in rows])

@@ -1,4 +1,4 @@
-"""What must hold between outputs, whatever the tree: X25 to X27."""
+"""Identities between outputs that hold for every tree: X24 to X27."""
 
 from __future__ import annotations
 
@@ -8,16 +8,100 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kanegen as kg
+from kanegen.library.simulation import simulate
 from kanegen.measure import truth
 from kanegen.measure.truth.balls import arb, arb_mat, column, ctx
 from kanegen.program.precision import Precision
 from kanegen.reference.states import random_states
 from tests.battery import scenes
-from tests.battery.measuring import PRECISIONS, Floats, built, efforts, promise, rounded, worst
-from tests.battery.rows import Point, Row, Size, subject
+from tests.battery.experiments import Point, Row, Size, experiment
+from tests.battery.measurement import PRECISIONS, Floats, built, efforts, promise, rounded, worst
+
+MOTION = ("forward_dynamics", "momentum")
+
+
+def floating(bodies: int) -> kg.System:
+    """Return a tree without gravity whose root has six freedoms along the inertial axes."""
+    rng = np.random.default_rng(24 + bodies)
+    free = np.eye(6, dtype=bool)[rng.integers(0, 3, bodies)]
+    free[0] = True
+    turned = [np.eye(3), *(scenes.rotation(rng) for _ in range(bodies - 1))]
+    below = [k // 2 for k in range(1, bodies + 1)]
+    return scenes.tree(rng, below, free, joint_orientation=turned, gravity=(0.0, 0.0, 0.0))
+
+
+@experiment("X24", "Momentum of a tree that nothing holds")
+def momentum(size: Size) -> Iterator[Row]:
+    """The rates of momentum that the accelerations imply, with exact [A] and its exact rate, must vanish.
+
+    The translations of the root are along inertial axes, so their rows of [A]{y} are the linear momentum. Its
+    theta1 turns about an inertial axis, so that row is the angular momentum along this axis about the origin
+    O of the root, whose rate is -v_O x p.
+    """
+    sizes = size.pick([3], [1, 3, 7, 15])
+    for precision in PRECISIONS:
+        found: dict[str, list[Point]] = {"linear": [], "angular": []}
+        for bodies in sizes:
+            system = floating(bodies)
+            states = random_states(system, size.pick(2, 4), 24)
+            x, y = (np.round(array * 2.0**12) / 2.0**12 for array in (states.x, states.y))
+            x[:, 1] = np.clip(x[:, 1], -1, 1)  # away from gimbal lock, which X7 tries
+            tau = rounded(efforts(system, states, np.random.default_rng(24)), precision)
+            tau[:, [i for i, freedom in enumerate(system.freedoms) if freedom.body == 1]] = 0.0
+            ydot = built(system, precision).forward_dynamics(x, y, tau).astype(np.float64)
+            for state in zip(x, y, ydot, strict=True):
+                for name, residual in _residuals(system, *state).items():
+                    found[name].append(Point(bodies, residual, 100 * bodies * precision.roundoff))
+        over = f"{', '.join(map(str, sizes))} bodies, efforts between them; {len(found['linear'])} states"
+        for name, curve in found.items():
+            yield worst(f"rate of {name} momentum, {precision.name}", curve, "100 N u", over)
+    yield _simulated(size)
+
+
+def _residuals(system: kg.System, x: Floats, y: Floats, ydot: Floats) -> dict[str, float]:
+    """Return the rates of linear and angular momentum, relative to the magnitudes that are added up."""
+    exact = truth.truth(system, x, y, outputs=("mass_matrix",))
+    places = [i for i, freedom in enumerate(system.freedoms) if freedom.body == 1]
+    angle, slides = places[0], places[3:]
+    with ctx.workprec(BITS):
+        gained = exact.equations.A * column(ydot)
+        turned = rate(system, x, y) * column(y)
+        carried = exact.equations.A * column(y)
+        linear = [[gained[i, 0], turned[i, 0]] for i in slides]
+        (_, two, three), speed = slides, y
+        lever = [arb(speed[two]) * carried[three, 0], -arb(speed[three]) * carried[two, 0]]
+        angular = [[gained[angle, 0], turned[angle, 0], *lever]]
+        return {"linear": _share(linear), "angular": _share(angular)}
+
+
+def _share(components: list[list[arb]]) -> float:
+    """Return the norm of the vector of sums over the norm of the sums of magnitudes."""
+    left = np.linalg.norm([float(sum(parts, arb(0))) for parts in components])
+    whole = np.linalg.norm([sum(abs(float(part)) for part in parts) for parts in components])
+    return float(left / whole)
+
+
+def _simulated(size: Size) -> Row:
+    """Measure the drift of momentum in a simulation with brakes in every joint but that of the root."""
+    system = floating(3)
+    states = random_states(system, 1, 24)
+    states.x[:, :3] = 0.1
+    brake = np.array([0.0 if freedom.body == 1 else 0.3 for freedom in system.freedoms])
+    seconds = size.pick(0.5, 5.0)
+    path = simulate(
+        built(system, outputs=MOTION), states.x[0], 0.3 * states.y[0], [0.0, seconds], "DOP853",
+        tolerance=1e-12, effort=lambda t, x, y: -brake * y,
+    )  # fmt: skip
+    figure = max(one.largest for one in path.momentum_drift())
+    over = f"{seconds} s, 3 bodies, brakes in the joints; DOP853, {path.evaluations} evaluations"
+    return Row("drift over time, double", figure, 1e-10, "1e-10, tolerance 1e-12", over)
+
 
 STEPS = 6
+"""Number of steps to each side of the central difference."""
+
 BITS = 400
+"""Precision of ball arithmetic (bit)."""
 
 
 def _systems(size: Size) -> list[kg.System]:
@@ -26,9 +110,9 @@ def _systems(size: Size) -> list[kg.System]:
     return size.pick(small, [*small, scenes.tree(rng, range(16)), scenes.mixed(8)])
 
 
-@subject("X25", "Power is the rate of energy")
+@experiment("X25", "Power is the rate of energy")
 def power(size: Size) -> Iterator[Row]:
-    """Without gravity y.tau = y.[A]{ydot} + y.[Adot]{y}/2, with {ydot} as generated and [A] exact.
+    """Without gravity, y.tau = y.[A]{ydot} + y.[Adot]{y}/2, with the generated {ydot} and the exact [A].
 
     The rate of the exact [A] along y is a central difference of order 12 in ball arithmetic.
     """
@@ -63,7 +147,8 @@ def _residual(
 
 
 def rate(system: kg.System, x: Floats, y: Floats) -> arb_mat:
-    """(n, n) rate of [A] along `y`: a central difference over STEPS steps of 2^-9 s to either side."""
+    """Return the (n, n) rate of [A] along `y`, a central difference over STEPS steps of 2^-9 s to each
+    side."""
     step = 2.0**-9
     n = len(x)
     total = arb_mat(n, n)
@@ -74,7 +159,8 @@ def rate(system: kg.System, x: Floats, y: Floats) -> arb_mat:
 
 
 def _weights() -> list[arb]:
-    """Of the central difference of order 2 STEPS: 2 (-1)^(k+1) m!^2 / (k (m-k)! (m+k)!) / 2."""
+    """Return the weights of the central difference of order 2 m: (-1)^(k+1) m!^2 / (k (m-k)! (m+k)!), m =
+    STEPS."""
     m = arb(STEPS).gamma() * STEPS
     return [
         (-1) ** (k + 1) * m * m / (arb(STEPS - k + 1).gamma() * arb(STEPS + k + 1).gamma() * k)
@@ -87,9 +173,9 @@ def _matrix(system: kg.System, x: Floats) -> arb_mat:
     return truth.truth(system, x, np.zeros_like(x), outputs=names, unit_roundoff=2.0**-100).equations.A
 
 
-@subject("X26", "Accelerations are linear in the efforts")
+@experiment("X26", "Accelerations are linear in the efforts")
 def linearity(size: Size) -> Iterator[Row]:
-    """[A] (ydot(tau_1) - ydot(tau_2)) = tau_1 - tau_2, with the exact [A]."""
+    """Accelerations must satisfy [A] (ydot(tau_1) - ydot(tau_2)) = tau_1 - tau_2, with the exact [A]."""
     for precision in PRECISIONS:
         found: list[Point] = []
         for system in _systems(size):
@@ -108,9 +194,9 @@ def linearity(size: Size) -> Iterator[Row]:
         yield worst(precision.name, found, "T(u)", f"{len(_systems(size))} trees, 4 states each")
 
 
-@subject("X27", "[A] is symmetric, positive definite, and what inverse dynamics says")
+@experiment("X27", "[A] is symmetric, positive definite, and what inverse dynamics says")
 def mass_matrix(size: Size) -> Iterator[Row]:
-    """Scaled to a diagonal of ones, as everywhere."""
+    """[A] is scaled to a diagonal of ones, as in every condition number here."""
     for precision in PRECISIONS:
         odd: list[bool] = []
         least: list[Point] = []
@@ -141,7 +227,7 @@ def _scaled(a: Floats) -> Floats:
 
 
 def _distance(library: kg.Library, x: Floats, a: NDArray[np.floating]) -> float:
-    """Of [A] from inverse dynamics of unit accelerations, where nothing moves or has a weight."""
+    """Return the distance of [A] from inverse dynamics of unit accelerations, at rest and without gravity."""
     rows = [library.inverse_dynamics(x, np.zeros(len(x)), unit).astype(np.float64) for unit in np.eye(len(x))]
     root = np.sqrt(np.diag(a).astype(np.float64))
     scale = np.outer(root, root)

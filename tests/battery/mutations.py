@@ -1,4 +1,4 @@
-"""Whether the battery would notice: X38 spoils the generated C and asks the row of X2 to object."""
+"""The sensitivity of the battery: mutants of the generated C must miss the limit of X2: X38."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from kanegen.measure.truth import Truth, errors, truth
 from kanegen.program.precision import DOUBLE
 from kanegen.reference.states import States, random_states
 from tests.battery import scenes
-from tests.battery.measuring import FLAGS, FORWARD, Floats, efforts, promise
-from tests.battery.rows import Row, Size, count, subject
+from tests.battery.experiments import Row, Size, count, experiment
+from tests.battery.measurement import FLAGS, FORWARD, Floats, efforts, promise
 
 NUMBER = re.compile(r"(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?")
 SIGN = re.compile(r"(?<=[\w)\]]) ?\n? *([+-]) (?=[\w(])(?!\d+\])")
@@ -31,27 +31,27 @@ LOAD = re.compile(r"(?<= = )((?:force|torque|tau)\[[^;]+)(?=;)")
 RESULT = re.compile(r"(?<=acceleration\[)\d+(?=\] = )")
 
 Changes = Callable[[str], Iterator[str]]
-"""Every text that differs from a text in one place, in a certain way."""
+"""Function that yields every text with one change of a certain kind."""
 
 
 @dataclass(frozen=True)
-class Judge:
-    """States with their exact accelerations, and what a program may miss them by."""
+class Oracle:
+    """States with efforts and exact accelerations, with which programs are compared."""
 
     states: States
     tau: Floats
     exact: tuple[Truth, ...]
 
     @classmethod
-    def of(cls, system: kg.System) -> Judge:
-        """Eight random states."""
+    def of(cls, system: kg.System) -> Oracle:
+        """Compute exact accelerations in eight random states."""
         states = random_states(system, 8, 38)
         tau = efforts(system, states, np.random.default_rng(38))
         rows = zip(states.x, states.y, tau, states.force, states.torque, strict=True)
         return cls(states, tau, tuple(truth(system, *row) for row in rows))
 
-    def objects(self, source: Source) -> bool:
-        """Whether a program misses the exact accelerations of a state by more than X2 allows."""
+    def rejects(self, source: Source) -> bool:
+        """Return whether a program misses the exact accelerations of a state by more than the limit of X2."""
         library, states = load(source, flags=FLAGS), self.states
         with warnings.catch_warnings(action="ignore", category=kg.KanegenWarning):
             found = library.forward_dynamics(states.x, states.y, self.tau, states.force, states.torque)
@@ -64,22 +64,22 @@ class Judge:
         )
 
 
-@subject("X38", "Mutants of the generated C")
+@experiment("X38", "Mutants of the generated C")
 def mutants(size: Size) -> Iterator[Row]:
-    """A sign, a term, a load, the tenth digit of a number: each change must be seen by X2."""
+    """X2 must reject every change of a sign, a term, a load or the tenth digit of a number."""
     system = scenes.mixed(3, loads=True)
-    source, judge = kg.generate(system, FORWARD), Judge.of(system)
-    yield count("the code as it is", [judge.objects(source)], "8 states", "no objection")
+    source, oracle = kg.generate(system, FORWARD), Oracle.of(system)
+    yield count("the code as it is", [oracle.rejects(source)], "8 states", "no objection")
     for kind, changes in KINDS.items():
         changed = list(_mutants(source, changes))
         step = max(1, -(-len(changed) // size.pick(3, 25, nightly=1000)))
-        survived = [not judge.objects(mutant) for mutant in changed[::step]]
+        survived = [not oracle.rejects(mutant) for mutant in changed[::step]]
         over = f"{len(survived)} of {len(changed)} places, 8 states each"
         yield count(kind, survived or [True], over, "no survivor")
 
 
 def _mutants(source: Source, changes: Changes) -> Iterator[Source]:
-    """Every change of a kind in the function for many states."""
+    """Yield a source for every change of a kind in the function for many states."""
     file = f"{source.model.name}_batch.c"
     text = source.files[file]
     start = text.index("forward_dynamics_lanes(")
@@ -89,7 +89,7 @@ def _mutants(source: Source, changes: Changes) -> Iterator[Source]:
 
 
 def _replacing(pattern: re.Pattern[str], new: Callable[[re.Match[str]], str]) -> Changes:
-    """What a pattern finds, each replaced alone."""
+    """Return the function that replaces each match of a pattern, one at a time."""
 
     def changes(body: str) -> Iterator[str]:
         for match in pattern.finditer(body):
@@ -105,12 +105,12 @@ def _flipped(match: re.Match[str]) -> str:
 
 
 def _dropped(match: re.Match[str]) -> str:
-    """Not cut out, so that the types still fit."""
+    """Multiply a term by zero, so that the types still fit."""
     return re.sub("[+-] ", r"\g<0>0.0*", match.group())
 
 
 def _exchanged(body: str) -> Iterator[str]:
-    """A number replaced by the next other one in the text."""
+    """Yield texts in which a number is replaced by the next different number."""
     found = list(NUMBER.finditer(body))
     for match, after in itertools.pairwise(found):
         if match.group() != after.group() and 0.0 not in (float(match.group()), float(after.group())):
@@ -118,7 +118,7 @@ def _exchanged(body: str) -> Iterator[str]:
 
 
 def _results_exchanged(body: str) -> Iterator[str]:
-    """Two accelerations stored in each other's place."""
+    """Yield texts in which two accelerations are stored in each other's place."""
     found = list(RESULT.finditer(body))
     for one, two in itertools.pairwise(found):
         between = body[one.end() : two.start()]
@@ -139,4 +139,4 @@ KINDS: dict[str, Changes] = {
     "load dropped": _replacing(LOAD, lambda match: f"0.0*{match[1]}"),
     "results exchanged": _results_exchanged,
 }
-"""Ways to be wrong."""
+"""The kinds of changes by name."""

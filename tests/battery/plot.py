@@ -1,4 +1,5 @@
-"""The picture: figures and limits over length, mass ratio, distance to gimbal lock and time."""
+"""The plot docs/extremes.svg: figures and limits over length, mass ratio, distance to gimbal lock and
+time."""
 
 from __future__ import annotations
 
@@ -8,21 +9,21 @@ from dataclasses import dataclass
 from typing import Any
 
 from kanegen.extras import module
-from tests.battery.document import Results
-from tests.battery.rows import Point, Row
+from tests.battery.experiments import Point, Row
+from tests.battery.report import Results
 
 _STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One diagram.
+    """One panel of the plot.
 
     Attributes:
-        title: Above it.
-        across: Words at its axis.
-        up: Likewise.
-        series: How the names of its rows begin or end, by label.
+        title: Title.
+        across: Label of the horizontal axis.
+        up: Label of the vertical axis.
+        series: Beginning and end of the case of a row, by label of its curve.
         limits: Whether limits are drawn.
     """
 
@@ -73,14 +74,14 @@ PANELS = {
         limits=False,
     ),
 }
-"""By subject."""
+"""The panels by number of the experiment."""
 
 _NOWHERE = 1e-17
-"""Where distance 0 and error 0 stand on logarithmic axes."""
+"""Place of distance 0 and error 0 on logarithmic axes."""
 
 
 def svg(results: Results) -> str:
-    """Points are the largest figures, lines the limits there.
+    """Draw the largest figures as points and the limits as lines.
 
     Raises:
         MissingError: If matplotlib is not installed.

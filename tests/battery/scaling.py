@@ -1,4 +1,4 @@
-"""Other units, other places, other speeds: X13, X14, X16 and X17."""
+"""Other units, distances from the origin, and speeds: X13, X14, X16 and X17."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ import kanegen as kg
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.reference.states import States, random_states
 from tests.battery import scenes
-from tests.battery.measuring import (
+from tests.battery.experiments import Point, Row, Size, count, experiment
+from tests.battery.measurement import (
     PRECISIONS,
     PROMISE,
     Floats,
@@ -25,11 +26,10 @@ from tests.battery.measuring import (
     rounded,
     worst,
 )
-from tests.battery.rows import Point, Row, Size, count, subject
 
 
 def rescaled(system: kg.System, mass: float, length: float, time: float) -> kg.System:
-    """The same system in units that are smaller by these factors."""
+    """Return the same system in units of mass, length and time that are smaller by these factors."""
     arrays = system.values()
     arrays = replace(
         arrays,
@@ -44,12 +44,12 @@ def rescaled(system: kg.System, mass: float, length: float, time: float) -> kg.S
 
 
 def _arm(system: kg.System, length: float) -> Floats:
-    """(n,) 1 for angles, `length` for translations."""
+    """Return (n,) factors of the coordinates: 1 for angles, `length` for translations."""
     return np.array([1.0 if freedom.is_angle else length for freedom in system.freedoms])
 
 
 Units = tuple[int, int, int]
-"""Exponents of two: by how much the units of mass, length and time are smaller."""
+"""The exponents of two by which the units of mass, length and time are smaller."""
 
 OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
 
@@ -57,7 +57,7 @@ OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
 def _results(
     system: kg.System, units: Units, states: States, tau: Floats, precision: Precision
 ) -> dict[str, NDArray[np.floating]]:
-    """Every output computed in other units; {tau} and states come in those of `system`."""
+    """Compute every output in other units; {tau} and the states are in the units of `system`."""
     mass, length, time = (2.0**unit for unit in units)
     arm = _arm(system, length)
     x, y = states.x * arm, states.y * arm / time
@@ -68,7 +68,7 @@ def _results(
 
 
 def _exponents(system: kg.System, units: Units) -> dict[str, NDArray[np.int64]]:
-    """By how many powers of two each number of an output is larger in other units."""
+    """Return the exponents of two by which the numbers of each output are larger in other units."""
     mass, length, time = units
     arm = np.array([0 if freedom.is_angle else length for freedom in system.freedoms])
     lever = length - arm
@@ -79,10 +79,10 @@ def _exponents(system: kg.System, units: Units) -> dict[str, NDArray[np.int64]]:
     }
 
 
-def windows(precision: Precision) -> dict[str, list[Units]]:
-    """In double 1e-300 to 1e300 kg, 1e-150 to 1e150 m and s; an eighth of the exponents in float.
+def tried_units(precision: Precision) -> dict[str, list[Units]]:
+    """Return the units that are tried: in double, masses of 1e-300 to 1e300 kg, lengths and times of 1e+-150.
 
-    Less what states, [A] and {f} need beside: in float their numbers begin at 2^-126.
+    In float the exponents are an eighth, less the range that states, [A] and {f} need above 2^-126.
     """
     mass, length = (996, 498) if precision is DOUBLE else (112, 50)
     return {
@@ -92,16 +92,16 @@ def windows(precision: Precision) -> dict[str, list[Units]]:
     }
 
 
-@subject("X13", "Units changed by powers of two")
+@experiment("X13", "Units changed by powers of two")
 def powers_of_two(size: Size) -> Iterator[Row]:
-    """Any tolerance with a unit, any flushed subnormal and any forgotten factor breaks it."""
+    """A tolerance that has a unit, a flushed subnormal number or a missing factor would change bits."""
     system = scenes.mixed(size.pick(3, 6))
     states = random_states(system, 16, 13)
     tau = efforts(system, states, np.random.default_rng(13))
     for precision in PRECISIONS:
         sample, effort = states.rounded(precision), rounded(tau, precision)
         right = _results(system, (0, 0, 0), sample, effort, precision)
-        for quantity, window in windows(precision).items():
+        for quantity, window in tried_units(precision).items():
             chosen = size.pick([window[0], window[-1]], window)
             different = []
             for units in chosen:
@@ -114,9 +114,10 @@ def powers_of_two(size: Size) -> Iterator[Row]:
             yield count(f"{quantity}, {precision.name}", different, over, "same bits")
 
 
-@subject("X14", "Units changed by powers of ten")
+@experiment("X14", "Units changed by powers of ten")
 def powers_of_ten(size: Size) -> Iterator[Row]:
-    """Millimetres, grams, milliseconds: each judged by itself, since its numbers are rounded anew."""
+    """Millimetres, grams, milliseconds: each is compared with its own exact results, since numbers are
+    rounded anew."""
     system = scenes.mixed(3)
     changes = {"mm": (1.0, 1e3, 1.0), "g": (1e3, 1.0, 1.0), "ms": (1.0, 1.0, 1e3), "km, t": (1e-3, 1e-3, 1.0)}
     for precision in PRECISIONS:
@@ -129,9 +130,10 @@ def powers_of_ten(size: Size) -> Iterator[Row]:
         yield worst(precision.name, found, PROMISE, f"{'; '.join(changes)}; {len(found)} states")
 
 
-@subject("X16", "Far from the origin")
+@experiment("X16", "Far from the origin")
 def far_away(size: Size) -> Iterator[Row]:
-    """Where the ground holds the tree must not matter, nor how far it has slid."""
+    """The place of the tree must not change a bit, neither by its joint on the ground nor by its
+    translations."""
     distances = [10.0**k for k in size.pick([3, 12], range(3, 13))]
     free = scenes.flags(3, "theta3")
     free[0] = True
@@ -154,9 +156,9 @@ def far_away(size: Size) -> Iterator[Row]:
         yield count(f"slid away, {precision.name}", slid, over, "same bits")
 
 
-@subject("X17", "Speeds from none to the largest")
+@experiment("X17", "Speeds from none to the largest")
 def speeds(size: Size) -> Iterator[Row]:
-    """Without speed nothing centrifugal is left; what overflows does not come out finite."""
+    """Without speeds there are no centrifugal forces; a result that overflows must not be finite."""
     system = scenes.mixed(4, gravity=(0.0, 0.0, 0.0))
     for precision in PRECISIONS:
         most, least = (100, -300) if precision is DOUBLE else (12, -35)

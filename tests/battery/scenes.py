@@ -1,4 +1,4 @@
-"""The trees of the battery."""
+"""The trees of the battery, and numbers in the text of a model."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from kanegen.model.coordinates import FREEDOMS
 Floats = NDArray[np.float64]
 
 NUMBER = re.compile(r"(?<![\w.\"])(-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)(?![\w.\"])")
-"""A number in the text of a model."""
+"""Pattern of a number in the text of a model."""
 
 
 def flags(bodies: int, *names: str) -> NDArray[np.bool_]:
-    """(N, 6) freedoms, the same ones free at every body."""
+    """Return (N, 6) flags with the same free freedoms at every body."""
     return np.tile([freedom in names for freedom in FREEDOMS], (bodies, 1))
 
 
 def planar(masses: Sequence[float], lengths: Sequence[float] | None = None, **changes: Any) -> kg.System:
-    """A chain of slender rods on parallel hinges; every coordinate 0 is the straight chain."""
+    """Return a chain of slender rods on parallel hinges, which is straight at zero coordinates."""
     mass = np.array(masses, dtype=float)
     length = np.ones(len(mass)) if lengths is None else np.array(lengths, dtype=float)
     along = np.array([1.0, 0.0, 0.0])
@@ -44,7 +44,7 @@ def planar(masses: Sequence[float], lengths: Sequence[float] | None = None, **ch
 
 
 def straight(bodies: int) -> kg.System:
-    """Equal rods."""
+    """Return a chain of equal rods."""
     return planar(np.ones(bodies).tolist())
 
 
@@ -55,7 +55,8 @@ def tree(
     masses: Sequence[float] | None = None,
     **changes: Any,
 ) -> kg.System:
-    """A generic tree: random orientations, arms and inertias of order one; default hinges on random axes."""
+    """Return a tree with random orientations, arms and inertias of order one; by default hinges on random
+    axes."""
     bodies = len(connection)
     hinges = np.eye(6, dtype=bool)[rng.integers(0, 3, bodies)]
     mass = rng.uniform(0.5, 2.0, bodies) if masses is None else np.array(masses, dtype=float)
@@ -74,7 +75,7 @@ def tree(
 
 
 def rotation(rng: np.random.Generator) -> Floats:
-    """(3, 3), uniform over all rotations."""
+    """Return a (3, 3) rotation, uniform over all rotations."""
     q, r = np.linalg.qr(rng.standard_normal((3, 3)))
     q = q * np.sign(np.diag(r))
     turned: Floats = q * np.linalg.det(q).round()
@@ -82,7 +83,7 @@ def rotation(rng: np.random.Generator) -> Floats:
 
 
 def inertia(rng: np.random.Generator, mass: float) -> Floats:
-    """(3, 3) of a body of `mass` whose points lie about half a metre from its mass centre."""
+    """Return the (3, 3) inertia of a body whose points lie about 0.5 m from its mass centre."""
     points = rng.uniform(-0.5, 0.5, (6, 3))
     points -= points.mean(axis=0)
     second = points.T @ points * (mass / 6)
@@ -91,7 +92,7 @@ def inertia(rng: np.random.Generator, mass: float) -> Floats:
 
 
 def mixed(bodies: int = 3, free: NDArray[np.bool_] | None = None, **changes: Any) -> kg.System:
-    """A short chain of hinges and slides in turn, for what need not be long."""
+    """Return a short chain of alternating hinges and slides."""
     turns = np.eye(6, dtype=bool)[[(0, 4, 2, 3, 1, 5)[k % 6] for k in range(bodies)]]
     turns[0, 2] = True
     return tree(np.random.default_rng(3), range(bodies), turns if free is None else free, **changes)
@@ -102,4 +103,4 @@ SHAPES: dict[str, Callable[[int], list[int]]] = {
     "star": lambda n: [0] + [1] * (n - 1),
     "caterpillar": lambda n: [0] + [k - 1 if k % 2 else k for k in range(1, n)],
 }
-"""Connection arrays by the number of bodies."""
+"""Functions from the number of bodies to the connection array, by name of the shape."""

@@ -1,4 +1,4 @@
-"""Masses and inertias of very different sizes, and those that are zero: X4 to X6."""
+"""Trees whose equations are badly conditioned: X4 to X6, X15 and X18."""
 
 from __future__ import annotations
 
@@ -10,23 +10,24 @@ import numpy as np
 import kanegen as kg
 from kanegen.measure.truth import measure
 from kanegen.program.precision import Precision
+from kanegen.reference import equations as reference
 from kanegen.reference.states import random_states
 from tests.battery import scenes
-from tests.battery.measuring import LINEAR, PRECISIONS, PROMISE, built, forward, linear, points, worst
-from tests.battery.rows import Point, Row, Size, count, subject
+from tests.battery.experiments import Point, Row, Size, count, experiment
+from tests.battery.measurement import LINEAR, PRECISIONS, PROMISE, built, forward, linear, points, worst
 
 LOST = 1e-2
-"""A result this wrong is no result."""
+"""Relative error from which a result counts as wrong."""
 
-TOLD = 1e-3
-"""An estimate this large, relative to the result, says so."""
+REPORTED = 1e-3
+"""Relative estimate of the error from which a result counts as reported to be wrong."""
 
 DIAGNOSED = ("forward_dynamics", "error_estimate", "regularity")
 
 
-@subject("X4", "Masses that change by a factor from body to body")
+@experiment("X4", "Masses that change by a factor from body to body")
 def mass_ratios(size: Size) -> Iterator[Row]:
-    """Lighter outward costs nothing; heavier outward costs what the scaled condition number says."""
+    """Lighter bodies outward lose no accuracy; heavier bodies outward lose by the scaled condition number."""
     ratios = size.pick(
         [1e-3, 1e-1, 10.0, 1e3], [10.0**k for k in range(-3, 4)] + [3e-2, 0.3, 3.0, 30.0, 300.0]
     )
@@ -48,29 +49,29 @@ def mass_ratios(size: Size) -> Iterator[Row]:
 
 
 def _silently_lost(ratio: float, bodies: int, precision: Precision) -> list[bool]:
-    """By state whether the result is wrong and its own estimate of the error does not say so."""
+    """Return, for each state, whether the result is wrong and its error estimate does not report it."""
     system = scenes.planar([ratio**i for i in range(bodies)])
     library, states = built(system, precision, DIAGNOSED), random_states(system, 4, bodies)
     sample = states.rounded(precision)
     with warnings.catch_warnings(action="ignore", category=kg.KanegenWarning):
         found = library.forward_dynamics(sample.x, sample.y)
         estimate = library.error_estimate(sample.x, sample.y)
-    told = ~(np.linalg.norm(estimate, axis=1) < TOLD * np.linalg.norm(found, axis=1))
+    reported = ~(np.linalg.norm(estimate, axis=1) < REPORTED * np.linalg.norm(found, axis=1))
     measured = measure(system, library, states, outputs=("forward_dynamics",))["forward_dynamics"]
-    lost = np.isfinite(found).all(axis=1) & (measured.normwise > LOST) & ~told
+    lost = np.isfinite(found).all(axis=1) & (measured.normwise > LOST) & ~reported
     return [bool(one) for one in lost]
 
 
 def _ratio(ratio: float, bodies: int, precision: Precision, lighter: bool = False) -> list[Point]:
-    """Rods whose masses are powers of `ratio`."""
+    """Measure a chain of rods whose masses are powers of `ratio`."""
     system = scenes.planar([ratio**i for i in range(bodies)])
     measured = forward(system, precision, seed=bodies)
     return points(ratio, measured, linear(measured, bodies, precision) if lighter else None)
 
 
-@subject("X5", "Two bodies, one much heavier")
+@experiment("X5", "Two bodies, one much heavier")
 def two_bodies(size: Size) -> Iterator[Row]:
-    """A light body on a heavy one must not even lose by the condition number."""
+    """A light body on a heavy one must not lose accuracy even by the condition number."""
     powers = size.pick([3, 12], [1, 2, 3, 4, 6, 8, 10, 12])
     for precision in PRECISIONS:
         light: list[Point] = []
@@ -94,12 +95,13 @@ PARTS = {
     "inertia without mass": ([1.0, 0.0], [ROD, np.eye(3)]),
     "leaf of the size of a rounding": ([1.0, 2.0**-53], [ROD, 2.0**-53 * ROD]),
 }
-"""Masses and central inertias of two links of 1 m."""
+"""Masses (kg) and central inertias (kg m^2) of two links of 1 m."""
 
 
-@subject("X6", "Masses and inertias that are zero or nearly so")
+@experiment("X6", "Masses and inertias that are zero or nearly so")
 def zeros(size: Size) -> Iterator[Row]:
-    """What moves is computed; what cannot be is refused before any code is written."""
+    """Bodies without mass or inertia are computed if [A] is regular, and refused before any code is written
+    if not."""
     del size
     for precision in PRECISIONS:
         for name, (mass, inertia) in PARTS.items():
@@ -111,6 +113,7 @@ def zeros(size: Size) -> Iterator[Row]:
 
 
 def _refused() -> bool:
+    """Return whether a massless leaf is refused with an error that names its body."""
     try:
         kg.generate(scenes.planar([1.0, 0.0], inertia=[ROD, ZERO]), ("forward_dynamics",))
     except kg.SingularError as error:
@@ -119,7 +122,8 @@ def _refused() -> bool:
 
 
 def _finite_when_massless() -> bool:
-    """A leaf whose mass and inertia become zero as parameters."""
+    """Return whether a leaf whose mass becomes zero as a parameter has finite accelerations or raises no
+    error."""
     small = kg.Parameter("m", 1.0)
     system = scenes.planar([1.0, 1.0], mass=(1.0, small), inertia=[ROD, ZERO])
     library = built(system).with_parameters({"m": 0.0})
@@ -133,7 +137,7 @@ def _finite_when_massless() -> bool:
     return True
 
 
-@subject("X15", "Very different sizes in one tree")
+@experiment("X15", "Very different sizes in one tree")
 def mixed_scales(size: Size) -> Iterator[Row]:
     """A crane of a kilometre and a thousand tons that holds a gripper of a micrometre and a microgram."""
     del size
@@ -141,3 +145,19 @@ def mixed_scales(size: Size) -> Iterator[Row]:
     for precision in PRECISIONS:
         found = points(0.0, forward(scenes.planar(masses, lengths), precision, seed=15))
         yield worst(precision.name, found, PROMISE, "5 rods, 4 states")
+
+
+@experiment("X18", "Efforts that almost hold the tree")
+def near_equilibrium(size: Size) -> Iterator[Row]:
+    """The efforts are {tau} = -{f} (1 + 10^-k); the error may grow with the cancellation chi and no
+    further."""
+    system = scenes.tree(np.random.default_rng(18), [0, 1, 1, 2])
+    powers = size.pick([0, 4, 8, 16], range(17))
+    for precision in PRECISIONS:
+        found: list[Point] = []
+        for power in powers:
+            states = random_states(system, 4, 18).rounded(precision)
+            tau = -reference.forcing(system, states.x, states.y) * (1 + 10.0**-power)
+            found += points(10.0**-power, forward(system, precision, states, tau))
+        over = f"k = 0 to {powers[-1]}, 4 states each; 4 hinges"
+        yield worst(precision.name, found, PROMISE, over)

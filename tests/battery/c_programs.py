@@ -13,7 +13,7 @@ from kanegen.library.native import commands
 from kanegen.library.native.build import code, program
 from kanegen.program.precision import Precision
 from kanegen.reference.states import States
-from tests.battery.measuring import FORWARD, Floats
+from tests.battery.measurement import FORWARD, Floats
 
 HERE = Path(__file__).parent
 

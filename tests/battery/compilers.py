@@ -1,4 +1,4 @@
-"""One set of bits, whoever compiles: X32."""
+"""Compilers: numbers in the C, promises that are kept, and equal bits: X30 to X32."""
 
 from __future__ import annotations
 
@@ -14,30 +14,98 @@ import numpy as np
 
 import kanegen as kg
 from kanegen.extras import is_installed
-from kanegen.program.precision import Precision, precision_named
+from kanegen.library.native.compilers import find
+from kanegen.library.native.selftest import properties, sound_flags
+from kanegen.program import semantics
+from kanegen.program.precision import DOUBLE, Precision, precision_named
 from kanegen.reference.states import random_states
 from tests.battery import scenes
-from tests.battery.measuring import PRECISIONS, bits, efforts, rounded
-from tests.battery.rows import Row, Size, subject
+from tests.battery.experiments import Row, Size, count, experiment
+from tests.battery.measurement import FORWARD, PRECISIONS, Floats, bits, built, efforts, rounded
 from tests.support.paths import MODELS, ROOT
+
+
+@experiment("X30", "Numbers in the C")
+def literals(size: Size) -> Iterator[Row]:
+    """The mass of a body that slides on the ground is an entry of [A], which must be the same number.
+
+    In single precision a double must be rounded once; masses next to the midpoint of two floats would reveal
+    a second rounding, that of the decimals.
+    """
+    for precision in PRECISIONS:
+        masses = _masses(precision, size.pick(32, 512))
+        system = scenes.planar(
+            masses.tolist(),
+            connection=[0] * len(masses),
+            free=scenes.flags(len(masses), "s1"),
+            inertia=np.zeros((len(masses), 3, 3)),
+        )
+        found = np.diag(built(system, precision, ("mass_matrix",)).mass_matrix(np.zeros(len(masses))))
+        over = f"{len(masses)} masses from {masses.min():.0e} to {masses.max():.0e} kg"
+        yield count(precision.name, found != masses.astype(precision.dtype), over, "same bits")
+
+
+def _masses(precision: Precision, amount: int) -> Floats:
+    """Return random numbers of every size, the ends of the range, and doubles next to midpoints of floats."""
+    rng = np.random.default_rng(30)
+    info = np.finfo(precision.dtype)
+    exponents = rng.uniform(info.minexp + 1, info.maxexp - 1, amount)
+    ends = [float(info.max), float(info.tiny), 1 / 3, 0.1]
+    middle = 1.0 + rng.integers(0, 2**20, amount) * 2.0**-23 + 2.0**-24
+    beside = [middle, np.nextafter(middle, 2.0), np.nextafter(middle, 0.0)] if precision is not DOUBLE else []
+    masses: Floats = np.concatenate([2.0**exponents, ends, *beside])
+    return masses
+
+
+@experiment("X31", "Properties of compilers that the code relies on")
+def selftest(size: Size) -> Iterator[Row]:
+    """A small program checks the properties that a variant relies on: all of them hold, or nothing is
+    built."""
+    levels = size.pick([2], semantics.OPTIMISATIONS)
+    machines = size.pick(["portable"], list(semantics.MACHINES))
+    for command in compilers():
+        compiler, broken, tried = find(command), [], 0
+        for name in semantics.SEMANTICS:
+            for machine in machines:
+                for level in levels:
+                    kept = properties(compiler, semantics.compiler_flags((name,), machine, level))
+                    broken += sorted(set(semantics.guaranteed_properties((name,))) - kept)
+                    tried += 1
+        short = command.split()[-2] if "ziglang" in command else command
+        amount = f"{tried} sets of flags, {len(semantics.PROPERTIES)} properties"
+        over = "; ".join([amount, *sorted(set(broken))])
+        yield count(f"properties violated, {short}", broken, over, "none")
+        yield _narrowing(command, short)
+
+
+def _narrowing(command: str, short: str) -> Row:
+    """Check that doubles stored as floats are rounded with the flags in use; gcc 12 alone forgets it."""
+    compiler = find(command)
+    source = kg.generate(scenes.straight(2), FORWARD, tier=kg.Variant(storage="float"))
+    flags = sound_flags(compiler, source)
+    lost = semantics.NARROWING not in properties(compiler, source.variant.flags)
+    over = f"{' '.join(flags)}; without a remedy it is {'lost' if lost else 'kept'}"
+    still = semantics.NARROWING not in properties(compiler, flags)
+    return count(f"rounding to float, {short}", [still], over, "kept")
+
 
 STRICT = "-ffp-contract=off"
 LEVELS = ("-O0", "-O1", "-O2", "-O3", "-Os", "-O3 -march=native")
 OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
 BATCH = 3001
-"""States for threads and places: enough for several, and no multiple of any width."""
+"""Number of states for threads and places in a batch: no multiple of any SIMD width."""
 
 
 def compilers() -> list[str]:
-    """Those of the machine, and the package ziglang, which links a libm of its own at -O0."""
+    """Return the compilers of the machine and the package ziglang, which links its own libm at -O0."""
     found = [name for name in ("gcc", "clang") if shutil.which(name)]
     zig = f"{sys.executable} -m ziglang cc"
     return [*found, zig] if is_installed("ziglang") else found
 
 
-@subject("X32", "Reproducibility")
+@experiment("X32", "Reproducibility")
 def reproducibility(size: Size) -> Iterator[Row]:
-    """No bit depends on compiler, level, C library, place, threads, or on one state or many at a time."""
+    """No bit depends on the compiler, its level, the C library, threads, the batch or the place in it."""
     levels = size.pick(LEVELS[::3], LEVELS)
     amount = size.pick(30, 10_000)
     names = ", ".join(name.split()[-2] if "ziglang" in name else name for name in compilers())
@@ -107,14 +175,14 @@ def _together(library: kg.Library, inputs: tuple[np.ndarray, ...]) -> str:
 
 
 def _shifted(precision: Precision, shift: int) -> str:
-    """The hash of the same states when the batch begins elsewhere."""
+    """Return the hash of the same states at other places in a batch."""
     library = _library(_mixed(), precision)
     inputs = [np.roll(array, shift, axis=0)[: BATCH - shift % 2] for array in _inputs(_mixed(), precision)]
     return _hash(values[shift : shift + BATCH // 2] for values in _outputs(library, *inputs))
 
 
 def _threaded(precision: Precision, threads: int) -> str:
-    """In a process of its own, because one that has used threads must not fork."""
+    """Return the hash computed in a new process, since a process that has used threads must not fork."""
     code = f"from {__name__} import print_threaded; print_threaded({precision.name!r})"
     environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
     command = [sys.executable, "-W", "ignore", "-c", code]
@@ -124,11 +192,11 @@ def _threaded(precision: Precision, threads: int) -> str:
 
 
 def print_threaded(precision: str) -> None:
-    """Print the hash of the batch computed by as many threads as OMP_NUM_THREADS says."""
+    """Print the hash of the batch computed by OMP_NUM_THREADS threads."""
     library = _library(_mixed(), precision_named(precision), threads=True)
     print(_together(library, _inputs(_mixed(), precision_named(precision))))
 
 
 def machine() -> str:
-    """What the figures were found on."""
+    """Return operating system, processor and C library."""
     return f"{platform.system()} {platform.machine()}, {' '.join(platform.libc_ver())}"

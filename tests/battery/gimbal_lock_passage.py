@@ -1,4 +1,4 @@
-"""Through gimbal lock and away from it: X9 and X10."""
+"""Motions that pass gimbal lock, and joint frames that are turned on the way: X9 and X10."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from kanegen.measure.truth import truth
 from kanegen.program.precision import DOUBLE
 from kanegen.reference.states import random_states
 from tests.battery import scenes
-from tests.battery.measuring import FLAGS, Floats, built, promise, worst
-from tests.battery.rows import Point, Row, Size, count, subject
+from tests.battery.experiments import Point, Row, Size, count, experiment
+from tests.battery.measurement import FLAGS, Floats, built, promise, worst
 
 MOTION = ("coordinate_rates", "forward_dynamics", "body_poses")
 SPIN = np.array([0.8, 0.0, 1.0])
-"""Angular velocity in the body at 1 s, rad/s."""
+"""Angular velocity in body components at 1 s (rad/s)."""
 
 ZERO = (0.0, 0.0, 0.0)
 
 FINE = 1e-13
-"""Tolerance where nothing is stiff."""
+"""Tolerance of the integrator where the equations are not stiff."""
 
 
 def top(description: str) -> kg.System:
-    """A symmetric body, moments 1, 1 and 2, held at its mass centre; its joint frame can be turned."""
+    """Return a symmetric body with moments 1, 1 and 2 on its mass centre, whose joint frame can be turned."""
     one, two, three = (kg.Parameter(f"turn{axis}", 0.0) for axis in (1, 2, 3))
     joint = kg.Joint(ZERO, (one, two, three), (True, True, True, False, False, False))
     inertia = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 2.0))
@@ -42,18 +42,19 @@ def top(description: str) -> kg.System:
 
 @functools.cache
 def library(description: str) -> kg.Library:
-    """Compiled once for all joint frames."""
+    """Return the compiled library, which serves all joint frames."""
     return kg.build(top(description), MOTION, flags=FLAGS)
 
 
 def cross(a: Floats) -> Floats:
-    """(3, 3) [a~]."""
+    """Return the (3, 3) matrix [a~] of the vector product a x."""
     one, two, three = a
     return np.array([[0.0, -three, two], [three, 0.0, -one], [-two, one, 0.0]])
 
 
 def turned(angles: Floats) -> Floats:
-    """(3, 3) from inertial to body components by 1-2-3 angles, as exponentials of their turns."""
+    """Return the (3, 3) matrix from inertial to body components for 1-2-3 angles, from matrix
+    exponentials."""
     frame: Floats = functools.reduce(
         lambda before, k: expm(-cross(np.eye(3)[k] * angles[k])) @ before, range(3), np.eye(3)
     )
@@ -61,10 +62,10 @@ def turned(angles: Floats) -> Floats:
 
 
 def orientation(time: float, distance: float) -> Floats:
-    """(3, 3) of the body, exactly: at 1 s theta2 is the largest and stands `distance` before pi/2.
+    """Return the exact (3, 3) orientation of the body; at 1 s theta2 has its maximum, pi/2 - distance.
 
-    Seen from axes that turn about the third at lambda = 1 rad/s its angular velocity is constant, and so is
-    theirs, SPIN + lambda.
+    In axes that turn about axis 3 at 1 rad/s, the angular velocity of the body is constant, and so is that of
+    these axes.
     """
     late = time - 1.0
     frame = expm(-cross(np.add(SPIN, [0.0, 0.0, 1.0])) * late) @ turned(
@@ -75,7 +76,7 @@ def orientation(time: float, distance: float) -> Floats:
 
 
 def start(distance: float, description: str) -> tuple[Floats, Floats]:
-    """Coordinates and speeds at 0 s."""
+    """Return coordinates and speeds at 0 s."""
     c = orientation(0.0, distance)
     if description == "quaternion":
         return np.roll(Rotation.from_matrix(c.T).as_quat(), 1), _spin()
@@ -87,24 +88,23 @@ def start(distance: float, description: str) -> tuple[Floats, Floats]:
 
 
 def _spin() -> Floats:
-    """Angular velocity in the body at 0 s."""
+    """Return the angular velocity in body components at 0 s (rad/s)."""
     omega: Floats = expm(cross(np.array([0.0, 0.0, -1.0]))) @ SPIN
     return omega
 
 
-@subject("X9", "Passage next to gimbal lock")
+@experiment("X9", "Passage next to gimbal lock")
 def passage(size: Size) -> Iterator[Row]:
-    """A body passes theta2 = pi/2 - delta without any effort; DOP853 at 1e-11, or where nothing is
-    stiff 1e-13; 2 s, against a closed form.
+    """A body without efforts passes theta2 = pi/2 - delta; 2 s of DOP853 are compared with a closed form.
 
-    With angle rates for speeds the equations themselves become stiff: at 1e-6 rad millions of evaluations
-    are needed, so they are compared further away only. Angular velocities leave that to the angles, which
-    turn fast but in a known way; a joint frame that is turned in time leaves nothing of it, nor does a
-    quaternion.
+    The tolerance is 1e-11, or 1e-13 where the equations are not stiff. With angle rates as speeds the
+    equations become stiff: 1e-6 rad from gimbal lock they take millions of evaluations, so they are compared
+    at larger distances only. With angular velocities as speeds only the angles change fast. With a joint
+    frame that is turned in time, or with a quaternion, nothing does.
     """
     near = size.pick([1e-1, 1e-6], [10.0**-k for k in range(1, 7)])
     far = [distance for distance in near if distance >= 1e-4]
-    ways: dict[str, tuple[Callable[[float], tuple[int, float]], list[float], float, float]] = {
+    methods: dict[str, tuple[Callable[[float], tuple[int, float]], list[float], float, float]] = {
         "angle rates": (lambda distance: _straight(distance, "angle_rates", 1e-11), far, 1e5, 1e-6),
         "angular velocity": (
             lambda distance: _straight(distance, "angular_velocity", 1e-11),
@@ -112,11 +112,11 @@ def passage(size: Size) -> Iterator[Row]:
             3e3,
             1e-11,
         ),
-        "joint frame turned": (_anchoring, near, 3e3, 1e-12),
+        "joint frame turned": (_with_reanchoring, near, 3e3, 1e-12),
         "quaternion": (lambda distance: _straight(distance, "quaternion", FINE), near, 3e3, 1e-12),
     }
-    for name, (way, distances, most, limit) in ways.items():
-        found = [(distance, *way(distance)) for distance in distances]
+    for name, (integrate, distances, most, limit) in methods.items():
+        found = [(distance, *integrate(distance)) for distance in distances]
         over = f"delta = {distances[0]:g} to {distances[-1]:g} rad"
         calls = [Point(distance, float(evaluations), most) for distance, evaluations, _ in found]
         errors = [Point(distance, error, limit) for distance, _, error in found]
@@ -125,13 +125,14 @@ def passage(size: Size) -> Iterator[Row]:
 
 
 def _straight(distance: float, description: str, tolerance: float) -> tuple[int, float]:
-    """Evaluations and error of orientation in one go."""
+    """Integrate without turning joint frames; return the number of evaluations and the error of
+    orientation."""
     path = _over(library(description), *start(distance, description), 0.0, 2.0, tolerance)
     return path.evaluations, _error(path, distance)
 
 
-def _anchoring(distance: float) -> tuple[int, float]:
-    """The same; after every quarter of a second the joint frame is turned if theta2 is beyond 1 rad."""
+def _with_reanchoring(distance: float) -> tuple[int, float]:
+    """Do the same, but turn the joint frame after every quarter of a second in which theta2 exceeds 1 rad."""
     speeds, evaluations = "angular_velocity", 0
     system = top(speeds)
     x, y = start(distance, speeds)
@@ -154,9 +155,10 @@ def _error(path: Trajectory, distance: float) -> float:
     return float(np.linalg.norm(found - orientation(path.times[-1], distance)) / math.sqrt(2))
 
 
-@subject("X10", "A joint frame turned on the way")
+@experiment("X10", "A joint frame turned on the way")
 def anchoring(size: Size) -> Iterator[Row]:
-    """What is turned is a description: poses, speeds, energy and accelerations must stay as they are."""
+    """Turning a joint frame changes the description only: poses, speeds, energy and accelerations must not
+    change."""
     free = scenes.flags(3, "theta1", "theta2", "theta3")
     free[0] = True
     system = scenes.tree(np.random.default_rng(10), [0, 1, 2], free).with_speeds("angular_velocity")

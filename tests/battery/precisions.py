@@ -1,4 +1,4 @@
-"""Precisions beyond double: X37."""
+"""Precisions higher than double: X37."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from kanegen.measure.truth import Measurement, measure
 from kanegen.program.precision import precision_named
 from kanegen.reference.states import States, random_states
 from tests.battery import scenes
-from tests.battery.measuring import FLAGS, FORWARD, PROMISE, Floats, efforts, worst
-from tests.battery.rows import Point, Row, Size, subject
+from tests.battery.experiments import Point, Row, Size, experiment
+from tests.battery.measurement import FLAGS, FORWARD, PROMISE, Floats, efforts, worst
 
 
-@subject("X37", "More than double precision")
+@experiment("X37", "More than double precision")
 def wider(size: Size) -> Iterator[Row]:
-    """Straight chains, growing masses and gimbal lock again, in pairs of doubles and in long double.
+    """Straight chains, growing masses and gimbal lock again, in double-double and in long double.
 
-    Pairs must keep 30 digits less those of the condition number, so the tier is what it says; 80 bits T(u).
+    Double-double must keep 30 digits less those that the condition number takes; long double must keep T(u).
     """
     trees = {
         "straight chain": (scenes.straight(size.pick(4, 32)), 0.0),
@@ -28,9 +28,11 @@ def wider(size: Size) -> Iterator[Row]:
     }
     for name, (system, angle) in trees.items():
         states, tau = _states(system, angle, size.pick(2, 4))
-        pairs = _measured(system, "double-double", states, tau)
-        limits = 1e-30 * pairs.kappa_s * pairs.chi * pairs.formation
-        found = [Point(0.0, *pair) for pair in zip(pairs.normwise.tolist(), limits.tolist(), strict=True)]
+        double_double = _measured(system, "double-double", states, tau)
+        limits = 1e-30 * double_double.kappa_s * double_double.chi * double_double.formation
+        found = [
+            Point(0.0, *pair) for pair in zip(double_double.normwise.tolist(), limits.tolist(), strict=True)
+        ]
         over = f"{system.number_of_bodies} bodies, {len(found)} states"
         yield worst(f"{name}, double-double", found, "1e-30 kappa_s chi formation", over)
         long = _measured(system, "long double", states, tau)
@@ -43,7 +45,7 @@ def _gimbal(bodies: int) -> kg.System:
 
 
 def _states(system: kg.System, angle: float | None, amount: int) -> tuple[States, Floats]:
-    """Straight where that is asked for; middle angles of joints with three stand a millionth before lock."""
+    """Return random or straight states; joints with three free angles are 1e-6 rad from gimbal lock."""
     states = random_states(system, amount, 37)
     if angle is not None:
         states.x[:] = angle
@@ -54,7 +56,7 @@ def _states(system: kg.System, angle: float | None, amount: int) -> tuple[States
 
 
 def _measured(system: kg.System, precision: str, states: States, tau: Floats) -> Measurement:
-    """Errors of results that are stored with all their digits."""
+    """Measure the errors of results that are stored in the precision in which they are computed."""
     tier = kg.Variant(precision=precision, storage=precision)
     library = kg.build(system, FORWARD, tier=tier, flags=FLAGS)
     return measure(system, library, states.rounded(precision_named("double")), tau)["forward_dynamics"]

@@ -1,4 +1,5 @@
-"""Next to gimbal lock, where the angle rates of a body with three angles lose their meaning: X7 and X8."""
+"""States next to gimbal lock, where the angle rates of a body with three free angles are undefined: X7,
+X8."""
 
 from __future__ import annotations
 
@@ -13,8 +14,18 @@ from kanegen.measure import truth
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.reference.states import States, random_states
 from tests.battery import scenes
-from tests.battery.measuring import LINEAR, PRECISIONS, Floats, built, efforts, forward, linear, points, worst
-from tests.battery.rows import Point, Row, Size, count, subject
+from tests.battery.experiments import Point, Row, Size, count, experiment
+from tests.battery.measurement import (
+    LINEAR,
+    PRECISIONS,
+    Floats,
+    built,
+    efforts,
+    forward,
+    linear,
+    points,
+    worst,
+)
 from tests.support.paths import MODELS
 
 EIGHT_BODY = MODELS / "eight_body.toml"
@@ -26,7 +37,7 @@ def _scene(bodies: int) -> kg.System:
 
 
 def _scenes(size: Size) -> dict[str, kg.System]:
-    """Free bodies on each other; in the full size the tree of the notes as well."""
+    """Return chains of free bodies and, in the full size, the eight bodies of the notes."""
     found = {f"N = {bodies}": _scene(bodies) for bodies in (1, 4)}
     if size.pick(False, True):
         whole = kg.load(EIGHT_BODY)
@@ -34,16 +45,16 @@ def _scenes(size: Size) -> dict[str, kg.System]:
     return found
 
 
-def _locked(system: kg.System, distance: float, precision: Precision) -> States:
-    """All bodies at theta2 = +-pi/2 -+ distance, as floats of the precision."""
+def _near_lock(system: kg.System, distance: float, precision: Precision) -> States:
+    """Return states in which every body is at theta2 = +-pi/2 -+ distance (rad), rounded to the precision."""
     states = random_states(system, 4, 7)
     sign = np.array([1.0, -1.0, 1.0, -1.0])[:, None]
-    states.x[:, _of(system, 1)] = sign * (np.pi / 2 - distance)
+    states.x[:, _places(system, 1)] = sign * (np.pi / 2 - distance)
     return states.rounded(precision)
 
 
-def _of(system: kg.System, *indices: int) -> np.ndarray:
-    """Places in {x} of these kinds of freedom."""
+def _places(system: kg.System, *indices: int) -> np.ndarray:
+    """Return the indices in {x} of the freedoms of these kinds."""
     return np.array([i for i, freedom in enumerate(system.freedoms) if freedom.index in indices])
 
 
@@ -51,21 +62,21 @@ def _distances(size: Size) -> list[float]:
     return [0.0, *size.pick([1e-1, 1e-6, 1e-12], [10.0**-k for k in range(12, 0, -1)])]
 
 
-@subject("X7", "Gimbal lock, speeds that are angle rates")
+@experiment("X7", "Gimbal lock, speeds that are angle rates")
 def angle_rates(size: Size) -> Iterator[Row]:
-    """A solution in angle rates may lose 1/cos(theta2)^2; the recursion over bodies must not."""
+    """A direct solution for angle rates may lose accuracy by 1/cos(theta2)^2; the recursion must not."""
     for name, system in _scenes(size).items():
         for precision in PRECISIONS:
             found = _curve(system, precision, size)
             yield worst(f"{name}, {precision.name}", found, LINEAR, _over(size))
-    yield _told(size)
+    yield _diagnosed(size)
 
 
 def _curve(system: kg.System, precision: Precision, size: Size) -> list[Point]:
-    """Errors of forward dynamics over the distance."""
+    """Measure the errors of forward dynamics at every distance from gimbal lock."""
     found: list[Point] = []
     for distance in _distances(size):
-        states = _locked(system, distance, precision)
+        states = _near_lock(system, distance, precision)
         tau = efforts(system, states, np.random.default_rng(7))
         measured = forward(system, precision, states, tau)
         found += points(distance, measured, linear(measured, system.number_of_bodies, precision))
@@ -76,24 +87,24 @@ def _over(size: Size) -> str:
     return f"{len(_distances(size))} distances 0 to 0.1 rad, both signs, every body"
 
 
-def _told(size: Size) -> Row:
-    """Whether `diagnose` names the distance."""
+def _diagnosed(size: Size) -> Row:
+    """Count the states in which `diagnose` does not report the distance from gimbal lock."""
     system = _scene(4)
     library = built(system, outputs=("forward_dynamics", "error_estimate", "regularity"))
     silent = []
     for distance in _distances(size):
-        states = _locked(system, distance, DOUBLE)
+        states = _near_lock(system, distance, DOUBLE)
         for x, y in zip(states.x, states.y, strict=True):
-            told = library.diagnose(x, y).singularity
-            silent.append(told is None or told.value > 1.001 * distance + DOUBLE.roundoff)
+            singularity = library.diagnose(x, y).singularity
+            silent.append(singularity is None or singularity.value > 1.001 * distance + DOUBLE.roundoff)
     return count("distance that diagnose does not tell", silent, f"{len(silent)} states", "none")
 
 
-@subject("X8", "Gimbal lock, speeds that are angular velocities")
+@experiment("X8", "Gimbal lock, speeds that are angular velocities")
 def angular_velocities(size: Size) -> Iterator[Row]:
-    """They have no pole, so forward dynamics loses nothing, at pi/2 itself too.
+    """Angular velocities have no pole at gimbal lock, so forward dynamics loses no accuracy, even at pi/2.
 
-    With angle rates, and without efforts, the accelerations of theta2 and of the translations have none.
+    With angle rates, and without efforts, the accelerations of theta2 and of the translations have no pole.
     """
     for name, system in _scenes(size).items():
         regular = system.with_speeds("angular_velocity")
@@ -106,10 +117,10 @@ def angular_velocities(size: Size) -> Iterator[Row]:
 
 
 def _regular(system: kg.System, distance: float, precision: Precision) -> list[Point]:
-    states = _locked(system, distance, precision)
+    states = _near_lock(system, distance, precision)
     with warnings.catch_warnings(action="ignore", category=kg.KanegenWarning):
         found = built(system, precision).forward_dynamics(states.x, states.y)
-    part = _of(system, 1, 3, 4, 5)
+    part = _places(system, 1, 3, 4, 5)
     result = []
     for x, y, value in zip(states.x, states.y, found, strict=True):
         exact = truth.truth(system, x, y, outputs=("forward_dynamics",), unit_roundoff=precision.roundoff)

@@ -1,36 +1,39 @@
-"""All of docs/extremes.md."""
+"""The report of the battery, docs/extremes.md."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
 from kanegen.library.native.compilers import find
-from tests.battery.reproducibility import compilers, machine
-from tests.battery.rows import SUBJECTS, Row
+from tests.battery.compilers import compilers, machine
+from tests.battery.experiments import EXPERIMENTS, Row
 
 Results = Mapping[str, Sequence[Row]]
 
 _INTRODUCTION = """\
-Written by `make extremes` (`python -m tests.battery`); nobody edits it by hand. A smaller size of every
-row is part of `make test`.
+Written by `make extremes` (`python -m tests.battery`); do not edit it by hand. The tests run a smaller size
+of every experiment.
 
-Errors are normwise, against certified truth (`kanegen.measure.truth`): two algorithms in ball arithmetic
-whose enclosures overlap and are 2^-20 u wide. u is the unit roundoff, N the number of bodies, chi the
-cancellation of the right-hand side, kappa_s the scaled condition number of [A], and formation the
-cancellation inside [A] and {f}. T(u) = 4 u chi formation (4 N + kappa_s) is what
-`kanegen.measure.truth.bound` promises; the promise ends where formation kappa_s u reaches 0.01. 16 N u chi
-is stricter: no condition number appears in it.
-*figure* is the error that comes nearest to its limit, or how many cases failed; *limit* is the limit there.
+Each row of a table is a measurement that must meet a limit. *figure* is the error that comes nearest to its
+limit, or the number of cases that failed; *limit* is the limit of that case; *rule* is the limit as a
+formula.
+
+Errors are normwise and relative to certified truth (`kanegen.measure.truth`): two algorithms in ball
+arithmetic whose enclosures overlap and are at most 2^-20 u wide. u is the unit roundoff, N the number of
+bodies, chi the cancellation of the right-hand side, kappa_s the scaled condition number of [A], and
+formation the cancellation inside [A] and {f}. T(u) = 4 u chi formation (4 N + kappa_s) is the bound that
+`kanegen.measure.truth.bound` gives; there is no bound where formation kappa_s u exceeds 0.01. The limit 16
+N u chi is stricter, since it has no condition number.
 
 ![Errors over the length of a chain, the mass ratio, the distance to gimbal lock and time](extremes.svg)"""
 
 
-def document(results: Results) -> str:
-    """Markdown: what is missed first, then every row, then what is not tried yet."""
+def report(results: Results) -> str:
+    """Return the Markdown: a summary with the missed rows, then every row, then the machine and compilers."""
     rows = [(number, row) for number, several in results.items() for row in several]
     missed = [(number, row) for number, row in rows if not row.holds]
     parts = ["# The battery of extremes", _INTRODUCTION, "## Summary"]
-    parts += [f"{len(rows) - len(missed)} of {len(rows)} rows hold, in {len(results)} subjects."]
+    parts += [f"{len(rows) - len(missed)} of {len(rows)} rows hold, in {len(results)} experiments."]
     if missed:
         lines = [
             f"- {number}, {row.case}: {_figure(row.figure)} where {_figure(row.limit)} is allowed. "
@@ -39,13 +42,14 @@ def document(results: Results) -> str:
         ]
         parts += ["Missed:", "\n".join(lines)]
     for number, several in results.items():
-        subject = SUBJECTS[number]
-        parts += [f"## {number} {subject.title}", _about(subject.rows.__doc__), _table(several)]
-    parts += ["## Where", _where()]
+        experiment = EXPERIMENTS[number]
+        parts += [f"## {number} {experiment.title}", _about(experiment.rows.__doc__), _table(several)]
+    parts += ["## Machine and compilers", _machine()]
     return "\n\n".join(parts) + "\n"
 
 
 def _about(doc: str | None) -> str:
+    """Return a docstring as paragraphs of one line each."""
     paragraphs = (doc or "").split("\n\n")
     return "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
 
@@ -67,7 +71,7 @@ def _sentence(cause: str) -> str:
     return f"{cause[:1].upper()}{cause[1:]}." if cause else "The cause is unknown."
 
 
-def _where() -> str:
+def _machine() -> str:
     versions = [find(name).version for name in compilers()]
     lines = [machine(), *versions, f"Figures of errors: {find().version}"]
     return "\n".join(f"- {line}" for line in lines)
