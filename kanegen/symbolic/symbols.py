@@ -23,14 +23,14 @@ WHOLE = 2**31
 
 def coordinate(body: int, kind: int) -> Symbol:
     """Return a coordinate of `body` (from 1); `kind` counts `COORDINATE_KINDS` (rad, m, 1)."""
-    of = COORDINATE_KINDS[kind]
-    return real(f"{of.symbol}_{body}_{of.number}")
+    entry = COORDINATE_KINDS[kind]
+    return real(f"{entry.symbol}_{body}_{entry.number}")
 
 
 def coordinate_rate(body: int, kind: int) -> Symbol:
     """Return the time derivative of `coordinate(body, kind)` (rad/s, m/s, 1/s)."""
-    of = COORDINATE_KINDS[kind]
-    return real(f"{of.symbol}dot_{body}_{of.number}")
+    entry = COORDINATE_KINDS[kind]
+    return real(f"{entry.symbol}dot_{body}_{entry.number}")
 
 
 def rotation_coordinates(body: int, rotation: Rotation) -> tuple[Symbol, ...]:
@@ -39,7 +39,7 @@ def rotation_coordinates(body: int, rotation: Rotation) -> tuple[Symbol, ...]:
 
 
 def coordinates(system: System) -> tuple[Symbol, ...]:
-    """Return the coordinates {x}."""
+    """Return the symbols of the coordinates {x}, in order."""
     return tuple(coordinate(c.body, c.index) for c in system.coordinates)
 
 
@@ -50,24 +50,24 @@ def coordinate_rates(system: System) -> tuple[Symbol, ...]:
 
 def speed(body: int, kind: int) -> Symbol:
     """Return a generalized speed of `body` (from 1); `kind` counts `SPEED_KINDS` (rad/s, m/s)."""
-    of = SPEED_KINDS[kind]
-    return real(f"{of.symbol}_{body}_{of.number}")
+    entry = SPEED_KINDS[kind]
+    return real(f"{entry.symbol}_{body}_{entry.number}")
 
 
 def acceleration(body: int, kind: int) -> Symbol:
     """Return the time derivative of `speed(body, kind)` (rad/s^2, m/s^2)."""
-    of = SPEED_KINDS[kind]
-    return real(f"{of.derivative}_{body}_{of.number}")
+    entry = SPEED_KINDS[kind]
+    return real(f"{entry.derivative}_{body}_{entry.number}")
 
 
 def speeds(system: System) -> tuple[Symbol, ...]:
-    """Return the generalized speeds {y}."""
-    return tuple(speed(one.body, one.index) for one in system.speeds)
+    """Return the symbols of the generalized speeds {y}, in order."""
+    return tuple(speed(each.body, each.index) for each in system.speeds)
 
 
 def accelerations(system: System) -> tuple[Symbol, ...]:
     """Return the time derivatives {ydot} of the generalized speeds."""
-    return tuple(acceleration(one.body, one.index) for one in system.speeds)
+    return tuple(acceleration(each.body, each.index) for each in system.speeds)
 
 
 def prescribed(system: System) -> tuple[Symbol, ...]:
@@ -97,7 +97,7 @@ def point_moment(number: int, axis: int) -> Symbol:
 
 
 def time() -> Symbol:
-    """Return the time (s)."""
+    """Return the symbol of the time (s)."""
     return real("t")
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -94,3 +96,11 @@ def test_check_finds_broken_programs(message: str, builder: Builder) -> None:
     program = check(builder.program(outputs(value)))
     with pytest.raises(InvariantError, match=message):
         check(BROKEN[message](program))
+
+
+def test_programs_know_nothing_of_sympy() -> None:
+    modules = (
+        "arrange, constants, count, cut, elimination, evaluate, passes, precision, semantics, split, tangent"
+    )
+    code = f"import sys; from kanegen.program import {modules}; assert 'sympy' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)

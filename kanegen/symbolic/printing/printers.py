@@ -115,11 +115,11 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
         names[coordinate_rate(k, kind)] = rf"\dot{{{letter}}}" + place
         if kind < len(FREEDOMS):
             names[acceleration(k, kind)] = rf"\ddot{{{letter}}}" + place
-    for one in system.speeds:
-        if not one.kind.is_rate:
-            place = f"_{{{one.body},{one.kind.number}}}"
-            names[speed(one.body, one.index)] = rf"{{\hat{{\omega}}'}}{place}"
-            names[acceleration(one.body, one.index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
+    for each in system.speeds:
+        if not each.kind.is_rate:
+            place = f"_{{{each.body},{each.kind.number}}}"
+            names[speed(each.body, each.index)] = rf"{{\hat{{\omega}}'}}{place}"
+            names[acceleration(each.body, each.index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
     for body in equations.bodies:
         for axis in range(3):
             names[force(body.number, axis)] = f"{{F'}}_{{{body.number},{axis + 1}}}"
