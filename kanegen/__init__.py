@@ -101,7 +101,7 @@ __all__ = ["__version__", *_DEFINED_IN]  # noqa: PLE0604 - one table holds the n
 
 
 def __getattr__(name: str) -> object:
-    """The public name `name`, from the module that defines it."""
+    """Return the public name `name`, imported from the module that defines it."""
     if name not in _DEFINED_IN:
         raise AttributeError(f"module 'kanegen' has no attribute {name!r}")
     value = getattr(importlib.import_module(f"kanegen.{_DEFINED_IN[name]}"), name)
@@ -110,5 +110,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """The public names."""
+    """Return all public names, in alphabetical order."""
     return sorted(__all__)

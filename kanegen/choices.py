@@ -1,4 +1,4 @@
-"""Names that a user chooses among: one of them, or several."""
+"""Checks of names that a user chooses among, with error messages that suggest the nearest known name."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from kanegen.errors import OptionError
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """A sentence that names the nearest known word or, where none is near, all of them."""
+    """Return a sentence that names the known word nearest to `word` or, where none is near, all of them."""
     words = list(known)
     near = difflib.get_close_matches(str(word), words, n=1)
     if near:
@@ -18,26 +18,31 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
 
 
 def require_one(what: str, value: object, known: Collection[object]) -> None:
-    """Make sure that `value` is known; `what` says what it is.
+    """Make sure that a value is known.
+
+    Args:
+        what: Kind of the value, such as "solver", used in the error message.
+        value: The value that a user chose.
+        known: All values that there are.
 
     Raises:
-        OptionError: If it is not.
+        OptionError: If the value is not known.
     """
     if isinstance(value, bool) or value not in tuple(known):
         raise OptionError(f"unknown {what} {value!r}. {did_you_mean(value, map(str, known))}")
 
 
 def several(option: str, what: str, asked: Iterable[str] | str, known: Collection[str]) -> tuple[str, ...]:
-    """Names checked, each once, in the order in which they are known.
+    """Return the names that a user chose, checked, each once, in the order in which they are known.
 
     Args:
-        option: What they are given to.
-        what: What one of them is.
+        option: Name of the option, used in error messages.
+        what: Kind of one name, such as "output", used in error messages.
         asked: The names, or a single one.
-        known: All that there are.
+        known: All names that there are.
 
     Raises:
-        OptionError: If one is not known.
+        OptionError: If a name is not known, or `asked` holds no names.
     """
     if not isinstance(asked, Iterable):
         raise OptionError(f"{option}: expected names, got {asked!r}. There are {', '.join(known)}.")

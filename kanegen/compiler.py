@@ -42,7 +42,7 @@ from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
 from kanegen.program import passes
 from kanegen.program.precision import precision_named
 from kanegen.program.split import split
-from kanegen.recursion.outputs import EQUATIONS, Derivative, functions
+from kanegen.recursion.outputs import EQUATIONS, Derivative, function_signatures
 
 
 def derive(
@@ -212,6 +212,8 @@ def compile_candidate(request: Request, candidate: Candidate, progress: Progress
     program = lower(form, outputs, constants)
     progress("optimising")
     program, shared = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
-    module, own = split(program, functions(system, outputs), passes.all_but(without, passes.ON_EACH_FUNCTION))
+    module, own = split(
+        program, function_signatures(system, outputs), passes.all_but(without, passes.ON_EACH_FUNCTION)
+    )
     methods = {name: candidate.methods.get(name, Derivative.method) for name in outputs}
     return Compiled(module, methods, (*shared, *own), candidate.reason)

@@ -1,53 +1,53 @@
-"""What a user can get wrong, one class a kind.
+"""The errors that kanegen raises, one class for each kind of mistake that a user can make.
 
-Every class is a `KanegenError`, which is a `ValueError`, so one `except` catches them all. Messages say
+Every class is a `KanegenError`, which is a `ValueError`, so one `except` catches them all. A message says
 what is wrong, where, and how to mend it.
 """
 
 
 class KanegenError(ValueError):
-    """Root of everything that kanegen raises on purpose."""
+    """Base class of all errors that kanegen raises on purpose."""
 
 
 class ModelError(KanegenError):
-    """A system that cannot exist: a bad connection array, a negative mass, a hostile name."""
+    """The system cannot exist: its connection array is bad, a mass is negative, a name is no name in C."""
 
 
 class ReadError(ModelError):
-    """A model file that cannot be read; the message begins with the file and, where known, the line."""
+    """A model file cannot be read; the message begins with the file and, where known, the line."""
 
 
 class SingularError(ModelError):
-    """A system whose [A] is singular in every state, or in the one asked about; names the freedom."""
+    """[A] is singular in every state, or in the one asked about; the message names the freedom."""
 
 
 class OptionError(KanegenError):
-    """An option that does not exist or does not fit, such as an unknown output."""
+    """An option does not exist or does not fit, such as an unknown output."""
 
 
 class ArrayError(KanegenError):
-    """A state or load array of the wrong shape or type."""
+    """An array of states or loads has the wrong shape or type."""
 
 
 class WriteError(KanegenError):
-    """A folder that cannot take the generated files."""
+    """Files cannot be written to the folder."""
 
 
 class BuildError(KanegenError):
-    """No C compiler, or one that failed; the message holds its command and its output."""
+    """There is no C compiler, or it failed; the message holds its command and its output."""
 
 
 class MissingError(KanegenError):
-    """Something optional that is not installed, or a program beside kanegen that cannot do what is asked."""
+    """An optional package is not installed, or a program beside kanegen cannot do what is asked."""
 
 
 class BudgetError(KanegenError):
-    """A budget of error or time that no variant keeps; says how far one gets, and with which."""
+    """No variant keeps a budget of error or time; the message names the nearest variant and its figures."""
 
 
 class CertificateError(KanegenError):
-    """A certificate that cannot be read, was edited, or belongs to another model or version."""
+    """A certificate cannot be read, was edited, or belongs to another model or version."""
 
 
 class KanegenWarning(UserWarning):
-    """Something unusual that kanegen accepts, such as a violated triangle inequality."""
+    """Kanegen accepts something unusual, such as moments of inertia that violate the triangle inequality."""

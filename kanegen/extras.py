@@ -1,4 +1,4 @@
-"""What comes from an extra, mostly `bench`, imported or looked for only when it is needed."""
+"""Optional packages, which come with an extra of kanegen and are imported only when they are needed."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from types import ModuleType
 from kanegen.errors import MissingError
 
 BENCH = "bench"
-"""The extra that brings peers."""
+"""The extra that brings the peers of the benchmarks."""
 
 
 def module(name: str, *needs: str, extra: str = BENCH) -> ModuleType:
-    """The module `name`.
+    """Import and return a module of an optional package.
 
     Args:
-        name: Of the module.
-        needs: Packages without which it could not be imported, beside its own.
-        extra: What brings them all.
+        name: Full name of the module.
+        needs: Further packages that the module imports.
+        extra: Name of the extra that brings them all.
 
     Raises:
         MissingError: If a package is not installed.
@@ -31,15 +31,15 @@ def module(name: str, *needs: str, extra: str = BENCH) -> ModuleType:
 
 
 def is_installed(package: str) -> bool:
-    """Whether `package` can be imported; it is not imported."""
+    """Return whether `package` can be imported, without importing it."""
     return importlib.util.find_spec(package) is not None
 
 
 def require(package: str, extra: str = BENCH) -> Path:
-    """The folder of the importable `package`, which is not imported.
+    """Return the folder of an optional package, without importing it.
 
     Raises:
-        MissingError: If it is not installed; names the `extra` that brings it.
+        MissingError: If the package is not installed; the message names the extra that brings it.
     """
     spec = importlib.util.find_spec(package)
     if spec is None or spec.origin is None:
@@ -48,10 +48,10 @@ def require(package: str, extra: str = BENCH) -> Path:
 
 
 def headers(distribution: str, header: str) -> Path:
-    """The include folder of a distribution that brings C++ headers.
+    """Return the include folder of a distribution that brings C++ headers.
 
     Raises:
-        MissingError: If it is not installed, or without `header`.
+        MissingError: If the distribution is not installed, or has no file `header`.
     """
     try:
         files = metadata.files(distribution) or []

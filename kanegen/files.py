@@ -1,4 +1,4 @@
-"""Files written whole or not at all."""
+"""Files that are written as a whole or not at all, so that no reader ever sees half of one."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from kanegen.errors import WriteError
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Put `text` into the file `path`, by way of a neighbour, so that no reader ever sees half of it.
+    """Write `text` to the file `path`, by way of a temporary file beside it.
 
     Raises:
-        WriteError: If the file cannot be written; an older one then stays as it is.
+        WriteError: If the file cannot be written; an existing one then stays as it is.
     """
-    with _neighbour(path) as neighbour:
-        neighbour.write_bytes(text.encode())
-        os.replace(neighbour, path)
+    with _temporary(path) as temporary:
+        temporary.write_bytes(text.encode())
+        os.replace(temporary, path)
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and those above it, where they are missing.
+    """Make a folder, and those above it, if they are missing.
 
     Raises:
-        WriteError: If it cannot be made.
+        WriteError: If the folder cannot be made.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -35,32 +35,32 @@ def make_folder(path: Path) -> None:
 
 
 def require_writable(*paths: Path | None) -> None:
-    """See that `write_whole` will be able to write files, before long work whose results they take.
+    """Make sure that `write_whole` can write files, before long work whose results go there.
 
     Args:
-        paths: Of files, there or not; None is none.
+        paths: Paths of files that may or may not exist; None is ignored.
 
     Raises:
-        WriteError: If one cannot be written.
+        WriteError: If one of the files cannot be written.
     """
     for path in paths:
         if path is not None:
-            with _neighbour(path) as neighbour:
-                neighbour.write_bytes(b"")
-                neighbour.unlink()
+            with _temporary(path) as temporary:
+                temporary.write_bytes(b"")
+                temporary.unlink()
                 if path.is_dir():
                     raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
 
 
 @contextlib.contextmanager
-def _neighbour(path: Path) -> Iterator[Path]:
-    """A name beside `path`, which is free again afterwards; what fails is a `WriteError` about `path`."""
-    neighbour = path
+def _temporary(path: Path) -> Iterator[Path]:
+    """Yield the path of a temporary file beside `path`; raise what fails as a `WriteError` about `path`."""
+    temporary = path
     try:
-        neighbour = path.with_name(f".{path.name}.{os.getpid()}.part")
-        yield neighbour
+        temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+        yield temporary
     except (OSError, ValueError) as error:
         with contextlib.suppress(OSError, ValueError):
-            if neighbour != path:
-                neighbour.unlink()
+            if temporary != path:
+                temporary.unlink()
         raise WriteError(f"{path}: cannot be written: {getattr(error, 'strerror', None) or error}.") from None

@@ -17,23 +17,23 @@ from kanegen.program import precision as precisions
 from kanegen.program import semantics as rules
 
 SOLVERS = ("cheapest", "articulated bodies", "factorisation")
-"""Ways to {ydot}: the cheapest by operation count among those that lose no accuracy, or one by name."""
+"""Solvers of [A]{ydot} = {b}: the cheapest among those that lose no accuracy, or one by name."""
 
 SINCOS = ("shared", "libm", *(f"polynomial-{degree}" for degree in range(5, 16, 2)))
 """Sine and cosine: kanegen's own, with the same bits everywhere; those of the C library; or polynomials of
-this degree and the next, whose errors the C states."""
+this degree and the next, whose errors the generated C documents."""
 
-
-NOTHING: Mapping[str, str] = MappingProxyType({})
+NO_DECISIONS: Mapping[str, str] = MappingProxyType({})
 
 AUTO = "auto"
-"""Refinement where the model needs it."""
+"""Refinement of {ydot} where the model needs it."""
 
 REFINEMENTS = (0, 1, 2, AUTO)
-"""Steps of iterative refinement in forward dynamics."""
+"""Numbers of steps of iterative refinement in forward dynamics."""
 
 
-def _words(value: object) -> str:
+def _as_text(value: object) -> str:
+    """Return the value of a choice as it stands in generated code and reports."""
     if isinstance(value, tuple):
         return ", ".join(map(str, value)) or "none"
     return str(value) or "own"
@@ -41,18 +41,26 @@ def _words(value: object) -> str:
 
 @dataclass(frozen=True)
 class Variant:
-    """One way to compute the equations of a tree.
+    """All choices between speed and accuracy.
 
     Attributes:
-        precision: Arithmetic, a name of `precision.PRECISIONS`.
-        solver: Way to {ydot}, one of `SOLVERS`.
-        without: Passes of the optimiser that are left out.
-        semantics: What the compiler may do to arithmetic, names of `semantics.SEMANTICS`.
-        machine: What the code may run on, one of `semantics.MACHINES`.
-        optimisation: The compiler's level, one of `semantics.OPTIMISATIONS`.
+        precision: Arithmetic of the C, one of `precision.PRECISIONS`. For "float", too, constants are
+            computed in double, for "long double" and "double-double" in 96 digits; they are rounded once.
+        solver: Solver for {ydot}, one of `SOLVERS`.
+        without: Passes of the optimiser that are left out, of `passes.PASS_NAMES`: the C then computes the
+            same by more operations.
+        semantics: Changes of arithmetic that the C compiler is allowed, of `semantics.SEMANTICS`.
+        machine: Processors that the code runs on, one of `semantics.MACHINES`.
+        optimisation: Level of the C compiler, one of `semantics.OPTIMISATIONS`.
         sincos: Sine and cosine, one of `SINCOS`.
         refinement: Steps of iterative refinement in forward dynamics, one of `REFINEMENTS`.
-        storage: Type of the arrays, a name of `precision.PRECISIONS`; "" for the own one of `precision`.
+        storage: Type of the arrays, one of `precision.PRECISIONS`; "" for that of `precision` itself.
+
+    Raises:
+        OptionError: If there is no such choice, or two do not go together.
+
+    Example:
+        kg.build(system, tier=kg.Variant(precision="float", storage="double"))
     """
 
     precision: str = "double"
@@ -66,11 +74,7 @@ class Variant:
     refinement: int | str = AUTO
 
     def __post_init__(self) -> None:
-        """Check every choice.
-
-        Raises:
-            OptionError: If one does not exist.
-        """
+        """Check every choice, and that they go together."""
         precisions.storage_precision(self.precision, self.storage)
         require_one("solver", self.solver, SOLVERS)
         require_one("refinement", self.refinement, REFINEMENTS)
@@ -83,6 +87,7 @@ class Variant:
         self._require_properties()
 
     def _require_properties(self) -> None:
+        """Check that the semantics keep the properties of arithmetic that the precision relies on."""
         missing = precisions.precision_named(self.precision).required_properties.difference(
             rules.guaranteed_properties(self.semantics)
         )
@@ -93,7 +98,7 @@ class Variant:
             )
 
     def _require_sincos(self) -> None:
-        """Other precisions have one accurate way, and none of the C library has pairs."""
+        """Check that there are such sines and cosines in the precision."""
         known = {"long double": ("shared", "libm"), "double-double": ("shared",)}.get(self.precision, SINCOS)
         if self.sincos not in known:
             raise OptionError(
@@ -103,23 +108,27 @@ class Variant:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Flags by which gcc and clang honour it."""
+        """Flags of gcc and clang for semantics, machine and optimisation."""
         return rules.compiler_flags(self.semantics, self.machine, self.optimisation)
 
     @property
     def flushes(self) -> bool:
-        """Whether subnormal numbers count as zero."""
+        """Whether subnormal numbers are flushed to zero."""
         return rules.FLUSH in self.semantics
 
     @property
     def is_strict(self) -> bool:
-        """Whether no bit depends on the compiler."""
+        """Whether every compiler computes the same bits."""
         return self.semantics == (rules.STRICT,)
 
-    def described(self, decided: Mapping[str, str] = NOTHING) -> tuple[tuple[str, str], ...]:
-        """Every choice as a pair of words, in the order of the fields; some of them as `decided`."""
+    def choices(self, decided: Mapping[str, str] = NO_DECISIONS) -> tuple[tuple[str, str], ...]:
+        """Return name and text of every choice, in the order of the attributes.
+
+        Args:
+            decided: Texts by name for choices that were decided later, such as automatic refinement.
+        """
         values = ((field.name, getattr(self, field.name)) for field in fields(self))
-        return tuple((name, decided.get(name, _words(value))) for name, value in values)
+        return tuple((name, decided.get(name, _as_text(value))) for name, value in values)
 
 
 TIERS = {
@@ -128,10 +137,10 @@ TIERS = {
     "single": Variant(precision="float"),
     "exact": Variant(precision="double-double", refinement=1),
 }
-"""Variants by the name of the promise that they keep."""
+"""Variants by the name of the promise that they keep: same bits, speed, single precision, exactness."""
 
 STRICT = TIERS["strict"]
-"""What is generated unless something else is asked for."""
+"""The variant that is generated unless another is asked for."""
 
 
 def chosen_variant(
@@ -142,7 +151,14 @@ def chosen_variant(
     storage: str | None = None,
     sincos: str | None = None,
 ) -> Variant:
-    """A variant, or the tier of that name, with some choices changed.
+    """Return a variant with some choices changed.
+
+    Args:
+        tier: The variant, or the name of one of `TIERS`.
+        precision: Another precision; None leaves it as it is, here and below.
+        without: Other passes to leave out.
+        storage: Another type of the arrays.
+        sincos: Other sines and cosines.
 
     Raises:
         OptionError: If there is no such tier or choice.
@@ -162,8 +178,8 @@ def chosen_variant(
 
 
 Progress = Callable[[str], None]
-"""Told the name of each stage as it begins."""
+"""A function that is called with the name of each stage as it begins."""
 
 
 def quiet(stage: str) -> None:
-    """Progress that nobody watches."""
+    """Ignore the name of a stage."""

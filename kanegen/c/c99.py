@@ -92,7 +92,7 @@ class C99:
         printed = printed_functions(given, self)
         variables = context(given.model, given.functions, given.outputs, given.operations, given.variant)
         variables |= {
-            "choices": given.variant.described(given.decided),
+            "choices": given.variant.choices(given.decided),
             "functions": printed,
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),

@@ -12,7 +12,7 @@ from kanegen.c.source import Source
 from kanegen.c.target import RenderInput, Target
 from kanegen.choices import require_one, several
 from kanegen.errors import OptionError
-from kanegen.options import NOTHING, STRICT, Variant
+from kanegen.options import NO_DECISIONS, STRICT, Variant
 from kanegen.program.ir import Module
 
 TARGETS: dict[str, Target] = {target.name: target for target in (C99_TARGET,)}
@@ -24,7 +24,7 @@ def render(
     module: Module,
     operations: Mapping[str, int],
     variant: Variant = STRICT,
-    decided: Mapping[str, str] = NOTHING,
+    decided: Mapping[str, str] = NO_DECISIONS,
     target: Target | str = C99_TARGET,
     functions: Iterable[str] | None = None,
 ) -> Source:

@@ -43,7 +43,7 @@ class Column(Protocol):
 
     @property
     def force(self) -> Vector:
-        """The force {F}."""
+        """The force {F} in the current frame."""
         ...
 
     def moment_about(self, axis: int, definitions: Definitions) -> Expr:

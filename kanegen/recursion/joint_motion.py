@@ -129,7 +129,7 @@ class JointMotion:
 
     @property
     def rotates(self) -> bool:
-        """Whether any angle moves."""
+        """Whether any angle or angular velocity is free or prescribed."""
         return bool(self.angular_speeds) or any(step.moves for step in self.angles)
 
     @property

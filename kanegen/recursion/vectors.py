@@ -34,7 +34,7 @@ def present(a: Vector) -> int:
 
 
 def negate(a: Vector) -> Vector:
-    """Return the vector -a."""
+    """Return a vector with its sign changed."""
     return Vector(-a.x, -a.y, -a.z)
 
 

@@ -1,8 +1,8 @@
 """Outputs of the generated code: one table that holds what each computes, reads and requires.
 
 `table` has one entry an output, and everything else asks the table: `recursion.derivation`, the C functions
-(`selection.functions`), the methods of `library.Library`, the command line. `inputs` has the arrays that
-functions read. A new output is one entry, one function that derives it, one method of `Library`, and one
+(`selection.function_signatures`), the methods of `library.Library`, the command line. `inputs` has the arrays
+that functions read. A new output is one entry, one function that derives it, one method of `Library`, and one
 function of `reference` to compare with.
 """
 
@@ -11,7 +11,7 @@ from kanegen.recursion.outputs.output import Derivative, OfSolution, Output, Rec
 from kanegen.recursion.outputs.selection import (
     available,
     chosen,
-    functions,
+    function_signatures,
     output_array,
     prerequisites,
     require_available,
@@ -29,7 +29,7 @@ __all__ = [
     "Subject",
     "available",
     "chosen",
-    "functions",
+    "function_signatures",
     "input_arrays",
     "output_array",
     "prerequisites",

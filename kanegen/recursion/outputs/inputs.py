@@ -7,34 +7,39 @@ from itertools import chain, product
 
 from sympy import Symbol
 
-from kanegen.model.coordinates import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS, CoordinateKind
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS, Array
 from kanegen.symbolic import symbols
 
 Elements = tuple[tuple[Symbol, str], ...]
-"""The symbol of each element of an array, and its name in the code."""
+"""Symbol of each element of an array, with its name in the generated code."""
 
 LOADS = ("force", "torque", "point_force", "point_moment", "t")
-"""What may act on a system beside gravity and {tau}, or decide about it."""
+"""Loads on a system beside gravity and {tau}, and the time on which they may depend."""
 
 EVERYWHERE = ("prescribed",)
 """Arrays that every output may read."""
 
 
 def input_arrays(system: System) -> dict[Array, Elements]:
-    """Every input array of a system and the symbols of its elements, in the order of the C arguments."""
-    kinds = (_parameters, _state, _driving, _loads, _point_loads, _time, _prescribed)
+    """Return the input arrays of a system with the symbols of their elements, in the order of C arguments."""
+    kinds = (_parameters, _state, _accelerations_and_forces, _loads, _point_loads, _time, _prescribed)
     return dict(chain.from_iterable(kind(system) for kind in kinds))
 
 
 def coordinate_units(system: System) -> tuple[str, ...]:
     """Return the units that occur in {x}."""
-    kinds = [coordinate.kind for coordinate in system.coordinates if coordinate.index >= len(FREEDOMS)]
-    return (*dict.fromkeys(kind.unit for kind in kinds), "rad", "m")
+    return (*dict.fromkeys(kind.unit for kind in _orientation_kinds(system)), "rad", "m")
+
+
+def _orientation_kinds(system: System) -> list[CoordinateKind]:
+    """Return the kinds of coordinates of orientations that are no angles, such as elements of quaternions."""
+    return [coordinate.kind for coordinate in system.coordinates if coordinate.index >= len(FREEDOMS)]
 
 
 def _named(elements: Iterable[Symbol]) -> Elements:
+    """Return symbols with their own names."""
     return tuple((symbol, symbol.name) for symbol in elements)
 
 
@@ -48,16 +53,15 @@ def _state(system: System) -> Iterator[tuple[Array, Elements]]:
     x = symbols.coordinates(system)
     y = symbols.speeds(system)
     units = coordinate_units(system)
-    kinds = [coordinate.kind for coordinate in system.coordinates if coordinate.index >= len(FREEDOMS)]
-    orientation = " or ".join([*dict.fromkeys(kind.group for kind in kinds), "angles"])
+    orientation = " or ".join([*dict.fromkeys(kind.group for kind in _orientation_kinds(system)), "angles"])
     doc = f"{{x}}, the coordinates: {orientation}, then translations, Eq. (1)"
     yield Array("x", (len(x),), ", ".join(units), doc), _named(x)
     doc = "{y}, the generalized speeds in the same order, Eq. (1)"
     yield Array("y", (len(y),), "rad/s, m/s", doc), _named(y)
 
 
-def _driving(system: System) -> Iterator[tuple[Array, Elements]]:
-    """What inverse and forward dynamics are given."""
+def _accelerations_and_forces(system: System) -> Iterator[tuple[Array, Elements]]:
+    """Yield the arrays that only inverse or forward dynamics read."""
     rates = symbols.accelerations(system)
     doc = "{ydot}, derivatives of the generalized speeds"
     yield Array("ydot", (len(rates),), "rad/s^2, m/s^2", doc), _named(rates)

@@ -59,8 +59,8 @@ def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array
     return replace(array, doc=f"{array.doc}; by {methods[name]}")
 
 
-def functions(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
-    """Return the C functions: one for every output, and `EVALUATE` for several together."""
+def function_signatures(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
+    """Return the arrays of each C function: one function an output, and `EVALUATE` for several together."""
     arrays = [array.name for array in input_arrays(system)]
     read = {name: {*OUTPUTS[name].inputs, *EVERYWHERE} for name in outputs}
     groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}

@@ -168,7 +168,7 @@ def _variant_record(result: VariantResult) -> dict[str, Any]:
     """Return the result of one variant as plain data."""
     return {
         "variant": result.label,
-        "choices": dict(result.candidate.variant.described()),
+        "choices": dict(result.candidate.variant.choices()),
         "speeds": result.candidate.speeds,
         "coordinates": result.candidate.coordinates,
         "operations": result.operations,

@@ -79,7 +79,7 @@ SYSTEM_CHOICES = ("speeds", "coordinates")
 _PHRASES = {"optimisation": "-O{}", "storage": "{} arrays", "without": "without {}"}
 """Phrases for the values of choices that need more than the value itself."""
 
-_UNNAMED = {**dict(STRICT.described()), "solver": "", "refinement": "0"}
+_UNNAMED = {**dict(STRICT.choices()), "solver": "", "refinement": "0"}
 """Values of choices that a label leaves out."""
 
 _ORDER = {field.name: place for place, field in enumerate(fields(Variant))}
@@ -116,7 +116,7 @@ class Candidate:
         if self == Candidate(STRICT):
             return "default"
         own = {name: value for name in SYSTEM_CHOICES if (value := getattr(self, name))}
-        return label_of(dict(self.variant.described()) | own)
+        return label_of(dict(self.variant.choices()) | own)
 
     @property
     def changes_system(self) -> bool:
