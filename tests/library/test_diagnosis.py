@@ -18,8 +18,8 @@ from kanegen.program.precision import DOUBLE, precision_named
 from kanegen.reference import equations as reference
 from kanegen.reference.matrices import length
 from kanegen.reference.states import random_states
-from tests.lowering.test_refinement import SOLVERS, computed, mixed, rods, sample
 from tests.support import systems
+from tests.support.refinement import SOLVERS, computed, mixed, rods, sample
 
 OUTPUTS = ("forward_dynamics", "error_estimate", "regularity")
 

@@ -1,4 +1,4 @@
-"""Forward dynamics that is accurate or says that it is not: against certified truth."""
+"""Refinement of forward dynamics: results are accurate or reported as inaccurate, by certified truth."""
 
 from __future__ import annotations
 
@@ -16,15 +16,11 @@ from kanegen.library.native import cache
 from kanegen.lowering.conditioning import PROMISED
 from kanegen.measure.truth import truth
 from kanegen.options import Variant
-from kanegen.program.evaluate import evaluate
 from kanegen.program.precision import DOUBLE, FLOAT, Precision, precision_named
-from kanegen.reference import equations as reference
 from kanegen.reference.matrices import length
 from kanegen.reference.states import States, random_states
 from tests.support import robots, systems
-
-FORWARD = ("forward_dynamics",)
-SOLVERS = ("articulated bodies", "factorisation")
+from tests.support.refinement import FORWARD, SOLVERS, computed, mixed, rods, sample
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -34,36 +30,12 @@ def folder(tmp_path_factory):
         yield
 
 
-def rods(ratio: float, bodies: int = 8) -> kg.System:
-    """A planar chain of slender rods of 1 m, each heavier than the one before by `ratio`."""
-    mass = np.array([ratio**k for k in range(bodies)])
-    along = np.array([1.0, 0.0, 0.0])
-    return kg.System.from_arrays(
-        connection=range(bodies),
-        mass=mass,
-        inertia=[m * np.diag([1 / 512, 1 / 12, 1 / 12]) for m in mass],
-        mass_center=np.tile(0.5 * along, (bodies, 1)),
-        joint_position=np.outer(np.arange(bodies) > 0, along),
-        free=systems.flags(bodies, ["theta3"]),
-        gravity=(0.0, -9.81, 0.0),
-        name="rods",
-    )
-
-
 def built(system: kg.System, outputs: tuple[str, ...] = FORWARD, **choices: object) -> Library:
     return kg.build(system, outputs, tier=Variant(**choices))
 
 
-def sample(system: kg.System, count: int, seed: int, precision: Precision) -> tuple[States, np.ndarray]:
-    """States and generalized forces that the precision can hold."""
-    states = random_states(system, count, seed)
-    diagonal = np.diagonal(reference.mass_matrix(system, states.x), axis1=1, axis2=2)
-    tau = np.random.default_rng(seed).uniform(-3, 3, states.x.shape) * diagonal
-    return states.rounded(precision), tau.astype(precision.dtype).astype(float)
-
-
 def solved(library: Library, states: States, tau: np.ndarray, i: int) -> tuple[np.ndarray, str]:
-    """{ydot} of one state, and what is said of it."""
+    """Return {ydot} of one state, and the warning or error about it, empty if there is none."""
     loads = {} if states.force is None else {"force": states.force[i], "torque": states.torque[i]}
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -77,15 +49,17 @@ def solved(library: Library, states: States, tau: np.ndarray, i: int) -> tuple[n
 def exactly(
     system: kg.System, states: States, tau: np.ndarray, i: int, precision: Precision = DOUBLE
 ) -> tuple[np.ndarray, np.ndarray]:
-    """{ydot} in one state, and the factors of its norm."""
+    """Return the exact {ydot} of one state, and the factors by which its entries are compared."""
     loads = {} if states.force is None else {"force": states.force[i], "torque": states.torque[i]}
     state = (states.x[i], states.y[i], tau[i])
     found = truth(system, *state, outputs=FORWARD, unit_roundoff=precision.roundoff, **loads)
     return found["forward_dynamics"].value, found.units.acceleration
 
 
-def judged(library: Library, system: kg.System, count: int, seed: int = 1) -> list[tuple[float, str]]:
-    """Normwise error and message of every state."""
+def errors_and_messages(
+    library: Library, system: kg.System, count: int, seed: int = 1
+) -> list[tuple[float, str]]:
+    """Return the normwise error of every state, and the message about it."""
     precision = precision_named(library.precision)
     states, tau = sample(system, count, seed, precision)
     found = []
@@ -98,9 +72,9 @@ def judged(library: Library, system: kg.System, count: int, seed: int = 1) -> li
 
 @pytest.mark.parametrize("precision", ["double", "float"])
 @pytest.mark.parametrize("ratio", [30.0, 1000.0])
-def test_growing_masses_are_accurate_or_it_says_so(ratio: float, precision: str) -> None:
+def test_growing_masses_are_accurate_or_reported(ratio: float, precision: str) -> None:
     system = rods(ratio)
-    found = judged(built(system, precision=precision), system, 60)
+    found = errors_and_messages(built(system, precision=precision), system, 60)
     limit = PROMISED * precision_named(precision).roundoff
     assert all(error <= limit for error, message in found if not message)
     assert any(not message for _, message in found) or (ratio, precision) == (1000.0, "float")
@@ -108,15 +82,15 @@ def test_growing_masses_are_accurate_or_it_says_so(ratio: float, precision: str)
         assert all(error <= 1e-12 and not message for error, message in found)
 
 
-def test_unrefined_they_are_neither() -> None:
-    """What the refinement is for; otherwise the tests above prove nothing."""
-    found = judged(built(rods(1000.0), refinement=0), rods(1000.0), 10)
+def test_without_refinement_errors_go_unreported() -> None:
+    """The systems of the test above need refinement; otherwise it would prove nothing."""
+    found = errors_and_messages(built(rods(1000.0), refinement=0), rods(1000.0), 10)
     assert any(error > 0.01 and not message for error, message in found)
 
 
 @pytest.mark.parametrize(("ratio", "precision"), [(50.0, "double"), (1000.0, "double"), (8.0, "float")])
-def test_a_factorisation_says_where_it_fails(ratio: float, precision: str) -> None:
-    found = judged(
+def test_a_factorisation_reports_where_it_fails(ratio: float, precision: str) -> None:
+    found = errors_and_messages(
         built(rods(ratio), precision=precision, solver="factorisation", refinement=1), rods(ratio), 40
     )
     limit = PROMISED * precision_named(precision).roundoff
@@ -127,33 +101,12 @@ def test_a_factorisation_says_where_it_fails(ratio: float, precision: str) -> No
     assert all(doubtful in text or "the pivot of [A] at freedom" in text for text in said)
 
 
-def test_overflow_is_no_accuracy() -> None:
-    """Squares of accelerations that leave the range of float."""
+def test_overflow_is_reported_as_inaccurate() -> None:
+    """Squares of accelerations leave the range of float here."""
     library, system = built(rods(30.0), precision="float", refinement=1), rods(30.0)
     x = random_states(system, 1).x[0]
     with pytest.warns(kg.KanegenWarning, match="not accurate in this state"):
         library.forward_dynamics(x, np.full(8, 1e12))
-
-
-def mixed(seed: int) -> kg.System:
-    """A tree of all kinds of joints, with loads."""
-    rng = np.random.default_rng(seed)
-    free = systems.random_free(rng, 4, 0.3)
-    free[1], free[2] = True, [True] * 3 + [False] * 3
-    return systems.random_system(rng, 4, free=free, loads=True)
-
-
-def computed(
-    system: kg.System, states: States, tau: np.ndarray, outputs: tuple[str, ...] = FORWARD, **choices: object
-) -> np.ndarray:
-    """(..., B, n) what the program makes of all states, operation by operation as C does."""
-    functions = compile_module(system, outputs, variant=Variant(**choices)).module.functions
-    given = {"x": states.x, "y": states.y, "tau": tau, "force": states.force, "torque": states.torque}
-    flat = {name: list(v.reshape(len(states), -1).T) for name, v in given.items() if v is not None}
-    program = functions.get("evaluate") or functions[outputs[0]]
-    found = evaluate(program, flat, np).values()
-    rows = [[np.broadcast_to(row, len(states)) for row in output] for output in found]
-    return np.squeeze(np.swapaxes(rows, 1, 2))
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -172,7 +125,7 @@ def test_ordinary_trees_stay_as_accurate(make: Callable[[], kg.System], solver: 
 
 
 def test_angles_that_lose_their_rank_keep_their_accuracy() -> None:
-    """Residuals are torques on the bodies: nothing is divided by cos(theta2) twice."""
+    """Residuals are torques on the bodies, so that nothing is divided by cos(theta2) twice."""
     system = systems.chain(2, ["theta1", "theta2", "theta3"])
     library = built(system, refinement=1)
     states = random_states(system, 1)
@@ -209,8 +162,8 @@ def test_parameters() -> None:
         assert length(value - exact) <= 1e-13 * length(exact)
 
 
-def test_a_batch_counts_and_does_what_one_state_does() -> None:
-    """In lanes, in threads' sizes and one by one; the same states are inaccurate."""
+def test_a_batch_reports_the_states_that_single_calls_report() -> None:
+    """The same states of a batch are inaccurate or singular as one by one."""
     system = rods(8.0)
     library = built(system, precision="float", solver="factorisation", refinement=1)
     states, tau = sample(system, 37, 5, FLOAT)
@@ -227,7 +180,7 @@ def test_a_batch_counts_and_does_what_one_state_does() -> None:
     assert np.isnan(found).any(axis=1).sum() == failed
 
 
-def test_auto_refines_what_needs_it() -> None:
+def test_automatic_refinement_is_chosen_where_needed() -> None:
     for bodies, ratio, wanted in (
         (8, 30.0, 1),
         (8, 1e3, 1),
@@ -254,7 +207,7 @@ ORDINARY: dict[str, Callable[[], kg.System]] = {
 @pytest.mark.filterwarnings("ignore::kanegen.KanegenWarning")
 @pytest.mark.parametrize("precision", ["double", "float"])
 @pytest.mark.parametrize("name", ORDINARY)
-def test_auto_leaves_ordinary_trees_alone(name: str, precision: str) -> None:
+def test_automatic_refinement_leaves_ordinary_trees_alone(name: str, precision: str) -> None:
     system = ORDINARY[name]()
     source = kg.generate(system, FORWARD, tier=Variant(precision=precision))
     plain = kg.generate(system, FORWARD, tier=Variant(precision=precision, refinement=0))
@@ -267,7 +220,7 @@ def test_nothing_is_decided_without_forward_dynamics() -> None:
     assert " refinement: auto\n" in kg.generate(rods(30.0)).files["rods.h"]
 
 
-def test_the_header_says_what_the_status_means() -> None:
+def test_the_header_documents_refinement_and_status() -> None:
     header = kg.generate(rods(30.0), FORWARD).files["rods.h"]
     assert "refinement: 1 (auto: it repairs about 1e+0" in header
     assert "-1 and below: minus such a place where nothing failed, but the error may be large" in header
@@ -278,7 +231,7 @@ def test_the_header_says_what_the_status_means() -> None:
 
 @pytest.mark.parametrize(("name", "most"), [("eight_body", 0.6), ("chain", 0.45)])
 def test_a_step_costs_clearly_less_than_a_solution(name: str, most: float) -> None:
-    """The first one, with its size watched, and the second, as shares of the operations without any."""
+    """The first step, which includes the size of the correction, and the second, as shares of a solution."""
     system = ORDINARY["eight_body"]() if name == "eight_body" else systems.chain(5)
     variants = [Variant(solver=SOLVERS[0], refinement=steps) for steps in (0, 1, 2)]
     costs = [sum(compile_module(system, FORWARD, variant=v).operations.values()) for v in variants]

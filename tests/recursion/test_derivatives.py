@@ -26,7 +26,7 @@ STEP = 1e-30
 
 
 def given(system: kg.System, seed: int) -> dict[str, np.ndarray]:
-    """A state away from where three angles fail; quaternions of any length."""
+    """Return a state away from gimbal lock, with quaternions of any length."""
     found = angle_state(system.with_coordinates("angles"), seed)
     if len(system.coordinates) > len(system.freedoms):
         found["x"] = np.random.default_rng(seed).uniform(-1.0, 1.0, len(system.coordinates))
@@ -34,14 +34,14 @@ def given(system: kg.System, seed: int) -> dict[str, np.ndarray]:
 
 
 def dynamics(system: kg.System, g: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """[A] and {f} by the reference, for real or complex numbers."""
+    """Return [A] and {f} by the reference, for real or complex numbers."""
     kind = np.result_type(g["x"], g["y"])
     x, y = g["x"].astype(kind), g["y"].astype(kind)
     return reference.mass_matrix(system, x), reference.forcing(system, x, y, g["force"], g["torque"])
 
 
 def expected(system: kg.System, g: dict[str, np.ndarray], name: str) -> np.ndarray:
-    """By complex steps, which round like the reference itself."""
+    """Return a derivative by complex steps, whose errors are those of the reference itself."""
 
     def value(changed: dict[str, np.ndarray]) -> np.ndarray:
         matrix, forcing = dynamics(system, changed)
@@ -62,7 +62,7 @@ def expected(system: kg.System, g: dict[str, np.ndarray], name: str) -> np.ndarr
 
 SYSTEMS = {
     "rates": mixed,
-    "spins": lambda seed: mixed(seed).with_speeds(ANGULAR_VELOCITY),
+    "angular velocities": lambda seed: mixed(seed).with_speeds(ANGULAR_VELOCITY),
     "quaternions": with_quaternions,
     "slides and hinges": lambda seed: systems.random_system(np.random.default_rng(seed), 5, loads=True),
 }
@@ -78,7 +78,7 @@ def test_complex_steps(kind: str, name: str) -> None:
         close(values(system, g, name)[name], right, 1e-11)
 
 
-def test_together_with_what_they_are_derivatives_of() -> None:
+def test_derivatives_share_intermediates_with_their_outputs() -> None:
     """No value changes, and the intermediates are shared."""
     system = mixed(2).with_speeds(ANGULAR_VELOCITY)
     g = given(system, 2)
@@ -129,7 +129,7 @@ def test_by_tau_it_is_the_inverse_of_the_mass_matrix() -> None:
     close(inverse @ library.mass_matrix(x), np.eye(library.n), 1e-11)
 
 
-def test_the_header_says_which_columns_are_what() -> None:
+def test_the_header_documents_the_columns() -> None:
     system = kg.load(MODELS / "double_pendulum.toml")
     header = " ".join(kg.generate(system, ("forcing_derivatives",)).files["double_pendulum.h"].split())
     assert "by x (columns 0 to 1), then y (columns 2 to 3), then parameters (columns 4 to 8)" in header
@@ -146,7 +146,7 @@ def test_a_singular_state_is_refused() -> None:
         library.derivative_columns("forcing_derivative")
 
 
-def test_what_a_complex_step_is_worth() -> None:
+def test_complex_steps_reach_every_rotation() -> None:
     """The reference takes complex states: [^J R_K] then turns by their imaginary part."""
     system = mixed(0)
     x = np.full(len(system.coordinates), 0.3)

@@ -24,7 +24,7 @@ Arrays = dict[str, Any]
 
 
 def values(system: kg.System, outputs: tuple[str, ...], inputs: Arrays, number: Any = float) -> Arrays:
-    """By the program for all `outputs`; in high precision where `number` says so."""
+    """Return outputs by array, computed by one program in the arithmetic of `number`."""
     module = compile_module(system, outputs).module
     program = module.functions.get("evaluate") or module.functions[outputs[0]]
     flat = {name: [number(v) for v in np.ravel(value)] for name, value in inputs.items()}
@@ -38,7 +38,7 @@ def values(system: kg.System, outputs: tuple[str, ...], inputs: Arrays, number: 
 
 
 def generic(seed: int) -> kg.System:
-    """Trees with every kind of joint: locked freedoms, sliding, turning, constant orientations."""
+    """Return a tree; together the seeds have every kind of joint and constant orientations."""
     rng = np.random.default_rng(seed)
     free = [None, systems.flags(5, ["theta3"]), systems.flags(5, ["s2"]), systems.flags(5, FREEDOMS)][
         seed % 4
@@ -72,7 +72,7 @@ def test_kinetic_energy_is_half_y_a_y(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_energy_changes_by_the_power_of_what_acts(seed: int) -> None:
-    """Along {ydot} of forward dynamics, in 50 digits; what remains is the rounding of folded constants."""
+    """The rates follow {ydot} of forward dynamics in 50 digits; only folded constants are rounded."""
     system = generic(seed)
     rng = np.random.default_rng(seed)
     x, y = speeds(system, seed)
@@ -105,7 +105,7 @@ def test_momentum_of_a_floating_tree_changes_by_its_weight_alone(gravity: tuple[
 
 
 def rate(system: kg.System, outputs: tuple[str, ...], inputs: Arrays) -> Arrays:
-    """Time derivatives of `outputs` in the motion that follows from `inputs`."""
+    """Return the time derivatives of outputs in the motion that follows from the inputs."""
     with mpmath.workdps(50):
         ydot = values(system, ("forward_dynamics",), inputs, mpmath.mpf)["acceleration"]
         x, y = (np.array([mpmath.mpf(v) for v in inputs[name]]) for name in ("x", "y"))
@@ -128,15 +128,15 @@ def test_double_pendulum() -> None:
     potential = -(m1 + m2) * g * l1 * np.cos(a) - m2 * g * l2 * np.cos(b)
     first, second = (np.array([np.cos(angle), np.sin(angle), 0]) for angle in (a, b))
     turned = [np.array([-d[1], d[0], 0]) for d in (first, second)]
-    apart, approach = l2 * second, l2 * v * turned[1]  # of two point masses only their distance spins
+    apart, approach = l2 * second, l2 * v * turned[1]  # of two point masses only their separation matters
     center = l1 * first + m2 / (m1 + m2) * apart
     linear = m1 * l1 * u * turned[0] + m2 * (l1 * u * turned[0] + approach)
     found = library.evaluate(x, y)
     assert found.kinetic_energy == pytest.approx(kinetic, rel=1e-14)
     assert found.potential_energy == pytest.approx(potential, rel=1e-14)
     assert found.mass_center == pytest.approx(center, rel=1e-14)
-    spin = m1 * m2 / (m1 + m2) * np.cross(apart, approach)
-    assert found.momentum == pytest.approx([*linear, *spin], rel=1e-13, abs=1e-15)
+    angular = m1 * m2 / (m1 + m2) * np.cross(apart, approach)
+    assert found.momentum == pytest.approx([*linear, *angular], rel=1e-13, abs=1e-15)
 
 
 def free_body(mass: float, inertia: list[float], **more: Any) -> kg.System:
@@ -164,7 +164,7 @@ def test_without_gravity_there_is_no_potential_energy() -> None:
 
 
 def test_bodies_without_mass() -> None:
-    """Three hinges with two massless bodies between them are one joint of three angles; a disc only spins."""
+    """Three hinges with two massless bodies between them are one joint of three angles; a disc only turns."""
     rng = np.random.default_rng(8)
     heavy = systems.random_system(rng, 1, free=systems.flags(1, FREEDOMS[:3]), locked=False)
     (body,) = heavy.bodies
@@ -225,13 +225,13 @@ def test_run_time_parameters_are_prepared(free: tuple[str, ...]) -> None:
 
 
 def test_far_from_the_origin_nothing_is_lost() -> None:
-    """Spin about the mass centre does not feel where a floating tree is, nor how fast it goes."""
+    """Angular momentum about the mass centre does not depend on place and velocity of a floating tree."""
     system = systems.chain(3, FREEDOMS)
     x, y = speeds(system, 2)
     far = x + 1e6 * np.array([freedom == Freedom(1, 3) for freedom in system.freedoms])
     near = values(system, ("momentum",), {"x": x, "y": y})["momentum"]
-    distant = values(system, ("momentum",), {"x": far, "y": y})["momentum"]
+    far_away = values(system, ("momentum",), {"x": far, "y": y})["momentum"]
     fast = values(system, ("momentum",), {"x": far, "y": y + far - x})["momentum"]
-    assert distant == pytest.approx(near, rel=1e-13)
+    assert far_away == pytest.approx(near, rel=1e-13)
     assert fast[3:] == pytest.approx(near[3:], rel=1e-13)
     assert np.linalg.norm(fast[:3]) == pytest.approx(1e6 * system.values().mass.sum(), rel=1e-4)

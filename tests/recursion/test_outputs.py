@@ -1,4 +1,4 @@
-"""Outputs on demand: each pays for itself, several share, and C, header and Python agree on all of them."""
+"""Outputs that are asked for: each costs what it needs, several share, and C, header and Python agree."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_several_cost_less_than_one_after_the_other(pair: tuple[str, ...]) -> No
 
 
 def test_what_several_share() -> None:
-    """Composite bodies with [A], angular velocities with {f}; the mass centre with its height."""
+    """[A] shares composite bodies, {f} angular velocities, and the mass centre its height."""
     tree = systems.eight_body(loads=False)
     for new, old, spared in (
         ("mass_center", "mass_matrix", 200),
@@ -66,7 +66,7 @@ def test_what_several_share() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_function_costs_the_same_whatever_else_is_asked_for(seed: int) -> None:
-    """To the operation, for every output of a tree with points."""
+    """The counts are equal for every output of a tree with points."""
     tree = system(seed)
     names = [
         name for name in available(tree) if name not in {"forward_dynamics", "error_estimate", "regularity"}
@@ -81,7 +81,7 @@ def test_a_function_costs_the_same_whatever_else_is_asked_for(seed: int) -> None
 
 
 def test_parameters_are_prepared_once_for_all() -> None:
-    """A function alone prepares what it needs; several together share it, and none does more in a state."""
+    """A function alone prepares what it needs; several share it, and none computes more in a state."""
     tree = kg.load(MODELS / "gantry_crane.toml")
     names = ("mass_matrix", "forcing", "potential_energy")
     together = compile_module(tree, names).module
@@ -127,7 +127,7 @@ def test_single_precision() -> None:
         assert getattr(library.evaluate(x[3], y[3]), name).dtype == np.float32
 
 
-def test_speeds_are_asked_for_where_they_count(library: kg.Library) -> None:
+def test_speeds_are_required_where_outputs_depend_on_them(library: kg.Library) -> None:
     places = kg.build(system(), ("mass_center", "body_poses"))
     x = np.zeros(library.n)
     assert places.evaluate(x).mass_center.shape == (3,)
@@ -139,7 +139,7 @@ def test_speeds_are_asked_for_where_they_count(library: kg.Library) -> None:
         places.momentum(x, x)
 
 
-def test_the_header_says_what_everything_is() -> None:
+def test_the_header_documents_every_array() -> None:
     files = kg.generate(system(), NEW).files
     header, words = files["tree.h"], " ".join(files["tree.h"].split())
     n = len(system().freedoms)
@@ -161,7 +161,7 @@ def test_the_header_says_what_everything_is() -> None:
 
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, 0.0), (0.0, 0.0, -9.81)])
 def test_the_example_is_clean_and_runs(gravity: tuple[float, ...], tmp_path: Path) -> None:
-    """An output that is a constant, and arrays of one and of three axes."""
+    """One output is a constant, and arrays have one to three axes."""
     tree = systems.random_system(np.random.default_rng(7), 2, gravity=gravity)
     folder = kg.generate(tree, NEW).write(tmp_path / "out")
     flags = "-std=c99 -O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror".split()

@@ -21,7 +21,7 @@ POINTS = ("point_positions", "point_velocities", "point_accelerations", "point_j
 
 
 def pointed(system: kg.System, seed: int, each: int) -> kg.System:
-    """The system with so many points on each body but the last."""
+    """Return the system with `each` points on every body but the last."""
     rng = np.random.default_rng(seed)
     bodies = range(1, max(2, system.number_of_bodies))
     return system.with_points({f"p{k}-{i}": (k, rng.normal(size=3)) for k in bodies for i in range(each)})
@@ -34,7 +34,7 @@ def state(system: kg.System, seed: int) -> dict[str, np.ndarray]:
 
 
 def expected(system: kg.System, given: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """By the notes' equations in NumPy, with the point in the place of the mass centre."""
+    """Return the outputs by the reference, with the point in the place of the mass centre."""
     arrays = system.values()
     free = free_columns(arrays)
     bodies = kinematics(arrays, given["x"], given["y"])
@@ -55,13 +55,13 @@ def expected(system: kg.System, given: dict[str, np.ndarray]) -> dict[str, np.nd
 
 
 @pytest.mark.parametrize("each", [1, 4])
-@pytest.mark.parametrize("kind", ["rates", "spins", "quaternions", "slides and hinges"])
+@pytest.mark.parametrize("kind", ["rates", "angular velocities", "quaternions", "slides and hinges"])
 def test_the_equations_of_the_notes(kind: str, each: int) -> None:
-    """With one point a body turned joint by joint, with four by its rotation."""
+    """One point a body is turned joint by joint, four are turned by the rotation of the body."""
     for seed in range(3):
         tree = {
             "rates": mixed(seed),
-            "spins": mixed(seed).with_speeds(ANGULAR_VELOCITY),
+            "angular velocities": mixed(seed).with_speeds(ANGULAR_VELOCITY),
             "quaternions": with_quaternions(seed),
             "slides and hinges": systems.random_system(np.random.default_rng(seed), 5),
         }[kind]
@@ -91,7 +91,7 @@ def test_compiled_code() -> None:
 
 
 def test_a_point_costs_what_its_own_branch_costs() -> None:
-    """Three turns of six operations; its body's translation is an argument. Other outputs change nothing."""
+    """A point on the first body takes three turns of six operations; other outputs change nothing."""
     near = systems.eight_body(loads=False).with_points({"near": ("body1", (0.1, 0.2, 0.3))})
     (alone,) = compile_module(near, ("point_positions",)).module.functions.values()
     assert count(alone)["add"] + count(alone)["multiply"] <= 3 * 6 + 3
@@ -108,7 +108,7 @@ def test_gravity_is_no_acceleration() -> None:
     assert not found["point_accelerations"].any()
 
 
-def test_a_file_keeps_them(tmp_path: Path) -> None:
+def test_a_file_keeps_points(tmp_path: Path) -> None:
     length = kg.Parameter("reach", 0.4)
     system = kg.load(MODELS / "double_pendulum.toml")
     last = system.bodies[-1].name
@@ -137,7 +137,7 @@ def test_a_file_keeps_them(tmp_path: Path) -> None:
         ({"a b": (1, (0, 0, 1))}, r"point name"),
     ],
 )
-def test_what_is_no_point(points: dict[str, tuple[str | int, object]], message: str) -> None:
+def test_invalid_points_are_refused(points: dict[str, tuple[str | int, object]], message: str) -> None:
     with pytest.raises(kg.ModelError, match=message):
         kg.load(MODELS / "double_pendulum.toml").with_points(points)
 
@@ -151,7 +151,7 @@ def test_what_is_no_point(points: dict[str, tuple[str | int, object]], message: 
         ("points = {'a b' = [0, 0, 1]}", r"point name"),
     ],
 )
-def test_what_a_file_may_not_say(text: str, message: str, tmp_path: Path) -> None:
+def test_invalid_points_of_a_file_are_refused(text: str, message: str, tmp_path: Path) -> None:
     file = tmp_path / "model.toml"
     file.write_text(f"[[body]]\nconnection = 0\nmass = 1.0\ninertia = [1, 1, 1]\n{text}\n")
     with pytest.raises(kg.ReadError, match=message):

@@ -1,4 +1,4 @@
-"""Poses of the bodies: against Eqs. (3) and (22), by hand, and as rotations."""
+"""Poses of the bodies: against Eqs. (3) and (22), computed by hand, and as rotations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.support.moving_bodies import Values
 
 
 def poses(system: kg.System, x: Values) -> Values:
-    """(N, 4, 3) by the program."""
+    """Return the poses of all bodies, (N, 4, 3)."""
     (program,) = compile_module(system, ("body_poses",)).module.functions.values()
     found = evaluate(program, {"x": x}, np)["body_poses"]
     return np.array(found).reshape(system.number_of_bodies, 4, 3)
@@ -36,7 +36,7 @@ JOINTS = {
 @pytest.mark.parametrize("locked", [True, False])
 @pytest.mark.parametrize("joints", JOINTS)
 def test_against_the_notes(joints: str, locked: bool, orientations: bool) -> None:
-    """O_K is the notes' origin, wherever the derivation of [A] puts its own."""
+    """The origin is O_K of the notes, wherever the derivation of [A] has its own."""
     rng = np.random.default_rng(len(joints))
     system = systems.random_system(rng, 6, free=JOINTS[joints], locked=locked, orientations=orientations)
     x = 2 * rng.normal(size=len(system.freedoms))
@@ -78,8 +78,8 @@ def test_an_arm_by_hand() -> None:
     assert poses(system, [np.pi / 6, np.pi / 3, 0.25]) == pytest.approx(np.array(expected), abs=1e-15)
 
 
-def test_in_python() -> None:
-    """Shapes of one state, of a batch and of none; parameters count."""
+def test_compiled_code() -> None:
+    """Results have the shapes of one state, of a batch and of an empty batch, and follow the parameters."""
     system = kg.load("models/gantry_crane.toml")
     library = kg.build(system, "body_poses")
     bodies = system.number_of_bodies
@@ -131,7 +131,7 @@ def test_operations_by_hand() -> None:
     )
 
 
-def test_chosen_bodies_are_rows_of_all_and_cost_what_they_need() -> None:
+def test_selected_bodies_are_rows_of_all_and_cost_less() -> None:
     rng = np.random.default_rng(9)
     system = systems.random_system(rng, 6, connection=(0, 1, 2, 1, 4, 4), free=JOINTS["gimbals"])
     some = system.with_poses([5, "body1"])
@@ -150,7 +150,7 @@ def test_chosen_bodies_are_rows_of_all_and_cost_what_they_need() -> None:
     assert "double body_poses[2 * 4 * 3]" in header
 
 
-def test_a_choice_changes_no_other_output() -> None:
+def test_a_selection_changes_no_other_output() -> None:
     system = kg.load("models/gantry_crane.toml")
     some = system.with_poses([system.bodies[-1].name])
     assert kg.generate(some).files == kg.generate(system).files
@@ -170,7 +170,7 @@ def test_a_choice_changes_no_other_output() -> None:
         (["trolley", 1, "trolley"], r"body poses: '\w+' is named twice\. Name it once"),
     ],
 )
-def test_what_is_no_choice_of_bodies(bodies: object, message: str) -> None:
+def test_invalid_selections_are_refused(bodies: object, message: str) -> None:
     system = kg.load("models/gantry_crane.toml")
     with pytest.raises(kg.ModelError, match=message):
         system.with_poses(bodies)  # type: ignore[arg-type]

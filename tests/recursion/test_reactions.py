@@ -1,4 +1,4 @@
-"""Reaction loads: against the efforts of the same tree with nothing locked, by hand, and by momentum."""
+"""Reaction loads: against the tree with nothing locked, results by hand, and the rate of momentum."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ WARNINGS = "-O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotio
 Arrays = dict[str, np.ndarray]
 
 ROUNDING = 1e-13
-"""Of the largest effort: some hundred terms are summed in two ways, each rounded by 1e-16."""
+"""Share of the largest effort: some hundred terms are summed in two orders, each rounded by 1e-16."""
 
 
 def reactions(system: kg.System, given: Arrays) -> np.ndarray:
-    """By the program that becomes C; loads count where bodies take them."""
+    """Return the reaction loads by the program that becomes C."""
     module = compile_module(system, ("reaction_loads",), regular=False).module
     values = {name: np.ravel(value) for name, value in given.items()}
     if module.prepare:
@@ -42,7 +42,7 @@ def reactions(system: kg.System, given: Arrays) -> np.ndarray:
 
 
 def efforts(system: kg.System, given: Arrays) -> dict[Freedom, float]:
-    """By the reference, of every freedom of the same tree with nothing locked: [A]{ydot} - {f}."""
+    """Return [A]{ydot} - {f} by the reference, by freedom of the same tree with nothing locked."""
     free = tuple(
         replace(body, joint=replace(body.joint, free=(True,) * 6, name="")) for body in system.bodies
     )
@@ -71,23 +71,23 @@ def require_right(system: kg.System, seed: int) -> None:
 
 
 def turned(seed: int, bodies: int = 5, **choices: object) -> kg.System:
-    """A random tree in which every joint turns in a sequence of its own."""
+    """Return a random tree in which every joint has its own sequence of axes."""
     rng = np.random.default_rng(seed)
     tree = systems.random_system(rng, bodies, **choices)  # type: ignore[arg-type]
     joints = (replace(body.joint, sequence=str(rng.choice(list(SEQUENCES)))) for body in tree.bodies)
     return replace(tree, bodies=tuple(replace(b, joint=j) for b, j in zip(tree.bodies, joints, strict=True)))
 
 
-def sliding(names: str) -> np.ndarray:
+def freed(names: str) -> np.ndarray:
     return systems.flags(5, names.split())
 
 
 TREES = {
     "anything": turned,
     "locked at zero": lambda seed: turned(seed, locked=False, orientations=False),
-    "hinges": lambda seed: turned(seed, locked=False, free=sliding("theta2"), orientations=seed > 0),
-    "hinges turned by locked angles": lambda seed: turned(seed, free=sliding("theta2")),
-    "slides": lambda seed: turned(seed, free=sliding("s1 s3")),
+    "hinges": lambda seed: turned(seed, locked=False, free=freed("theta2"), orientations=seed > 0),
+    "hinges turned by locked angles": lambda seed: turned(seed, free=freed("theta2")),
+    "slides": lambda seed: turned(seed, free=freed("s1 s3")),
     "welded": lambda seed: turned(seed, free=np.arange(30).reshape(5, 6) == 12, connection=(0, 1, 2, 3, 2)),
     "angular velocities": lambda seed: mixed(seed).with_speeds(ANGULAR_VELOCITY),
     "quaternions": with_quaternions,
@@ -110,7 +110,7 @@ def test_a_hundred_random_trees(seed: int) -> None:
 
 
 def test_the_pivot_of_a_pendulum() -> None:
-    """A point mass on a massless rod that swings in a plane 0.2 m before its pivot, by hand."""
+    """A point mass on a massless rod swings in a plane 0.2 m before its pivot."""
     m, length, ahead, g = 2.0, 0.7, 0.2, 9.81
     hinge = kg.Joint(free=tuple(name == "theta3" for name in FREEDOMS))
     bob = kg.Body("bob", 0, m, np.zeros((3, 3)), (0.0, -length, ahead), hinge)
@@ -141,7 +141,7 @@ def test_a_cantilever_at_rest() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_ground_changes_the_momentum(seed: int) -> None:
-    """On a welded mount: with the weight the force is the rate of momentum, the moment that of spin."""
+    """On a welded mount force and weight are the rate of momentum, the moment that of angular momentum."""
     rng = np.random.default_rng(seed)
     free = systems.random_free(rng, 5)
     free[0], free[1] = False, True
@@ -161,7 +161,7 @@ def test_the_ground_changes_the_momentum(seed: int) -> None:
 
 
 def test_compiled_code() -> None:
-    """One state and many, alone and with others, under values of parameters of its own; no warning."""
+    """One state and many give the same, alone and with other outputs, under other parameter values."""
     system = with_numbers_as_parameters(turned(4, 3, loads=True)).with_parameters({"number7": 0.5})
     library = kg.build(system, ("reaction_loads", "inverse_dynamics"), flags=WARNINGS)
     assert library.reaction_names == system.reaction_names
@@ -187,7 +187,7 @@ def test_compiled_code() -> None:
         library.body_poses(x)
 
 
-def test_those_that_are_chosen_are_those_of_all_and_cost_less() -> None:
+def test_selected_reactions_are_those_of_all_and_cost_less() -> None:
     system = turned(1, 5, loads=True)
     every, given = reactions(system, quaternion_state(system, 1)), quaternion_state(system, 1)
     names = (system.reaction_names[-1], system.reaction_names[2])
@@ -202,7 +202,7 @@ def test_those_that_are_chosen_are_those_of_all_and_cost_less() -> None:
     assert kg.generate(some).files == kg.generate(system).files
 
 
-def test_the_header_says_which_is_which() -> None:
+def test_the_header_documents_the_selection() -> None:
     system = kg.load(MODELS / "double_pendulum.toml").with_reactions(["lower.s2", "upper.theta1"])
     files = kg.generate(system, ("reaction_loads",)).files
     header, readme = files["double_pendulum.h"], files["README.md"]
@@ -224,7 +224,7 @@ def test_a_cost_report_compares_them_with_efforts() -> None:
     assert found.steps[-1].total < found.steps[1].total < found.steps[0].total
 
 
-def test_a_file_keeps_what_is_chosen(tmp_path: Path) -> None:
+def test_a_file_keeps_the_selection(tmp_path: Path) -> None:
     system = kg.load(MODELS / "double_pendulum.toml")
     system = system.with_poses([2]).with_reactions(["upper.s2", "lower.theta1"])
     system.save(tmp_path / "model.toml")
@@ -244,7 +244,7 @@ def test_a_file_keeps_what_is_chosen(tmp_path: Path) -> None:
         (3, r"there is no locked direction 3"),
     ],
 )
-def test_what_is_no_locked_direction(names: object, message: str) -> None:
+def test_invalid_selections_are_refused(names: object, message: str) -> None:
     with pytest.raises(kg.ModelError, match=message):
         kg.load(MODELS / "double_pendulum.toml").with_reactions(names)  # type: ignore[arg-type]
 

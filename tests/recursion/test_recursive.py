@@ -1,4 +1,4 @@
-"""The recursive form equals the literal one, and costs what it should."""
+"""[A] and {f} by recursion: equal to the literal derivation and the reference, and no more operations."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def numeric(system: kg.System, x: np.ndarray, y: np.ndarray, **loads: np.ndarray
 
 
 def small_trees() -> dict[str, kg.System]:
-    """Trees whose literal equations SymPy can simplify; together they use every part of a joint."""
+    """Return trees whose literal equations SymPy can simplify; together they use every part of a joint."""
     rod = kg.Body(
         "rod", 0, kg.Parameter("m1", 2.0), ((0.0,) * 3, (0.0, 0.375, 0.0), (0.0, 0.0, 0.375)),
         (kg.Parameter("l1", 0.5), 0.0, 0.0), kg.Joint(free=(False, False, True, False, False, False)),
@@ -71,7 +71,7 @@ def test_both_forms_are_equal_symbolically(name: str) -> None:
 
 
 def rational(expression: sympy.Expr) -> sympy.Expr:
-    """The same with every float as the fraction that it is; the models above hold binary fractions only."""
+    """Return an expression with every float as the fraction that it is."""
     return expression.xreplace(
         {number: sympy.Rational(float(number)) for number in expression.atoms(sympy.Float)}
     )
@@ -95,7 +95,7 @@ def test_equals_the_reference_on_random_trees(seed: int) -> None:
 
 
 def bushes(bodies: int) -> kg.System:
-    """A chain of bodies with six freedoms each and identity orientations."""
+    """Return a chain of bodies with six freedoms each and identity orientations."""
     free = systems.flags(bodies, FREEDOMS)
     rng = np.random.default_rng(1)
     return systems.random_system(
@@ -110,7 +110,7 @@ def bushes(bodies: int) -> kg.System:
 
 
 def gimbals(bodies: int) -> kg.System:
-    """A chain of bodies with three angles each."""
+    """Return a chain of bodies with three free angles each."""
     rng = np.random.default_rng(1)
     return systems.random_system(
         rng, bodies, connection=range(bodies), free=systems.flags(bodies, FREEDOMS[:3]), loads=False,
@@ -119,7 +119,7 @@ def gimbals(bodies: int) -> kg.System:
 
 
 def hinges(bodies: int) -> kg.System:
-    """A chain of hinges about axes 1, 2, 3, 1, ..."""
+    """Return a chain of hinges about axes 1, 2, 3, 1, ..."""
     free = np.eye(6, dtype=bool)[[k % 3 for k in range(bodies)]]
     rng = np.random.default_rng(1)
     return systems.random_system(

@@ -1,4 +1,4 @@
-"""The pipeline as a whole: options, progress, and what stops it."""
+"""The compiler as a whole: options, progress, and errors."""
 
 from __future__ import annotations
 
@@ -58,9 +58,9 @@ def test_the_path_of_a_model_is_no_system(make: Callable[..., object]) -> None:
 
 
 def test_progress_names_the_stages(pendulum: kg.System) -> None:
-    told: list[str] = []
-    kg.build(pendulum, progress=told.append)
-    assert told == ["deriving", "lowering", "optimising", "printing", "compiling"]
+    stages: list[str] = []
+    kg.build(pendulum, progress=stages.append)
+    assert stages == ["deriving", "lowering", "optimising", "printing", "compiling"]
 
 
 def test_constants_out_of_range_are_an_error() -> None:
