@@ -1,4 +1,4 @@
-"""The command line as a user meets it: output, exit status, errors of one line."""
+"""The command line: output, exit status, and errors of one line."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_a_terminal_without_unicode(arguments: tuple[str, ...]) -> None:
 
 
 def test_info_draws_every_body_of_a_long_chain() -> None:
-    """Costs are those of one body; the tree alone is about all of them."""
+    """Operation counts are those of one body, so that only the drawing of the tree is long."""
     screen = Console(width=60, file=io.StringIO())
     costs = summarize(systems.chain(1, ["theta2"]), quiet)
     show(replace(costs, system=systems.chain(24, ["theta2"])), screen)
@@ -52,7 +52,7 @@ def test_info_draws_every_body_of_a_long_chain() -> None:
     assert f"{' ' * 4 * 23}└── 24 body24  theta2" in text
 
 
-def test_generate_writes_and_says_what(tmp_path: Path) -> None:
+def test_generate_writes_and_names_the_files(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     text = process("generate", PENDULUM, "-o", str(folder)).stdout
     assert "double_pendulum: 2 freedoms, mass_matrix and forcing" in text
@@ -162,7 +162,7 @@ def test_bad_input_is_one_line_and_status_2(arguments: tuple[str, ...], message:
     assert done.stderr.count("\n") == 1
 
 
-def test_what_outputs_are_about(tmp_path: Path) -> None:
+def test_poses_and_reactions_are_selected(tmp_path: Path) -> None:
     outputs = ("--output", "body_poses", "--output", "reaction_loads")
     about = ("--poses", "lower", "--reactions", "lower.s1, upper.s2")
     kanegen("generate", PENDULUM, "-o", str(tmp_path), *outputs, *about)

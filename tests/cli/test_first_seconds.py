@@ -1,4 +1,4 @@
-"""Help and version answer at once: they load neither SymPy nor NumPy, and yet name everything there is."""
+"""Help and version load neither SymPy nor NumPy, and the help lists every choice."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ COMMAND_LINE = typer.main.get_command(app).commands
 
 
 def help_of(command: str, name: str) -> str:
-    """The help of an option by the name of its argument."""
+    """Return the help of an option by the name of its argument."""
     (text,) = [option.help for option in COMMAND_LINE[command].params if option.name == name]
     return text
 

@@ -33,30 +33,30 @@ from tests.support.paths import MODELS
 
 TWO_LINKS = systems.chain(2)
 QUICK = bench.BenchOptions(states=40, rounds=2, seconds=0.0)
-"""More states than a batch holds, and no whole number of batches."""
+"""Options with more states than a batch holds, and no whole number of batches."""
 
 
 def quiet(stage: str) -> None:
-    """Nobody watches."""
+    """Ignore the stage."""
 
 
 def own(system: kg.System, states: ActuatedStates, folder: Path) -> Participant:
-    """kanegen's own C in its default setting."""
+    """Build the participant that is kanegen's C in its default setting."""
     problem = Problem(system, states, write_states(states, folder / "states"), folder)
     _, make = next(kanegen_peer.builders(problem))
     (participant,) = make()
     return participant
 
 
-def saying(code: str, tmp_path: Path) -> Participant:
-    """A participant whose driver is a line of Python."""
+def with_driver(code: str, tmp_path: Path) -> Participant:
+    """Return a participant whose driver is a line of Python."""
     task = Task("equations", EQUATIONS)
     return Participant("other", EXACT, (sys.executable, "-c", code), tmp_path / "states", (task,))
 
 
 @pytest.fixture
 def nothing_installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where none of the peers is."""
+    """Hide all packages of peers."""
 
     def files(name: str) -> None:
         raise metadata.PackageNotFoundError(name)
@@ -70,7 +70,7 @@ def alone() -> Comparison:
     return bench.compare(TWO_LINKS, QUICK, peers=())
 
 
-def test_a_compiler_is_enough(alone: Comparison) -> None:
+def test_only_a_compiler_is_required(alone: Comparison) -> None:
     assert (alone.model, alone.n, alone.standard, alone.absences, alone.notes) == (
         "chain",
         2,
@@ -95,7 +95,7 @@ def test_batches_are_timed_beside_single_states(alone: Comparison) -> None:
         assert (one.task.batch, many.task.batch) == (False, True)
 
 
-def test_a_call_from_python_is_set_against_the_same_c(alone: Comparison) -> None:
+def test_a_call_from_python_is_compared_with_the_same_c(alone: Comparison) -> None:
     call, code = alone.best(PYTHON, EQUATIONS), alone.best(KANEGEN, EQUATIONS, EXACT)
     assert call is not None
     assert code is not None
@@ -103,7 +103,7 @@ def test_a_call_from_python_is_set_against_the_same_c(alone: Comparison) -> None
     assert set(table.overheads(alone)) == {"A + f", "forward dynamics"}
 
 
-def test_loads_and_parameters_are_left_out_and_said() -> None:
+def test_loads_and_parameters_are_left_out_and_noted() -> None:
     crane = kg.load(MODELS / "gantry_crane.toml")
     changed, notes = without_loads_and_parameters(crane)
     assert not changed.parameters
@@ -116,24 +116,26 @@ def test_loads_and_parameters_are_left_out_and_said() -> None:
     assert without_loads_and_parameters(changed) == (changed, ())
 
 
-def test_who_computes_something_else_is_not_timed(tmp_path: Path) -> None:
+def test_wrong_results_are_not_timed(tmp_path: Path) -> None:
     states = states_away_from_gimbal_lock(TWO_LINKS, 3)
     heavier = replace(TWO_LINKS, bodies=tuple(replace(body, mass=2.0) for body in TWO_LINKS.bodies))
-    honest = own(TWO_LINKS, states, tmp_path)
-    liar = replace(own(heavier, states, tmp_path), name="liar")
-    entries, absences = evaluate([honest, liar], 2, QUICK, quiet)
+    correct = own(TWO_LINKS, states, tmp_path)
+    wrong_mass = replace(own(heavier, states, tmp_path), name="wrong_mass")
+    entries, absences = evaluate([correct, wrong_mass], 2, QUICK, quiet)
     assert not absences
     for entry in entries:
         assert entry.agrees == (entry.participant == KANEGEN)
         assert len(entry.times.rounds) == (QUICK.rounds if entry.agrees else 0)
     comparison = Comparison("chain", 2, tuple(entries))
     assert not comparison.agrees
-    assert comparison.best("liar", EQUATIONS) is None
-    assert [row[3] for row in table.rows(comparison, EQUATIONS) if row[0] == "liar"] == ["not timed"] * 2
+    assert comparison.best("wrong_mass", EQUATIONS) is None
+    assert [row[3] for row in table.rows(comparison, EQUATIONS) if row[0] == "wrong_mass"] == [
+        "not timed"
+    ] * 2
 
 
 def test_a_derivative_is_compared_with_its_own_size() -> None:
-    """Those by {tau} may be a millionth of those by {x}; an error in them counts all the same."""
+    """Derivatives by {tau} may be a millionth of those by {x}; an error in them counts nevertheless."""
     right = np.ones((2, 2, 3, 2))
     right[:, :, 2] = 1e-6
     other = right.copy()
@@ -167,14 +169,14 @@ def test_matrix_and_forcing_are_measured_by_their_own_sizes() -> None:
     [("raise SystemExit('no such joint')", "no such joint"), ("raise SystemExit(3)", "status 3")],
 )
 def test_a_driver_that_fails_is_left_out(code: str, reason: str, tmp_path: Path) -> None:
-    honest = own(TWO_LINKS, states_away_from_gimbal_lock(TWO_LINKS, 2), tmp_path)
-    entries, absences = evaluate([honest, saying(code, tmp_path)], 2, QUICK, quiet)
+    correct = own(TWO_LINKS, states_away_from_gimbal_lock(TWO_LINKS, 2), tmp_path)
+    entries, absences = evaluate([correct, with_driver(code, tmp_path)], 2, QUICK, quiet)
     assert {entry.participant for entry in entries} == {KANEGEN}
     assert absences == [Absence("other", f"its driver failed: {reason}")]
 
 
 @pytest.mark.usefixtures("nothing_installed")
-def test_who_is_missing_is_named_and_left_out(tmp_path: Path) -> None:
+def test_missing_peers_are_named_and_left_out(tmp_path: Path) -> None:
     present, absences = participants(TWO_LINKS, states_away_from_gimbal_lock(TWO_LINKS, 2), tmp_path)
     assert {participant.name for participant in present} == {KANEGEN, PYTHON}
     assert {absence.name for absence in absences} == {"Pinocchio", "CasADi", "MuJoCo", "SymPy + PyDy"}
@@ -208,7 +210,7 @@ def test_sympy_is_not_tried_with_many_freedoms(monkeypatch: pytest.MonkeyPatch, 
         make()
 
 
-def test_sympy_is_stopped_when_its_time_is_over(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_sympy_is_stopped_at_the_time_limit(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(pydy_peer, "require", Path)
     monkeypatch.setattr(pydy_peer, "TIME_LIMIT", 0.001)
     states = states_away_from_gimbal_lock(TWO_LINKS, 1)
@@ -246,7 +248,7 @@ def entry(participant: str, median: float, batch: bool = False) -> Entry:
     return Entry(participant, NATIVE, Task("a", EQUATIONS, batch), 0.0, times)
 
 
-def test_ratios_and_reasons_in_words() -> None:
+def test_texts_of_ratios_and_reasons() -> None:
     absences = (Absence("A", "it rains"), Absence("B", "it snows"), Absence("C", "it rains"))
     comparison = Comparison(
         "m", 1, (entry("slow", 1200), entry("fast", 60.04), entry("slower", 2400)), absences

@@ -22,7 +22,7 @@ SEEDS = range(6)
 
 
 def tree(seed: int) -> kg.System:
-    """A random tree in which no body is welded to the ground; with odd seeds, in random sequences of axes."""
+    """Return a random tree without welded bodies; odd seeds have random sequences of axes."""
     rng = np.random.default_rng(seed)
     free = systems.random_free(rng, 6)
     free[:, seed % 6] = True
@@ -32,7 +32,7 @@ def tree(seed: int) -> kg.System:
 
 
 def screw(axis: Floats, anchor: Floats, value: float, turns: bool) -> Placement:
-    """Where a hinge at `anchor`, or a slide, takes a frame."""
+    """Return the placement to which a hinge at `anchor`, or a slide, moves a frame."""
     if not turns:
         return Placement(np.eye(3), value * axis)
     x, y, z = axis
@@ -42,7 +42,7 @@ def screw(axis: Floats, anchor: Floats, value: float, turns: bool) -> Placement:
 
 
 def moments(system: kg.System, x: Floats) -> tuple[float, Floats, Floats]:
-    """By the reference: mass, first moment sum m r, and the sum of inertias I + m r r."""
+    """Return mass, first moment sum m r, and sum of I + m r r of a system, by the reference."""
     arrays = system.values()
     first, second = np.zeros(3), np.zeros((3, 3))
     for k, body in enumerate(kinematics(arrays, x, np.zeros_like(x))):
@@ -54,7 +54,7 @@ def moments(system: kg.System, x: Floats) -> tuple[float, Floats, Floats]:
 
 
 def carried(mass: float, centre: Floats, inertia: Floats, at: Placement) -> tuple[float, Floats, Floats]:
-    """The same of one body that stands at a placement."""
+    """Return mass, first moment and I + m r r of one body at a placement."""
     point = at.position + at.rotation @ centre
     turned = at.rotation @ inertia @ at.rotation.T
     return mass, mass * point, turned + mass * np.outer(point, point)
@@ -92,7 +92,7 @@ def numbers(element: xml.Element, name: str) -> Floats:
 
 
 def mujoco_parts(element: xml.Element, at: Placement, x: Floats) -> list[tuple[float, Floats, Floats]]:
-    """What MuJoCo's documentation says of bodies, joints and inertias, at the state x."""
+    """Read bodies, joints and inertias as MuJoCo's documentation defines them, at the state x."""
     parts = []
     for body in element.findall("body"):
         first, second = numbers(body, "xyaxes").reshape(2, 3)
@@ -120,7 +120,7 @@ def test_the_xml_carries_every_body_where_the_reference_has_it(seed: int) -> Non
     assert sorted(int(joint.attrib["name"]) for joint in world.iter("joint")) == list(range(len(x)))
 
 
-def test_joints_with_nothing_between_them_share_a_body() -> None:
+def test_joints_without_bodies_between_them_share_a_body() -> None:
     six = systems.chain(2, ["theta1", "theta2", "theta3", "s1", "s2", "s3"])
     found = links(single_joints(six))
     assert [link.parent for link in found] == [0, 1]
@@ -130,7 +130,7 @@ def test_joints_with_nothing_between_them_share_a_body() -> None:
 
 
 def test_free_flyers_have_the_angles_of_the_notes() -> None:
-    """Drivers make a free-flyer's quaternion from 1-2-3; another sequence stays six joints."""
+    """A free-flyer needs angles 1-2-3; another sequence becomes six joints."""
     one, two = systems.chain(2, systems.FREEDOMS).bodies
     turned = replace(two, joint=replace(two.joint, sequence="3-1-3"))
     found = floating_joints(kg.System("two", (one, turned)))

@@ -42,7 +42,7 @@ Results = tuple[np.ndarray, np.ndarray]
 
 
 def compiled(system: kg.System) -> Callable[[dict[str, np.ndarray]], Results]:
-    """[A] and {f} by the program that becomes C."""
+    """Return [A] and {f} by the program that becomes C."""
     module = compile_module(system, regular=False).module
     function, n = module.functions["evaluate"], len(system.freedoms)
     known = {name: np.zeros(3 * system.number_of_bodies) for name in ("force", "torque")}
@@ -59,7 +59,7 @@ def compiled(system: kg.System) -> Callable[[dict[str, np.ndarray]], Results]:
 
 
 def require_equal(system: kg.System, *seeds: int) -> None:
-    """At the locked state, to the rounding of two programs; loads act on the bodies that take them."""
+    """Compare both programs at the locked state, up to rounding; loads act on the bodies that take them."""
     (_, general), *_ = steps(system)
     general_results, special_results = compiled(general), compiled(system)
     for seed in seeds:
@@ -80,7 +80,8 @@ def require_equal(system: kg.System, *seeds: int) -> None:
 def at_locked_state(
     system: kg.System, general: kg.System, given: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
-    """The state of the general system in which everything that `system` locks stands where it is locked."""
+    """Return the state of the general system in which the freedoms that `system` locks have their locked
+    values."""
     x, y = np.zeros(len(general.coordinates)), np.zeros(len(general.freedoms))
     for coordinate, place in general.coordinate_places.items():
         locked = map_numbers(system.bodies[coordinate.body - 1].joint.locked, value_of)
@@ -91,10 +92,10 @@ def at_locked_state(
 
 
 def limits(system: kg.System, given: dict[str, np.ndarray], further: dict[str, np.ndarray]) -> Results:
-    """How far two programs for [A] and {f} may part."""
-    arrays, told = system.values(), further.get("prescribed", np.zeros((3, 0)))
-    bodies = kinematics(arrays, given["x"], given["y"], told)
-    reach = reaches(arrays, bodies, given["y"], told)
+    """Return the largest difference that rounding allows between two programs for [A] and {f}."""
+    arrays, prescribed = system.values(), further.get("prescribed", np.zeros((3, 0)))
+    bodies = kinematics(arrays, given["x"], given["y"], prescribed)
+    reach = reaches(arrays, bodies, given["y"], prescribed)
     share = 2 * rounding_bound(system.number_of_bodies)
     forcing = forcing_magnitude(arrays, reach, given.get("force"), given.get("torque"))
     forcing = forcing + element_magnitude(arrays, bodies, given["x"], given["y"], **further)
@@ -102,7 +103,7 @@ def limits(system: kg.System, given: dict[str, np.ndarray], further: dict[str, n
 
 
 @pytest.mark.parametrize("model", MODEL_FILES, ids=lambda path: path.stem)
-def test_models_compute_what_their_general_programs_do(model: Path) -> None:
+def test_models_agree_with_their_general_programs(model: Path) -> None:
     require_equal(kg.load(model), 0, 1, 2)
 
 
@@ -117,19 +118,19 @@ QUICK = ("ur5_robot", "double_pendulum", "kinova")
     ],
 )
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
-def test_so_do_robots(robot: str) -> None:
+def test_robots_agree_with_their_general_programs(robot: str) -> None:
     require_equal(kg.load(robot_file(robot), floating_base=robot in FLOATING), 1)
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_so_do_random_scenes(seed: int) -> None:
+def test_random_scenes_agree_with_their_general_programs(seed: int) -> None:
     rng = np.random.default_rng(seed)
     require_equal(systems.random_system(rng, int(rng.integers(1, 5))), seed)
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_so_do_scenes_with_prescribed_freedoms(seed: int) -> None:
-    """What the scene prescribes the general program prescribes."""
+def test_scenes_with_prescribed_freedoms_agree_with_their_general_programs(seed: int) -> None:
+    """Freedoms that the scene prescribes are prescribed in the general program, too."""
     rng = np.random.default_rng([2, seed])
     system = systems.random_system(rng, 3, free=systems.flags(3, ["theta1", "theta3", "s2"]))
     system = system.with_prescribed(rng.choice(system.freedom_names, 4, replace=False).tolist())
@@ -139,17 +140,17 @@ def test_so_do_scenes_with_prescribed_freedoms(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_so_do_two_hundred() -> None:
-    """Every third with force elements, every fifth with prescribed freedoms."""
+def test_two_hundred_scenes_agree_with_their_general_programs() -> None:
+    """Every third scene has force elements, every fifth prescribed freedoms."""
     for seed in range(200):
         rng = np.random.default_rng([1, seed])
         scene = systems.random_system(rng, int(rng.integers(1, 6)), orientations=bool(seed % 4))
         scene = scene if seed % 3 else acted_on(scene, seed)
-        told = scene.freedom_names[: (len(scene.freedoms) - 1) // 2]
-        require_equal(scene if seed % 5 else scene.with_prescribed(told), seed)
+        prescribed = scene.freedom_names[: (len(scene.freedoms) - 1) // 2]
+        require_equal(scene if seed % 5 else scene.with_prescribed(prescribed), seed)
 
 
-def test_a_locked_joint_stands_where_it_was() -> None:
+def test_a_locked_joint_keeps_its_value() -> None:
     """The coordinates of the general program are those of the scene and the locked values."""
     system = systems.random_system(np.random.default_rng(5), 3)
     (_, general), *_, (_, last) = steps(system)
@@ -180,7 +181,7 @@ def test_operations_fall_and_add_up() -> None:
 
 
 def test_two_rods_locked_to_a_plane() -> None:
-    """[A] and {f} of the textbook's pendulum, from bodies that know more than a plane."""
+    """[A] and {f} of the textbook pendulum come from bodies that are locked to a plane."""
     pendulum = kg.load(MODELS / "planar_pendulum.toml")
     assert cost_report(pendulum).steps[-1].total <= 30
     x, y = np.random.default_rng(2).uniform(-1, 1, (2, 2))
@@ -201,7 +202,7 @@ def remade(arrays: SystemArrays, **changed: object) -> kg.System:
 
 
 def lumped(system: kg.System, moving: int) -> kg.System:
-    """The first bodies alone, each with the mass and inertia of what is welded to it."""
+    """Return the first bodies alone, each with the mass and inertia of the bodies welded to it."""
     arrays = system.values()
     n = len(system.freedoms)
     bodies = kinematics(arrays, np.zeros(n), np.zeros(n))
@@ -236,8 +237,8 @@ def lumped(system: kg.System, moving: int) -> kg.System:
     )
 
 
-def test_welded_bodies_cost_what_lumped_ones_do() -> None:
-    """Bodies 4 to 8 of eight, welded, against three bodies that have their mass: the same equations."""
+def test_welded_bodies_cost_as_much_as_lumped_ones() -> None:
+    """Bodies 4 to 8 welded to three bodies give the equations of three bodies with their masses."""
     eight = systems.eight_body(loads=False).values()
     free = eight.free.copy()
     free[3:] = False

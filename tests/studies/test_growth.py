@@ -1,4 +1,4 @@
-"""The study of growth measures what it says; its picture is drawn only where matplotlib is."""
+"""The study of growth: its cases, its measurements and its document; the plot needs matplotlib."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The scenes in models/ are what they claim to be, and the pages of docs/models say what they cost today."""
+"""The models in models/ have the properties that they describe, and docs/models shows their present costs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from kanegen.studies.explain.tables import markdown
 from tests.support.robots import robot_file
 
 LARGE = {"eight_body", "front_of_eight", "panda_arm", "six_revolute_arm"}
-"""Whose general programs take seconds each."""
+"""Models whose general programs take seconds each."""
 
 SMALL = [model for model in cost_reports.MODELS if model.stem not in LARGE]
 FIXED = (False,) * 6
@@ -52,7 +52,7 @@ def test_large_pages_are_current(name: str) -> None:
 
 @pytest.mark.parametrize("name", sorted(LARGE))
 def test_large_pages_count_what_the_scene_costs(name: str) -> None:
-    """The specialised program alone."""
+    """Count the operations of the specialised program alone."""
     model = cost_reports.ROOT / "models" / f"{name}.toml"
     operations = compile_module(kg.load(model), cost_reports.outputs(model)).operations
     total = sum(operations.values()) - operations["prepare"]
@@ -86,7 +86,7 @@ def test_the_command_writes_the_same_page(tmp_path: Path) -> None:
 
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
 def test_the_panda_arm_is_the_robot_with_a_locked_gripper() -> None:
-    """To the last bit; `make scenes` has no numbers of its own."""
+    """The models agree to the last bit."""
     robot = kg.load(robot_file("panda"))
     bodies = tuple(
         replace(body, joint=replace(body.joint, free=FIXED)) if "finger" in body.name else body
