@@ -1,4 +1,4 @@
-"""The grammar of expressions: what they say, what they refuse, how they print and round."""
+"""The grammar of expressions: accepted and refused texts, printing, and rounding."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def trees() -> st.SearchStrategy[Node]:
 
 
 def pythons(node: Node) -> float:
-    """The value by Python's own floats."""
+    """Return the value of an expression, computed with Python's own floats."""
     if isinstance(node, Constant):
         return node.value.value if isinstance(node.value, Parameter) else node.value
     if isinstance(node, Variable):
@@ -155,7 +155,7 @@ def pythons(node: Node) -> float:
 
 @given(trees())
 def test_printing_and_reading_give_the_same_value(node: Node) -> None:
-    """Signs of numbers may move: -2.0 reads as the negative of 2.0."""
+    """Reading printed text gives an equal value; -2.0 is read as the negative of 2.0."""
     expression = Expression(node)
     again = parse(str(expression), [K])
     assert str(parse(str(again), [K])) == str(again)

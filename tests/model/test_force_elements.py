@@ -1,4 +1,4 @@
-"""Springs, dampers, drives, loads on points, potentials: against the reference, textbooks and invariants."""
+"""Springs, dampers, drives, point loads and potentials, against the reference, textbooks and invariants."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ ARRAYS = {"mass_matrix": "A", "forcing": "f", "inverse_dynamics": "generalized_f
 
 
 def driven(seed: int, bodies: int = 4) -> kg.System:
-    """A random tree on which everything acts that can."""
+    """Return a random tree with force elements of every kind."""
     rng = np.random.default_rng(seed)
     tree = systems.random_system(rng, bodies, orientations=bool(seed % 3), loads=False)
     return acted_on(tree, seed)
 
 
-def given(states: States, system: kg.System) -> dict[str, Any]:
-    """One state, by the names of the arrays."""
+def first_state(states: States, system: kg.System) -> dict[str, Any]:
+    """Return the arrays of the first state by their names."""
     found: dict[str, Any] = {
         "x": states.x[0],
         "y": states.y[0],
@@ -59,10 +59,10 @@ def given(states: States, system: kg.System) -> dict[str, Any]:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_programs_agree_with_the_reference(seed: int) -> None:
-    """[A], {f}, what {ydot} needs, and {ydot} by every solver."""
+    """[A], {f}, inverse dynamics, and {ydot} by every solver agree with the reference."""
     system = driven(seed, 1 + seed % 5)
     states = random_states(system, 1, seed)
-    inputs, further = given(states, system), {name: one[0] for name, one in states.inputs.items()}
+    inputs, further = first_state(states, system), {name: one[0] for name, one in states.inputs.items()}
     matrix = reference.mass_matrix(system, inputs["x"])
     forcing = reference.forcing(system, inputs["x"], inputs["y"], **further)
     ydot = np.linalg.solve(matrix, forcing)
@@ -97,7 +97,7 @@ def test_c_is_within_the_bound_of_its_rounding_in_every_precision() -> None:
 
 
 def test_a_wrong_stiffness_is_no_rounding() -> None:
-    """The bound sees an error of a billionth in one element."""
+    """An error of a billionth in one stiffness exceeds the bound of the comparison."""
     system = driven(3)
     library = kg.build(system)
     assert compare(system, library, 50).passed
@@ -122,7 +122,7 @@ def test_states_alone_and_in_batches_have_the_same_bits() -> None:
 
 
 def test_what_is_absent_costs_nothing() -> None:
-    """[A] never pays for force elements, nor {f} for what acts on locked freedoms."""
+    """Force elements cost no operations in [A], and elements on locked freedoms cost none in {f}."""
     system = driven(2)
     bare = replace(system, force_elements=())
     alone = {name: compile_module(s, ("mass_matrix",)).operations for name, s in (("a", system), ("b", bare))}
@@ -156,7 +156,7 @@ def force(system: kg.System, x: float, y: float, **further: float) -> float:
 
 
 def test_one_freedom() -> None:
-    """Springs, dampers and drives of the textbook."""
+    """The forces of springs, dampers and drives on one freedom are those of the textbook."""
     assert force(oscillator(JointSpring("body1.s1", 5.0, 0.25, 0.5)), 1.0, 2.0) == -5.0 * 0.75 - 1.0
     assert force(oscillator(JointSpring("body1.s1", damping=0.5)), 1.0, 2.0) == -1.0
     assert force(oscillator(Drive("body1.s1", parse("2*t"))), 0.0, 0.0, t=3.0) == 6.0
@@ -165,7 +165,7 @@ def test_one_freedom() -> None:
 
 
 def test_a_spring_between_points() -> None:
-    """3-4-5: its pull along the freedom is 3/5 of stiffness times stretch, and of damping times its rate."""
+    """In a 3-4-5 triangle the effort is 3/5 of stiffness times stretch plus damping times rate."""
     anchor = (-3.0, -3.0, 0.0)
     sprung = Spring((anchor, "tip"), stiffness=10.0, rest_length=4.0, damping=2.0)
     assert force(oscillator(sprung), 0.0, 5.0) == pytest.approx(-0.6 * (10.0 + 2.0 * 3.0), rel=1e-15)
@@ -177,7 +177,7 @@ def test_a_spring_between_points() -> None:
 
 
 def test_a_pendulum_with_a_torsion_spring_and_a_tangential_load() -> None:
-    """Moments about the hinge: -k theta, and the load's arm times it."""
+    """The moments about the hinge are -k theta and the load times its arm."""
     elements = JointSpring("body1.theta1", 3.0), PointLoad("tip", (0.0, 0.0, 4.0))
     theta = 0.3
     expected = -3.0 * theta + 4.0 * np.cos(theta)
@@ -186,7 +186,7 @@ def test_a_pendulum_with_a_torsion_spring_and_a_tangential_load() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_energy_changes_by_the_power_of_what_is_not_conservative(seed: int) -> None:
-    """d(T + V)/dt = sum of efforts times speeds, by differences in 60 digits; without dissipation it is 0."""
+    """d(T + V)/dt is the sum of efforts times speeds, by differences in 60 digits; 0 without dissipation."""
     system = driven(seed, 3)
     conservative = tuple(
         replace(e, damping=0.0) if isinstance(e, JointSpring | Spring) else e
@@ -197,7 +197,7 @@ def test_the_energy_changes_by_the_power_of_what_is_not_conservative(seed: int) 
     acting = replace(system, force_elements=tuple(e for e in system.force_elements))
     kept = replace(system, force_elements=conservative)
     states = random_states(acting, 1, seed)
-    inputs = given(states, acting)
+    inputs = first_state(states, acting)
     with mpmath.workdps(60):
         x, y = ([mpmath.mpf(float(v)) for v in inputs[name]] for name in ("x", "y"))
         rest = {name: v for name, v in inputs.items() if name not in ("x", "y")}
@@ -226,11 +226,11 @@ def test_the_energy_changes_by_the_power_of_what_is_not_conservative(seed: int) 
 
 
 def momentum_rate(system: kg.System, state: dict[str, Any]) -> np.ndarray:
-    """By differences in 60 digits along the motion that the system takes."""
+    """Return the rate of momentum along the motion, by differences in 60 digits."""
     with mpmath.workdps(60):
         x, y = ([mpmath.mpf(v) for v in state[name]] for name in ("x", "y"))
-        given = state | {"x": x, "y": y, "tau": [0.0] * len(y)}
-        ydot = values(system, ("forward_dynamics",), given, mpmath.mpf)["acceleration"]
+        values_by_name = state | {"x": x, "y": y, "tau": [0.0] * len(y)}
+        ydot = values(system, ("forward_dynamics",), values_by_name, mpmath.mpf)["acceleration"]
         step = mpmath.mpf("1e-15")
         one, two = (
             values(
@@ -248,9 +248,9 @@ def momentum_rate(system: kg.System, state: dict[str, Any]) -> np.ndarray:
 
 
 def test_momentum_changes_by_external_forces_alone() -> None:
-    """A free tree without gravity: springs between its bodies, drives and potentials push nothing.
+    """Springs between bodies, drives and potentials leave the momentum of a free tree constant.
 
-    What loads on points bring is their force, and their moment about the mass centre.
+    Loads on points change it by their force, and by their moment about the mass centre.
     """
     rng = np.random.default_rng(7)
     free = systems.flags(3, ["theta1", "s2"])
@@ -283,7 +283,7 @@ def test_momentum_changes_by_external_forces_alone() -> None:
 
 
 def test_derivatives_go_through_force_elements() -> None:
-    """Against complex steps through the reference."""
+    """Derivatives agree with complex steps through the reference."""
     system = driven(5, 3)
     states = random_states(system, 1, 5)
     x, y, further = states.x[0], states.y[0], {name: one[0] for name, one in states.inputs.items()}
@@ -307,7 +307,7 @@ def test_specialised_and_general_programs_agree(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_locked_joints_carry_what_acts_on_them(seed: int) -> None:
-    """Also elements on locked freedoms, which move nothing."""
+    """Reactions contain the efforts of elements on locked freedoms."""
     system = driven(seed, 3)
     locked = system.reaction_names[:2]
     system = system.with_force_elements(
@@ -317,7 +317,7 @@ def test_locked_joints_carry_what_acts_on_them(seed: int) -> None:
     )
     states = random_states(system, 1, seed)
     rows = {"ydot": states.y[0][::-1], "force": np.zeros((3, 3)), "torque": np.zeros((3, 3))}
-    state = given(states, system) | rows
+    state = first_state(states, system) | rows
     every = efforts(system, state)
     expected = np.array([every[freedom] for freedom in system.reaction_freedoms])
     assert reactions(system, state) == pytest.approx(expected, abs=1e-13 * max(map(abs, every.values())))
@@ -325,16 +325,17 @@ def test_locked_joints_carry_what_acts_on_them(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_prescribed_freedoms_are_driven_against_what_acts_on_them(seed: int) -> None:
-    """{f} and efforts, with elements that read and pull at what is prescribed; and the literal {f}."""
+    """{f} and efforts are right with elements on prescribed freedoms, and so is the literal {f}."""
     system = driven(seed, 3)
-    told = system.freedom_names[:2]
+    driven_names = system.freedom_names[:2]
     if len(system.freedoms) < 4:
         return
-    system = system.with_prescribed(told).with_force_elements(
-        JointSpring(told[0], 6.0, 0.4, 2.0), Drive(told[1], parse(f"2 + y.{told[0]}*t"))
+    system = system.with_prescribed(driven_names).with_force_elements(
+        JointSpring(driven_names[0], 6.0, 0.4, 2.0),
+        Drive(driven_names[1], parse(f"2 + y.{driven_names[0]}*t")),
     )
     states = random_states(system, 1, seed)
-    state = given(states, system) | {"ydot": states.y[0][::-1]}
+    state = first_state(states, system) | {"ydot": states.y[0][::-1]}
     further = {name: rows[0] for name, rows in states.inputs.items()}
     assert "prescribed" in further
     found = values(system, ("forcing", "prescribed_efforts"), state)
@@ -348,7 +349,7 @@ def test_prescribed_freedoms_are_driven_against_what_acts_on_them(seed: int) -> 
 
 
 def test_names_outlive_locking() -> None:
-    """A joint's own name and the order of freedoms may change; what the elements mean does not."""
+    """Elements keep their meaning when locking a freedom changes names and order of freedoms."""
     system = systems.chain(2)
     bodies = tuple(
         replace(body, joint=replace(body.joint, name=f"hinge{k}")) for k, body in enumerate(system.bodies)
@@ -383,7 +384,7 @@ def test_no_gravity(tmp_path: Path) -> None:
 
 
 def test_the_command_line(tmp_path: Path) -> None:
-    """A model with everything is generated, checked and described; a wrong one is one line."""
+    """A model with every kind of element is generated, checked and described; an error is one line."""
     file = tmp_path / "tree.toml"
     driven(6).save(file)
     runner = CliRunner()
@@ -402,7 +403,7 @@ def test_the_command_line(tmp_path: Path) -> None:
 
 
 def test_c_is_clean(tmp_path: Path) -> None:
-    """In C and C++, with every warning an error; the example runs."""
+    """The C compiles as C and C++ without warnings, and the example runs."""
     outputs = [name for name in available(driven(6)) if not name.endswith("derivatives")]
     source = kg.generate(driven(6), outputs)
     source.write(tmp_path)
@@ -441,7 +442,7 @@ def test_loads_where_none_are_taken() -> None:
 
 
 def test_simulations_tell_the_time() -> None:
-    """m xddot = cos(w t) from rest: x = (1 - cos(w t)) / (m w^2)."""
+    """The simulation of m xddot = cos(w t) from rest gives x = (1 - cos(w t)) / (m w^2)."""
     library = kg.build(
         oscillator(Drive("body1.s1", parse("cos(2*t)"))), ("forward_dynamics", "kinetic_energy")
     )
@@ -524,11 +525,11 @@ def test_what_has_no_exact_results() -> None:
 
 
 def test_a_quarter_car() -> None:
-    """Two masses on springs above a road: by hand, with the force that the road bears."""
+    """Accelerations and the force on the road agree with the equations of two masses on springs."""
     car = kg.load(MODELS / "quarter_car.toml").with_parameters({"gain": 700.0})
     hub, ride, height = 0.01, -0.03, 0.02
     hub_rate, ride_rate, height_rate = 0.4, -0.2, 0.5
-    told = np.array([[height], [height_rate], [9.0]])
+    motion = np.array([[height], [height_rate], [9.0]])
     tyre = 160000.0 * (height - hub) + 50.0 * (height_rate - hub_rate)
     suspension = 16000.0 * (hub - ride) + 1000.0 * (hub_rate - ride_rate)
     skyhook = 700.0 * ride_rate
@@ -537,17 +538,17 @@ def test_a_quarter_car() -> None:
     outputs = ("forcing", "forward_dynamics", "prescribed_efforts", "potential_energy")
     library = kg.build(car, outputs)
     x, y = np.array([hub, ride]), np.array([hub_rate, ride_rate])
-    assert library.forcing(x, y, prescribed=told) == pytest.approx([wheel, chassis], rel=1e-12)
-    ydot = library.forward_dynamics(x, y, prescribed=told)
+    assert library.forcing(x, y, prescribed=motion) == pytest.approx([wheel, chassis], rel=1e-12)
+    ydot = library.forward_dynamics(x, y, prescribed=motion)
     assert ydot == pytest.approx([wheel / 40.0, chassis / 300.0], rel=1e-12)
-    assert library.prescribed_efforts(x, y, ydot, prescribed=told) == pytest.approx([tyre], rel=1e-12)
+    assert library.prescribed_efforts(x, y, ydot, prescribed=motion) == pytest.approx([tyre], rel=1e-12)
     stored = 80000.0 * (height - hub) ** 2 + 8000.0 * (hub - ride) ** 2
     energy = stored + 9.81 * (40.0 * (0.3 + hub) + 300.0 * (0.8 + ride))
-    assert library.potential_energy(x, prescribed=told) == pytest.approx(energy, rel=1e-12)
+    assert library.potential_energy(x, prescribed=motion) == pytest.approx(energy, rel=1e-12)
 
 
 def test_units_that_differ_by_powers_of_two_give_the_same_bits() -> None:
-    """Exact scaling of masses, lengths and times passes through springs, dampers and loads."""
+    """Masses, lengths and times scaled by powers of two scale the results of springs and loads exactly."""
     tree = systems.random_system(
         np.random.default_rng(9), 3, loads=False, free=systems.flags(3, ["theta2", "s1"])
     )

@@ -1,4 +1,4 @@
-"""Prescribed freedoms in models, files and arguments, and where they cannot be."""
+"""Prescribed freedoms in models, files and arguments, and functions that refuse them."""
 
 from __future__ import annotations
 
@@ -60,10 +60,10 @@ def test_a_joint_keeps_its_name() -> None:
     assert system.prescribed_names == ("q1",)
     assert system.freedom_names == ("q2",)
     assert system.with_prescribed(["q1"]) == system
-    spins = systems.random_system(
+    angular = systems.random_system(
         np.random.default_rng(1), 1, free=systems.flags(1, ["theta1", "theta2", "theta3", "s1"])
     )
-    assert spins.with_prescribed(["body1.s1"]).with_coordinates("quaternion").prescribed_names == (
+    assert angular.with_prescribed(["body1.s1"]).with_coordinates("quaternion").prescribed_names == (
         "body1.s1",
     )
 
@@ -91,10 +91,10 @@ def test_what_arrays_may_not_say() -> None:
     both = replace(arrays, prescribed=arrays.free)
     with pytest.raises(kg.ModelError, match=r"body 1: prescribed: 'theta3' is free as well"):
         systems.from_values(both)
-    locked, told = arrays.locked.copy(), arrays.prescribed.copy()
-    locked[0, 0], told[0, 0] = 0.2, True
+    locked, prescribed = arrays.locked.copy(), arrays.prescribed.copy()
+    locked[0, 0], prescribed[0, 0] = 0.2, True
     with pytest.raises(kg.ModelError, match=r"prescribed: 'theta1' is locked at 0.2. Leave one out"):
-        systems.from_values(replace(arrays, locked=locked, prescribed=told))
+        systems.from_values(replace(arrays, locked=locked, prescribed=prescribed))
 
 
 @pytest.mark.parametrize(
@@ -135,7 +135,7 @@ def test_only_where_something_is_prescribed() -> None:
         kg.generate(kg.load(MODELS / "scara.toml"), ("prescribed_efforts",))
 
 
-def test_who_cannot_be_told_refuses() -> None:
+def test_functions_without_prescribed_motion_refuse() -> None:
     system = pendulum()
     message = r"system 'double_pendulum' has prescribed freedoms \(q1\), whose motion cannot be passed here"
     for refuse in (
@@ -153,8 +153,8 @@ def shaken(time: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("method", ["RK4", "DOP853", "leapfrog"])
-def test_simulations_are_told_the_motion(method: str) -> None:
-    """The work of the prescribed efforts is the change of energy."""
+def test_simulations_take_the_prescribed_motion(method: str) -> None:
+    """The work of the prescribed efforts is the change of energy in a simulation."""
     outputs = ("forward_dynamics", "kinetic_energy", "potential_energy", "prescribed_efforts")
     library = kg.build(pendulum(), outputs)
     times = np.linspace(0.0, 1.0, 6)
@@ -169,16 +169,16 @@ def test_simulations_are_told_the_motion(method: str) -> None:
 
 
 def test_simulations_ask_for_the_motion() -> None:
-    told = kg.build(pendulum(), ("forward_dynamics",))
+    library = kg.build(pendulum(), ("forward_dynamics",))
     plain = kg.build(kg.load(MODELS / "double_pendulum.toml"), ("forward_dynamics",))
     with pytest.raises(kg.OptionError, match=r"has prescribed freedoms \(q1\)\. Say how they move"):
-        simulate(told, [0.1], [0.2], [0, 1], step=0.1)
+        simulate(library, [0.1], [0.2], [0, 1], step=0.1)
     with pytest.raises(kg.OptionError, match=r"prescribed: 3 cannot be called"):
-        simulate(told, [0.1], [0.2], [0, 1], step=0.1, prescribed=3)  # type: ignore[arg-type]
+        simulate(library, [0.1], [0.2], [0, 1], step=0.1, prescribed=3)  # type: ignore[arg-type]
     with pytest.raises(kg.OptionError, match="no freedom of system 'double_pendulum' is prescribed"):
         simulate(plain, [0.1, 0], [0.2, 0], [0, 1], step=0.1, prescribed=shaken)
     with pytest.raises(kg.ArrayError, match=r"prescribed: expected shape \(3, 1\)"):
-        simulate(told, [0.1], [0.2], [0, 1], step=0.1, prescribed=lambda time: [time])
+        simulate(library, [0.1], [0.2], [0, 1], step=0.1, prescribed=lambda time: [time])
 
 
 def test_a_frame_in_which_a_translation_is_prescribed_stays() -> None:
@@ -192,7 +192,7 @@ def test_a_frame_in_which_a_translation_is_prescribed_stays() -> None:
 
 
 def test_right_angles_beside_what_is_prescribed(tmp_path: Path) -> None:
-    """The effect of making them exact is measured in states that hold everything that the model reads."""
+    """The effect of exact right angles is measured in states that include the prescribed motion."""
     model = file(
         tmp_path, "prescribed = ['s1']", "free = ['s2', 'theta3']", "orientation_angles = [1.5708, 0, 0]"
     )

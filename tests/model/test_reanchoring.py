@@ -1,4 +1,4 @@
-"""Re-anchored joints: the same place, the same motion, other angles."""
+"""Re-anchored joints: the same position, the same motion, other angles."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ANGLES = FREEDOMS[:3]
 
 
 def near(sequence: str, seed: int, distance: float, bodies: int = 3) -> tuple[kg.System, Any, Any]:
-    """Free bodies on top of each other, so far from the singularity of their angles, and their speeds."""
+    """Return a chain of free bodies, its coordinates at a distance from gimbal lock, and its speeds."""
     rng = np.random.default_rng(seed)
     drawn = systems.random_system(rng, bodies, free=systems.flags(bodies, FREEDOMS), loads=False)
     system = systems.from_values(replace(drawn.values(), sequence=(sequence,) * bodies))
@@ -39,7 +39,7 @@ def near(sequence: str, seed: int, distance: float, bodies: int = 3) -> tuple[kg
 
 
 def with_parameters(system: kg.System, seed: int = 1) -> kg.System:
-    """Every orientation three parameters."""
+    """Return the system with three parameters as every constant orientation."""
     values = np.random.default_rng(seed).uniform(-3, 3, (system.number_of_bodies, 3))
     bodies = [
         replace(
@@ -54,7 +54,7 @@ def with_parameters(system: kg.System, seed: int = 1) -> kg.System:
 
 
 def rotation(system: kg.System, x: Any, k: int) -> Any:
-    """[^J R_K] in balls of 200 bits."""
+    """Return [^J R_K] in balls of 200 bits."""
     joint = system.bodies[k].joint
     angles = [x[system.places[freedom]] for freedom in system.freedoms if freedom.body == k + 1][:3]
     ctx.prec = 200
@@ -63,8 +63,8 @@ def rotation(system: kg.System, x: Any, k: int) -> Any:
 
 @pytest.mark.parametrize("distance", [0.3, 1e-6, 1e-12])
 @pytest.mark.parametrize("sequence", SEQUENCES)
-def test_bodies_stay_where_they_are(sequence: str, distance: float) -> None:
-    """[^J R_K] to 4 u, with matrices and with parameters; the angles are regular afterwards."""
+def test_bodies_keep_their_position(sequence: str, distance: float) -> None:
+    """[^J R_K] stays the same to 4 u, with matrices and with parameters, and the new angles are regular."""
     for seed in range(3):
         system, x, y = near(sequence, seed, distance)
         for case in (system, with_parameters(system)):
@@ -79,7 +79,7 @@ def test_bodies_stay_where_they_are(sequence: str, distance: float) -> None:
 @pytest.mark.parametrize("sequence", ["1-2-3", "3-1-3", "2-1-3", "2-3-2"])
 @pytest.mark.parametrize("distance", [1e-1, 1e-12])
 def test_motion_stays_as_it_is(sequence: str, distance: float) -> None:
-    """Places, velocities and energy from the reference: a few u of what they are summed from."""
+    """Positions, velocities and energy of the reference stay the same to a few u of their terms."""
     for seed in range(5):
         system, x, y = near(sequence, seed, distance)
         new, angles, speeds = kg.reanchored(system, x, y, margin=0.5)
@@ -102,7 +102,7 @@ def run(system: kg.System, output: str, **values: Any) -> Any:
 
 @pytest.mark.parametrize("distance", [1e-1, 1e-12])
 def test_accelerations_stay_as_they_are(distance: float) -> None:
-    """From rates of regular angles after, and from angular velocities before, which are regular anywhere."""
+    """Accelerations from regular angle rates agree with those from angular velocities before re-anchoring."""
     system, x, y = near("1-2-3", 7, distance, 2)
     spinning = system.with_speeds("angular_velocity")
     new, angles, speeds = kg.reanchored(spinning, x, y, margin=0.5)
@@ -120,8 +120,8 @@ def test_accelerations_stay_as_they_are(distance: float) -> None:
     assert np.abs(found - after)[6:].max() <= 80 * U * np.abs(after).max()
 
 
-def test_a_library_serves_on() -> None:
-    """New parameters, the same compiled code."""
+def test_a_library_remains_usable() -> None:
+    """A compiled library remains usable with the new parameters."""
     system, x, y = near("3-2-1", 3, 1e-9)
     system = with_parameters(system)
     library = kg.build(system, ("mass_matrix", "kinetic_energy"))
@@ -134,7 +134,7 @@ def test_a_library_serves_on() -> None:
 
 
 def test_a_passage_through_the_singularity() -> None:
-    """A ball that spins evenly, straight through it, by Runge and Kutta with a fixed step."""
+    """A ball that spins uniformly through gimbal lock is simulated by Runge-Kutta steps of fixed length."""
     joint = Joint(free=(True, True, True, False, False, False), orientation=np.eye(3))
     system = with_parameters(kg.System("ball", (Body("ball", 0, 1.0, np.eye(3), joint=joint),), (0, 0, 0)))
     system = system.with_parameters(dict.fromkeys(("c0_0", "c0_1", "c0_2"), 0.0))

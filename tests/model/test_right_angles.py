@@ -1,4 +1,4 @@
-"""Right angles that a file misses: what is taken for them, what that changes, and who is told."""
+"""Rounded right angles of a file: which become exact, how results change, and how this is reported."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 
 
 def urdf(folder: Path, name: str, quarter: str, half: str, zero: str, direction: str) -> Path:
-    """A robot with every kind of orientation: of joints, of welds, of inertias, and axes."""
+    """Return a robot whose joints, welds, inertias and axes have rounded right angles."""
     text = BASE + link("a", 2, origin("0.1 0.2 0.3", f"0 0 {quarter}"))
     text += link("b", 1, origin("0.1 0 0.2", f"{quarter} 0.2 0"), (0.3, 0.4, 0.5)) + link("c") + link("d")
     text += joint("j", "base", "a", axis("0 0 1") + LIMIT + origin("1 2 3", f"{quarter} 0 0.3"))
@@ -83,7 +83,7 @@ def test_what_an_angle_means(word: str, meaning: float) -> None:
 
 
 def test_far_turns_stay() -> None:
-    """Beyond two full turns nothing is taken for a right angle, so nothing may be moved to one."""
+    """Angles beyond two full turns stay as they are."""
     assert angle(8 * math.pi / 2 + 1e-6, TYPED) == 4 * math.pi
     assert angle(9 * math.pi / 2 + 1e-6, TYPED) == 9 * math.pi / 2 + 1e-6
 
@@ -98,7 +98,7 @@ def test_rotations_near_right_angles(which: int, turn: tuple[float, float, float
 
 @given(st.sampled_from(range(24)), st.floats(0.1, 1.4), st.tuples(*[st.floats(-1, 1)] * 2))
 def test_rotations_with_one_axis_along_another(which: int, turn: float, tilt: tuple[float, float]) -> None:
-    """The tilt goes; the turn about the axis stays, to the square of the tilt."""
+    """The tilt of the axis disappears; the rotation about it stays, to the square of the tilt."""
     plane = np.array(rotation_123((0.0, 0.0, turn))) @ RIGHT[which]
     small = np.array(rotation_123((0.4 * TYPED * tilt[0], 0.4 * TYPED * tilt[1], 0.0)))
     near: Any = tuple(map(tuple, (small @ plane).tolist()))
@@ -176,7 +176,7 @@ joint.orientation = [[0.0, 1.0, 0.0], [-1.0, 0.0, {tiny}], [{tiny}, 0.0, 1.0]]
 
 
 def test_toml(tmp_path: Path) -> None:
-    """Angles, with a parameter among them too, locked ones and matrices; lengths and parameters stay."""
+    """Angles, locked angles and matrices of a TOML file become exact; lengths and parameters stay."""
     quarter, half = math.pi / 2, math.pi
     typed = {"quarter": 1.5708, "half": 3.1416, "zero": -1e-6, "tiny": 6e-17}
     exact = {"quarter": quarter, "half": half, "zero": 0.0, "tiny": 0.0}
@@ -193,7 +193,7 @@ def test_toml(tmp_path: Path) -> None:
 
 
 def test_arrays() -> None:
-    """What NumPy leaves of a right angle, 6e-17, goes too."""
+    """The cosine 6e-17 that NumPy computes for a right angle becomes 0."""
     c, s = np.cos(np.pi / 2), np.sin(np.pi / 2)
     turned = np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
     system = systems.chain(2, ["theta3"])
@@ -214,7 +214,7 @@ def test_saving_loses_nothing(tmp_path: Path) -> None:
 
 
 def test_the_report_says_what_pinocchio_finds(tmp_path: Path) -> None:
-    """The change of [A], {f} and {ydot} from file to file, by a program that shares the format alone."""
+    """The reported change of [A], {f} and {ydot} agrees with Pinocchio, which reads the same files."""
     files = typed_and_exact(tmp_path)
     written, exact = kg.load(files[0]), kg.load(files[0], right_angles=TYPED)
     report = exactness(written, exact, states=5, seed=3)
@@ -271,7 +271,7 @@ def test_the_report_names_bodies_and_counts(tmp_path: Path) -> None:
 
 
 def test_a_real_robot() -> None:
-    """Every joint of the xArm 7 but the first is turned by 1.5708."""
+    """Every joint of the xArm 7 except the first has the angle 1.5708."""
     path = robot_file("xarm7")
     written, exact = kg.load(path), kg.load(path, right_angles=TYPED)
     report = exactness(written, exact)
@@ -311,7 +311,7 @@ def test_the_command_line_refuses_what_python_refuses(tmp_path: Path) -> None:
 
 
 def test_generate_takes_it(tmp_path: Path) -> None:
-    """The C is that of the exact model, byte for byte; without the option that of the model as written."""
+    """The C with the option is that of the exact model, byte for byte; without it that of the file."""
     typed, exact = typed_and_exact(tmp_path)
     run = CliRunner()
     run.invoke(app, ["generate", str(typed), "-o", str(tmp_path / "c"), "--right-angles", str(TYPED)])

@@ -1,4 +1,4 @@
-"""Angular velocities as generalized speeds: how they are asked for, what they are called, and {xdot}."""
+"""Angular velocities as generalized speeds: options, names, and {xdot}."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FULL_TURN = (True, True, True, False, False, False)
 
 
 def crane() -> kg.System:
-    """A slide, a ball joint on it, and a hinge with a name of its own: speeds of every kind."""
+    """Return a slide, a ball joint on it, and a hinge with a name of its own."""
     rng = np.random.default_rng(4)
     free = [[name in names for name in FREEDOMS] for names in (("s1",), FREEDOMS[:3], ("theta2",))]
     system = systems.random_system(
@@ -35,14 +35,14 @@ def crane() -> kg.System:
 
 
 def test_names_and_units_say_what_the_speeds_are() -> None:
-    rates, spins = crane(), crane().with_speeds(ANGULAR_VELOCITY)
+    rates, angular = crane(), crane().with_speeds(ANGULAR_VELOCITY)
     angles = ("body2.theta1", "body2.theta2", "body2.theta3", "elbow", "body1.s1")
-    assert rates.freedom_names == spins.freedom_names == rates.speed_names == angles
-    assert spins.speed_names == ("body2.omega1", "body2.omega2", "body2.omega3", "elbow", "body1.s1")
+    assert rates.freedom_names == angular.freedom_names == rates.speed_names == angles
+    assert angular.speed_names == ("body2.omega1", "body2.omega2", "body2.omega3", "elbow", "body1.s1")
     assert rates.speeds_are_rates
-    assert not spins.speeds_are_rates
-    assert spins.with_speeds("angle_rates") == rates
-    assert [body.joint.speeds for body in spins.bodies] == ["angle_rates", ANGULAR_VELOCITY, "angle_rates"]
+    assert not angular.speeds_are_rates
+    assert angular.with_speeds("angle_rates") == rates
+    assert [body.joint.speeds for body in angular.bodies] == ["angle_rates", ANGULAR_VELOCITY, "angle_rates"]
 
 
 def test_what_has_fewer_than_three_free_angles_is_refused() -> None:
@@ -59,16 +59,16 @@ def test_what_has_fewer_than_three_free_angles_is_refused() -> None:
 
 
 def test_arrays_and_model_files_keep_them(tmp_path: Path) -> None:
-    spins = mixed(2).with_speeds(ANGULAR_VELOCITY)
-    assert systems.from_values(spins.values()).values().speeds == spins.values().speeds
+    angular = mixed(2).with_speeds(ANGULAR_VELOCITY)
+    assert systems.from_values(angular.values()).values().speeds == angular.values().speeds
     path = tmp_path / "tree.toml"
-    spins.save(path)
+    angular.save(path)
     assert (
         path.read_text().count('joint.speeds = "angular_velocity"')
-        == spins.values().speeds.count(ANGULAR_VELOCITY)
+        == angular.values().speeds.count(ANGULAR_VELOCITY)
         > 0
     )
-    assert kg.load(path) == spins
+    assert kg.load(path) == angular
 
 
 @pytest.mark.parametrize(
@@ -95,12 +95,12 @@ def test_errors_in_model_files(tmp_path: Path, line: str, message: str) -> None:
 
 
 def test_one_keyword_everywhere() -> None:
-    rates, spins = crane(), crane().with_speeds(ANGULAR_VELOCITY)
-    assert kg.generate(rates, speeds=ANGULAR_VELOCITY).files == kg.generate(spins).files
-    assert kg.generate(spins, speeds="angle_rates").files == kg.generate(rates).files
-    assert kg.derive(rates, speeds=ANGULAR_VELOCITY).y == kg.derive(spins).y != kg.derive(rates).y
+    rates, angular = crane(), crane().with_speeds(ANGULAR_VELOCITY)
+    assert kg.generate(rates, speeds=ANGULAR_VELOCITY).files == kg.generate(angular).files
+    assert kg.generate(angular, speeds="angle_rates").files == kg.generate(rates).files
+    assert kg.derive(rates, speeds=ANGULAR_VELOCITY).y == kg.derive(angular).y != kg.derive(rates).y
     library = kg.build(rates, ("coordinate_rates",), speeds=ANGULAR_VELOCITY)
-    assert library.speed_names == spins.speed_names
+    assert library.speed_names == angular.speed_names
     assert library.freedom_names == rates.freedom_names
     for function in (kg.derive, kg.generate, kg.build, kg.compare):
         with pytest.raises(kg.OptionError, match="unknown speeds 'omega'"):
@@ -141,7 +141,7 @@ def test_rates_of_the_coordinates_in_c(seed: int) -> None:
 
 
 def test_where_there_are_no_rates() -> None:
-    """The status names the middle angle; [A] and {ydot} exist all the same."""
+    """At gimbal lock the status names the middle angle; [A] and {ydot} exist nevertheless."""
     system = crane().with_speeds(ANGULAR_VELOCITY)
     library = kg.build(system, ("forward_dynamics", "coordinate_rates"))
     x, y = np.full((3, 5), 0.3), np.ones((3, 5))

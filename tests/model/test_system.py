@@ -1,4 +1,4 @@
-"""Systems from arrays: what is kept, what is refused and with which words."""
+"""Systems from arrays: accepted values, and the message for each refused one."""
 
 from __future__ import annotations
 
@@ -182,8 +182,8 @@ def test_a_violated_triangle_inequality_is_a_warning() -> None:
 
 
 @pytest.mark.parametrize("unit", [5e-324, 1e-300, 1e200, 7e307])
-def test_inertias_of_every_size_are_judged(unit: float) -> None:
-    """No square of them overflows or is lost."""
+def test_inertias_of_every_size_are_checked(unit: float) -> None:
+    """Inertias of every magnitude are checked without overflow or underflow."""
     inertia = EYES * unit
     assert kg.System.from_arrays(**arrays(inertia=inertia)).bodies[0].inertia[0][0] == unit
     inertia[1] = np.diag([0.0, unit, 2 * unit])

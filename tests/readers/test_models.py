@@ -1,4 +1,4 @@
-"""Every model of models/ is generated, compiled and checked, with other parameters too."""
+"""Every model of models/ is generated, compiled and compared with the reference, for several parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""kanegen's own model files: what they mean, what is refused, and that saving loses nothing."""
+"""TOML model files: the meaning of every key, and saving without loss."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_right_angles_are_exact(tmp_path: Path) -> None:
 
 
 def test_outputs_are_about_bodies_and_directions(tmp_path: Path) -> None:
-    """Bodies by name or number; in the order in which they stand."""
+    """Selected bodies, by name or number, and directions keep the order of the file."""
     outputs = '[outputs]\nbody_poses = ["c", 1]\nreaction_loads = ["c.s1", "c.theta2"]\n'
     other = ONE_BODY.replace('"b"', '"c"') + 'joint.free = ["theta3"]\n'
     system = read(tmp_path, outputs + ONE_BODY + other)
@@ -144,7 +144,7 @@ def test_unused_parameters(tmp_path: Path) -> None:
 
 @st.composite
 def any_system(draw: st.DrawFn) -> System:
-    """Any system that a user can build, with numbers of every magnitude, parameters and odd names."""
+    """Draw a system with numbers of every magnitude, parameters and unusual names."""
     floats = st.floats(allow_nan=False, allow_infinity=False)
     pool = [Parameter(f"p{i}", draw(floats)) for i in range(3)]
     heavy = Parameter("m", draw(st.floats(0, 1e300)))

@@ -1,4 +1,4 @@
-"""What a model file can get wrong: one message each, beginning with the file."""
+"""Errors in TOML model files: one message for each, beginning with the file."""
 
 from __future__ import annotations
 

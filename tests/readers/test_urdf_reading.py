@@ -1,4 +1,4 @@
-"""URDF robots: names, order, exact numbers, warnings, and one clear error for each thing that is wrong."""
+"""URDF robots: names, order, exact numbers, warnings, and one message for each error."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_a_single_mass_keeps_every_bit(tmp_path: Path) -> None:
 
 
 def test_lumping_by_hand(tmp_path: Path) -> None:
-    """Two point masses of 1 and 3 kg, 4 m apart: 12 kg m^2 across their line, centre at 3 m."""
+    """Point masses of 1 and 3 kg, 4 m apart, have 12 kg m^2 across their line and the mass centre at 3 m."""
     text = BASE + link("a", 1, inertia=(0, 0, 0)) + link("b", 3, inertia=(0, 0, 0))
     text += joint("j", "base", "a", axis("0 0 1")) + joint("w", "a", "b", origin("4 0 0"), "fixed")
     (body,) = read(tmp_path, text).bodies
@@ -164,7 +164,7 @@ def test_names_that_cannot_be_used_are_changed(tmp_path: Path) -> None:
     assert read(tmp_path, BASE + link("a") + joint("j", "base", "a"), head="<robot>").name == "robot"
 
 
-def test_what_real_files_hold(tmp_path: Path) -> None:
+def test_details_of_real_files(tmp_path: Path) -> None:
     text = f"<x:y/><!-- note --><gazebo><joint name='j'/></gazebo>{BASE}{link('a')}{joint('j', 'base', 'a')}"
     head = '\ufeff<?xml version="1.0" encoding="ISO-8859-1"?>\r\n<robot name="r" xmlns:x="http://a/b">'
     assert read(tmp_path, text, head=head).freedom_names == ("j",)
