@@ -31,7 +31,7 @@ from kanegen.reference.magnitudes import (
     element_magnitude,
     forcing_magnitude,
     mass_matrix_magnitude,
-    reaches,
+    path_maxima,
     rounding_bound,
 )
 from kanegen.reference.states import States, random_states
@@ -181,8 +181,8 @@ def _batch_errors(
     stored_x, stored_y = storage.from_doubles(x), storage.from_doubles(y)
     inputs = {name: storage.from_doubles(values) for name, values in states.inputs.items()}
     bodies = kinematics(arrays, x, y, states.prescribed)
-    reach = reaches(arrays, bodies, y, states.prescribed)
-    matrix_size = mass_matrix_magnitude(arrays, reach)
+    maxima = path_maxima(arrays, bodies, y, states.prescribed)
+    matrix_size = mass_matrix_magnitude(arrays, maxima)
     diagonal = np.einsum("bii->bi", matrix_size)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     errors = {}
@@ -193,7 +193,7 @@ def _batch_errors(
         errors["mass_matrix"] = reference_errors(value, truth, matrix_size, scales, limit)
     if "forcing" in outputs:
         truth = reference.forcing(arrays, x, y, force, torque, **states.inputs)
-        size = forcing_magnitude(arrays, reach, force, torque)
+        size = forcing_magnitude(arrays, maxima, force, torque)
         size = size + element_magnitude(arrays, bodies, x, y, **states.inputs)
         loads = {"force": force, "torque": torque}
         stored = {name: None if load is None else storage.from_doubles(load) for name, load in loads.items()}

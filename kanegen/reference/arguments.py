@@ -1,4 +1,4 @@
-"""What callers pass to the reference, as arrays that fit the system and each other.
+"""The arguments of the reference as arrays whose shapes fit the system and each other.
 
 In shapes, `...` is the batch: nothing, or (B,).
 """
@@ -20,13 +20,13 @@ from kanegen.reference.matrices import Numbers
 
 
 @dataclass(frozen=True)
-class Acting:
-    """What acts on the points, and the time.
+class PointInputs:
+    """Loads on the P points that take loads, and the time.
 
     Attributes:
-        force: (P, 3) or (..., P, 3) inertial components (N).
-        moment: (P, 3) or (..., P, 3) inertial components (N m).
-        t: (...) s.
+        force: (P, 3) or (..., P, 3) forces, inertial components (N).
+        moment: (P, 3) or (..., P, 3) moments, inertial components (N m).
+        t: (...) time (s).
     """
 
     force: Numbers
@@ -36,15 +36,15 @@ class Acting:
 
 @dataclass(frozen=True)
 class Arguments:
-    """What {f} depends on.
+    """The arguments of {f}.
 
     Attributes:
         x: (..., m) coordinates (rad, m, 1).
         y: (..., n) generalized speeds.
-        force: (N, 3) or (..., N, 3) on the bodies, in their components (N).
-        torque: (N, 3) or (..., N, 3) likewise (N m).
+        force: (N, 3) or (..., N, 3) forces on the bodies, in body components (N).
+        torque: (N, 3) or (..., N, 3) torques on the bodies, in body components (N m).
         prescribed: (3, p) or (..., 3, p) values, rates and second derivatives of the prescribed freedoms.
-        acting: The rest.
+        point_inputs: Loads on points, and the time.
     """
 
     x: Numbers
@@ -52,7 +52,7 @@ class Arguments:
     force: Numbers
     torque: Numbers
     prescribed: Numbers
-    acting: Acting
+    point_inputs: PointInputs
 
 
 def arguments(
@@ -62,9 +62,9 @@ def arguments(
     force: ArrayLike | None,
     torque: ArrayLike | None,
     prescribed: ArrayLike | None,
-    **given: Unpack[LoadInputs],
+    **loads: Unpack[LoadInputs],
 ) -> Arguments:
-    """All of them; see `reference.forcing`.
+    """Return the checked arguments of `equations.forcing`.
 
     Raises:
         ArrayError: If an array has another shape.
@@ -77,18 +77,18 @@ def arguments(
         y=y,
         force=_load(system, force, x, "force"),
         torque=_load(system, torque, x, "torque"),
-        prescribed=motion(system, prescribed, x),
-        acting=acting(system, x, **given),
+        prescribed=prescribed_motion(system, prescribed, x),
+        point_inputs=point_inputs(system, x, **loads),
     )
 
 
 def arrays_of(system: System | SystemArrays) -> SystemArrays:
-    """The numbers of a system, parameters at their defaults."""
+    """Return the numbers of a system, parameters at their defaults."""
     return system.values() if isinstance(system, System) else system
 
 
 def coordinates(system: SystemArrays, x: ArrayLike) -> Numbers:
-    """{x} as a (m,) or (B, m) array.
+    """Return {x} as an (m,) or (B, m) array.
 
     Raises:
         ArrayError: If it has another shape.
@@ -97,7 +97,7 @@ def coordinates(system: SystemArrays, x: ArrayLike) -> Numbers:
 
 
 def speeds(system: SystemArrays, value: ArrayLike, what: str) -> Numbers:
-    """{y}, or {ydot}, as a (n,) or (B, n) array.
+    """Return {y} or {ydot} as an (n,) or (B, n) array; `what` names it in error messages.
 
     Raises:
         ArrayError: If it has another shape.
@@ -105,11 +105,11 @@ def speeds(system: SystemArrays, value: ArrayLike, what: str) -> Numbers:
     return _states(value, what, int(free_columns(system).sum()))
 
 
-def motion(system: SystemArrays, value: ArrayLike | None, x: Numbers) -> Numbers:
-    """The motion of the prescribed freedoms as a (3, p) or (B, 3, p) array that fits `x`.
+def prescribed_motion(system: SystemArrays, value: ArrayLike | None, x: Numbers) -> Numbers:
+    """Return the motion of the prescribed freedoms as a (3, p) or (B, 3, p) array that fits `x`.
 
     Raises:
-        ArrayError: If it has another shape; None is for systems without them.
+        ArrayError: If it has another shape, or is None although there are prescribed freedoms.
     """
     count = int(system.prescribed.sum())
     if value is None and count:
@@ -122,11 +122,11 @@ def motion(system: SystemArrays, value: ArrayLike | None, x: Numbers) -> Numbers
     return array
 
 
-def acting(system: SystemArrays, x: Numbers, **given: Unpack[LoadInputs]) -> Acting:
-    """What acts on points in the states `x`, and the time; nothing, and 0, where they are not given."""
+def point_inputs(system: SystemArrays, x: Numbers, **loads: Unpack[LoadInputs]) -> PointInputs:
+    """Return the loads on points in the states `x`, and the time; zeros where the caller passes none."""
     none = np.zeros((len(system.forces.points), 3))
-    force, moment, t = given.get("point_force"), given.get("point_moment"), given.get("t")
-    return Acting(
+    force, moment, t = loads.get("point_force"), loads.get("point_moment"), loads.get("t")
+    return PointInputs(
         force=none if force is None else np.asarray(force),
         moment=none if moment is None else np.asarray(moment),
         t=np.zeros(x.shape[:-1]) + (0.0 if t is None else np.asarray(t)),
@@ -134,7 +134,7 @@ def acting(system: SystemArrays, x: Numbers, **given: Unpack[LoadInputs]) -> Act
 
 
 def _states(value: ArrayLike, what: str, count: int) -> Numbers:
-    """`value` as a (count,) or (B, count) array."""
+    """Return `value` as a (count,) or (B, count) array; `what` names it in error messages."""
     array = np.asarray(value)
     if array.ndim not in (1, 2) or array.shape[-1] != count:
         raise ArrayError(f"{what} has shape {array.shape}; expected ({count},) or (B, {count}).")
@@ -142,7 +142,7 @@ def _states(value: ArrayLike, what: str, count: int) -> Numbers:
 
 
 def _load(system: SystemArrays, value: ArrayLike | None, x: Numbers, what: str) -> Numbers:
-    """`value` as a (N, 3) or (B, N, 3) array that fits `x`; zeros for None."""
+    """Return `value` as an (N, 3) or (B, N, 3) array that fits `x`; zeros for None."""
     count = len(system.mass)
     if value is None:
         return np.zeros((count, 3))

@@ -1,9 +1,9 @@
-"""Equations (36)-(44) of the notes in NumPy: [A] and {f}, against which generated code is checked.
+"""Equations (36)-(44) of the notes: [A] and {f}, against which generated code is checked.
 
-They are sums over the bodies of products of the matrices in `kinematics`, written as in the notes; the
-columns of locked freedoms are dropped before the sums. Those of prescribed ones multiply the rates and
-accelerations that are given, and lead to the efforts that these need. Nothing is done for speed but the
-batch.
+They are sums over the bodies of products of the matrices in `kinematics`, written as in the notes. The
+columns of locked freedoms are dropped before the sums. The columns of prescribed freedoms multiply
+prescribed rates and accelerations, and they also give the generalized forces that the prescribed motion
+requires.
 """
 
 from __future__ import annotations
@@ -17,7 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 from kanegen.model.arguments import LoadInputs
 from kanegen.model.arrays import SystemArrays
 from kanegen.model.system import System
-from kanegen.reference.arguments import Arguments, arguments, arrays_of, coordinates, motion, speeds
+from kanegen.reference.arguments import (
+    Arguments,
+    arguments,
+    arrays_of,
+    coordinates,
+    prescribed_motion,
+    speeds,
+)
 from kanegen.reference.force_elements import contributions
 from kanegen.reference.freedoms import free_columns, full_order, prescribed_columns
 from kanegen.reference.kinematics import BodyKinematics, kinematics
@@ -26,15 +33,16 @@ from kanegen.reference.matrices import Numbers, apply, transposed
 
 @dataclass(frozen=True)
 class ForcingTerms:
-    """The separate sums of Eq. (44), each (..., n), signed as they enter {f}.
+    """The separate sums of Eq. (44), each (..., n), with their signs in {f}.
 
     Attributes:
-        loads: Applied forces and torques.
-        gravity: A force `m_K g` at every mass centre.
-        acceleration: `- m [v_G,y]^T ([dv_G,y/dt] {y} + [v_G,y] {ydot})`, {ydot} being what is prescribed.
+        loads: Forces and torques on the bodies, Eq. (37).
+        gravity: Weights `m_K g` at the mass centres.
+        acceleration: `- m [v_G,y]^T ([dv_G,y/dt] {y} + [v_G,y] {ydot})` with the prescribed {ydot}, Eq. (39).
         transport: `- m [v_G,y]^T (omega x v_G)`.
-        angular: `- [omega_y]^T [I] ([domega_y/dt] {y} + [omega_y] {ydot})`, likewise.
-        gyroscopic: `- [omega_y]^T (omega x [I] omega)`.
+        angular: `- [omega_y]^T [I] ([domega_y/dt] {y} + [omega_y] {ydot})` with the prescribed {ydot}, Eq.
+            (40).
+        gyroscopic: `- [omega_y]^T (omega x [I] omega)`, Eq. (41).
         elements: Force elements, and loads on points.
     """
 
@@ -48,12 +56,12 @@ class ForcingTerms:
 
     @property
     def total(self) -> Numbers:
-        """(..., n) {f}."""
+        """(..., n) forcing {f}."""
         return sum((getattr(self, field.name) for field in fields(self)), start=np.zeros_like(self.loads))
 
 
 def mass_matrix(system: System | SystemArrays, x: ArrayLike, prescribed: ArrayLike | None = None) -> Numbers:
-    """[A] of Eq. (43).
+    """Return [A] of Eq. (43).
 
     Args:
         system: The tree; parameters stand at their defaults.
@@ -65,18 +73,22 @@ def mass_matrix(system: System | SystemArrays, x: ArrayLike, prescribed: ArrayLi
 
     Raises:
         ArrayError: If an array has another shape.
+
+    Example:
+        >>> system = kg.load("models/double_pendulum.toml")
+        >>> equations.mass_matrix(system, [0.3, 0.4])
     """
     system = arrays_of(system)
     x = coordinates(system, x)
-    free, told = free_columns(system), motion(system, prescribed, x)
-    bodies = kinematics(system, x, np.zeros((*x.shape[:-1], int(free.sum())), x.dtype), told)
+    free, motion = free_columns(system), prescribed_motion(system, prescribed, x)
+    bodies = kinematics(system, x, np.zeros((*x.shape[:-1], int(free.sum())), x.dtype), motion)
     center_y = [body.center_y[..., free] for body in bodies]
     omega_y = [body.omega_y[..., free] for body in bodies]
-    momentum_y = [m * v for m, v in zip(system.mass, center_y, strict=True)]
-    spin_y = [inertia @ w for inertia, w in zip(system.inertia, omega_y, strict=True)]
+    linear_momentum_y = [m * v for m, v in zip(system.mass, center_y, strict=True)]
+    angular_momentum_y = [inertia @ w for inertia, w in zip(system.inertia, omega_y, strict=True)]
     # One product of the bodies' matrices on top of each other is their sum over K, and much faster.
-    linear: Numbers = transposed(_stacked(center_y)) @ _stacked(momentum_y)
-    angular: Numbers = transposed(_stacked(omega_y)) @ _stacked(spin_y)
+    linear: Numbers = transposed(_stacked(center_y)) @ _stacked(linear_momentum_y)
+    angular: Numbers = transposed(_stacked(omega_y)) @ _stacked(angular_momentum_y)
     return linear + angular
 
 
@@ -87,9 +99,9 @@ def forcing(
     force: ArrayLike | None = None,
     torque: ArrayLike | None = None,
     prescribed: ArrayLike | None = None,
-    **given: Unpack[LoadInputs],
+    **loads: Unpack[LoadInputs],
 ) -> Numbers:
-    """{f} of Eq. (44).
+    """Return {f} of Eq. (44).
 
     Args:
         system: The tree; parameters stand at their defaults.
@@ -97,17 +109,21 @@ def forcing(
         y: (n,) or (B, n) generalized speeds.
         force: (N, 3) or (B, N, 3) forces F'_K at G_K, in K (N); default none. Every row counts, also of
             bodies for which generated code takes no loads.
-        torque: Like `force`: torques M'_K, in K (N m).
+        torque: (N, 3) or (B, N, 3) torques M'_K, in K (N m); default none.
         prescribed: As in `mass_matrix`.
-        given: Loads on points and the time.
+        loads: Loads on points, and the time, by name.
 
     Returns:
         (n,) or (B, n).
 
     Raises:
         ArrayError: If an array has another shape.
+
+    Example:
+        >>> system = kg.load("models/double_pendulum.toml")
+        >>> equations.forcing(system, x=[0.3, 0.4], y=[1.0, 2.0])
     """
-    return forcing_terms(system, x, y, force, torque, prescribed, **given).total
+    return forcing_terms(system, x, y, force, torque, prescribed, **loads).total
 
 
 def prescribed_efforts(
@@ -118,15 +134,16 @@ def prescribed_efforts(
     prescribed: ArrayLike,
     force: ArrayLike | None = None,
     torque: ArrayLike | None = None,
-    **given: Unpack[LoadInputs],
+    **loads: Unpack[LoadInputs],
 ) -> Numbers:
-    """(p,) or (B, p) generalized forces that act at the prescribed freedoms, beside loads and gravity.
+    """Return the (p,) or (B, p) generalized forces that the prescribed motion requires.
 
-    They are the rows of Eq. (44), less loads and gravity, that the prescribed freedoms have where they are
-    free like the others; `ydot` is (n,) or (B, n), everything else as in `forcing`.
+    They are the negative rows of Eq. (44) that the prescribed freedoms would have if they were free, {ydot}
+    among the accelerations. `ydot` is (n,) or (B, n) accelerations; the other arguments are those of
+    `forcing`.
     """
     system = arrays_of(system)
-    passed = arguments(system, x, y, force, torque, prescribed, **given)
+    passed = arguments(system, x, y, force, torque, prescribed, **loads)
     return -_terms(system, passed, speeds(system, ydot, "ydot"), prescribed_columns(system)).total
 
 
@@ -137,29 +154,36 @@ def forcing_terms(
     force: ArrayLike | None = None,
     torque: ArrayLike | None = None,
     prescribed: ArrayLike | None = None,
-    **given: Unpack[LoadInputs],
+    **loads: Unpack[LoadInputs],
 ) -> ForcingTerms:
-    """The separate sums of Eq. (44); arguments as `forcing`."""
+    """Return the separate sums of Eq. (44); the arguments are those of `forcing`."""
     system = arrays_of(system)
-    passed = arguments(system, x, y, force, torque, prescribed, **given)
+    passed = arguments(system, x, y, force, torque, prescribed, **loads)
     return _terms(system, passed, np.zeros(passed.y.shape), free_columns(system))
 
 
 def _terms(
     system: SystemArrays, passed: Arguments, ydot: Numbers, columns: NDArray[np.bool_]
 ) -> ForcingTerms:
-    """The sums, {ydot} among the accelerations, of some columns."""
-    told = passed.prescribed
-    rates = full_order(system, passed.y, told[..., 1, :])
-    accelerations = full_order(system, np.broadcast_to(ydot, passed.y.shape), told[..., 2, :])
-    moving = kinematics(system, passed.x, passed.y, told)
+    """Return the sums of Eq. (44) for some of the 6N freedoms.
+
+    Args:
+        system: The numbers of the tree.
+        passed: Arguments of {f}.
+        ydot: (..., n) accelerations that enter beside the prescribed ones.
+        columns: (6N,) flags of the freedoms.
+    """
+    motion = passed.prescribed
+    rates = full_order(system, passed.y, motion[..., 1, :])
+    accelerations = full_order(system, np.broadcast_to(ydot, passed.y.shape), motion[..., 2, :])
+    moving = kinematics(system, passed.x, passed.y, motion)
     bodies = [
         _body_terms(
             system, k, body, (rates, accelerations), (passed.force[..., k, :], passed.torque[..., k, :])
         )
         for k, body in enumerate(moving)
     ]
-    elements = contributions(system, moving, (passed.x, told[..., 0, :]), rates, passed.acting)
+    elements = contributions(system, moving, (passed.x, motion[..., 0, :]), rates, passed.point_inputs)
     zero = np.zeros_like(rates[..., columns])
     return ForcingTerms(
         **{name: sum((terms[name][..., columns] for terms in bodies), start=zero) for name in bodies[0]},
@@ -174,25 +198,33 @@ def _body_terms(
     motion: tuple[Numbers, Numbers],
     load: tuple[Numbers, Numbers],
 ) -> dict[str, Numbers]:
-    """Body K's part of Eq. (44), each (..., 6N)."""
+    """Return body K's part of every sum of Eq. (44), each (..., 6N).
+
+    Args:
+        system: The numbers of the tree.
+        k: Index of body K, from 0.
+        body: Kinematics of body K.
+        motion: (..., 6N) speeds, and (..., 6N) accelerations beside those at constant speeds.
+        load: (..., 3) force and (..., 3) torque on the body, in body components.
+    """
     (speeds, accelerations), (force, torque) = motion, load
     mass, inertia = system.mass[k], system.inertia[k]
-    center, spin = transposed(body.center_y), transposed(body.omega_y)
+    center, angular = transposed(body.center_y), transposed(body.omega_y)
     return dict(
-        loads=apply(center, force) + apply(spin, torque),  # (37)
+        loads=apply(center, force) + apply(angular, torque),  # (37)
         gravity=apply(center, mass * apply(body.rotation, system.gravity)),
         acceleration=-apply(  # (39)
             center, mass * (apply(body.center_y_dot, speeds) + apply(body.center_y, accelerations))
         ),
         transport=-apply(center, mass * np.cross(body.omega, body.center_velocity)),
         angular=-apply(  # (40)
-            spin,
+            angular,
             apply(inertia, apply(body.omega_y_dot, speeds) + apply(body.omega_y, accelerations)),
         ),
-        gyroscopic=-apply(spin, np.cross(body.omega, apply(inertia, body.omega))),  # (41)
+        gyroscopic=-apply(angular, np.cross(body.omega, apply(inertia, body.omega))),  # (41)
     )
 
 
 def _stacked(matrices: list[Numbers]) -> Numbers:
-    """(..., 3N, n) from N times (..., 3, n)."""
+    """Return N matrices (..., 3, n) on top of each other, (..., 3N, n)."""
     return np.concatenate(matrices, axis=-2)

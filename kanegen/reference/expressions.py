@@ -1,6 +1,10 @@
-"""Expressions of force elements in NumPy: values, slopes, and how far rounding can carry them.
+"""Expressions of force elements: their values, their slopes, and bounds on the rounding of both.
 
-Nothing is shared with the derivation but the tree that the text was read into.
+An expression is evaluated in any arithmetic that has the operations of the grammar: in NumPy numbers, in
+`Dual` numbers, which carry a slope along (forward-mode differentiation by one variable), and in `Rounded`
+numbers, which carry a bound on their rounding error (running error analysis, Higham 2002, section 3.3). A
+dual number may be made of rounded ones. Nothing is shared with the derivation that becomes C but the parsed
+expression.
 """
 
 from __future__ import annotations
@@ -18,22 +22,22 @@ from kanegen.model.numbers import value_of
 from kanegen.reference.matrices import Numbers
 
 Value = Any
-"""An array, a `Dual` or a `Rounded`."""
+"""An array, a `Dual` or a `Rounded` number."""
 
 
 def function(name: str, value: Value) -> Value:
-    """`abs`, `cos`, `sin` or `sqrt` of any of these."""
+    """Return `abs`, `cos`, `sin` or `sqrt` of a value in any of the arithmetics."""
     if isinstance(value, Dual | Rounded):
         return getattr(value, name)()
     if name == "abs":
-        # Complex numbers are real ones with a small imaginary part that carries a derivative.
+        # Complex numbers are real ones whose small imaginary part carries a derivative.
         return value * np.sign(value.real)
     return getattr(np, name)(value)
 
 
 @dataclass(frozen=True)
 class Dual:
-    """A value and its slope by one variable."""
+    """A value and its slope, the derivative by one variable."""
 
     value: Value
     slope: Value
@@ -55,27 +59,27 @@ class Dual:
         return Dual(quotient, (self.slope - quotient * other.slope) / other.value)
 
     def sin(self) -> Dual:
-        """Of an angle in rad."""
+        """Return the sine of an angle (rad)."""
         return Dual(function("sin", self.value), self.slope * function("cos", self.value))
 
     def cos(self) -> Dual:
-        """Of an angle in rad."""
+        """Return the cosine of an angle (rad)."""
         return Dual(function("cos", self.value), -(self.slope * function("sin", self.value)))
 
     def sqrt(self) -> Dual:
-        """Of what is positive."""
+        """Return the square root of a positive value."""
         root = function("sqrt", self.value)
         return Dual(root, self.slope / (root + root))
 
     def abs(self) -> Dual:
-        """Its magnitude."""
+        """Return the absolute value."""
         size = function("abs", self.value)
         return Dual(size, self.slope * (self.value / size))
 
 
 @dataclass(frozen=True)
 class Rounded:
-    """A value and how many units of roundoff it may be off after the operations that made it."""
+    """A value and a bound on its error, in units of roundoff, from all operations that computed it."""
 
     value: Value
     error: Value
@@ -98,28 +102,30 @@ class Rounded:
         return _rounded(quotient, (self.error + np.abs(quotient) * other.error) / np.abs(other.value))
 
     def sin(self) -> Rounded:
-        """Of an angle in rad."""
+        """Return the sine of an angle (rad)."""
         return _rounded(np.sin(self.value), np.abs(np.cos(self.value)) * self.error)
 
     def cos(self) -> Rounded:
-        """Of an angle in rad."""
+        """Return the cosine of an angle (rad)."""
         return _rounded(np.cos(self.value), np.abs(np.sin(self.value)) * self.error)
 
     def sqrt(self) -> Rounded:
-        """Of what is positive."""
+        """Return the square root of a positive value."""
         root = np.sqrt(self.value)
         return _rounded(root, self.error / (2 * np.abs(root)))
 
     def abs(self) -> Rounded:
-        """Its magnitude."""
+        """Return the absolute value."""
         return Rounded(np.abs(self.value), self.error)
 
 
 def _rounded(value: Value, error: Value) -> Rounded:
+    """Return the result of an operation: `error` comes from its operands, its own rounding is added."""
     return Rounded(value, error + np.abs(value))
 
 
 Variables = Mapping[str, Numbers]
+"""Values of the variables of an expression by name."""
 
 _OPERATIONS: dict[str, Callable[..., Value]] = {
     "+": operator.add,
@@ -133,17 +139,17 @@ _OPERATIONS: dict[str, Callable[..., Value]] = {
 
 
 def value(expression: Expression, variables: Variables) -> tuple[Numbers, Numbers]:
-    """The value of an expression, and the size of its rounding, in units of roundoff."""
+    """Return the value of an expression, and the bound on its error in units of roundoff."""
     exact = evaluate(expression, variables, lambda number: number)
-    rounded = {name: Rounded(held, 0.0) for name, held in variables.items()}
+    rounded = {name: Rounded(values, 0.0) for name, values in variables.items()}
     return exact, evaluate(expression, rounded, _precise).error
 
 
 def slope(expression: Expression, variables: Variables, by: str) -> tuple[Numbers, Numbers]:
-    """The derivative of an expression by a variable, and the size of its rounding."""
+    """Return the derivative of an expression by a variable, and the bound on its error in roundoffs."""
     moved = {name: 1.0 if name == by else 0.0 for name in variables}
-    exact = {name: Dual(held, moved[name]) for name, held in variables.items()}
-    rounded = {name: Dual(_precise(held), _precise(moved[name])) for name, held in variables.items()}
+    exact = {name: Dual(values, moved[name]) for name, values in variables.items()}
+    rounded = {name: Dual(_precise(values), _precise(moved[name])) for name, values in variables.items()}
     found = evaluate(expression, exact, lambda number: Dual(number, 0.0)).slope
     size = evaluate(expression, rounded, lambda number: Dual(_precise(number), _precise(0.0))).slope.error
     return found, size
@@ -152,12 +158,12 @@ def slope(expression: Expression, variables: Variables, by: str) -> tuple[Number
 def evaluate(
     expression: Expression, variables: Mapping[str, Value], constant: Callable[[float], Value]
 ) -> Value:
-    """The value of an expression in any arithmetic.
+    """Return the value of an expression in any arithmetic.
 
     Args:
-        expression: It; parameters stand at their defaults.
-        variables: Values by name.
-        constant: What stands for a number.
+        expression: Expression, whose parameters stand at their defaults.
+        variables: Values of the variables by name.
+        constant: Function that makes a value of the arithmetic from a number.
     """
 
     def of(node: Node) -> Value:
@@ -175,11 +181,13 @@ def evaluate(
 
 
 def _power(base: Value, exponent: int, one: Value) -> Value:
+    """Return a whole power by repeated multiplication; `one` is the number 1 of the arithmetic."""
     result = one
     for _ in range(abs(exponent)):
         result = result * base
     return result if exponent >= 0 else one / result
 
 
-def _precise(held: Value) -> Rounded:
-    return Rounded(held, 0.0)
+def _precise(value: Value) -> Rounded:
+    """Return a number without error."""
+    return Rounded(value, 0.0)

@@ -1,7 +1,8 @@
-"""Force elements and loads on points by the notes' partial velocities, to check generated code against.
+"""Force elements and loads on points, by the partial velocities of the notes.
 
-A force at a point P adds [v_P,y]^T {F} to the generalized forces, a moment [omega_y]^T {M}, Eq. (37); all in
-inertial components.
+A force at a point P adds [v_P,y]^T {F} to the generalized forces, a moment [omega_y]^T {M}, Eq. (37); both
+are in inertial components. Beside every contribution stands the magnitude of its terms, to which rounding
+errors are relative. In shapes, `...` is the batch: nothing, or (B,).
 """
 
 from __future__ import annotations
@@ -17,21 +18,46 @@ from kanegen.model.force_elements.elements import Drive, End, JointSpring, Point
 from kanegen.model.force_elements.expression import TIME, Expression
 from kanegen.model.numbers import Number, value_of
 from kanegen.reference import expressions
-from kanegen.reference.arguments import Acting
-from kanegen.reference.freedoms import by_body, column
+from kanegen.reference.arguments import PointInputs
+from kanegen.reference.freedoms import column, orientations_and_translations
 from kanegen.reference.kinematics import BodyKinematics
 from kanegen.reference.matrices import Numbers, apply, length, skew, transposed
 
-Sized = tuple[Numbers, Numbers]
-"""Numbers, and the size of what they are rounded by."""
+ValueAndMagnitude = tuple[Numbers, Numbers]
+"""Numbers, and the magnitudes to which their rounding errors are relative."""
 
 
 @dataclass(frozen=True)
 class Contribution:
-    """A part of {F_y}, (..., 6N) in the order of Eq. (1), and the size of what it is rounded by."""
+    """A contribution to the generalized forces, in the order of Eq. (1).
+
+    Attributes:
+        value: (..., 6N) generalized forces.
+        magnitude: (..., 6N) magnitudes to which their rounding errors are relative.
+    """
 
     value: Numbers
-    size: Numbers
+    magnitude: Numbers
+
+
+@dataclass(frozen=True)
+class PointKinematics:
+    """A point of a body or of the ground, in inertial components.
+
+    Attributes:
+        position: (..., 3) position from the inertial origin (m).
+        velocity: (..., 3) velocity (m/s).
+        velocity_y: (..., 3, 6N) partial velocities of the point.
+        omega_y: (..., 3, 6N) partial angular velocities of its body.
+        path_length: (...) length of the path to it along the tree (m), to which the rounding of its position
+            is relative.
+    """
+
+    position: Numbers
+    velocity: Numbers
+    velocity_y: Numbers
+    omega_y: Numbers
+    path_length: Numbers
 
 
 def contributions(
@@ -39,40 +65,81 @@ def contributions(
     bodies: Sequence[BodyKinematics],
     coordinates: tuple[Numbers, Numbers],
     speeds: Numbers,
-    acting: Acting,
+    point_inputs: PointInputs,
 ) -> Iterator[Contribution]:
-    """What each element and each loaded point adds.
+    """Yield the contribution of each force element and of each loaded point.
 
     Args:
         system: The numbers of the tree.
-        bodies: Their kinematics.
-        coordinates: (..., m) those in {x}, and (..., p) those that are prescribed.
-        speeds: (..., 6N) in the order of Eq. (1).
-        acting: Loads on points, and the time.
+        bodies: Kinematics of the bodies.
+        coordinates: (..., m) coordinates {x}, and (..., p) values of the prescribed freedoms.
+        speeds: (..., 6N) speeds in the order of Eq. (1).
+        point_inputs: Loads on points, and the time.
     """
-    scene = _Scene(system, bodies, speeds, _variables(system, coordinates, speeds, acting.t))
+    state = _State(system, bodies, speeds, _variables(system, coordinates, speeds, point_inputs.t))
     for element in system.forces.elements:
         match element:
             case JointSpring():
-                yield scene.hinged(element)
+                yield state.joint_spring(element)
             case Drive(name, effort):
-                yield scene.on_freedom(f"y.{name}", scene.value(effort))
+                yield state.on_freedom(f"y.{name}", state.value(effort))
             case Potential(energy):
-                yield from scene.falling(energy)
+                yield from state.potential(energy)
             case Spring():
-                yield scene.tied(element)
+                yield state.spring(element)
             case PointLoad(name, force, moment):
-                yield scene.loaded(name, scene.vector(force), scene.vector(moment))
+                yield state.point_load(name, state.vector(force), state.vector(moment))
     for number, name in enumerate(system.forces.points):
-        push, twist = acting.force[..., number, :], acting.moment[..., number, :]
-        yield scene.loaded(name, (push, push), (twist, twist))
+        point_force, point_moment = point_inputs.force[..., number, :], point_inputs.moment[..., number, :]
+        yield state.point_load(name, (point_force, point_force), (point_moment, point_moment))
+
+
+def point_on_body(
+    system: SystemArrays, bodies: Sequence[BodyKinematics], speeds: Numbers, k: int, arm: Numbers
+) -> PointKinematics:
+    """Return the kinematics of a point of a body.
+
+    Args:
+        system: The numbers of the tree.
+        bodies: Kinematics of the bodies.
+        speeds: (..., 6N) speeds in the order of Eq. (1).
+        k: Number of the body, from 1.
+        arm: (3,) position of the point from the body's origin, in body components (m).
+    """
+    body = bodies[k - 1]
+    to_inertial = transposed(body.rotation)
+    velocity_y = to_inertial @ (body.relative_rotation @ body.origin_y - skew(arm) @ body.omega_y)
+    path_length = np.zeros(speeds.shape[:-1])
+    while k:
+        path_length = path_length + norm(bodies[k - 1].offset)
+        k = int(system.connection[k - 1])
+    return PointKinematics(
+        position=apply(to_inertial, body.position + arm),
+        velocity=apply(velocity_y, speeds),
+        velocity_y=velocity_y,
+        omega_y=to_inertial @ body.omega_y,
+        path_length=path_length + norm(arm),
+    )
+
+
+def point_on_ground(position: Sequence[Number], speeds: Numbers) -> PointKinematics:
+    """Return the kinematics of a point of the ground, at rest; parameters stand at their defaults."""
+    at = np.array([value_of(value) for value in position])
+    still = np.zeros((*speeds.shape[:-1], 3), speeds.dtype)
+    columns = np.zeros((*still.shape, speeds.shape[-1]), speeds.dtype)
+    return PointKinematics(still + at, still, columns, columns, still[..., 0].real + norm(at))
+
+
+def norm(vectors: Numbers, axis: int = -1) -> Numbers:
+    """Return the lengths of vectors, which may be complex where they carry derivatives."""
+    return length(np.abs(vectors), axis)
 
 
 def _variables(
     system: SystemArrays, coordinates: tuple[Numbers, Numbers], speeds: Numbers, t: Numbers
 ) -> dict[str, Numbers]:
-    """The values of all names."""
-    orientations, translations = by_body(system, *coordinates)
+    """Return the values of all names that expressions may use."""
+    orientations, translations = orientations_and_translations(system, *coordinates)
     found: dict[str, Numbers] = {TIME: t}
     for name, (k, index) in system.forces.variables.items():
         if name.startswith("y."):
@@ -85,14 +152,14 @@ def _variables(
 
 
 @dataclass(frozen=True)
-class _Scene:
-    """A system in some states.
+class _State:
+    """A system in a batch of states.
 
     Attributes:
         system: The numbers of the tree.
-        bodies: Their kinematics.
-        speeds: (..., 6N) in the order of Eq. (1).
-        variables: What the names in expressions stand for.
+        bodies: Kinematics of the bodies.
+        speeds: (..., 6N) speeds in the order of Eq. (1).
+        variables: Values of the names in expressions.
     """
 
     system: SystemArrays
@@ -100,134 +167,78 @@ class _Scene:
     speeds: Numbers
     variables: Mapping[str, Numbers]
 
-    def value(self, expression: Expression) -> Sized:
-        """An expression."""
+    def value(self, expression: Expression) -> ValueAndMagnitude:
+        """Return the value of an expression and its magnitude."""
         return expressions.value(expression, self.variables)
 
-    def vector(self, components: Sequence[Expression]) -> Sized:
-        """Three expressions as (..., 3)."""
+    def vector(self, components: Sequence[Expression]) -> ValueAndMagnitude:
+        """Return three expressions as (..., 3) values and magnitudes."""
         shape, parts = self.speeds.shape[:-1], zip(*map(self.value, components), strict=True)
-        value, size = (np.stack([np.broadcast_to(one, shape) for one in three], axis=-1) for three in parts)
-        return value, size
+        value, magnitude = (
+            np.stack([np.broadcast_to(one, shape) for one in three], axis=-1) for three in parts
+        )
+        return value, magnitude
 
-    def on_freedom(self, name: str, effort: Sized) -> Contribution:
-        """An effort at the freedom of a coordinate or a speed."""
-        place, (value, size) = column(self.system, *self.system.forces.variables[name]), effort
+    def on_freedom(self, name: str, effort: ValueAndMagnitude) -> Contribution:
+        """Return the contribution of an effort on the freedom of a coordinate or speed."""
+        place, (value, magnitude) = column(self.system, *self.system.forces.variables[name]), effort
         values = np.zeros(self.speeds.shape, np.result_type(self.speeds, value))
-        sizes = np.zeros(self.speeds.shape)
-        values[..., place], sizes[..., place] = value, size
-        return Contribution(values, sizes)
+        magnitudes = np.zeros(self.speeds.shape)
+        values[..., place], magnitudes[..., place] = value, magnitude
+        return Contribution(values, magnitudes)
 
-    def hinged(self, spring: JointSpring) -> Contribution:
-        """A spring on a freedom."""
+    def joint_spring(self, spring: JointSpring) -> Contribution:
+        """Return the contribution of a spring and damper on a freedom."""
         stiffness, rest, damping = map(value_of, (spring.stiffness, spring.rest, spring.damping))
         stretch = self.variables[f"x.{spring.freedom}"] - rest
         drag = damping * self.variables[f"y.{spring.freedom}"]
-        size = abs(stiffness) * (np.abs(stretch) + abs(rest)) + np.abs(drag)
-        return self.on_freedom(f"x.{spring.freedom}", (-stiffness * stretch - drag, size))
+        magnitude = abs(stiffness) * (np.abs(stretch) + abs(rest)) + np.abs(drag)
+        return self.on_freedom(f"x.{spring.freedom}", (-stiffness * stretch - drag, magnitude))
 
-    def falling(self, energy: Expression) -> Iterator[Contribution]:
-        """The negative gradient of an energy."""
+    def potential(self, energy: Expression) -> Iterator[Contribution]:
+        """Yield the negative derivatives of an energy by its variables."""
         for name in energy.variables:
-            slope, size = expressions.slope(energy, self.variables, name)
-            yield self.on_freedom(name, (-slope, size))
+            slope, magnitude = expressions.slope(energy, self.variables, name)
+            yield self.on_freedom(name, (-slope, magnitude))
 
-    def loaded(self, point: str, force: Sized, moment: Sized) -> Contribution:
-        """A force at a point and a moment on its body."""
-        at = self._place(point)
+    def point_load(self, point: str, force: ValueAndMagnitude, moment: ValueAndMagnitude) -> Contribution:
+        """Return the contribution of a force at a point and a moment on its body, Eq. (37)."""
+        at = self._point(point)
         turning = norm(at.omega_y, -2)
         return Contribution(
             apply(transposed(at.velocity_y), force[0]) + apply(transposed(at.omega_y), moment[0]),
-            norm(force[1])[..., None] * (norm(at.velocity_y, -2) + at.reach[..., None] * turning)
+            norm(force[1])[..., None] * (norm(at.velocity_y, -2) + at.path_length[..., None] * turning)
             + norm(moment[1])[..., None] * turning,
         )
 
-    def tied(self, spring: Spring) -> Contribution:
-        """A spring between two points."""
-        one, two = map(self._place, spring.between)
+    def spring(self, spring: Spring) -> Contribution:
+        """Return the contribution of a spring and damper between two points."""
+        one, two = map(self._point, spring.between)
         stiffness, rest, damping = map(value_of, (spring.stiffness, spring.rest_length, spring.damping))
-        way, rate = two.position - one.position, two.velocity - one.velocity
-        distance = np.sqrt((way * way).sum(axis=-1))
-        direction = way / distance[..., None]
+        span, rate = two.position - one.position, two.velocity - one.velocity
+        distance = np.sqrt((span * span).sum(axis=-1))
+        direction = span / distance[..., None]
         pull = stiffness * (distance - rest) + damping * (direction * rate).sum(axis=-1)
         velocity_y = one.velocity_y - two.velocity_y
-        # The way is off by the roundoff of both positions, which also turns it.
-        off = one.reach + two.reach
-        turned = 1 + off / np.abs(distance)
-        drag = abs(damping) * (np.abs(rate).sum(axis=-1) + norm(self.speeds) * off) * turned
-        force = abs(stiffness) * (off + abs(rest) * turned) + drag
-        arms = norm(one.velocity_y, -2) + norm(two.velocity_y, -2) + off[..., None] * self._turning
+        # The span has the rounding errors of both positions, which also change its direction.
+        path_length = one.path_length + two.path_length
+        turned = 1 + path_length / np.abs(distance)
+        drag = abs(damping) * (np.abs(rate).sum(axis=-1) + norm(self.speeds) * path_length) * turned
+        force = abs(stiffness) * (path_length + abs(rest) * turned) + drag
+        arms = norm(one.velocity_y, -2) + norm(two.velocity_y, -2)
+        arms = arms + path_length[..., None] * self._largest_turning
         return Contribution(
             apply(transposed(velocity_y), pull[..., None] * direction), force[..., None] * arms
         )
 
     @property
-    def _turning(self) -> Numbers:
-        """(..., 6N) how much each freedom turns any body at most."""
+    def _largest_turning(self) -> Numbers:
+        """(..., 6N) largest length of each freedom's partial angular velocity over all bodies."""
         turning: Numbers = np.max([norm(body.omega_y, -2) for body in self.bodies], axis=0)
         return turning
 
-    def _place(self, end: End) -> Place:
+    def _point(self, end: End) -> PointKinematics:
+        """Return the kinematics of the end of a spring: a named point, or a position on the ground."""
         if not isinstance(end, str):
-            return on_ground(end, self.speeds)
-        return on_body(self.system, self.bodies, self.speeds, *self.system.forces.points[end])
-
-
-@dataclass(frozen=True)
-class Place:
-    """A point and what carries it.
-
-    Attributes:
-        position: (..., 3) from the inertial origin (m).
-        velocity: (..., 3) of it (m/s).
-        velocity_y: (..., 3, 6N) its partial velocities.
-        omega_y: (..., 3, 6N) the partial angular velocities of its body.
-        reach: (...) the way to it along the tree (m), by which its position is rounded.
-    """
-
-    position: Numbers
-    velocity: Numbers
-    velocity_y: Numbers
-    omega_y: Numbers
-    reach: Numbers
-
-
-def on_body(
-    system: SystemArrays, bodies: Sequence[BodyKinematics], speeds: Numbers, k: int, arm: Numbers
-) -> Place:
-    """A point of a body.
-
-    Args:
-        system: The numbers of the tree.
-        bodies: Their kinematics.
-        speeds: (..., 6N) in the order of Eq. (1).
-        k: Number of the body, from 1.
-        arm: (3,) from its origin, in its components (m).
-    """
-    body = bodies[k - 1]
-    out = transposed(body.rotation)
-    velocity_y = out @ (body.relative_rotation @ body.origin_y - skew(arm) @ body.omega_y)
-    reach = np.zeros(speeds.shape[:-1])
-    while k:
-        reach = reach + norm(bodies[k - 1].offset)
-        k = int(system.connection[k - 1])
-    return Place(
-        position=apply(out, body.position + arm),
-        velocity=apply(velocity_y, speeds),
-        velocity_y=velocity_y,
-        omega_y=out @ body.omega_y,
-        reach=reach + norm(arm),
-    )
-
-
-def on_ground(position: Sequence[Number], speeds: Numbers) -> Place:
-    """A place of the ground, where nothing moves; its parameters stand at their defaults."""
-    at = np.array([value_of(value) for value in position])
-    still = np.zeros((*speeds.shape[:-1], 3), speeds.dtype)
-    columns = np.zeros((*still.shape, speeds.shape[-1]), speeds.dtype)
-    return Place(still + at, still, columns, columns, still[..., 0].real + norm(at))
-
-
-def norm(vectors: Numbers, axis: int = -1) -> Numbers:
-    """Lengths, of complex vectors too, which carry derivatives."""
-    return length(np.abs(vectors), axis)
+            return point_on_ground(end, self.speeds)
+        return point_on_body(self.system, self.bodies, self.speeds, *self.system.forces.points[end])

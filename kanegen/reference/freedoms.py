@@ -1,6 +1,6 @@
 """All 6N freedoms in the order of Eq. (1): the angles of all bodies, then their translations.
 
-Those of a system are free, prescribed or locked; a quaternion stands for three angles. In shapes, `...` is
+A freedom of a system is free, prescribed or locked; a quaternion stands for three angles. In shapes, `...` is
 the batch: nothing, or (B,).
 """
 
@@ -14,34 +14,45 @@ from kanegen.model.coordinates import ANGLES
 from kanegen.reference.matrices import Numbers
 
 UNPRESCRIBED = np.zeros((3, 0))
-"""Of a system without prescribed freedoms."""
+"""(3, 0) motion of the prescribed freedoms of a system that has none."""
 
 
 def free_columns(system: SystemArrays) -> NDArray[np.bool_]:
-    """(6N,) which speeds of Eq. (1) are free."""
+    """Return (6N,) flags of the speeds of Eq. (1) that are free."""
     return np.concatenate([system.free[:, :3].ravel(), system.free[:, 3:].ravel()])
 
 
 def prescribed_columns(system: SystemArrays) -> NDArray[np.bool_]:
-    """(6N,) which are prescribed."""
+    """Return (6N,) flags of the speeds of Eq. (1) that are prescribed."""
     return np.concatenate([system.prescribed[:, :3].ravel(), system.prescribed[:, 3:].ravel()])
 
 
 def column(system: SystemArrays, k: int, index: int) -> int:
-    """Where the freedom `index` (0 to 5) of body `k` (from 1) stands."""
+    """Return the index among all 6N of the freedom `index` (0 to 5) of body `k` (from 1)."""
     kind, axis = divmod(index, 3)
     return 3 * (kind * len(system.mass) + k - 1) + axis
 
 
 def coordinate_count(system: SystemArrays) -> int:
-    """m, the elements of {x}: of a quaternion four, where there are three freedoms."""
+    """Return the number m of elements of {x}; a quaternion has four of them for three freedoms."""
     extra = sum(len(rotation.coordinates) - 3 for rotation in system.rotations)
     return int(free_columns(system).sum()) + extra
 
 
-def by_body(system: SystemArrays, x: Numbers, prescribed: Numbers) -> tuple[list[Numbers], list[Numbers]]:
-    """For each body its (..., 3) angles or (..., 4) quaternion, and its (..., 3) translation."""
-    rest, told, parts = x, prescribed, []
+def orientations_and_translations(
+    system: SystemArrays, x: Numbers, prescribed: Numbers
+) -> tuple[list[Numbers], list[Numbers]]:
+    """Return the orientation and the translation of every body.
+
+    Args:
+        system: The numbers of the tree.
+        x: (..., m) coordinates (rad, m, 1).
+        prescribed: (..., p) values of the prescribed freedoms (rad, m).
+
+    Returns:
+        For each body its (..., 3) angles or (..., 4) quaternion, and for each body its (..., 3) translation.
+    """
+    rest, rest_prescribed, parts = x, prescribed, []
     dtype = np.result_type(x.dtype, prescribed.dtype, system.locked.dtype)
     for columns in (slice(0, 3), slice(3, 6)):
         found = []
@@ -53,14 +64,21 @@ def by_body(system: SystemArrays, x: Numbers, prescribed: Numbers) -> tuple[list
                 own = np.empty((*x.shape[:-1], 3), dtype)
                 own[...] = system.locked[k, columns]
                 own[..., free], rest = rest[..., : free.sum()], rest[..., free.sum() :]
-                own[..., moved], told = told[..., : moved.sum()], told[..., moved.sum() :]
+                own[..., moved] = rest_prescribed[..., : moved.sum()]
+                rest_prescribed = rest_prescribed[..., moved.sum() :]
             found.append(own)
         parts.append(found)
     return parts[0], parts[1]
 
 
 def full_order(system: SystemArrays, values: Numbers, prescribed: Numbers) -> Numbers:
-    """(..., 6N) in the order of Eq. (1), from (..., n) of free and (..., p) of prescribed freedoms."""
+    """Return (..., 6N) values in the order of Eq. (1), 0 for locked freedoms.
+
+    Args:
+        system: The numbers of the tree.
+        values: (..., n) values of the free freedoms.
+        prescribed: (..., p) values of the prescribed freedoms.
+    """
     dtype = np.result_type(values.dtype, prescribed.dtype, np.float64)
     full = np.full((*values.shape[:-1], system.free.size), 0.0, dtype)
     full[..., free_columns(system)] = values
@@ -68,8 +86,8 @@ def full_order(system: SystemArrays, values: Numbers, prescribed: Numbers) -> Nu
     return full
 
 
-def rates_by_body(full: Numbers) -> tuple[Numbers, Numbers]:
-    """(..., N, 3) rates of turning and (..., N, 3) of translation from (..., 6N)."""
+def rates_of_bodies(full: Numbers) -> tuple[Numbers, Numbers]:
+    """Return the (..., N, 3) angular and the (..., N, 3) translational part of (..., 6N) speeds."""
     angles, translations = np.split(full, 2, axis=-1)
     shape = (*full.shape[:-1], -1, 3)
     return angles.reshape(shape), translations.reshape(shape)

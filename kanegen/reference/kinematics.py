@@ -1,11 +1,10 @@
-"""Equations (1)-(35) of the notes, written down in NumPy as they stand there.
+"""Equations (1)-(35) of the notes: positions, velocities and partial velocities of all bodies.
 
-Every body has its partial velocity matrices of size (3, 6N) and their time derivatives, built outward from
-those of its lower body. Columns of locked and of prescribed freedoms are present too; the reader drops them
-last. Nothing here shares code with the derivation that becomes C.
+Every body has its partial velocity matrices of size (3, 6N) and their time derivatives, computed outward from
+those of its lower body. They have columns for locked and prescribed freedoms, too, which `equations` drops.
 
-The arithmetic is that of the state: float64, longdouble, complex (for complex-step derivatives), and object
-arrays of high-precision numbers that know `sin` and `cos`. In shapes, `...` is the batch: nothing, or (B,).
+The arithmetic is that of the state: float64, longdouble, complex (for complex-step derivatives), or object
+arrays of high-precision numbers that have `sin` and `cos`. In shapes, `...` is the batch: nothing, or (B,).
 """
 
 from __future__ import annotations
@@ -17,7 +16,12 @@ import numpy as np
 
 from kanegen.model.arrays import SystemArrays
 from kanegen.model.coordinates import SPEEDS, QuaternionRotation
-from kanegen.reference.freedoms import UNPRESCRIBED, by_body, full_order, rates_by_body
+from kanegen.reference.freedoms import (
+    UNPRESCRIBED,
+    full_order,
+    orientations_and_translations,
+    rates_of_bodies,
+)
 from kanegen.reference.matrices import (
     Numbers,
     angle_rate_matrix,
@@ -34,29 +38,29 @@ from kanegen.reference.matrices import (
 
 @dataclass(frozen=True)
 class BodyKinematics:
-    """What the notes define for one body K with lower body J, in SI units.
+    """The kinematics of one body K with lower body J, in SI units.
 
     The last axis of a name that ends in `_y` or `_y_dot` runs over all 6N speeds in the order of Eq. (1):
     angle rates of all bodies, then translation rates of all bodies.
 
     Attributes:
-        relative_rotation: (..., 3, 3) `[^J R_K]`: Eq. (4) times the constant `[C_K]`.
-        rotation: (..., 3, 3) `[R_K]`, Eq. (3).
-        rate_matrix: (..., 3, 3) `[P_K^AV]`, Eq. (17).
-        rate_matrix_dot: (..., 3, 3) its time derivative, below Eq. (20).
+        relative_rotation: (..., 3, 3) `[^J R_K]`, from J to K: Eq. (4) times the constant `[C_K]`.
+        rotation: (..., 3, 3) `[R_K]`, from inertial to body components, Eq. (3).
+        rate_matrix: (..., 3, 3) angle-rate matrix `[P_K^AV]`, Eq. (17).
+        rate_matrix_dot: (..., 3, 3) time derivative of `[P_K^AV]`, below Eq. (20).
         relative_omega: (..., 3) angular velocity relative to J, Eq. (8), in K.
         offset: (..., 3) `q'_K + s'_K`, from O_J to O_K, in J.
         offset_dot: (..., 3) time derivative of `s'_K`, in J.
-        position: (..., 3) `p'_{O_K}`, Eq. (22), in K.
-        center_position: (..., 3) `p'_{G_K}`, Eq. (23), in K.
-        omega_y: (..., 3, 6N) `[omega'_{K,y}]`, Eq. (15), in K.
-        omega_y_dot: (..., 3, 6N) Eq. (20), in K.
-        omega: (..., 3) Eq. (18), in K.
-        origin_y: (..., 3, 6N) `[v'_{O_K,y}]`, Eq. (28), in J.
-        origin_y_dot: (..., 3, 6N) Eq. (35), in J.
-        center_y: (..., 3, 6N) `[v'_{G_K,y}]`, Eq. (32), in K.
-        center_y_dot: (..., 3, 6N) Eq. (34), in K.
-        center_velocity: (..., 3) `{v'_{G_K}}`, Eq. (31), in K.
+        position: (..., 3) position of O_K, `p'_{O_K}`, Eq. (22), in K.
+        center_position: (..., 3) position of G_K, `p'_{G_K}`, Eq. (23), in K.
+        omega_y: (..., 3, 6N) partial angular velocities `[omega'_{K,y}]`, Eq. (15), in K.
+        omega_y_dot: (..., 3, 6N) time derivative of `omega_y`, Eq. (20), in K.
+        omega: (..., 3) angular velocity, Eq. (18), in K.
+        origin_y: (..., 3, 6N) partial velocities of O_K, `[v'_{O_K,y}]`, Eq. (28), in J.
+        origin_y_dot: (..., 3, 6N) time derivative of `origin_y`, Eq. (35), in J.
+        center_y: (..., 3, 6N) partial velocities of G_K, `[v'_{G_K,y}]`, Eq. (32), in K.
+        center_y_dot: (..., 3, 6N) time derivative of `center_y`, Eq. (34), in K.
+        center_velocity: (..., 3) velocity of G_K, `{v'_{G_K}}`, Eq. (31), in K.
     """
 
     relative_rotation: Numbers
@@ -81,21 +85,21 @@ class BodyKinematics:
 def kinematics(
     system: SystemArrays, x: Numbers, y: Numbers, prescribed: Numbers = UNPRESCRIBED
 ) -> tuple[BodyKinematics, ...]:
-    """The matrices of bodies 1 to N.
+    """Return the kinematics of bodies 1 to N.
+
+    Where the speeds of a body's angles are components of its relative angular velocity, [P_K^AV] is the
+    identity and its time derivative zero.
 
     Args:
         system: The numbers of the tree.
         x: (..., m) coordinates (rad, m, 1).
         y: (..., n) generalized speeds (rad/s, m/s).
         prescribed: (..., 3, p) values, rates and second derivatives of the prescribed freedoms.
-
-    Where the speeds of a body's angles are components of its relative angular velocity, [P^AV_K] is the
-    identity and its rate zero.
     """
     count = len(system.mass)
     speeds = full_order(system, y, prescribed[..., 1, :])
-    orientations, translations = by_body(system, x, prescribed[..., 0, :])
-    rates, translation_rates = rates_by_body(speeds)
+    orientations, translations = orientations_and_translations(system, x, prescribed[..., 0, :])
+    rates, translation_rates = rates_of_bodies(speeds)
     bodies = [_ground(count, speeds.dtype)]
     for k in range(count):
         state = (orientations[k], rates[..., k, :], translations[k], translation_rates[..., k, :])
@@ -110,11 +114,20 @@ def _body(
     state: tuple[Numbers, Numbers, Numbers, Numbers],
     speeds: Numbers,
 ) -> BodyKinematics:
+    """Return the kinematics of one body from those of its lower body.
+
+    Args:
+        system: The numbers of the tree.
+        k: Index of the body, from 0.
+        lower: Kinematics of its lower body.
+        state: Orientation, (..., 3) angular speeds, (..., 3) translation, (..., 3) translation rates.
+        speeds: (..., 6N) speeds in the order of Eq. (1).
+    """
     orientation, rates, translation, translation_rates = state
     joint_to_lower = system.joint_orientation[k].T
     r_tilde = skew(system.mass_center[k])
 
-    turn, rate_matrix, rate_matrix_dot = _turning(system, k, orientation, rates)
+    turn, rate_matrix, rate_matrix_dot = _rotation_and_rates(system, k, orientation, rates)
     relative_omega = apply(rate_matrix, rates)  # (8)
     rotate = turn @ system.joint_orientation[k]  # (4)
     rotate_dot = transposed(skew(relative_omega)) @ rotate  # (7)
@@ -163,27 +176,27 @@ def _body(
     )
 
 
-def _turning(
+def _rotation_and_rates(
     system: SystemArrays, k: int, orientation: Numbers, rates: Numbers
 ) -> tuple[Numbers, Numbers, Numbers]:
-    """(..., 3, 3) turn from the joint frame, Eq. (4), [P^AV_K] of Eq. (17), and its rate."""
+    """Return (..., 3, 3) matrices of a joint: its rotation, Eq. (4), [P_K^AV], Eq. (17), and its rate."""
     rotation = system.rotations[k]
     if isinstance(rotation, QuaternionRotation):
         turn = rotation_by_quaternion(orientation)
         still = np.zeros_like(turn)
         return turn, still + np.eye(3), still
-    named = renaming(rotation.axes)
-    turns = sines_cosines(orientation, named)
-    turn = named.after @ rotation_123(*turns) @ named.before
+    names = renaming(rotation.axes)
+    turns = sines_cosines(orientation, names)
+    turn = names.after @ rotation_123(*turns) @ names.before
     if system.speeds[k] != SPEEDS[0]:
         still = np.zeros_like(turn)
         return turn, still + np.eye(3), still
-    rate_matrix = named.after @ angle_rate_matrix(*turns)
-    return turn, rate_matrix, named.after @ angle_rate_matrix_dot(*turns, named.sign * rates)
+    rate_matrix = names.after @ angle_rate_matrix(*turns)
+    return turn, rate_matrix, names.after @ angle_rate_matrix_dot(*turns, names.sign * rates)
 
 
 def _ground(bodies: int, dtype: np.dtype[Any]) -> BodyKinematics:
-    """Body 0 at rest, so that factors of the lower body drop out where the notes leave them out."""
+    """Return the kinematics of the ground, body 0, at rest: zeros and identities."""
     zeros = {field.name: np.zeros(3, dtype) for field in fields(BodyKinematics)}
     columns = {name: np.zeros((3, 6 * bodies), dtype) for name in zeros if name.endswith(("_y", "_y_dot"))}
     identities = {name: np.eye(3, dtype=dtype) for name in ("relative_rotation", "rotation")}
@@ -192,7 +205,7 @@ def _ground(bodies: int, dtype: np.dtype[Any]) -> BodyKinematics:
 
 
 def _block(square: Numbers, number: int, speeds: Numbers) -> Numbers:
-    """(..., 3, 6N) zeros with `square` (..., 3, 3) as 3 x 3 partition `number`, counted from 0."""
+    """Return (..., 3, 6N) zeros with `square` (..., 3, 3) as the 3 x 3 partition `number`, from 0."""
     columns = np.zeros((*square.shape[:-2], 3, speeds.shape[-1]), np.result_type(square, speeds))
     columns[..., 3 * number : 3 * number + 3] = square
     return columns

@@ -1,10 +1,10 @@
-"""How large the numbers are that [A] and {f} are summed from: the yardstick for rounding errors.
+"""Magnitudes of the terms that [A] and {f} are summed from, to which rounding errors are relative.
 
-An entry of [A] or {f} is a sum over the bodies of products of vectors, and each vector is itself built along
-the path from the ground to its body. Rounding errors scale with what is added on the way, not with what is
-left at the end. So this module takes the sums (43) and (44) with every vector replaced by the largest length
-that it or its parts take anywhere on the path, and with plus signs only. Whatever way a program goes along
-the tree, its partial sums stay below a small multiple of these.
+An entry of [A] or {f} is a sum over the bodies of products of vectors, and each vector is itself summed
+along the path from the ground to its body. Rounding errors scale with the terms that are added on the way,
+not with the sum at the end. So a magnitude is the sum (43) or (44) with every vector replaced by the
+largest length that it or one of its parts has anywhere on the path, and with plus signs only. Whichever way
+a program goes along the tree, its partial sums stay below a small multiple of the magnitude.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from kanegen.model.arguments import LoadInputs
 from kanegen.model.arrays import Floats, SystemArrays
 from kanegen.program.precision import DOUBLE, Precision
-from kanegen.reference.arguments import acting, motion
+from kanegen.reference.arguments import point_inputs, prescribed_motion
 from kanegen.reference.force_elements import contributions
 from kanegen.reference.freedoms import UNPRESCRIBED, free_columns, full_order
 from kanegen.reference.kinematics import BodyKinematics
@@ -26,18 +26,20 @@ from kanegen.reference.matrices import Numbers, apply, length, transposed
 
 
 @dataclass(frozen=True)
-class Reach:
-    """The largest lengths on the path from the ground to one body; units as the vector's.
+class PathMaxima:
+    """The largest lengths of vectors on the path from the ground to one body, in SI units.
+
+    Accelerations are those at constant free speeds; prescribed accelerations count.
 
     Attributes:
-        omega_y: (..., 6N) columns of the partial angular velocities.
-        origin_y: (..., 6N) columns of the partial velocities of the origins.
-        center_y: (..., 6N) columns of those of this body's mass centre, and of everything before it.
-        rate: (...) angular velocities, absolute and relative.
-        velocity: (...) velocities of the origins.
-        rate_dot: (...) angular accelerations at constant speeds, save for those that are prescribed.
-        velocity_dot: (...) accelerations of the origins, likewise.
-        center_acceleration: (...) acceleration of this body's mass centre, and of everything before it.
+        omega_y: (..., 6N) lengths of the columns of partial angular velocities.
+        origin_y: (..., 6N) lengths of the columns of partial velocities of origins.
+        center_y: (..., 6N) the same for this body's mass centre and for everything before it.
+        rate: (...) lengths of angular velocities, absolute and relative.
+        velocity: (...) lengths of velocities of origins.
+        rate_dot: (...) lengths of angular accelerations.
+        velocity_dot: (...) lengths of accelerations of origins.
+        center_acceleration: (...) the same for this body's mass centre and for everything before it.
     """
 
     omega_y: Floats
@@ -50,66 +52,89 @@ class Reach:
     center_acceleration: Floats
 
 
-def reaches(
+def path_maxima(
     system: SystemArrays,
     bodies: tuple[BodyKinematics, ...],
     y: Numbers,
     prescribed: Numbers = UNPRESCRIBED,
-) -> tuple[Reach, ...]:
-    """The reach of bodies 1 to N, from their kinematics, the speeds `y` (..., n) and what is prescribed."""
+) -> tuple[PathMaxima, ...]:
+    """Return the largest lengths on the paths to bodies 1 to N.
+
+    Args:
+        system: The numbers of the tree.
+        bodies: Kinematics of bodies 1 to N.
+        y: (..., n) generalized speeds.
+        prescribed: (..., 3, p) values, rates and second derivatives of the prescribed freedoms.
+    """
     count = len(bodies)
     speeds = full_order(system, y, prescribed[..., 1, :])
-    given = full_order(system, np.zeros_like(y), prescribed[..., 2, :])
+    accelerations = full_order(system, np.zeros_like(y), prescribed[..., 2, :])
     zero, columns = np.zeros(y.shape[:-1]), np.zeros((*y.shape[:-1], 6 * count))
-    found = [Reach(columns, columns, columns, zero, zero, zero, zero, zero)]
+    found = [PathMaxima(columns, columns, columns, zero, zero, zero, zero, zero)]
     for k, body in enumerate(bodies):
-        found.append(_reach(system, k, body, found[system.connection[k]], speeds, given))
+        found.append(_maxima(system, k, body, found[system.connection[k]], speeds, accelerations))
     return tuple(found[1:])
 
 
-def _reach(
-    system: SystemArrays, k: int, body: BodyKinematics, lower: Reach, speeds: Numbers, given: Numbers
-) -> Reach:
-    """`speeds` and `given` are (..., 6N) all speeds, and the accelerations that are prescribed."""
+def _maxima(
+    system: SystemArrays,
+    k: int,
+    body: BodyKinematics,
+    lower: PathMaxima,
+    speeds: Numbers,
+    accelerations: Numbers,
+) -> PathMaxima:
+    """Return the largest lengths on the path to one body from those on the path to its lower body.
+
+    Args:
+        system: The numbers of the tree.
+        k: Index of the body, from 0.
+        body: Kinematics of the body.
+        lower: Largest lengths on the path to its lower body.
+        speeds: (..., 6N) speeds in the order of Eq. (1).
+        accelerations: (..., 6N) prescribed accelerations in the same order.
+    """
     arm = np.maximum(length(body.offset), length(system.joint_position[k]))
-    lever = length(system.mass_center[k])
+    arm_to_center = length(system.mass_center[k])
     omega_y = length(body.omega_y, axis=-2)
     origin_y = _largest(lower.origin_y, length(body.origin_y, axis=-2), arm[..., None] * lower.omega_y)
-    center_y = _largest(origin_y, length(body.center_y, axis=-2), lever * omega_y)
+    center_y = _largest(origin_y, length(body.center_y, axis=-2), arm_to_center * omega_y)
 
     rate = _largest(lower.rate, length(body.omega), length(speeds[..., 3 * k : 3 * k + 3]))
     velocity = _largest(
         lower.velocity, length(apply(body.origin_y, speeds)), length(body.offset_dot), lower.rate * arm
     )
-    turning, moving = given[..., 3 * k : 3 * k + 3], apply(body.origin_y, given)
+    relative = accelerations[..., 3 * k : 3 * k + 3]
     rate_dot = _largest(
         lower.rate_dot,
         length(apply(body.omega_y_dot, speeds)),
-        length(apply(body.omega_y, given)),
-        length(turning),
+        length(apply(body.omega_y, accelerations)),
+        length(relative),
         rate * rate,
     )
     velocity_dot = _largest(
         lower.velocity_dot,
         length(apply(body.origin_y_dot, speeds)),
-        length(moving),
+        length(apply(body.origin_y, accelerations)),
         lower.rate_dot * arm,
         rate * velocity,
     )
     center_acceleration = _largest(
         velocity_dot,
         length(apply(body.center_y_dot, speeds)),
-        length(apply(body.center_y, given)),
-        rate_dot * lever,
+        length(apply(body.center_y, accelerations)),
+        rate_dot * arm_to_center,
         rate * length(body.center_velocity),
-        rate * rate * lever,
+        rate * rate * arm_to_center,
     )
-    return Reach(omega_y, origin_y, center_y, rate, velocity, rate_dot, velocity_dot, center_acceleration)
+    return PathMaxima(
+        omega_y, origin_y, center_y, rate, velocity, rate_dot, velocity_dot, center_acceleration
+    )
 
 
-def mass_matrix_magnitude(system: SystemArrays, reach: tuple[Reach, ...]) -> Floats:
-    """(..., n, n) Eq. (43) in magnitudes."""
-    center_y, omega_y = _columns(system, reach)
+def mass_matrix_magnitude(system: SystemArrays, maxima: tuple[PathMaxima, ...]) -> Floats:
+    """Return the (..., n, n) magnitudes of the terms of [A], Eq. (43)."""
+    center_y, omega_y = _columns(system, maxima)
     linear = transposed(system.mass[:, None] * center_y) @ center_y
     angular = transposed(_inertia_size(system)[:, None] * omega_y) @ omega_y
     magnitude: Floats = linear + angular
@@ -117,16 +142,22 @@ def mass_matrix_magnitude(system: SystemArrays, reach: tuple[Reach, ...]) -> Flo
 
 
 def forcing_magnitude(
-    system: SystemArrays, reach: tuple[Reach, ...], force: Floats | None, torque: Floats | None
+    system: SystemArrays, maxima: tuple[PathMaxima, ...], force: Floats | None, torque: Floats | None
 ) -> Floats:
-    """(..., n) Eq. (44) in magnitudes; `force` and `torque` are (..., N, 3).
+    """Return the (..., n) magnitudes of the terms of {f}, Eq. (44).
 
     Programs that take moments of momentum about moving origins also add and cancel `v_O x m v_O`.
+
+    Args:
+        system: The numbers of the tree.
+        maxima: Largest lengths on the paths to the bodies.
+        force: (..., N, 3) forces on the bodies (N), or None.
+        torque: (..., N, 3) torques on the bodies (N m), or None.
     """
-    center_y, omega_y = _columns(system, reach)
-    acceleration = np.stack([body.center_acceleration for body in reach], axis=-1)
-    rate_dot = np.stack([body.rate_dot for body in reach], axis=-1)
-    velocity = np.stack([body.velocity for body in reach], axis=-1)
+    center_y, omega_y = _columns(system, maxima)
+    acceleration = np.stack([body.center_acceleration for body in maxima], axis=-1)
+    rate_dot = np.stack([body.rate_dot for body in maxima], axis=-1)
+    velocity = np.stack([body.velocity for body in maxima], axis=-1)
     linear = system.mass * (acceleration + length(system.gravity))
     angular = _inertia_size(system) * rate_dot + system.mass * velocity**2
     if force is not None:
@@ -142,53 +173,61 @@ def element_magnitude(
     x: Numbers,
     y: Numbers,
     prescribed: ArrayLike | None = None,
-    **given: Unpack[LoadInputs],
+    **loads: Unpack[LoadInputs],
 ) -> Floats:
-    """(..., n) what the generalized forces of force elements and loads on points are rounded by.
+    """Return the (..., n) magnitudes of the terms of force elements and loads on points.
 
     Args:
         system: The numbers of the tree.
-        bodies: Their kinematics.
+        bodies: Kinematics of the bodies.
         x: (..., m) coordinates.
         y: (..., n) generalized speeds.
-        prescribed: As in `reference.mass_matrix`.
-        given: As in `reference.forcing`.
+        prescribed: As in `equations.mass_matrix`.
+        loads: As in `equations.forcing`.
     """
-    told = motion(system, prescribed, x)
-    speeds, free = full_order(system, y, told[..., 1, :]), free_columns(system)
-    parts = contributions(system, bodies, (x, told[..., 0, :]), speeds, acting(system, x, **given))
-    return sum((part.size[..., free] for part in parts), start=np.zeros(y.shape))
+    motion = prescribed_motion(system, prescribed, x)
+    speeds, free = full_order(system, y, motion[..., 1, :]), free_columns(system)
+    parts = contributions(system, bodies, (x, motion[..., 0, :]), speeds, point_inputs(system, x, **loads))
+    return sum((part.magnitude[..., free] for part in parts), start=np.zeros(y.shape))
 
 
 def rounding_bound(bodies: int, precision: Precision = DOUBLE, storage: Precision = DOUBLE) -> float:
-    """How far two programs may differ in a tree of N bodies, relative to the magnitudes: 8 (N + 8) u.
+    """Return how far two programs may differ, relative to the magnitudes of the terms: 8 (N + 8) u.
 
-    Every rotation, cross product and sum along the tree adds a few roundings, so the error grows at most
-    linearly with N; the second 8 stands for sines, products and inertias within a body. The first is 2 for
-    two programs times 4, because a program that sums inward can have partial sums twice as long as the
-    outward ones that are measured here, in both factors of a product. See docs/accuracy.md for the test.
-    u is that of the less precise program, of which the reference is one, in double. Results in arrays of
-    fewer digits than the arithmetic are rounded once more, which is at most the roundoff of these.
+    Every rotation, cross product and sum along the tree adds a few roundings, so errors grow at most
+    linearly with N; the term 8 in brackets stands for sines, products and inertias within a body. The
+    factor 8 in front
+    is a product: 2, because both programs round, times 2 x 2, because a program that sums inward may have
+    partial sums twice as large as the magnitudes here, which are taken outward, in both factors of a product.
+    docs/accuracy.md says how the bound was tested.
+
+    Args:
+        bodies: Number of bodies N.
+        precision: Precision of the program's arithmetic. u is its unit roundoff, or that of the reference,
+            which computes in double, if this is larger.
+        storage: Precision of the program's arrays. Fewer digits than in the arithmetic mean one more
+            rounding.
     """
     stored = storage.roundoff if storage.roundoff > precision.roundoff else 0.0
     return 8 * (bodies + 8) * max(precision.roundoff, DOUBLE.roundoff) + stored
 
 
-def _columns(system: SystemArrays, reach: tuple[Reach, ...]) -> tuple[Floats, Floats]:
-    """(..., N, n) reach of the free columns of the partial velocities and partial angular velocities."""
+def _columns(system: SystemArrays, maxima: tuple[PathMaxima, ...]) -> tuple[Floats, Floats]:
+    """Return (..., N, n) largest lengths of the free columns of [v_G,y] and of [omega_y]."""
     free = free_columns(system)
-    center_y = np.stack([body.center_y[..., free] for body in reach], axis=-2)
-    omega_y = np.stack([body.omega_y[..., free] for body in reach], axis=-2)
+    center_y = np.stack([body.center_y[..., free] for body in maxima], axis=-2)
+    omega_y = np.stack([body.omega_y[..., free] for body in maxima], axis=-2)
     return center_y, omega_y
 
 
 def _inertia_size(system: SystemArrays) -> Floats:
-    """(N,) Frobenius norms."""
+    """Return the (N,) Frobenius norms of the inertias."""
     size: Floats = np.linalg.norm(system.inertia, axis=(1, 2))
     return size
 
 
 def _largest(*values: Floats) -> Floats:
+    """Return the elementwise maximum."""
     result = values[0]
     for value in values[1:]:
         result = np.maximum(result, value)

@@ -1,11 +1,16 @@
 """Systems whose [A] is singular in every state, found before any code is written.
 
-[A] is singular where some motion moves neither mass nor inertia, that is where the columns of `moving_rows`
-depend on each other. They are orthogonalised from the outermost freedom inward, so the first one that fails
-is a freedom whose motion can be undone by freedoms further out. "Undone" means up to rounding: what is left
-is below the error of the velocities that were subtracted, of which the model's own rotations, accepted when
-orthogonal to `ORTHOGONALITY`, have the largest part. A state drawn at random tells, because almost all states
-have the same rank.
+[A] = [P]^T [M] [P], where [P] holds the partial velocities of the mass centres and the partial angular
+velocities, and [M] the masses and inertias. Whether [A] is singular depends only on the rows of [P] where
+[M] is not zero, not on how large it is there, so mass ratios cannot blur the answer. Scaling rows and
+columns does not change it either.
+
+[A] is singular where some motion moves neither mass nor inertia, that is where the columns of these rows
+depend on each other. They are orthogonalised from the outermost freedom inward, so the first column that
+vanishes belongs to a freedom whose motion can be undone by freedoms further out. A column vanishes if what
+is left of it is below the rounding error of the velocities that were subtracted; the largest part of this
+error comes from the model's own rotations, which are accepted when they are orthogonal to `ORTHOGONALITY`.
+One random state decides, because almost all states have the same rank.
 """
 
 from __future__ import annotations
@@ -21,44 +26,44 @@ from kanegen.model.system import System
 from kanegen.model.validation import INERTIA_ROUNDING, ORTHOGONALITY
 from kanegen.reference.freedoms import UNPRESCRIBED, free_columns
 from kanegen.reference.kinematics import kinematics
-from kanegen.reference.magnitudes import reaches
+from kanegen.reference.magnitudes import path_maxima
 from kanegen.reference.states import random_states
 
 STATES = 3
-"""One regular state is proof; so many unlucky ones do not happen."""
+"""Number of random states to try: one regular state proves regularity, and exceptional states are rare."""
 
 NEGLIGIBLE = 1e-6
-"""Share of a motion below which a freedom is not named as taking part in it."""
+"""Largest share in a massless motion of a freedom that the error message does not name."""
 
 
 def require_regular(system: System) -> None:
     """Make sure that [A] is regular in almost every state; parameters stand at their defaults.
 
     Raises:
-        SingularError: If it is singular in every state; names the body and the freedom.
+        SingularError: If [A] is singular in every state; the message names the body and the freedom.
     """
     arrays = system.values()
-    inward = _inward(system)
+    inward = _freedoms_inward(system)
     motion: list[int] = []
     states = random_states(arrays, STATES)
-    for x, told in zip(states.x, states.prescribed, strict=True):
-        motion = _empty_motion(moving_rows(arrays, x, inward, told))
+    for x, prescribed in zip(states.x, states.prescribed, strict=True):
+        motion = _massless_motion(velocity_rows(arrays, x, inward, prescribed))
         if not motion:
             return
     raise SingularError(_message(system, [inward[i] for i in motion]))
 
 
-def _inward(system: System) -> list[int]:
-    """The freedoms from the outermost inward; within a joint angles lie outside translations."""
+def _freedoms_inward(system: System) -> list[int]:
+    """Return the indices of the freedoms from the outermost inward; angles lie outside translations."""
     keys = [(freedom.body, freedom.is_angle, freedom.axis) for freedom in system.freedoms]
     return sorted(range(len(keys)), key=keys.__getitem__, reverse=True)
 
 
-def _empty_motion(rows: MovingRows) -> list[int]:
-    """The first column that depends on those before it, and those; empty if all are independent.
+def _massless_motion(rows: VelocityRows) -> list[int]:
+    """Return the indices of the first column that depends on columns before it, and of these; empty if none.
 
-    The combination of earlier columns that comes closest to column j is R[:j,:j]^-1 R[:j,j]; the inverse
-    grows by a column at every step.
+    The combination of earlier columns that comes closest to column j is R[:j,:j]^-1 R[:j,j], where R is the
+    triangular factor of the rows; its inverse grows by a column at every step.
     """
     r: Floats = np.asarray(np.linalg.qr(rows.velocities, mode="r"))
     inverse = np.zeros_like(r)
@@ -73,6 +78,7 @@ def _empty_motion(rows: MovingRows) -> list[int]:
 
 
 def _message(system: System, motion: list[int]) -> str:
+    """Return the error message for a massless motion, given by the indices of its freedoms."""
     names = [system.speed_names[i] for i in motion]
     body = system.bodies[system.freedoms[motion[0]].body - 1].name
     others = f" together with {', '.join(repr(name) for name in names[1:])}" if names[1:] else ""
@@ -83,50 +89,58 @@ def _message(system: System, motion: list[int]) -> str:
 
 
 SWEEPS = 5
-"""How often rows and columns are scaled in turn; their largest entries are then close to 1."""
+"""Number of times that rows and columns are scaled in turn, until their largest entries are close to 1."""
 
 
 @dataclass(frozen=True)
-class MovingRows:
+class VelocityRows:
     """Rows of [P] that carry mass or inertia, without units.
 
     Attributes:
-        velocities: (r, n) the rows, about 1 in size, one column a freedom; r >= n.
-        magnitudes: (n,) norms of what the columns are summed from; rounding errors are relative to these.
+        velocities: (r, n) rows, about 1 in size, with one column for each freedom; r >= n.
+        magnitudes: (n,) norms of the terms of the columns, to which rounding errors are relative.
     """
 
     velocities: Floats
     magnitudes: Floats
 
 
-def moving_rows(
+def velocity_rows(
     arrays: SystemArrays, x: Floats, order: Sequence[int], prescribed: Floats = UNPRESCRIBED
-) -> MovingRows:
-    """The rows where {x} is `x` and `prescribed` stands as it does, with the freedoms in the given order."""
+) -> VelocityRows:
+    """Return the rows of [P] that carry mass or inertia in one state.
+
+    Args:
+        arrays: The numbers of the tree.
+        x: (m,) coordinates.
+        order: Indices of the freedoms in the order of the columns.
+        prescribed: (3, p) motion of the prescribed freedoms.
+    """
     columns = np.flatnonzero(free_columns(arrays))[list(order)]
     still = np.zeros(len(columns))
     bodies = kinematics(arrays, x, still, prescribed)
     blocks, sizes = [], []
-    for k, reach in enumerate(reaches(arrays, bodies, still, prescribed)):
+    for k, maxima in enumerate(path_maxima(arrays, bodies, still, prescribed)):
         if arrays.mass[k] > 0:
             blocks.append(bodies[k].center_y[:, columns])
-            sizes.append(reach.center_y[columns])
+            sizes.append(maxima.center_y[columns])
         axes = inertia_axes(arrays.inertia[k])
         if len(axes):
             blocks.append(axes @ bodies[k].omega_y[:, columns])
-            sizes.append(reach.omega_y[columns])
+            sizes.append(maxima.omega_y[columns])
     table = np.reshape(sizes, (-1, len(columns)))
-    row_scale, column_scale = _equilibrating(table)
+    row_scale, column_scale = _equilibration(table)
     scaled = [scale * block * column_scale for scale, block in zip(row_scale, blocks, strict=True)]
     magnitudes = np.linalg.norm(table * row_scale[:, None] * column_scale, axis=0)
-    return MovingRows(np.vstack([np.zeros((len(columns), len(columns))), *scaled]), magnitudes)
+    return VelocityRows(np.vstack([np.zeros((len(columns), len(columns))), *scaled]), magnitudes)
 
 
 def inertia_axes(inertia: Floats) -> Floats:
-    """(r, 3) principal axes about which a (3, 3) tensor has a moment.
+    """Return the (r, 3) principal axes about which a (3, 3) inertia has a moment.
 
-    A moment counts as zero within the rounding of a rotated tensor, relative to the entries that the rotation
-    mixed. Exact zeros show which were not mixed: each block that they leave has a scale of its own.
+    A moment counts as zero within the rounding of a rotated inertia, relative to the entries that the
+    rotation has mixed. Exact zeros show which entries were not mixed: each block between them has a scale
+    of its own.
     """
     linked = np.linalg.matrix_power((inertia != 0) | np.eye(3, dtype=np.bool_), 2)
     found = []
@@ -137,8 +151,8 @@ def inertia_axes(inertia: Floats) -> Floats:
     return np.reshape(found, (-1, 3))
 
 
-def _equilibrating(table: Floats) -> tuple[Floats, Floats]:
-    """Factors of rows and of columns after which the largest entry of each is about 1."""
+def _equilibration(table: Floats) -> tuple[Floats, Floats]:
+    """Return factors of rows and of columns after which the largest entry of each is about 1."""
     rows, columns = np.ones(table.shape[0]), np.ones(table.shape[1])
     for _ in range(SWEEPS):
         rows = 1 / _largest(table * columns, axis=1)
@@ -147,6 +161,6 @@ def _equilibrating(table: Floats) -> tuple[Floats, Floats]:
 
 
 def _largest(table: Floats, axis: int) -> Floats:
-    """Largest entries, or 1 where all are zero."""
+    """Return the largest entries along an axis, or 1 where all are zero."""
     largest: Floats = table.max(axis=axis, initial=0.0)
     return np.where(largest > 0, largest, 1.0)

@@ -1,8 +1,9 @@
-"""Random states in which every part of [A] and {f} counts.
+"""Random states in which every term of [A] and {f} counts.
 
-A wrong term is seen only where it is not drowned by the others. So translations, speeds and loads follow the
-model: each body has a length, and gravity turns it into a time and a force. The same seed gives the same
-states, whatever else is computed.
+A wrong term shows only where it is not much smaller than the others. So translations, speeds and loads have
+the
+scale of the model: each body has a length, and gravity turns the length into a time and a force. The same
+seed gives the same states, whatever else is computed.
 """
 
 from __future__ import annotations
@@ -22,10 +23,10 @@ from kanegen.reference.freedoms import free_columns, prescribed_columns
 from kanegen.reference.matrices import length
 
 PERIODS = 8
-"""How many times what a body swings in the time may be."""
+"""Largest time, in units of the time in which gravity moves a body by its length."""
 
 STANDARD_GRAVITY = 9.80665
-"""m/s^2."""
+"""Gravity of the Earth (m/s^2)."""
 
 
 @dataclass(frozen=True)
@@ -86,9 +87,15 @@ class ActuatedStates(States):
 
 @dataclass(frozen=True)
 class Ranges:
-    """Largest magnitudes of random states, as in `States` without B; 0 where a body takes no loads.
+    """Largest magnitudes of the numbers in random states.
 
-    `size` is (n,) what counts as a large change by a freedom: a radian, or the length of its body.
+    Attributes:
+        x: (m,) coordinates (rad, m, 1).
+        size: (n,) large changes of the freedoms: a radian, or the length of the body (m).
+        y: (n,) generalized speeds (rad/s, m/s).
+        force: (N, 3) forces on the bodies (N); 0 where a body takes no loads.
+        torque: (N, 3) torques on the bodies (N m), likewise.
+        inputs: Further inputs by name, as in `States` without B.
     """
 
     x: Floats
@@ -100,7 +107,7 @@ class Ranges:
 
 
 def ranges(system: System | SystemArrays) -> Ranges:
-    """Half a turn for angles, 1 for quaternions; everything else on the scale of its body."""
+    """Return the ranges of a system: half a turn for angles, 1 for quaternions, else the scale of a body."""
     arrays = system.values() if isinstance(system, System) else system
     size, acceleration, mass = _lengths(arrays), _acceleration(arrays), _masses(arrays)
     rate = np.sqrt(acceleration / size)
@@ -115,14 +122,14 @@ def ranges(system: System | SystemArrays) -> Ranges:
     weight = np.where(arrays.loads, mass, 0.0) * acceleration
     of_points = [k - 1 for k, _ in arrays.forces.points.values()]
     at_points = np.where(arrays.forces.loaded, mass[of_points] * acceleration, 0.0)
-    told = prescribed_columns(arrays)
+    columns = prescribed_columns(arrays)
     moved = [np.concatenate([np.full_like(size, np.pi), size])]
     moved += [np.concatenate([rate**power, rate**power * size]) for power in (1, 2)]
-    given = {
+    inputs = {
         "point_force": np.tile(at_points[:, None], 3),
         "point_moment": np.tile((at_points * size[of_points])[:, None], 3),
         "t": np.array(PERIODS * np.sqrt(size.max() / acceleration)),
-        "prescribed": np.stack([np.repeat(each, 3)[told] for each in moved]),
+        "prescribed": np.stack([np.repeat(each, 3)[columns] for each in moved]),
     }
     return Ranges(
         x=np.concatenate([*turning, lengths]),
@@ -130,16 +137,18 @@ def ranges(system: System | SystemArrays) -> Ranges:
         y=np.repeat(np.concatenate([rate, rate * size]), 3)[free],
         force=np.tile(weight[:, None], 3),
         torque=np.tile((weight * size)[:, None], 3),
-        inputs={name: given[name] for name in _read(arrays)},
+        inputs={name: inputs[name] for name in _input_names(arrays)},
     )
 
 
-def _read(arrays: SystemArrays) -> Iterator[str]:
-    """Names of the `States.inputs` that a system reads."""
+def _input_names(arrays: SystemArrays) -> Iterator[str]:
+    """Yield the names of the further inputs that a system has."""
     if arrays.forces.loaded.any():
         yield from ("point_force", "point_moment")
     if any(
-        TIME in written.variables for element in arrays.forces.elements for written in element.expressions()
+        TIME in expression.variables
+        for element in arrays.forces.elements
+        for expression in element.expressions()
     ):
         yield "t"
     if arrays.prescribed.any():
@@ -147,17 +156,21 @@ def _read(arrays: SystemArrays) -> Iterator[str]:
 
 
 def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:
-    """`count` random states.
+    """Return `count` random states.
 
-    Angles are uniform over (-pi, pi), everything else uniform over (-1, 1) times the scale of its body, the
-    elements of quaternions as they are. [A]
-    is singular where a `cos(theta2)` is zero and all three angles of that body are free; [A] and {f} are
-    smooth there, so those states are not avoided, but who solves with [A] must keep away.
+    Angles are uniform over (-pi, pi), elements of quaternions over (-1, 1), and everything else over (-1,
+    1) times the scale of its body. States near gimbal lock are not avoided: [A] is singular there, but [A]
+    and {f} are smooth. A program that solves with [A] needs other states.
 
     Args:
         system: The tree; parameters stand at their defaults.
-        count: B.
-        seed: Of the generator.
+        count: Number of states B.
+        seed: Seed of the generator.
+
+    Example:
+        >>> states = random_states(kg.load("models/double_pendulum.toml"), 100)
+        >>> states.x.shape
+        (100, 2)
     """
     arrays = system.values() if isinstance(system, System) else system
     rng, largest = np.random.default_rng(seed), ranges(arrays)
@@ -165,8 +178,8 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
     force = torque = None
     if arrays.loads.any():
         force, torque = _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque)
-    given = {name: _uniform(rng, count, scale) for name, scale in largest.inputs.items()}
-    return States(x, y, force, torque, given)
+    inputs = {name: _uniform(rng, count, scale) for name, scale in largest.inputs.items()}
+    return States(x, y, force, torque, inputs)
 
 
 def states_away_from_gimbal_lock(system: System, count: int, seed: int = 0) -> ActuatedStates:
@@ -190,34 +203,36 @@ def states_away_from_gimbal_lock(system: System, count: int, seed: int = 0) -> A
 
 
 def _uniform(rng: np.random.Generator, count: int, scale: Floats) -> Floats:
+    """Return `count` arrays of numbers that are uniform over (-1, 1) times `scale`."""
     values: Floats = rng.uniform(-1.0, 1.0, (count, *scale.shape)) * scale
     return values
 
 
 def _lengths(arrays: SystemArrays) -> Floats:
-    """(N,) the largest of the arms and the radius of gyration; where it is 0, the mean of the others, or 1 m.
+    """Return the (N,) lengths of the bodies: the largest of the arms and the radius of gyration (m).
 
-    Where the ground holds a body does not matter to the motion, so it does not count.
+    A body without length has the mean of the others, or 1 m. The place at which a body is joined to the
+    ground does not matter to the motion, so it does not count.
     """
     on_a_body = arrays.connection[:, None] > 0
     arms = [arrays.mass_center, on_a_body * arrays.joint_position, on_a_body * arrays.locked[:, 3:]]
-    spin = np.trace(arrays.inertia, axis1=1, axis2=2)
-    gyration = np.sqrt(spin / np.where(arrays.mass > 0, arrays.mass, np.inf))
+    trace = np.trace(arrays.inertia, axis1=1, axis2=2)
+    gyration = np.sqrt(trace / np.where(arrays.mass > 0, arrays.mass, np.inf))
     return _filled(np.max([gyration, *(length(arm) for arm in arms)], axis=0))
 
 
 def _masses(arrays: SystemArrays) -> Floats:
-    """(N,) masses, with the mean where a body has none, or else 1 kg."""
+    """Return the (N,) masses; a body without mass has the mean of the others, or 1 kg."""
     return _filled(arrays.mass)
 
 
 def _filled(values: Floats) -> Floats:
-    """`values` with zeros replaced by the mean of the others, or by 1 where there are no others."""
+    """Return `values` with zeros replaced by the mean of the others, or by 1 if all are zero."""
     positive = values[values > 0]
     filled: Floats = np.where(values > 0, values, positive.mean() if positive.size else 1.0)
     return filled
 
 
 def _acceleration(arrays: SystemArrays) -> float:
-    """Gravity, or where there is none that of the Earth (m/s^2)."""
+    """Return the magnitude of gravity (m/s^2), that of the Earth where the system has none."""
     return float(length(arrays.gravity) or STANDARD_GRAVITY)

@@ -16,7 +16,7 @@ from kanegen.errors import ArrayError, OptionError
 from kanegen.measure.comparison import compare
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
-from kanegen.reference.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches, rounding_bound
+from kanegen.reference.magnitudes import forcing_magnitude, mass_matrix_magnitude, path_maxima, rounding_bound
 from kanegen.reference.states import random_states
 from tests.support import systems
 from tests.support.high_precision import true_values
@@ -69,11 +69,11 @@ def test_reference_keeps_its_half_of_the_bound() -> None:
         system = systems.random_system(rng, bodies, locked=bodies % 2 == 1).values()
         states = random_states(system, 3, seed=bodies)
         truth = true_values(system, states)
-        reach = reaches(system, kinematics(system, states.x, states.y), states.y)
+        maxima = path_maxima(system, kinematics(system, states.x, states.y), states.y)
         a = reference.mass_matrix(system, states.x)
         f = reference.forcing(system, states.x, states.y, states.force, states.torque)
-        a_size = mass_matrix_magnitude(system, reach)
-        f_size = forcing_magnitude(system, reach, states.force, states.torque)
+        a_size = mass_matrix_magnitude(system, maxima)
+        f_size = forcing_magnitude(system, maxima, states.force, states.torque)
         for value, true, size in ((a, truth["mass_matrix"], a_size), (f, truth["forcing"], f_size)):
             error = np.abs(value - true).astype(np.float64)
             assert (np.abs(value) <= size * (1 + 1e-14)).all()
@@ -93,8 +93,8 @@ def test_magnitudes_scale_like_what_they_measure(system: kg.System) -> None:
     lever = length / units
     sizes = []
     for model, x, y in ((arrays, states.x, states.y), (scaled, states.x * units, states.y * (units / time))):
-        reach = reaches(model, kinematics(model, x, y), y)
-        sizes.append((mass_matrix_magnitude(model, reach), forcing_magnitude(model, reach, None, None)))
+        maxima = path_maxima(model, kinematics(model, x, y), y)
+        sizes.append((mass_matrix_magnitude(model, maxima), forcing_magnitude(model, maxima, None, None)))
     np.testing.assert_array_equal(sizes[1][0], sizes[0][0] * np.outer(lever, lever) * mass)
     np.testing.assert_array_equal(sizes[1][1], sizes[0][1] * lever * (mass * length / time**2))
 

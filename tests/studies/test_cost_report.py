@@ -24,7 +24,7 @@ from kanegen.reference.magnitudes import (
     element_magnitude,
     forcing_magnitude,
     mass_matrix_magnitude,
-    reaches,
+    path_maxima,
     rounding_bound,
 )
 from kanegen.reference.matrices import skew
@@ -95,11 +95,11 @@ def limits(system: kg.System, given: dict[str, np.ndarray], further: dict[str, n
     """Return the largest difference that rounding allows between two programs for [A] and {f}."""
     arrays, prescribed = system.values(), further.get("prescribed", np.zeros((3, 0)))
     bodies = kinematics(arrays, given["x"], given["y"], prescribed)
-    reach = reaches(arrays, bodies, given["y"], prescribed)
+    maxima = path_maxima(arrays, bodies, given["y"], prescribed)
     share = 2 * rounding_bound(system.number_of_bodies)
-    forcing = forcing_magnitude(arrays, reach, given.get("force"), given.get("torque"))
+    forcing = forcing_magnitude(arrays, maxima, given.get("force"), given.get("torque"))
     forcing = forcing + element_magnitude(arrays, bodies, given["x"], given["y"], **further)
-    return share * mass_matrix_magnitude(arrays, reach), share * forcing
+    return share * mass_matrix_magnitude(arrays, maxima), share * forcing
 
 
 @pytest.mark.parametrize("model", MODEL_FILES, ids=lambda path: path.stem)

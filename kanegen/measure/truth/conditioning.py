@@ -24,7 +24,7 @@ from kanegen.measure.truth.certify import Truth
 from kanegen.measure.truth.enclosure import enclosure
 from kanegen.model.arrays import Floats
 from kanegen.reference.kinematics import kinematics
-from kanegen.reference.magnitudes import forcing_magnitude, mass_matrix_magnitude, reaches
+from kanegen.reference.magnitudes import forcing_magnitude, mass_matrix_magnitude, path_maxima
 from kanegen.reference.matrices import apply, length
 
 
@@ -102,9 +102,9 @@ def term_magnitudes(truth: Truth) -> dict[str, Floats]:
     do not.
     """
     arrays, state = truth.system.values(), truth.state
-    reach = reaches(arrays, kinematics(arrays, state.x, state.y), state.y)
-    matrix = mass_matrix_magnitude(arrays, reach)
-    forcing = forcing_magnitude(arrays, reach, state.force, state.torque)
+    maxima = path_maxima(arrays, kinematics(arrays, state.x, state.y), state.y)
+    matrix = mass_matrix_magnitude(arrays, maxima)
+    forcing = forcing_magnitude(arrays, maxima, state.force, state.torque)
     inverse = apply(matrix, np.abs(state.ydot)) + forcing
     return {"mass_matrix": matrix, "forcing": forcing, "inverse_dynamics": inverse}
 
