@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from tests.support.systems import random_system
 OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
 
 
+@cache
 def _whole(seed: int, bodies: int) -> Program:
     rng = np.random.default_rng(seed)
     compiled = compile_module(random_system(rng, bodies), OUTPUTS)
