@@ -20,7 +20,7 @@ from tests.support.paths import ROOT
 JOINT_KINDS = {
     "model/coordinates.py": "the kinds of rotations and their coordinates",
     "symbolic/literal/joint.py": "rotation matrix and rates, literally",
-    "recursion/orientations.py": "rotation matrix and rates, by recursion",
+    "recursion/turns.py": "rotation matrix and rates, by recursion",
     "recursion/legend.py": "what the names in generated code mean",
     "reference/matrices.py": "rotation matrix in NumPy",
     "reference/kinematics.py": "its place among the equations of the notes",
