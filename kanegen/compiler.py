@@ -31,7 +31,7 @@ from kanegen.artifacts import with_artifacts
 from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
-from kanegen.lowering.accept import accept, reformulated, require_regular
+from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
 from kanegen.lowering.lower import lower
@@ -43,6 +43,41 @@ from kanegen.program import passes
 from kanegen.program.precision import precision_named
 from kanegen.program.split import split
 from kanegen.recursion.outputs import EQUATIONS, Derivative, function_signatures
+from kanegen.reference.regularity import require_regular
+
+
+def compile_module(
+    system: System,
+    outputs: Iterable[str] = EQUATIONS,
+    progress: Progress = quiet,
+    variant: Variant = STRICT,
+    *,
+    regular: bool = True,
+) -> Compiled:
+    """Compile `outputs` to straight-line programs, by the candidate with the fewest operations.
+
+    `regular` says whether to refuse a system whose [A] is singular in every state.
+    """
+    request = accept(system, outputs, variant, regular=regular)
+    candidates = [compile_candidate(request, candidate, progress) for candidate in condition(request)]
+    return min(candidates, key=lambda compiled: compiled.cost)
+
+
+def compile_candidate(request: Request, candidate: Candidate, progress: Progress = quiet) -> Compiled:
+    """Compile the outputs of a request by one way of derivation."""
+    system, outputs, without = request.system, request.outputs, request.variant.without
+    constants = precision_named(request.variant.precision).constants
+    progress("deriving")
+    form = recursion.derive(system, candidate.methods, constants, candidate.refinement)
+    progress("lowering")
+    program = lower(form, outputs, constants)
+    progress("optimising")
+    program, shared = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
+    module, own = split(
+        program, function_signatures(system, outputs), passes.all_but(without, passes.ON_EACH_FUNCTION)
+    )
+    methods = {name: candidate.methods.get(name, Derivative.method) for name in outputs}
+    return Compiled(module, methods, (*shared, *own), candidate.reason)
 
 
 def derive(
@@ -144,15 +179,7 @@ def build(
         A = library.mass_matrix([0.1, 0.2])
     """
     source = generate(
-        system,
-        outputs,
-        progress,
-        without,
-        precision,
-        tier,
-        speeds,
-        coordinates=coordinates,
-        functions=functions,
+        system, outputs, progress, without, precision, tier, speeds, False, coordinates, functions
     )
     progress("compiling")
     return libraries.load(source, compiler, flags, threads)
@@ -178,42 +205,5 @@ def compare(
     system = reformulated(system, speeds, coordinates)
     library = build(system, progress=progress, precision=precision, tier=tier)
     progress("comparing")
-    arithmetic, storage = (
-        precision_named(library.precision),
-        precision_named(library.storage),
-    )
+    arithmetic, storage = precision_named(library.precision), precision_named(library.storage)
     return compare_with_reference(system, library, states, seed, arithmetic, storage)
-
-
-def compile_module(
-    system: System,
-    outputs: Iterable[str] = EQUATIONS,
-    progress: Progress = quiet,
-    variant: Variant = STRICT,
-    *,
-    regular: bool = True,
-) -> Compiled:
-    """Compile `outputs` to straight-line programs, by the candidate with the fewest operations.
-
-    `regular` says whether to refuse a system whose [A] is singular in every state.
-    """
-    request = accept(system, outputs, variant, regular=regular)
-    candidates = [compile_candidate(request, candidate, progress) for candidate in condition(request)]
-    return min(candidates, key=lambda compiled: compiled.cost)
-
-
-def compile_candidate(request: Request, candidate: Candidate, progress: Progress = quiet) -> Compiled:
-    """Compile the outputs of a request by one way of derivation."""
-    system, outputs, without = request.system, request.outputs, request.variant.without
-    constants = precision_named(request.variant.precision).constants
-    progress("deriving")
-    form = recursion.derive(system, candidate.methods, constants, candidate.refinement)
-    progress("lowering")
-    program = lower(form, outputs, constants)
-    progress("optimising")
-    program, shared = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
-    module, own = split(
-        program, function_signatures(system, outputs), passes.all_but(without, passes.ON_EACH_FUNCTION)
-    )
-    methods = {name: candidate.methods.get(name, Derivative.method) for name in outputs}
-    return Compiled(module, methods, (*shared, *own), candidate.reason)

@@ -10,7 +10,7 @@ from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 from kanegen.model.system import System
 from kanegen.options import Variant
 from kanegen.recursion.outputs import chosen, require_available
-from kanegen.reference import regularity
+from kanegen.reference.regularity import require_regular
 
 
 def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular: bool = True) -> Request:
@@ -63,12 +63,3 @@ def require_system(system: object) -> None:
     """
     if not isinstance(system, System):
         raise OptionError(f"{system!r} is no System. Make one with kg.load or kg.System.from_arrays.")
-
-
-def require_regular(system: System) -> None:
-    """Make sure that [A] of a system is regular in some state.
-
-    Raises:
-        SingularError: If [A] is singular in every state; names the body and the freedom.
-    """
-    regularity.require_regular(system)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from kanegen.recursion.outputs import OUTPUTS, Output, Recursion, chosen
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.reference.kinematics import kinematics
 from tests.support import systems
+from tests.support.paths import ROOT
 
 
 def last_angular_velocity(tree: Tree) -> Derived:
@@ -55,3 +57,12 @@ def test_every_output_has_a_method_with_its_arguments(name: str) -> None:
     assert tuple(parameter.name for parameter in positional[1:]) == OUTPUTS[name].arguments
     optional = {p.name for p in positional if p.default is None}
     assert optional == {"tau", "force", "torque"} & set(OUTPUTS[name].inputs)
+
+
+def test_an_output_is_named_in_few_files() -> None:
+    """Derivation, entry, method and help of the command line; new names in C add a line to the legend."""
+    sources = {path.relative_to(ROOT).as_posix(): path for path in (ROOT / "kanegen").rglob("*.py")}
+    naming = {name for name, path in sources.items() if re.search(r"\bpoint_jacobians\b", path.read_text())}
+    assert "kanegen/recursion/outputs/table.py" in naming
+    assert "kanegen/recursion/points.py" in naming
+    assert len(naming | {"kanegen/recursion/legend.py"}) <= 6
