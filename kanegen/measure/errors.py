@@ -60,7 +60,7 @@ class Errors:
 
     @property
     def max(self) -> float:
-        """Largest normwise error."""
+        """Largest normwise error over all states."""
         return self.quantile(QUANTILES["max"])
 
     @property

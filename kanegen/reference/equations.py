@@ -56,7 +56,7 @@ class ForcingTerms:
 
     @property
     def total(self) -> Numbers:
-        """(..., n) forcing {f}."""
+        """(..., n) forcing {f}, the sum of all terms."""
         return sum((getattr(self, field.name) for field in fields(self)), start=np.zeros_like(self.loads))
 
 

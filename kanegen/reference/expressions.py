@@ -72,7 +72,7 @@ class Dual:
         return Dual(root, self.slope / (root + root))
 
     def abs(self) -> Dual:
-        """Return the absolute value."""
+        """Return the absolute value of the number."""
         size = function("abs", self.value)
         return Dual(size, self.slope * (self.value / size))
 
@@ -115,7 +115,7 @@ class Rounded:
         return _rounded(root, self.error / (2 * np.abs(root)))
 
     def abs(self) -> Rounded:
-        """Return the absolute value."""
+        """Return the absolute value of the number."""
         return Rounded(np.abs(self.value), self.error)
 
 

@@ -123,8 +123,7 @@ def _body(
         state: Orientation, (..., 3) angular speeds, (..., 3) translation, (..., 3) translation rates.
         speeds: (..., 6N) speeds in the order of Eq. (1).
     """
-    orientation, rates, translation, translation_rates = state
-    joint_to_lower = system.joint_orientation[k].T
+    orientation, rates, *_ = state
     r_tilde = skew(system.mass_center[k])
 
     turn, rate_matrix, rate_matrix_dot = _rotation_and_rates(system, k, orientation, rates)
@@ -137,21 +136,7 @@ def _body(
         rotate @ lower.omega_y_dot + rotate_dot @ lower.omega_y + _block(rate_matrix_dot, k, speeds)
     )
 
-    offset = system.joint_position[k] + apply(joint_to_lower, translation)
-    offset_dot = apply(joint_to_lower, translation_rates)
-    lower_rotate_dot = transposed(skew(lower.relative_omega)) @ lower.relative_rotation
-    translations = len(system.mass)
-    origin_y = (  # (28)-(30)
-        lower.relative_rotation @ lower.origin_y
-        - skew(offset) @ lower.omega_y
-        + _block(joint_to_lower, translations + k, speeds)
-    )
-    origin_y_dot = (  # (35)
-        lower.relative_rotation @ lower.origin_y_dot
-        + lower_rotate_dot @ lower.origin_y
-        - skew(offset_dot) @ lower.omega_y
-        - skew(offset) @ lower.omega_y_dot
-    )
+    offset, offset_dot, origin_y, origin_y_dot = _origin(system, k, lower, state[2:], speeds)
     center_y = rotate @ origin_y - r_tilde @ omega_y  # (32)
     center_y_dot = rotate @ origin_y_dot + rotate_dot @ origin_y - r_tilde @ omega_y_dot  # (34)
     position = apply(rotate, lower.position + offset)  # (22)
@@ -174,6 +159,36 @@ def _body(
         center_y_dot=center_y_dot,
         center_velocity=apply(center_y, speeds),  # (31)
     )
+
+
+def _origin(
+    system: SystemArrays,
+    k: int,
+    lower: BodyKinematics,
+    state: tuple[Numbers, ...],
+    speeds: Numbers,
+) -> tuple[Numbers, Numbers, Numbers, Numbers]:
+    """Return the offset of O_K from O_J, its rate, [v_O,y], Eq. (28), and [dv_O,y/dt], Eq. (35), in J.
+
+    The arguments are those of `_body`, except that `state` holds the translation and its rates alone.
+    """
+    translation, translation_rates = state
+    joint_to_lower = system.joint_orientation[k].T
+    offset = system.joint_position[k] + apply(joint_to_lower, translation)
+    offset_dot = apply(joint_to_lower, translation_rates)
+    lower_rotate_dot = transposed(skew(lower.relative_omega)) @ lower.relative_rotation
+    origin_y = (  # (28)-(30)
+        lower.relative_rotation @ lower.origin_y
+        - skew(offset) @ lower.omega_y
+        + _block(joint_to_lower, len(system.mass) + k, speeds)
+    )
+    origin_y_dot = (  # (35)
+        lower.relative_rotation @ lower.origin_y_dot
+        + lower_rotate_dot @ lower.origin_y
+        - skew(offset_dot) @ lower.omega_y
+        - skew(offset) @ lower.omega_y_dot
+    )
+    return offset, offset_dot, origin_y, origin_y_dot
 
 
 def _rotation_and_rates(

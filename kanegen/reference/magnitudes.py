@@ -227,7 +227,7 @@ def _inertia_size(system: SystemArrays) -> Floats:
 
 
 def _largest(*values: Floats) -> Floats:
-    """Return the elementwise maximum."""
+    """Return the elementwise maximum of several arrays."""
     result = values[0]
     for value in values[1:]:
         result = np.maximum(result, value)

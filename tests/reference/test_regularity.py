@@ -1,4 +1,4 @@
-"""What makes [A] singular in every state is found and named; what only looks like it passes."""
+"""Systems whose [A] is singular in every state are refused by name; ill-conditioned ones pass."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ EXAMPLES = settings(max_examples=60, deadline=None, derandomize=True)
 def tree(
     connection: list[int], mass: list[float], inertia: list[Any], free: list[str], **more: Any
 ) -> kg.System:
-    """Bodies with everything at their origins; `free` has names of freedoms for each body."""
+    """Return bodies whose mass centres and joints lie at their origins.
+
+    `free` has the names of the free freedoms of each body, separated by blanks.
+    """
     bodies = len(connection)
     places: dict[str, Any] = {"mass_center": np.zeros((bodies, 3)), "joint_position": np.zeros((bodies, 3))}
     return kg.System.from_arrays(
@@ -37,12 +40,13 @@ def tree(
 
 
 def rod(axis: Floats) -> Floats:
-    """Inertia of a thin rod along a unit vector, with the rounding that a rotated tensor has."""
+    """Return the inertia of a thin rod along a unit vector, rounded as a rotated inertia is."""
     inertia: Floats = np.eye(3) - np.outer(axis, axis)
     return inertia
 
 
 def rotated_rod(seed: int) -> Floats:
+    """Return the inertia of a thin rod in a random direction."""
     rotation = systems.random_rotation(np.random.default_rng(seed))
     inertia = rotation @ np.diag([0.7, 0.7, 0.0]) @ rotation.T
     return (inertia + inertia.T) / 2
@@ -61,7 +65,7 @@ def test_massless_leaf() -> None:
         require_regular(system)
 
 
-def test_the_outermost_guilty_freedom_is_named() -> None:
+def test_the_outermost_freedom_without_mass_is_named() -> None:
     system = tree([0, 1, 2, 1], [1, 0, 0, 1], [ONE, NONE, NONE, ONE], ["theta1", "theta1 s2", "", "theta1"])
     with pytest.raises(SingularError, match=r"body 'body2': freedom 'body2.theta1' moves"):
         require_regular(system)
@@ -81,7 +85,7 @@ def test_point_mass_with_all_freedoms() -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_point_mass_about_any_axis_through_it(seed: int) -> None:
-    """Three angles can always turn about the line to the point, whose place rounding blurs."""
+    """Three angles can always turn about the line to the point, also where its position is rounded."""
     center = np.random.default_rng(seed).standard_normal((1, 3))
     with pytest.raises(
         SingularError, match=r"'body1.theta1' together with 'body1.theta3', 'body1.theta2' moves"
@@ -145,8 +149,8 @@ def test_generic_systems_pass(system: kg.System) -> None:
 
 @EXAMPLES
 @given(systems.systems(max_bodies=6))
-def test_the_verdict_is_that_of_the_mass_matrix(system: kg.System) -> None:
-    """With every other body emptied, [A] is singular or not in each of several states, far from rounding."""
+def test_the_decision_is_that_of_the_mass_matrix(system: kg.System) -> None:
+    """With every other body emptied, [A] is clearly singular or clearly regular in several states."""
     arrays = system.values()
     keep = np.arange(len(arrays.mass)) % 2 == 0
     inertia = arrays.inertia * keep[:, None, None]

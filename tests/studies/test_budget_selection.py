@@ -12,7 +12,6 @@ import pytest
 from numpy.typing import NDArray
 
 from kanegen.errors import BudgetError
-from kanegen.measure.errors import quantile
 from kanegen.measure.timing import Times
 from kanegen.studies.budget.evaluator import SELECT, VALIDATE, SampleSpec, SearchResult
 from kanegen.studies.budget.request import Effort, Request
@@ -262,10 +261,3 @@ def test_gain_is_over_the_fastest_that_is_as_accurate_as_the_default() -> None:
     assert found.gain is not None
     assert found.gain.median == pytest.approx(80.0 / 50.0)
     assert choice(CANDIDATES, error=1e-9).gain is None
-
-
-def test_quantile_of_errors_is_one_of_them() -> None:
-    errors = np.array([3.0, 1.0, math.nan, 2.0])
-    assert quantile(errors, 1.0) == math.inf
-    assert quantile(errors, 0.75) == 3.0
-    assert quantile(errors, 0.5) == 2.0

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.measure.errors import Errors
 from kanegen.measure.timing import BATCH, OBJECTIVES
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.options import Variant
@@ -30,11 +29,6 @@ FREE = systems.chain(1, FREEDOMS)
 
 def library(system: kg.System, precision: str = "double") -> kg.Library:
     return kg.build(system, (OUTPUT,), precision=precision)
-
-
-def some_errors(*normwise: float) -> Errors:
-    values = np.array(normwise)
-    return Errors(values, values)
 
 
 def test_the_table_has_at_least_forty_variants_that_differ() -> None:
@@ -99,13 +93,6 @@ def test_rank_correlation_sees_order_alone() -> None:
     assert rank_correlation([1, 2, 3, 4], [10, 20, 1000, 1001]) == pytest.approx(1)
     assert rank_correlation([1, 2, 3, 4], [4, 3, 2, 1]) == pytest.approx(-1)
     assert np.isnan(rank_correlation([1, 1, 1], [1, 2, 3]))
-
-
-def test_quantiles_are_errors_of_states_and_count_failures() -> None:
-    errors = some_errors(*range(1, 100), np.inf)
-    assert (errors.median, errors.p99, errors.max, errors.worst) == (50, 99, np.inf, 99)
-    assert errors.failed.sum() == 1
-    assert errors[[0, 1]].max == 2
 
 
 def test_samples_are_reproducible_disjoint_and_inside_the_box() -> None:

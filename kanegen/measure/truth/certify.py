@@ -60,7 +60,7 @@ class Truth:
     equations: Equations
 
     def __getitem__(self, output: str) -> Enclosure:
-        """Return one of `outputs`."""
+        """Return the exact result of one output."""
         return self.outputs[output]
 
 

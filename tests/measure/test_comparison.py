@@ -1,4 +1,4 @@
-"""Comparisons: the bound holds for honest programs, and no mutant passes."""
+"""Comparisons with the reference: right programs stay within the bound, and no mutant passes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Numbers = NDArray[Any]
 
 
 class Library:
-    """The reference posing as a library, with a hook for each output."""
+    """The reference in the place of a library, with a function that may change each output."""
 
     def __init__(
         self,
@@ -47,7 +47,7 @@ class Library:
 
 
 def changed(index: int, factor: float) -> Callable[..., Numbers]:
-    """Multiplies one entry of {f}, or one row and column of [A], in every state."""
+    """Return a function that multiplies one entry of {f}, or one row and column of [A], in every state."""
 
     def change(values: Numbers, *_: Any) -> Numbers:
         values = values.copy()
@@ -63,7 +63,7 @@ def changed(index: int, factor: float) -> Callable[..., Numbers]:
 
 
 def test_reference_keeps_its_half_of_the_bound() -> None:
-    """Against 40 digits; two programs may differ by twice that. The bound is not idle either."""
+    """Errors against 40 digits stay within half of the bound, and reach 2 % of the whole bound."""
     rng, shares = np.random.default_rng(6), []
     for bodies in (1, 1, 1, 1, 2, 2, 2, 3, 3, 4, 5, 6):
         system = systems.random_system(rng, bodies, locked=bodies % 2 == 1).values()
@@ -85,18 +85,18 @@ def test_reference_keeps_its_half_of_the_bound() -> None:
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(systems.systems(max_bodies=8))
 def test_magnitudes_scale_like_what_they_measure(system: kg.System) -> None:
-    """A stale or missing unit would show: masses, lengths and times by powers of two change no bit."""
+    """Scaling masses, lengths and times by powers of two changes no bit of a magnitude but its unit."""
     arrays, states = system.values(), random_states(system, 2)
     mass, length, time = 2.0**30, 2.0**-9, 2.0**11
     units = np.where([freedom.is_angle for freedom in system.freedoms], 1.0, length)
     scaled = systems.rescaled(arrays, mass, length, time)
-    lever = length / units
+    arm = length / units
     sizes = []
     for model, x, y in ((arrays, states.x, states.y), (scaled, states.x * units, states.y * (units / time))):
         maxima = path_maxima(model, kinematics(model, x, y), y)
         sizes.append((mass_matrix_magnitude(model, maxima), forcing_magnitude(model, maxima, None, None)))
-    np.testing.assert_array_equal(sizes[1][0], sizes[0][0] * np.outer(lever, lever) * mass)
-    np.testing.assert_array_equal(sizes[1][1], sizes[0][1] * lever * (mass * length / time**2))
+    np.testing.assert_array_equal(sizes[1][0], sizes[0][0] * np.outer(arm, arm) * mass)
+    np.testing.assert_array_equal(sizes[1][1], sizes[0][1] * arm * (mass * length / time**2))
 
 
 # Mutants
@@ -142,15 +142,15 @@ def test_a_mutant_is_caught_in_a_long_chain() -> None:
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_what_is_not_finite_fails_and_is_shown(bad: float) -> None:
+def test_a_result_that_is_not_finite_fails_and_is_shown(bad: float) -> None:
     system = systems.eight_body()
 
-    def spoil(f: Numbers, terms: reference.ForcingTerms) -> Numbers:
+    def changed_entry(f: Numbers, terms: reference.ForcingTerms) -> Numbers:
         f = f.copy()
         f[2, 4] = bad
         return f
 
-    report = compare(system, Library(system, forcing=spoil), states=5)
+    report = compare(system, Library(system, forcing=changed_entry), states=5)
     matrix, forcing = report.accuracies
     assert matrix.passed and not forcing.passed and not report.passed
     assert report.max_error == np.inf
@@ -191,7 +191,7 @@ def test_normwise_error_is_relative_and_has_no_units() -> None:
 
 
 def test_forces_that_cancel_to_nothing_are_no_error() -> None:
-    """Without gravity and loads nothing pushes a sphere, but separate terms of Eq. (44) are not zero."""
+    """Without gravity and loads no force acts on a sphere, though separate terms of Eq. (44) are not zero."""
     system = kg.System.from_arrays(
         [0], [2.0], [np.eye(3)], [[0, 0, 0]], [[0, 0, 0]], gravity=(0, 0, 0),
         free=systems.flags(1, ["theta3", "s1", "s2"]),

@@ -1,4 +1,4 @@
-"""Errors, conditioning and bounds of certified truth on numbers worked out by hand, and every message."""
+"""Errors, conditioning and bounds on numbers worked out by hand, and every error message."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ U = 2.0**-53
 
 
 def exact(*values: float | arb) -> Enclosure:
+    """Return exact numbers as an enclosure without radius."""
     return Enclosure(tuple(map(arb, values)), (len(values),), 200)
 
 
@@ -70,7 +71,7 @@ def test_bits(dtype: type) -> None:
     assert (found.bits, found.worst_bits) == (1.0, 2.0)
 
 
-def test_what_is_not_finite_is_infinitely_wrong() -> None:
+def test_a_result_that_is_not_finite_has_infinite_errors() -> None:
     found = truth.errors(np.array([1.0, np.nan]), exact(1.0, 1.0), np.ones(2), U)
     assert found == truth.StateErrors(math.inf, math.inf, 32.0, 64.0)
 
@@ -93,7 +94,7 @@ def test_enclosures() -> None:
 
 
 def test_units_make_one_kind_of_number() -> None:
-    """Metres to millimetres: what has lost its units does not change but for a common factor."""
+    """From metres to millimetres the scaled numbers change by a common factor only."""
     system = systems.chain(2, ["theta1", "s2"])
     diagonal = np.array([0.5, 0.3, 2.0, 3.0])
     metres = units(system, diagonal)
@@ -108,7 +109,7 @@ def test_units_make_one_kind_of_number() -> None:
 @pytest.mark.parametrize("scale", [1.0, 1e-30])
 @pytest.mark.parametrize("near", [2.0**-1, 2.0**-80])
 def test_scaled_condition_number(near: float, scale: float) -> None:
-    """Ones on the diagonal and 1 - near beside it: eigenvalues near and 2 - near."""
+    """A matrix with ones on the diagonal and 1 - near beside it has the eigenvalues near and 2 - near."""
     with ctx.workprec(300):
         off = (1 - arb(near)) * arb(scale).sqrt()
         matrix = arb_mat([[arb(1), off], [off, arb(scale)]])
@@ -118,21 +119,21 @@ def test_scaled_condition_number(near: float, scale: float) -> None:
 
 
 def test_cancellation_of_the_right_hand_side() -> None:
-    """The weight pulls with 8 N m; {tau} holds all but a quarter of it, and a load adds its own."""
+    """The weight pulls with 8 N m, {tau} balances 6 N m of it, and a load may add 2 N m."""
     x, still = [-math.pi / 2], [0.0]
     assert truth.conditioning(truth.truth(rod(), x, still)).chi == pytest.approx(1)
-    held = truth.truth(rod(), x, still, tau=[-6.0])
-    assert held["forcing"].value == pytest.approx([8.0])
-    assert held["forward_dynamics"].value == pytest.approx([4.0])
-    assert truth.conditioning(held).chi == pytest.approx((8 + 6) / 2)
-    pushed = truth.truth(rod(), x, still, tau=[-6.0], torque=[[0, 0, 2.0]])
-    assert truth.conditioning(pushed).chi == pytest.approx((8 + 6 + 2) / 4)
+    balanced = truth.truth(rod(), x, still, tau=[-6.0])
+    assert balanced["forcing"].value == pytest.approx([8.0])
+    assert balanced["forward_dynamics"].value == pytest.approx([4.0])
+    assert truth.conditioning(balanced).chi == pytest.approx((8 + 6) / 2)
+    loaded = truth.truth(rod(), x, still, tau=[-6.0], torque=[[0, 0, 2.0]])
+    assert truth.conditioning(loaded).chi == pytest.approx((8 + 6 + 2) / 4)
     floating = truth.truth(rod(gravity=(0, 0, 0)), x, still)
     assert truth.conditioning(floating) == truth.Conditioning(1.0, math.inf, 1.0)
 
 
 def test_a_mass_that_folds_back_cancels_in_the_matrix() -> None:
-    """Two links of 1 m, the mass at the end of the second 2^-10 m from the axis of the first."""
+    """Two links of about 1 m fold back, so that the mass at the end is 2^-10 m from the first axis."""
     system = kg.System.from_arrays(
         connection=[0, 1],
         mass=[0.0, 1.0],
@@ -148,7 +149,7 @@ def test_a_mass_that_folds_back_cancels_in_the_matrix() -> None:
 
 
 def test_weight_that_hardly_pulls_cancels_in_the_forcing() -> None:
-    """A slide along axis 1, almost level: of 20 N only 2^-30 of it pulls, but {tau} may pull more."""
+    """On an almost level slide only 2^-30 of a weight of 20 N acts along the axis; {tau} may be larger."""
     level = rod(free=systems.flags(1, ["s1"]), gravity=(10 * 2.0**-30, 0, -10), loads=False)
     assert truth.conditioning(truth.truth(level, [0.3], [0.0])).formation == pytest.approx(2.0**30)
     pulled = truth.truth(level, [0.3], [0.0], tau=[20.0])
@@ -189,7 +190,7 @@ MISUSES = {
 
 
 @pytest.mark.parametrize("message", MISUSES)
-def test_misuse(message: str) -> None:
+def test_arguments_that_are_refused(message: str) -> None:
     with pytest.raises(kg.KanegenError, match=message):
         truth.truth(**({"system": rod(), "x": [0.0], "y": [0.0]} | MISUSES[message]))
 
@@ -202,7 +203,7 @@ def test_a_singular_matrix() -> None:
 
 
 class Refusing:
-    """A library that computes nothing but NaN."""
+    """A library whose results are all NaN."""
 
     outputs = ("inverse_dynamics", "forward_dynamics")
     precision = storage = "double"
@@ -215,7 +216,7 @@ class Refusing:
         return np.full(x.shape, np.nan)
 
 
-def test_what_has_no_exact_result_is_not_measured() -> None:
+def test_outputs_without_exact_results_are_not_measured() -> None:
     states = States(np.array([[0.3]]), np.array([[1.0]]), None, None)
     library = kg.build(rod(), ("forcing", "kinetic_energy"))
     assert tuple(truth.measure(rod(), library, states)) == ("forcing",)
@@ -224,7 +225,7 @@ def test_what_has_no_exact_result_is_not_measured() -> None:
         truth.measure(rod(), energy, states)
 
 
-def test_refusals_count_as_errors() -> None:
+def test_states_without_results_count_as_infinite_errors() -> None:
     states = States(np.array([[0.3], [0.4]]), np.array([[1.0], [2.0]]), None, None)
     (found,) = truth.measure(rod(), Refusing(), states).values()
     assert found.normwise.tolist() == [math.inf, math.inf]

@@ -1,4 +1,4 @@
-"""How the reference treats units, locked freedoms, batches, single terms and bad input."""
+"""The reference with other units, locked freedoms, batches, separate terms and wrong shapes."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def test_powers_of_two_in_mass_length_and_time_change_no_bit(system: kg.System) 
         for load, unit in [(state.force, force_unit), (state.torque, force_unit * length)]
     ]
     x, y = state.x * units, state.y * (units / time)
-    lever = length / units  # from unit of force to unit of f, and of A per mass
+    arm = length / units  # from the unit of force to that of f, and to that of A per mass
     a = reference.mass_matrix(system, state.x)
-    np.testing.assert_array_equal(reference.mass_matrix(scaled, x), a * np.outer(lever, lever) * mass)
+    np.testing.assert_array_equal(reference.mass_matrix(scaled, x), a * np.outer(arm, arm) * mass)
     f = reference.forcing(system, state.x, state.y, state.force, state.torque)
-    np.testing.assert_array_equal(reference.forcing(scaled, x, y, *loads), f * lever * force_unit)
+    np.testing.assert_array_equal(reference.forcing(scaled, x, y, *loads), f * arm * force_unit)
 
 
 def test_locking_drops_rows_and_columns() -> None:
@@ -86,7 +86,7 @@ def test_the_separate_terms_are_what_their_names_say() -> None:
 
 
 def test_a_slightly_skewed_joint_orientation_counts_as_a_rotation() -> None:
-    """Else the mass of a body would depend on the frame in which it is pushed."""
+    """Otherwise the mass of a body would depend on the frame in which a force acts."""
     skewed = systems.random_rotation(np.random.default_rng(1)) + 1e-13
     system = kg.System.from_arrays(
         [0], [1.5], [np.eye(3)], [[0, 0, 0]], [[0, 0, 0]], [skewed], systems.flags(1, ["s1", "s2", "s3"])

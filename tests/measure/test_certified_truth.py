@@ -1,4 +1,4 @@
-"""Certified truth: two algorithms and textbooks agree, and generated code errs no more than its bound."""
+"""Exact results agree with textbooks and with each other; generated code keeps its bounds against them."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ from tests.support.high_precision import true_values
 OUTPUTS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
 NOTHING = np.zeros((3, 3))
 QUICK = ("-O0", "-ffp-contract=off")
-"""Flags that change no bit, and compile in a fraction of the time."""
+"""Compiler flags that change no bit of the results and compile fast."""
 
 
 def inputs(system: kg.System, seed: int) -> dict[str, np.ndarray]:
+    """Return random x, y, tau, ydot and loads."""
     rng = np.random.default_rng(seed)
     n, loads = len(system.freedoms), (2, system.number_of_bodies, 3)
     values = dict(zip(("x", "y", "tau", "ydot"), rng.normal(size=(4, n)), strict=True))
@@ -33,7 +34,7 @@ def inputs(system: kg.System, seed: int) -> dict[str, np.ndarray]:
 
 
 def with_parameters(system: kg.System, seed: int) -> kg.System:
-    """The first body's mass, a locked value and angles of its joint frame stay open."""
+    """Make the first body's mass, its locked values and two angles of its joint frame run-time parameters."""
     first, *others = system.bodies
     angles = (kg.Parameter("tilt", 0.3 + seed), 0.7, kg.Parameter("yaw", -1.1))
     locked = tuple(kg.Parameter(f"lock{i}", 0.1 * i + 0.2) for i in range(6))
@@ -65,7 +66,7 @@ def test_both_algorithms_enclose_the_same_numbers(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_forty_digits_agree(seed: int) -> None:
-    """Where no joint frame is turned, the reference in multiprecision has the same truth."""
+    """Compare with the reference in 40 digits, on trees whose joint frames are not turned."""
     system = systems.random_system(np.random.default_rng(seed), 4, orientations=False, loads=True)
     states = random_states(system, 1, seed)
     expected = true_values(system.values(), states)
@@ -79,6 +80,7 @@ def test_forty_digits_agree(seed: int) -> None:
 
 
 def pendulum() -> kg.System:
+    """Return a double pendulum of two point masses."""
     return kg.System.from_arrays(
         connection=(0, 1),
         mass=[1.1, 0.3],
@@ -114,7 +116,7 @@ def test_double_pendulum_to_the_last_bit(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_spinning_top_to_the_last_bit(seed: int) -> None:
-    """A symmetric top on its tip: three angles and their velocity terms, typed from the textbook."""
+    """Compare a symmetric top on its tip, with three angles, with the equations of the textbook."""
     m, h, i1, i3, g = 1.1, 0.7, 0.3, 0.2, 9.81
     top = kg.System.from_arrays(
         connection=(0,),
@@ -144,7 +146,7 @@ def test_spinning_top_to_the_last_bit(seed: int) -> None:
 
 
 def test_joint_frames_are_the_nearest_rotations() -> None:
-    """[C] = [R][S] with a symmetric [S] close to 1 is what makes [R] the nearest rotation."""
+    """[R] is the rotation nearest to [C] where [C] = [R][S] with a symmetric [S] close to 1."""
     system = systems.random_system(np.random.default_rng(0), 6)
     given = system.values().joint_orientation
     with ctx.workprec(200):
@@ -164,16 +166,18 @@ def test_joint_frames_are_the_nearest_rotations() -> None:
 @pytest.mark.parametrize("algorithm", ["mass_matrix", "forcing", "inverse_dynamics"])
 def test_an_error_in_one_algorithm_is_caught(monkeypatch: pytest.MonkeyPatch, algorithm: str) -> None:
     right = getattr(newton_euler, algorithm)
-    monkeypatch.setattr(newton_euler, algorithm, lambda *given: right(*given) * (1 + arb(2) ** -64))
+    monkeypatch.setattr(newton_euler, algorithm, lambda *arguments: right(*arguments) * (1 + arb(2) ** -64))
     with pytest.raises(truth.DisagreementError, match="do not overlap"):
         truth.truth(pendulum(), [0.1, 0.2], [0.3, 0.4], ydot=[0.5, 0.6], outputs=OUTPUTS)
 
 
 @pytest.mark.parametrize("unit_roundoff", [2.0**-24, 2.0**-53, 2.0**-300])
-def test_doubling_stops_at_the_width_asked_for(monkeypatch: pytest.MonkeyPatch, unit_roundoff: float) -> None:
+def test_the_precision_is_doubled_until_the_enclosures_are_narrow(
+    monkeypatch: pytest.MonkeyPatch, unit_roundoff: float
+) -> None:
     tried = []
     monkeypatch.setattr(certify, "first_precision", lambda *_: 20)
-    monkeypatch.setattr(certify, "tree", lambda *given: tried.append(ctx.prec) or tree(*given))
+    monkeypatch.setattr(certify, "tree", lambda *arguments: tried.append(ctx.prec) or tree(*arguments))
     found = truth.truth(pendulum(), [0.1, 0.2], [0.3, 0.4], unit_roundoff=unit_roundoff)
     assert tried == [20 * 2**i for i in range(len(tried))]
     assert tried[-1] == found.bits
@@ -210,8 +214,8 @@ def test_a_straight_chain_of_64_links() -> None:
     assert (result.radius <= 2.0**-73 * np.maximum(np.abs(result.value), 2.0**-53 * result.value.max())).all()
 
 
-def test_what_is_zero_but_not_exactly() -> None:
-    """A link that hangs straight down because two angles cancel: sines and cosines do not say so."""
+def test_a_zero_that_is_not_exact_has_a_tiny_radius() -> None:
+    """A link hangs straight down because two angles cancel, which no finite precision can show exactly."""
     system = replace(pendulum(), gravity=(9.81, 0.0, 0.0))
     first, second = system.bodies
     held = replace(first.joint, free=(False,) * 6, locked=(0, 0, 0.3, 0, 0, 0))
@@ -239,7 +243,7 @@ def test_eight_bodies_keep_the_bound(eight: kg.Library) -> None:
 
 @pytest.mark.parametrize("precision", ["double", "float"])
 def test_the_bounds_fit_generated_code(precision: str) -> None:
-    """A bound that is never reached within a factor of thousands would be empty."""
+    """Errors stay within the bounds, and come within a factor of a thousand of them."""
     trees = [systems.random_system(np.random.default_rng(20 + n), n) for n in (1, 2, 3)]
     pairs = [(tree, kg.build(tree, OUTPUTS, flags=QUICK, precision=precision)) for tree in trees]
     fits = truth.calibrate(pairs)
@@ -253,7 +257,7 @@ def test_the_bounds_fit_generated_code(precision: str) -> None:
 
 @pytest.mark.parametrize("precision, error", [("double", 1e-11), ("float", 1e-2)])
 def test_a_wrong_coefficient_exceeds_the_bound(precision: str, error: float) -> None:
-    """The library is that of a tree whose last mass is a little larger."""
+    """The library computes a tree whose last mass is slightly larger."""
     system = systems.chain(3, ["theta1"], loads=True)
     states = random_states(system, 2)
     tau, ydot = np.random.default_rng(0).normal(size=(2, *states.x.shape))
@@ -277,7 +281,7 @@ def test_parameters_of_the_library_count() -> None:
 
 @pytest.mark.parametrize("mass, length, time", [(2.0**200, 1.0, 1.0), (1.0, 2.0**-60, 2.0**40)])
 def test_units_do_not_matter(mass: float, length: float, time: float) -> None:
-    """In other units by powers of two, the same digits; angles as large as may be are no difficulty."""
+    """Units that differ by powers of two give the same digits, also at very large angles."""
     arrays = systems.random_system(np.random.default_rng(1), 3, loads=False).values()
     system, scaled = (systems.from_values(a) for a in (arrays, systems.rescaled(arrays, mass, length, time)))
     x, y = random_states(system, 1, 2).x[0], random_states(system, 1, 3).x[0]

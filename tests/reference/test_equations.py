@@ -1,4 +1,4 @@
-"""The NumPy reference against textbooks, calculus and conservation laws (and `test_pinocchio`)."""
+"""The NumPy reference against textbooks, calculus and conservation laws."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ from tests.support import systems
 Numbers = NDArray[Any]
 
 STEP = 1e-200
-"""Of complex-step derivatives, whose error is rounding only."""
+"""Imaginary step of complex-step derivatives, which have no truncation error."""
 
 EXAMPLES = settings(max_examples=40, deadline=None, derandomize=True)
 
 
 def rate(function: Any, *pairs: tuple[Numbers, Numbers]) -> Numbers:
-    """Time derivative of `function` of several arguments, each given with its time derivative."""
+    """Return the time derivative of `function`, from pairs of its arguments and their time derivatives."""
     return np.imag(function(*(value + 1j * STEP * dot for value, dot in pairs))) / STEP
 
 
 def accelerations(system: kg.System, state: States) -> Numbers:
+    """Return the accelerations that the reference gives, solved after scaling [A]."""
     a = reference.mass_matrix(system, state.x)
     f = reference.forcing(system, state.x, state.y, state.force, state.torque)
     scale = np.sqrt(np.diag(a))
@@ -36,10 +37,12 @@ def accelerations(system: kg.System, state: States) -> Numbers:
 
 
 def body(system: kg.System, x: Numbers, y: Numbers, number: int = 1) -> BodyKinematics:
+    """Return the kinematics of one body."""
     return kinematics(system.values(), x, y)[number - 1]
 
 
 def hinges(names: list[str], bodies: int) -> NDArray[np.bool_]:
+    """Return flags by which every body has the freedoms of these names."""
     return systems.flags(bodies, names)
 
 
@@ -120,7 +123,7 @@ def test_top_in_steady_precession(tilt: float) -> None:
     np.testing.assert_allclose(f, np.zeros(3), atol=1e-14 * m * g)
 
 
-# Calculus: what the notes call a time derivative is one
+# Calculus: the time derivatives of the notes are derivatives
 
 
 @EXAMPLES
