@@ -114,8 +114,8 @@ def _inputs(system: System, program: Program, states: States) -> dict[str, list[
     values = {array.name: np.zeros((array.size, count)) for array in program.inputs}
     for parameter, row in zip(system.parameters, values.get("parameters", ()), strict=True):
         row[:] = parameter.value
-    given = {"x": states.x, "y": states.y, "force": states.force, "torque": states.torque, **states.inputs}
-    values |= {name: v.reshape(count, -1).T for name, v in given.items() if v is not None}
+    sampled = {"x": states.x, "y": states.y, "force": states.force, "torque": states.torque, **states.inputs}
+    values |= {name: v.reshape(count, -1).T for name, v in sampled.items() if v is not None}
     return {name: list(rows) for name, rows in values.items()}
 
 

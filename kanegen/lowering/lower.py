@@ -79,9 +79,11 @@ class _Lowering:
         self.values: dict[Expr, int] = {}
 
     def all_values(self, expressions: Sequence[Expr]) -> tuple[int, ...]:
+        """Return the numbers of the values of several expressions."""
         return tuple(self.value(expression) for expression in expressions)
 
     def value(self, expression: Expr) -> int:
+        """Return the number of the value of an expression, adding instructions where they are new."""
         known = self.values.get(expression)
         if known is not None:
             return known

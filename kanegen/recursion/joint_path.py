@@ -98,6 +98,7 @@ def joint_path(joint: JointMotion, *, together: bool) -> tuple[PathElement, ...]
 
 
 def _elements(joint: JointMotion, together: bool) -> Iterator[PathElement]:
+    """Yield the elements of `joint_path`."""
     all_translations = together and translates_freely(joint)
     all_angles = together and rotates_freely(joint)
     if all_translations:

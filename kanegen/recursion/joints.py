@@ -68,6 +68,7 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
 
 
 def _translation(system: System, freedom: Freedom, direction: Vector) -> Translation:
+    """Return a free or prescribed translation along `direction`, which is given in the lower body's frame."""
     place, number = _place_and_number(system, freedom)
     k, index = freedom.body, freedom.index
     return Translation(place, freedom.axis, direction, speed(k, index), acceleration(k, index), number)

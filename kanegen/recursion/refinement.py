@@ -113,18 +113,22 @@ class Solution:
 
     @cached_property
     def _needs(self) -> list[Wrench]:
+        """Wrenches that the bodies need where {ydot} = {0}."""
         return needed_wrenches(self._tree, accelerated=False)
 
     @cached_property
     def _components(self) -> list[Expr]:
+        """Free components of the accelerations before refinement."""
         return self._solver.solve(self._needs, "ydot")
 
     @cached_property
     def _correction(self) -> list[Expr]:
+        """First correction of the free components."""
         return self._corrected(self._components)
 
     @cached_property
     def _size(self) -> CorrectionSize:
+        """Sizes of the unrefined solution and of its first correction."""
         return CorrectionSize(self._tree, self._solver.pivots, self._components, self._correction)
 
     def _corrected(self, components: Sequence[Expr]) -> list[Expr]:

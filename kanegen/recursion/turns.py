@@ -2,8 +2,8 @@
 
 [R_123] of Eq. (4) is the product of three planar turns. Passing vectors through them one by one costs no more
 than multiplying by the product, shows every angle's axis as a unit vector of some frame, and needs no matrix
-to be formed. Other turns are given by a matrix: constant ones, those by a quaternion, and several as
-one. A new kind of rotation, with the rates of its coordinates, is written in this module alone.
+to be formed. Other turns are given by a matrix: constant ones, those by a quaternion, and several as one. A
+new kind of rotation, with the rates of its coordinates, is written in this module alone.
 """
 
 from __future__ import annotations

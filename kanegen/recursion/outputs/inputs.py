@@ -44,12 +44,14 @@ def _named(elements: Iterable[Symbol]) -> Elements:
 
 
 def _parameters(system: System) -> Iterator[tuple[Array, Elements]]:
+    """Yield the array of run-time parameters, if there are any."""
     if system.parameters:
         array = Array(PARAMETERS, (len(system.parameters),), "SI", "the run-time parameters")
         yield array, tuple((symbols.parameter(p), f"p_{p.name}") for p in system.parameters)
 
 
 def _state(system: System) -> Iterator[tuple[Array, Elements]]:
+    """Yield the arrays {x} and {y}."""
     x = symbols.coordinates(system)
     y = symbols.speeds(system)
     units = coordinate_units(system)
@@ -71,6 +73,7 @@ def _accelerations_and_forces(system: System) -> Iterator[tuple[Array, Elements]
 
 
 def _loads(system: System) -> Iterator[tuple[Array, Elements]]:
+    """Yield the arrays of forces and torques on bodies, if any body takes loads."""
     if any(body.loads for body in system.bodies):
         count = system.number_of_bodies
         every = list(product(range(1, count + 1), range(3)))
@@ -82,6 +85,7 @@ def _loads(system: System) -> Iterator[tuple[Array, Elements]]:
 
 
 def _point_loads(system: System) -> Iterator[tuple[Array, Elements]]:
+    """Yield the arrays of forces and moments on points, if any point takes loads."""
     if any(point.loads for _, point in system.points):
         count = len(system.points)
         every = list(product(range(1, count + 1), range(3)))
@@ -93,11 +97,13 @@ def _point_loads(system: System) -> Iterator[tuple[Array, Elements]]:
 
 
 def _time(system: System) -> Iterator[tuple[Array, Elements]]:
+    """Yield the array of the time, if the system depends on it."""
     if system.depends_on_time:
         yield Array("t", (), "s", "the time"), _named([symbols.time()])
 
 
 def _prescribed(system: System) -> Iterator[tuple[Array, Elements]]:
+    """Yield the array of the motion of prescribed freedoms, if there are any."""
     if system.prescribed:
         shape = (3, len(system.prescribed))
         doc = "the prescribed freedoms: a row of values, one of rates, one of second derivatives"

@@ -34,10 +34,12 @@ POINTS = Subject(
 
 
 def _n(system: System) -> int:
+    """Return the number of freedoms n."""
     return len(system.freedoms)
 
 
 def _poses_doc(system: System) -> str:
+    """Return the documentation of `body_poses`, which depends on whether bodies are selected."""
     which = "body" if system.poses is None else "chosen body"
     return (
         f"for each {which} the rows of [R_K], Eq. (3), which takes inertial to body components, "
@@ -46,10 +48,12 @@ def _poses_doc(system: System) -> str:
 
 
 def _rate_units(system: System) -> str:
+    """Return the units of {xdot}, those of {x} per second."""
     return ", ".join({"1": "1/s"}.get(unit, f"{unit}/s") for unit in coordinate_units(system))
 
 
 def _derivative(name: str, inputs: tuple[str, ...], derivation: Derivative) -> Output:
+    """Return the entry of an output that is a derivative, whose array follows from the derivation."""
     return Output(name, lambda system: derivation.array(system, name), inputs, derivation)
 
 
