@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.model.arrays import SystemArrays
-from kanegen.model.coordinates import FREEDOMS
+from kanegen.model.coordinates import TRANSLATIONS
 from kanegen.model.force_elements.elements import Drive, End, JointSpring, PointLoad, Potential, Spring
 from kanegen.model.force_elements.expression import TIME, Expression
 from kanegen.model.numbers import Number, value_of
@@ -144,10 +144,10 @@ def _variables(
     for name, (k, index) in system.forces.variables.items():
         if name.startswith("y."):
             found[name] = speeds[..., column(system, k, index)]
-        elif index in range(3, len(FREEDOMS)):
-            found[name] = translations[k - 1][..., index - 3]
-        else:  # the elements of a quaternion are counted behind all freedoms
-            found[name] = orientations[k - 1][..., index % len(FREEDOMS)]
+        elif index in TRANSLATIONS:
+            found[name] = translations[k - 1][..., TRANSLATIONS.index(index)]
+        else:
+            found[name] = orientations[k - 1][..., system.rotations[k - 1].coordinates.index(index)]
     return found
 
 
