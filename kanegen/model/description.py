@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Protocol
 
 from kanegen.errors import ModelError, OptionError
-from kanegen.model import selection
+from kanegen.model import output_rows
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import FREEDOMS, Coordinate, Freedom, Speed
 from kanegen.model.force_elements.element import ForceElement
@@ -226,12 +226,12 @@ class Description:
     @cached_property
     def reaction_names(self) -> tuple[str, ...]:
         """Names of the locked directions in the output `reaction_loads`; by default all, as in Eq. (1)."""
-        return tuple(selection.locked(self.bodies)) if self.reactions is None else self.reactions
+        return tuple(output_rows.locked_directions(self.bodies)) if self.reactions is None else self.reactions
 
     @cached_property
     def reaction_freedoms(self) -> tuple[Freedom, ...]:
         """The locked freedoms in the output `reaction_loads`, in its order."""
-        known = selection.locked(self.bodies)
+        known = output_rows.locked_directions(self.bodies)
         return tuple(Freedom(*known[name]) for name in self.reaction_names)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from kanegen.errors import OptionError
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, TRANSLATIONS, AxisRotations, Freedom
-from kanegen.model.force_elements.names import coordinates_named
+from kanegen.model.force_elements.names import referenced_variables
 from kanegen.model.joint import Joint
 from kanegen.model.numbers import Parameter, map_numbers
 from kanegen.model.system import System
@@ -75,7 +75,7 @@ def _obstacle(system: System, body: Body) -> str:
     if not joint.has_free_orientation:
         return "its three angles are not all free. Leave it out"
     moved = (f"x.{body.name}.", f"y.{body.name}.s", f"y.{body.name}.theta")
-    if any(name.startswith(moved) for name in coordinates_named(system.force_elements)):
+    if any(name.startswith(moved) for name in referenced_variables(system.force_elements)):
         return "a force element names its coordinates, which would mean others. Leave it out"
     if not isinstance(joint.rotation, AxisRotations):
         return f"it has a {joint.coordinates}, which is regular everywhere. Leave it out"

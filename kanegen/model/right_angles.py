@@ -27,7 +27,7 @@ LARGEST = 0.01
 """Largest tolerance (rad): an angle more than half a degree from a right angle is intended."""
 
 
-def checked(tolerance: Any) -> float:
+def checked_tolerance(tolerance: Any) -> float:
     """Return `tolerance` (rad) as a float.
 
     Raises:

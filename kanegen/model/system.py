@@ -11,18 +11,18 @@ from typing import Any, Self
 from kanegen.choices import did_you_mean, require_one
 from kanegen.errors import ModelError, WriteError
 from kanegen.files import write_whole
-from kanegen.model import selection, validation
+from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.description import GRAVITY, Description
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
-from kanegen.model.force_elements.names import resolved
+from kanegen.model.force_elements.names import with_resolved_names
 from kanegen.model.joint import Joint
 from kanegen.model.names import check_identifier
 from kanegen.model.numbers import Number, Parameter, map_numbers, numbers
-from kanegen.model.right_angles import checked
+from kanegen.model.right_angles import checked_tolerance
 from kanegen.model.saving import system_table, toml_text
 
 
@@ -54,8 +54,8 @@ class System(Description):
         validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
-        validation.store(self, poses=selection.poses(self.bodies, self.poses))
-        validation.store(self, reactions=selection.reactions(self.bodies, self.reactions))
+        validation.store(self, poses=output_rows.poses(self.bodies, self.poses))
+        validation.store(self, reactions=output_rows.reactions(self.bodies, self.reactions))
         if not self.freedoms:
             what = "locked or prescribed" if self.prescribed else "locked"
             raise ModelError(f"system {self.name!r} has no free freedom: every joint is {what}.")
@@ -63,7 +63,7 @@ class System(Description):
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
         validation.unique("point name", self.point_names)
-        validation.store(self, force_elements=resolved(elements, self.bodies))
+        validation.store(self, force_elements=with_resolved_names(elements, self.bodies))
         validation.parameter_names(self.parameters, self.number_of_bodies)
         if self.depends_on_time and any(parameter.name == TIME for parameter in self.parameters):
             raise ModelError(f"parameter name {TIME!r} is the time in expressions. Choose another name.")
@@ -177,7 +177,7 @@ class System(Description):
         """
         bodies = list(self.bodies)
         for name, (body, position) in points.items():
-            k = selection.body_number(bodies, body, f"point {name!r}") - 1
+            k = output_rows.body_number(bodies, body, f"point {name!r}") - 1
             bodies[k] = replace(bodies[k], points=(*bodies[k].points, Point(name, position)))
         return replace(self, bodies=tuple(bodies))
 
@@ -204,7 +204,7 @@ class System(Description):
         Example:
             system.with_poses(["hand"])
         """
-        return replace(self, poses=selection.poses(self.bodies, bodies))
+        return replace(self, poses=output_rows.poses(self.bodies, bodies))
 
     def with_reactions(self, directions: Iterable[str] | None) -> Self:
         """Return the same system with another selection of directions in `reaction_loads`.
@@ -219,7 +219,7 @@ class System(Description):
         Example:
             system.with_reactions(["arm.s3"])
         """
-        return replace(self, reactions=selection.reactions(self.bodies, directions))
+        return replace(self, reactions=output_rows.reactions(self.bodies, directions))
 
     def with_prescribed(self, names: Iterable[str] | str) -> Self:
         """Return the same system with the motion of some freedoms as an input; they leave {x}, {y}, [A], {f}.
@@ -296,12 +296,12 @@ class System(Description):
                 counts as rounding; 0 changes nothing. Parameters stay as they are.
 
         Raises:
-            OptionError: If it makes no sense, see `right_angles.checked`.
+            OptionError: If it makes no sense, see `right_angles.checked_tolerance`.
 
         Example:
             kg.load("robot.urdf").with_right_angles(5e-5)
         """
-        limit = checked(tolerance)
+        limit = checked_tolerance(tolerance)
 
         def exact(body: Body) -> Body:
             joint = body.joint.with_right_angles(limit)

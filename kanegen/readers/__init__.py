@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 
 from kanegen.errors import ReadError
-from kanegen.model.right_angles import AS_WRITTEN, checked
+from kanegen.model.right_angles import AS_WRITTEN, checked_tolerance
 from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, ReadOptions
 from kanegen.readers.registry import reader_of
@@ -42,5 +42,5 @@ def load(
         file = ModelFile(Path(path))
     except TypeError:
         raise ReadError(f"{path!r} is not the path of a file.") from None
-    options = ReadOptions(floating_base, checked(right_angles))
+    options = ReadOptions(floating_base, checked_tolerance(right_angles))
     return reader_of(file).read(file, options).with_right_angles(options.right_angles)

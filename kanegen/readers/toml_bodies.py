@@ -7,12 +7,11 @@ from typing import Any
 
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
-from kanegen.model import validation
+from kanegen.model import right_angles, validation
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import FREEDOMS, NOTES, ORIENTATIONS, SPEEDS, selected_freedoms
 from kanegen.model.joint import IDENTITY, Joint
 from kanegen.model.numbers import Parameter, numbers
-from kanegen.model.right_angles import angle
 from kanegen.readers.toml_tables import ORIGIN, Parameters, Table, check_keys
 
 KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "points", "joint")
@@ -140,7 +139,7 @@ def _orientation(table: Table, parameters: Parameters, tolerance: float) -> Any:
             raise ModelError("both orientation and orientation_angles are given. Keep one.")
         angles = parameters.resolve(table["orientation_angles"], "orientation_angles")
         angles = numbers(angles, (3,), "orientation_angles")
-        return tuple(a if isinstance(a, Parameter) else angle(a, tolerance) for a in angles)
+        return tuple(a if isinstance(a, Parameter) else right_angles.angle(a, tolerance) for a in angles)
     matrix = parameters.resolve(table.get("orientation", IDENTITY), "orientation")
     return numbers(matrix, (3, 3), "orientation")
 

@@ -200,8 +200,8 @@ def test_models_are_regular(path: Path) -> None:
     system = load(path)
     assert system.name == path.stem
     x = np.random.default_rng(7).uniform(-1, 1, (20, len(system.coordinates)))
-    told = np.ones((3, len(system.prescribed)))
-    assert np.linalg.eigvalsh(reference.mass_matrix(system, x, told)).min() > 0
+    motion = np.ones((3, len(system.prescribed)))
+    assert np.linalg.eigvalsh(reference.mass_matrix(system, x, motion)).min() > 0
 
 
 def test_models_are_the_textbook_ones() -> None:

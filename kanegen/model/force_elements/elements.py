@@ -1,6 +1,6 @@
 """The kinds of force elements: springs, drives, loads on points, potentials.
 
-They name freedoms and points; `names.resolved` looks the names up when a system is made.
+They name freedoms and points; `names.with_resolved_names` looks the names up when a system is made.
 """
 
 from __future__ import annotations

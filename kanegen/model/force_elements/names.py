@@ -55,7 +55,7 @@ def variable_places(bodies: Sequence[Body]) -> dict[str, Place]:
     return coordinates | {f"y.{name}": place for name, place in speed_places(bodies).items()}
 
 
-def resolved(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[ForceElement, ...]:
+def with_resolved_names(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[ForceElement, ...]:
     """Return the elements, kind by kind, with names that do not change when a freedom is locked.
 
     Raises:
@@ -66,7 +66,7 @@ def resolved(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[
     return tuple(sorted(found, key=lambda element: KINDS.index(type(element))))
 
 
-def coordinates_named(elements: Iterable[ForceElement]) -> set[str]:
+def referenced_variables(elements: Iterable[ForceElement]) -> set[str]:
     """Return the variables of elements, and as variables the freedoms on which elements act."""
     found: set[str] = set()
     for element in elements:

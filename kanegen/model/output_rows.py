@@ -35,7 +35,7 @@ def body_number(bodies: Sequence[Body], body: Any, what: str) -> int:
     return int(body)
 
 
-def locked(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
+def locked_directions(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
     """Return every locked direction in the order of Eq. (1): angles of all bodies, then translations.
 
     Returns:
@@ -71,7 +71,7 @@ def reactions(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
     """
     if chosen is None:
         return None
-    known, names = locked(bodies), _listed(chosen, REACTIONS)
+    known, names = locked_directions(bodies), _listed(chosen, REACTIONS)
     for name in names:
         if not isinstance(name, str) or name not in known:
             raise ModelError(f"{REACTIONS}: {_reason(bodies, name, known)}")
