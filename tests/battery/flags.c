@@ -1,5 +1,5 @@
-/* Counts the states in which floating-point flags go up: invalid, division by zero, overflow; with TRAP such a
-   flag ends the program. */
+/* Call forward dynamics and print the number of calls that raise each floating-point exception: invalid operation,
+ * division by zero, overflow. With TRAP, an exception ends the program. */
 #define _GNU_SOURCE
 #include <fenv.h>
 #include <stdio.h>

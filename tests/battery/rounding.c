@@ -1,4 +1,5 @@
-/* Prints forward dynamics in every rounding mode, as bits: nearest, upward, downward, toward zero. */
+/* Print the results of forward dynamics in hexadecimal for every rounding mode: nearest, upward, downward, toward
+ * zero. */
 #include <fenv.h>
 #include <stdio.h>
 #include <stdlib.h>

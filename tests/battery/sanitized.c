@@ -1,5 +1,5 @@
-/* Calls forward dynamics state by state and as a batch; sanitizers end the program at what they object to. What is
- * printed is how many states are refused, not in how many a result is said to be inaccurate. */
+/* Call forward dynamics state by state and as a batch; sanitizers end the program at the first error. Print the
+ * number of states that have no result; states whose result may be inaccurate do not count. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-/* Prints the largest errors of sine and cosine over every so many floats, in units of the last place. */
+/* Print the largest errors of sine and cosine over every argv[1]-th float, in units of the last place. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* What a driver reads its states with; REAL is the type of their numbers. */
+/* Read a file of numbers of the type REAL. */
 #include <stdio.h>
 #include <stdlib.h>
 
