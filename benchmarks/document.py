@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from string import Template
 
-from kanegen.measure import machine
+from kanegen.measure.machine import Machine
 from kanegen.studies.bench import BenchOptions, Comparison, Entry, table
 from kanegen.studies.bench.comparison import KANEGEN, PYTHON
 from kanegen.studies.bench.participant import EXACT, NATIVE, RELAXED, SETTINGS, Setting
@@ -61,7 +61,7 @@ def document(comparisons: Sequence[Comparison], options: BenchOptions) -> str:
         "Compiler settings:",
         "\n".join(f"- *{setting.name}*: `{' '.join(setting.flags)}`" for setting in SETTINGS),
         "## Machine",
-        "\n".join(f"- {line}" for line in machine.description()),
+        "\n".join(f"- {line}" for line in Machine.here().lines()),
         _SHARED,
         "## Every number",
         *(section(comparison) for comparison in comparisons),

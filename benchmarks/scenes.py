@@ -18,7 +18,7 @@ from kanegen import compiler
 from kanegen.c import description, render
 from kanegen.files import write_whole
 from kanegen.library import load
-from kanegen.measure import machine
+from kanegen.measure.machine import Machine
 from kanegen.options import TIERS
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.general_form import steps
@@ -99,7 +99,7 @@ def main() -> None:
     for scene in SCENES:
         print(scene.title, flush=True)
         parts += _section(scene, options.rounds)
-    parts += ["## Machine", "\n".join(f"- {line}" for line in machine.description())]
+    parts += ["## Machine", "\n".join(f"- {line}" for line in Machine.here().lines())]
     write_whole(options.docs / "scenes.md", "\n\n".join(parts) + "\n")
 
 

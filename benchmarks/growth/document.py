@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from benchmarks.growth.cases import CURVES, LARGEST
 from benchmarks.growth.results import FROM, MEASURES, Measure, Point, Study, exponent, series
-from kanegen.measure import machine
+from kanegen.measure.machine import Machine
 from kanegen.options import STRICT
 from kanegen.studies.markdown import markdown_table
 
@@ -61,7 +61,7 @@ def document(study: Study, options: GrowthOptions) -> str:
     parts = ["# Growth with the number of bodies", _INTRODUCTION, _exponents(study), _method(options)]
     if study.missing:
         parts += ["\n".join(["Left out:", "", *(f"- {reason}" for reason in study.missing)])]
-    parts += ["\n".join(["The machine:", "", *(f"- {line}" for line in machine.description())])]
+    parts += ["\n".join(["The machine:", "", *(f"- {line}" for line in Machine.here().lines())])]
     parts += ["## Every number"]
     for curve in CURVES:
         points = study.curve(curve)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import platform
 import re
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
+from typing import Self
 
 from kanegen.library.native import compilers
 
@@ -17,17 +19,42 @@ INSTRUCTION_SETS = ("avx2", "fma", "avx512f")
 """Vector instruction sets that a description names where the processor has them."""
 
 
-def description() -> list[str]:
-    """Describe the machine in three lines: processor, C compiler, versions of Python and packages.
+@dataclass(frozen=True)
+class Machine:
+    """A machine and its programs, in words.
 
-    Raises:
-        BuildError: If there is no C compiler.
+    Attributes:
+        processor: Name, family, model and vector instruction sets of the processor, and the number of cores.
+        system: Operating system and kind of processor.
+        libc: Name and version of the C library.
+        compiler: Name and version of the C compiler that kanegen uses by default.
+        versions: Versions of Python and of `PACKAGES`.
     """
-    return [
-        f"{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}",
-        compilers.find().version,
-        f"Python {platform.python_version()}, {', '.join(map(_package_version, PACKAGES))}",
-    ]
+
+    processor: str
+    system: str
+    libc: str
+    compiler: str
+    versions: str
+
+    @classmethod
+    def here(cls) -> Self:
+        """Return the machine on which this process runs.
+
+        Raises:
+            BuildError: If there is no C compiler.
+        """
+        return cls(
+            processor=f"{_processor()}, {os.cpu_count()} cores",
+            system=f"{platform.system()} {platform.machine()}",
+            libc=" ".join(platform.libc_ver()),
+            compiler=compilers.find().version,
+            versions=f"Python {platform.python_version()}, {', '.join(map(_package_version, PACKAGES))}",
+        )
+
+    def lines(self) -> list[str]:
+        """Return three lines: processor and operating system, C compiler, versions."""
+        return [f"{self.processor}, {self.system}", self.compiler, self.versions]
 
 
 def _processor() -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import platform
 import shutil
 import subprocess
 import sys
@@ -195,8 +194,3 @@ def print_threaded(precision: str) -> None:
     """Print the hash of the batch computed by OMP_NUM_THREADS threads."""
     library = _library(_mixed(), precision_named(precision), threads=True)
     print(_together(library, _inputs(_mixed(), precision_named(precision))))
-
-
-def machine() -> str:
-    """Return operating system, processor and C library."""
-    return f"{platform.system()} {platform.machine()}, {' '.join(platform.libc_ver())}"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from kanegen.library.native.compilers import find
-from tests.battery.compilers import compilers, machine
+from kanegen.measure.machine import Machine
+from tests.battery.compilers import compilers
 from tests.battery.experiments import EXPERIMENTS, Row
 
 Results = Mapping[str, Sequence[Row]]
@@ -73,5 +74,6 @@ def _sentence(cause: str) -> str:
 
 def _machine() -> str:
     versions = [find(name).version for name in compilers()]
-    lines = [machine(), *versions, f"Figures of errors: {find().version}"]
+    machine = Machine.here()
+    lines = [f"{machine.system}, {machine.libc}", *versions, f"Figures of errors: {machine.compiler}"]
     return "\n".join(f"- {line}" for line in lines)

@@ -149,14 +149,14 @@ def _effort(link: Link, motion: Motion, moving: bool) -> tuple[arb_mat, arb_mat]
     """Return the (3, m) forces and moments about O_K that move body K, less its loads."""
     omega, m = motion.omega, motion.alpha.ncols()
     center_acceleration = motion.acceleration - skew(link.center) * motion.alpha
-    spin = link.inertia * motion.alpha
+    moment = link.inertia * motion.alpha
     if moving:
         center_acceleration += _repeated(cross(omega, cross(omega, link.center)), m)
-        spin += _repeated(cross(omega, link.inertia * omega) - link.torque, m)
+        moment += _repeated(cross(omega, link.inertia * omega) - link.torque, m)
     force = center_acceleration * link.mass
     if moving:
         force -= _repeated(link.force, m)
-    return force, spin + cross(link.center, force)
+    return force, moment + cross(link.center, force)
 
 
 def _rotation_and_rates(link: Link) -> tuple[arb_mat, arb_mat, arb_mat]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from kanegen import __version__
-from kanegen.measure import machine
+from kanegen.measure.machine import Machine
 from kanegen.measure.timing import Times
 from kanegen.studies.bench.participant import EXACT, Setting
 from kanegen.studies.bench.results import TOLERANCE, Task
@@ -150,7 +150,7 @@ def json_record(comparisons: Sequence[Comparison], options: BenchOptions) -> str
     """Return all numbers of some comparisons as JSON, with a description of the machine."""
     record = {
         "kanegen": __version__,
-        "machine": machine.description(),
+        "machine": Machine.here().lines(),
         "terms": asdict(options),
         "outcomes": [comparison.as_dict() for comparison in comparisons],
     }

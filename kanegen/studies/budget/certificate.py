@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +22,7 @@ from kanegen.c import Source
 from kanegen.c.folder import is_unchanged
 from kanegen.errors import CertificateError, KanegenError
 from kanegen.library import Library
-from kanegen.measure import machine
+from kanegen.measure.machine import Machine
 from kanegen.measure.timing import OBJECTIVES
 from kanegen.model.saving import toml_text
 from kanegen.model.system import System
@@ -216,12 +215,12 @@ def source_digests(source: Source) -> dict[str, str]:
 
 def built_with(source: Source) -> dict[str, Any]:
     """Return the compiler, its flags, the processor and the C library of this machine, by name."""
-    processor, compiler, *_ = machine.description()
+    machine = Machine.here()
     return {
-        "compiler": compiler,
+        "compiler": machine.compiler,
         "flags": list(source.variant.flags),
-        "processor": processor,
-        "libc": " ".join(platform.libc_ver()),
+        "processor": f"{machine.processor}, {machine.system}",
+        "libc": machine.libc,
     }
 
 

@@ -11,7 +11,7 @@ from dataclasses import asdict
 from typing import Any
 
 from kanegen import __version__
-from kanegen.measure import machine
+from kanegen.measure.machine import Machine
 from kanegen.measure.timing import OBJECTIVES, Times
 from kanegen.measure.truth.bounds import FACTOR
 from kanegen.measure.truth.errors import GATE
@@ -101,7 +101,7 @@ def markdown(study: Study) -> str:
         lines = [f"- {refusal.label}: {refusal.reason}" for refusal in study.refusals]
         parts += ["## Refused", "\n".join(lines)]
     notes = [f"- Note: {note}." for note in study.notes]
-    parts += ["## Where", "\n".join([*notes, *(f"- {line}" for line in machine.description())])]
+    parts += ["## Where", "\n".join([*notes, *(f"- {line}" for line in Machine.here().lines())])]
     return "\n\n".join(parts) + "\n"
 
 
@@ -127,7 +127,7 @@ def json_record(study: Study) -> str:
     """Return a study as JSON: every figure, the states in hexadecimal, and a description of the machine."""
     record = {
         "kanegen": __version__,
-        "machine": machine.description(),
+        "machine": Machine.here().lines(),
         "model": study.model,
         "freedoms": study.n,
         "notes": list(study.notes),
