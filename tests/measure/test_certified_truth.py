@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -294,3 +296,15 @@ def test_units_do_not_matter(mass: float, length: float, time: float) -> None:
     assert (other["forcing"].value == found["forcing"].value * forces).all()
     assert (other["forward_dynamics"].value == found["forward_dynamics"].value * lengths / time**2).all()
     assert truth.conditioning(other) == truth.conditioning(found)
+
+
+@pytest.mark.parametrize("module", ["balls", "enclosure", "tree", "kane", "newton_euler"])
+def test_exact_results_share_nothing_with_the_reference_or_the_compiler(module: str) -> None:
+    source = Path(truth.__file__).with_name(f"{module}.py").read_text(encoding="utf-8")
+    imported = re.findall(r"^ *from (kanegen[\w.]*)", source, flags=re.MULTILINE)
+    foreign = {name.split(".")[1] for name in imported} - {"errors", "measure", "model", "program"}
+    assert not foreign
+    assert {name for name in imported if name.startswith("kanegen.program")} <= {
+        "kanegen.program.constants",
+        "kanegen.program.precision",
+    }
