@@ -44,12 +44,12 @@ class Scene:
 
     Attributes:
         title: Title of the section.
-        words: Sentence about the scene.
+        sentence: Sentence about the scene.
         name: Name of the model.
     """
 
     title: str
-    words: str
+    sentence: str
     name: str
 
     @property
@@ -111,7 +111,7 @@ def _section(scene: Scene, rounds: int) -> list[str]:
     before, after = found.steps[0].total, found.steps[-1].total
     return [
         f"## {scene.title}",
-        f"{scene.words} Outputs: {', '.join(wanted)}. The model is "
+        f"{scene.sentence} Outputs: {', '.join(wanted)}. The model is "
         f"[models/{scene.name}.toml](../models/{scene.name}.toml), its cost report "
         f"[models/{scene.name}.md](models/{scene.name}.md).",
         markdown_table(heads(found), rows(found)),

@@ -50,27 +50,27 @@ def bench(
 
     require_plot(plot)
     require_writable(json_, plot)
-    terms = BenchOptions(states, rounds, seconds)
+    options = BenchOptions(states, rounds, seconds)
     system = load(model, floating_base, right_angles)
     with progress() as report:
-        comparison = compare(system, terms, report, peer)
-    _show(comparison, terms)
+        comparison = compare(system, options, report, peer)
+    _show(comparison, options)
     if json_ is not None:
-        write_whole(json_, json_record([comparison], terms))
+        write_whole(json_, json_record([comparison], options))
     if plot is not None:
         write_whole(plot, svg([comparison]))
     if not comparison.agrees:
         raise typer.Exit(FAILED)
 
 
-def _show(comparison: Comparison, terms: BenchOptions) -> None:
+def _show(comparison: Comparison, options: BenchOptions) -> None:
     """Print the tables and notes of a comparison."""
     from kanegen.studies.bench import table
     from kanegen.studies.bench.results import QUANTITIES
 
     screen.print(
-        f"[bold]{comparison.model}[/]: {comparison.n} freedoms, {terms.states} random states, "
-        f"{terms.rounds} x {terms.seconds:g} s a task\n",
+        f"[bold]{comparison.model}[/]: {comparison.n} freedoms, {options.states} random states, "
+        f"{options.rounds} x {options.seconds:g} s a task\n",
         soft_wrap=True,
     )
     for quantity in QUANTITIES:

@@ -81,7 +81,7 @@ class BudgetOptions:
 
 
 def generate(
-    system: System, terms: BudgetOptions, folder: Path, force: bool, progress: Callable[[str], None]
+    system: System, options: BudgetOptions, folder: Path, force: bool, progress: Callable[[str], None]
 ) -> CertifiedSource:
     """Find the C that keeps the budget and certify it, after checking that `folder` can take the files.
 
@@ -91,10 +91,12 @@ def generate(
         OptionError: If an option has an impossible value.
         WriteError: If the folder cannot take the files.
     """
-    request = terms.request
-    region = read_region(terms.domain, system)
+    request = options.request
+    region = read_region(options.domain, system)
     require_room(certified_file_names(system), folder, force)
-    return certify_variant(system, region, request, allowed_candidates(terms.admits), terms.seed, progress)
+    return certify_variant(
+        system, region, request, allowed_candidates(options.admits), options.seed, progress
+    )
 
 
 def show(found: CertifiedSource) -> None:

@@ -124,9 +124,9 @@ def _within_budget(system: System, context: typer.Context, folder: Path, force: 
         require(package, EXTRA)
     from kanegen.cli.budget import BudgetOptions, generate, show
 
-    terms = BudgetOptions.typed(context.params)
+    options = BudgetOptions.typed(context.params)
     with progress() as report:
-        found = generate(system, terms, folder, force, report)
+        found = generate(system, options, folder, force, report)
     show(found)
     return found.source
 

@@ -71,12 +71,12 @@ def tradeoff(
     system = load(model, floating_base, right_angles)
     files = _Files.chosen(output_dir, json_, plot, simulation)
     with progress() as show_stage:
-        terms = StudyOptions(
+        options = StudyOptions(
             states=states, search=search, rounds=rounds, seconds=seconds, seed=seed, quantile=quantile
         )
         for name in objective or ():
             require_one("objective", name, OBJECTIVES)
-        found = study(system, terms, show_stage)
+        found = study(system, options, show_stage)
         if simulation:
             found = with_simulations(system, found, show_stage)
     files.write(found)

@@ -29,7 +29,7 @@ class Found:
     state: Floats
     share: float
 
-    def words(self) -> str:
+    def text(self) -> str:
         """Return the numbers in hexadecimal, without loss."""
         return " ".join(float(number).hex() for number in self.state)
 
@@ -46,7 +46,7 @@ def worse_states(size: Size) -> Iterator[Row]:
         for name, system in _scenes().items():
             case = f"{name}, {precision.name}"
             found = climbed(system, precision, tries, WORST.get(case))
-            over = f"{(tries + 4) * TOGETHER} states; the worst: {found.words()}"
+            over = f"{(tries + 4) * TOGETHER} states; the worst: {found.text()}"
             yield Row(case, found.share, 1.0, f"error over {PROMISE}", over)
 
 

@@ -35,7 +35,7 @@ def sanitizers(size: Size) -> Iterator[Row]:
     trees = _sanitized_scenes(size)
     for precision in PRECISIONS:
         found = {name: _objection(system, precision) for name, system in trees.items()}
-        objections = [f"{name}: {words}" for name, words in found.items() if words]
+        objections = [f"{name}: {text}" for name, text in found.items() if text]
         over = f"{', '.join(trees)}; {SANITIZERS.replace(',', ', ')}; {' '.join(WARNING_FLAGS[:5])}"
         yield count(precision.name, objections, "; ".join([over, *objections]), "no objection")
 
@@ -85,7 +85,7 @@ def model_files(size: Size) -> Iterator[Row]:
     for name, amount in amounts.items():
         tally = Tally()
         failed = tally.run(_files(bodies, "damaged" in name), amount)
-        over = f"{amount} files, 1 to {bodies} bodies: {tally.words(failed)}"
+        over = f"{amount} files, 1 to {bodies} bodies: {tally.text(failed)}"
         yield Row(name, float(failed is not None), 0.0, "an error or T(u)", over)
 
 
@@ -102,7 +102,7 @@ class Tally:
     def __init__(self) -> None:
         self.refused = self.singular = self.evaluated = self.beyond = 0
 
-    def words(self, failed: str | None) -> str:
+    def text(self, failed: str | None) -> str:
         """Return the counts as a text for the report."""
         accepted = f"{self.singular} singular, {self.evaluated} evaluated, {self.beyond} beyond"
         counts = f"{self.refused} refused, {accepted}"

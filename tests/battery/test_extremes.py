@@ -63,9 +63,9 @@ def test_fuzzing_tells_what_fails(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_search_begins_with_the_worst_known() -> None:
     system = scenes.straight(1)
     ordinary = counterexamples.climbed(system, DOUBLE, 0, None)
-    known = counterexamples.climbed(system, DOUBLE, 5, ordinary.words())
+    known = counterexamples.climbed(system, DOUBLE, 5, ordinary.text())
     assert known.share >= ordinary.share > 0
-    assert counterexamples.climbed(system, DOUBLE, 0, known.words()).words() == known.words()
+    assert counterexamples.climbed(system, DOUBLE, 0, known.text()).text() == known.text()
 
 
 def test_the_report() -> None:

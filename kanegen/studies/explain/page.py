@@ -20,7 +20,7 @@ class Box:
         x: Left edge (px).
         y: Upper edge (px).
         name: Name of the body.
-        words: Text below the name.
+        text: Text below the name.
         color: CSS colour.
         width: Width (px).
         height: Height (px).
@@ -29,7 +29,7 @@ class Box:
     x: int
     y: int
     name: str
-    words: str
+    text: str
     color: str
     width: int = WIDTH
     height: int = HEIGHT
