@@ -13,8 +13,8 @@ from kanegen.measure import truth as certified
 from kanegen.reference import equations as reference
 from kanegen.reference.states import random_states
 from kanegen.symbolic import derive
-from tests.recursion.test_recursive import bushes, gimbals, hinges
 from tests.support import systems
+from tests.support.chains import bushes, gimbals, hinges
 from tests.support.orientation_trees import ANGULAR_VELOCITY, ARRAYS, angle_state, close, maps, mixed, values
 
 OUTPUTS = (

@@ -13,28 +13,13 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.model.coordinates import FREEDOMS, Freedom
 from kanegen.model.numbers import Number, value_of
-from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
 from tests.support import moving_bodies, systems
+from tests.support.programs import Arrays, values
 
 ENERGIES = ("kinetic_energy", "potential_energy")
 OUTPUTS = (*ENERGIES, "momentum", "mass_center")
-Arrays = dict[str, Any]
-
-
-def values(system: kg.System, outputs: tuple[str, ...], inputs: Arrays, number: Any = float) -> Arrays:
-    """Return outputs by array, computed by one program in the arithmetic of `number`."""
-    module = compile_module(system, outputs).module
-    program = module.functions.get("evaluate") or module.functions[outputs[0]]
-    flat = {name: [number(v) for v in np.ravel(value)] for name, value in inputs.items()}
-    if module.prepare is not None:
-        parameters = [number(parameter.value) for parameter in system.parameters]
-        flat |= evaluate(
-            module.prepare, {"parameters": parameters}, np if number is float else mpmath, number
-        )
-    found = evaluate(program, flat, np if number is float else mpmath, number)
-    return {output.array.name: np.array(found[output.array.name]) for output in program.outputs}
 
 
 def generic(seed: int) -> kg.System:

@@ -8,12 +8,12 @@ import sympy
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.coordinates import FREEDOMS
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Program
 from kanegen.reference import equations as reference
 from kanegen.symbolic.symbols import coordinate, force, parameter, speed, torque
 from tests.support import systems
+from tests.support.chains import bushes, gimbals, hinges
 
 OUTPUTS = ("mass_matrix", "forcing")
 
@@ -92,40 +92,6 @@ def test_equals_the_reference_on_random_trees(seed: int) -> None:
     assert np.abs(ours["A"] - reference.mass_matrix(system, x)).max() <= 1e-13 * scale
     f = reference.forcing(system, x, y, **loads)
     assert np.abs(ours["f"] - f).max() <= 1e-12 * max(np.abs(f).max(), scale)
-
-
-def bushes(bodies: int) -> kg.System:
-    """Return a chain of bodies with six freedoms each and identity orientations."""
-    free = systems.flags(bodies, FREEDOMS)
-    rng = np.random.default_rng(1)
-    return systems.random_system(
-        rng,
-        bodies,
-        connection=range(bodies),
-        free=free,
-        loads=False,
-        orientations=False,
-        gravity=(0, 0, -9.81),
-    )
-
-
-def gimbals(bodies: int) -> kg.System:
-    """Return a chain of bodies with three free angles each."""
-    rng = np.random.default_rng(1)
-    return systems.random_system(
-        rng, bodies, connection=range(bodies), free=systems.flags(bodies, FREEDOMS[:3]), loads=False,
-        orientations=False, locked=False, gravity=(0, 0, -9.81),
-    )  # fmt: skip
-
-
-def hinges(bodies: int) -> kg.System:
-    """Return a chain of hinges about axes 1, 2, 3, 1, ..."""
-    free = np.eye(6, dtype=bool)[[k % 3 for k in range(bodies)]]
-    rng = np.random.default_rng(1)
-    return systems.random_system(
-        rng, bodies, connection=range(bodies), free=free, loads=False, orientations=False, locked=False,
-        gravity=(0, 0, -9.81),
-    )  # fmt: skip
 
 
 COUNTS = {

@@ -10,56 +10,19 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.coordinates import FREEDOMS, SEQUENCES, Freedom
-from kanegen.model.numbers import value_of
+from kanegen.model.coordinates import FREEDOMS, SEQUENCES
 from kanegen.program.count import count
-from kanegen.program.evaluate import evaluate
-from kanegen.reference import equations as reference
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.general_form import steps, with_all_freedoms, with_numbers_as_parameters
 from tests.support import moving_bodies, systems
 from tests.support.orientation_trees import ANGULAR_VELOCITY, mixed, quaternion_state, with_quaternions
 from tests.support.paths import MODELS
+from tests.support.reactions import efforts, reactions
 
 WARNINGS = "-O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
 
-Arrays = dict[str, np.ndarray]
-
 ROUNDING = 1e-13
 """Share of the largest effort: some hundred terms are summed in two orders, each rounded by 1e-16."""
-
-
-def reactions(system: kg.System, given: Arrays) -> np.ndarray:
-    """Return the reaction loads by the program that becomes C."""
-    module = compile_module(system, ("reaction_loads",), regular=False).module
-    values = {name: np.ravel(value) for name, value in given.items()}
-    if module.prepare:
-        parameters = [parameter.value for parameter in system.parameters]
-        values["prepared"] = evaluate(module.prepare, {"parameters": parameters}, np)["prepared"]
-    (function,) = module.functions.values()
-    found = evaluate(function, {array.name: values[array.name] for array in function.inputs}, np)
-    return np.array(found["reaction_loads"], float)
-
-
-def efforts(system: kg.System, given: Arrays) -> dict[Freedom, float]:
-    """Return [A]{ydot} - {f} by the reference, by freedom of the same tree with nothing locked."""
-    free = tuple(
-        replace(body, joint=replace(body.joint, free=(True,) * 6, name="")) for body in system.bodies
-    )
-    whole = replace(system, bodies=free, reactions=None)
-    x = np.zeros(len(whole.coordinates))
-    for coordinate, place in whole.coordinate_places.items():
-        locked = system.bodies[coordinate.body - 1].joint.locked
-        known = system.coordinate_places.get(coordinate)
-        x[place] = value_of(locked[coordinate.index]) if known is None else given["x"][known]
-    y, ydot = np.zeros((2, len(whole.freedoms)))
-    places = [whole.places[freedom] for freedom in system.freedoms]
-    y[places], ydot[places] = given["y"], given["ydot"]
-    takes = np.array([body.loads for body in system.bodies])[:, None]
-    loads = (given[name] * takes for name in ("force", "torque"))
-    further = {name: given[name] for name in ("point_force", "point_moment", "t") if name in given}
-    needed = reference.mass_matrix(whole, x) @ ydot - reference.forcing(whole, x, y, *loads, **further)
-    return dict(zip(whole.freedoms, needed, strict=True))
 
 
 def require_right(system: kg.System, seed: int) -> None:
