@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import kanegen
+from tests.model.test_joint_seam import JOINT_KINDS
 from tests.support.paths import ROOT
 
 PACKAGE = ROOT / "kanegen"
@@ -210,3 +211,9 @@ def test_the_architecture_draws_the_order_of_imports() -> None:
     assert places.keys() == LEVEL.keys()
     ordered = sorted(places, key=places.__getitem__)
     assert all(LEVEL[a] <= LEVEL[b] for a, b in pairwise(ordered))
+
+
+def test_the_architecture_lists_the_files_of_a_joint_kind() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    seam = text.partition("**Joint**")[2].partition("**Output**")[0]
+    assert re.findall(r"^\| `kanegen/([\w./]+)` \|", seam, flags=re.MULTILINE) == list(JOINT_KINDS)
