@@ -147,7 +147,7 @@ def mixed_scales(size: Size) -> Iterator[Row]:
         yield worst(precision.name, found, PROMISE, "5 rods, 4 states")
 
 
-@experiment("X18", "Efforts that almost hold the tree")
+@experiment("X18", "Efforts that almost balance the tree")
 def near_equilibrium(size: Size) -> Iterator[Row]:
     """The efforts are {tau} = -{f} (1 + 10^-k); the error may grow with the cancellation chi and no
     further."""

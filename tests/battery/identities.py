@@ -30,7 +30,7 @@ def floating(bodies: int) -> kg.System:
     return scenes.tree(rng, below, free, joint_orientation=turned, gravity=(0.0, 0.0, 0.0))
 
 
-@experiment("X24", "Momentum of a tree that nothing holds")
+@experiment("X24", "Momentum of a free-floating tree")
 def momentum(size: Size) -> Iterator[Row]:
     """The rates of momentum that the accelerations imply, with exact [A] and its exact rate, must vanish.
 
@@ -194,7 +194,7 @@ def linearity(size: Size) -> Iterator[Row]:
         yield worst(precision.name, found, "T(u)", f"{len(_systems(size))} trees, 4 states each")
 
 
-@experiment("X27", "[A] is symmetric, positive definite, and what inverse dynamics says")
+@experiment("X27", "[A] is symmetric, positive definite, and agrees with inverse dynamics")
 def mass_matrix(size: Size) -> Iterator[Row]:
     """[A] is scaled to a diagonal of ones, as in every condition number here."""
     for precision in PRECISIONS:

@@ -121,7 +121,7 @@ def _system(arrays: SystemArrays) -> kg.System:
     return kg.System.from_arrays(**arrays.rows())
 
 
-@experiment("X28", "Invariance")
+@experiment("X28", "Other descriptions of the same system")
 def invariances(size: Size) -> Iterator[Row]:
     """Two descriptions of one system have the same exact accelerations, so results differ by two errors at
     most."""
@@ -149,7 +149,7 @@ def _relative(found: Floats, right: Floats) -> Floats:
     return error
 
 
-@experiment("X29", "Zeros that the code knows, and zeros that it reads")
+@experiment("X29", "Known zeros, and zeros that are parameters")
 def specialisation(size: Size) -> Iterator[Row]:
     """Code without the operations on known zeros must agree with code that reads the zeros as parameters."""
     straight, crooked = scenes.planar([1.0, 2.0, 0.5]), scenes.mixed(3)

@@ -66,7 +66,7 @@ class Oracle:
 
 @experiment("X38", "Mutants of the generated C")
 def mutants(size: Size) -> Iterator[Row]:
-    """X2 must reject every change of a sign, a term, a load or the tenth digit of a number."""
+    """The limit of X2 must reject every change of a sign, a term, a load or the tenth digit of a number."""
     system = scenes.mixed(3, loads=True)
     source, oracle = kg.generate(system, FORWARD), Oracle.of(system)
     yield count("the code as it is", [oracle.rejects(source)], "8 states", "no objection")

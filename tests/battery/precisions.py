@@ -15,7 +15,7 @@ from tests.battery.experiments import Point, Row, Size, experiment
 from tests.battery.measurement import FLAGS, FORWARD, PROMISE, Floats, efforts, worst
 
 
-@experiment("X37", "More than double precision")
+@experiment("X37", "Precisions higher than double")
 def wider(size: Size) -> Iterator[Row]:
     """Straight chains, growing masses and gimbal lock again, in double-double and in long double.
 

@@ -74,7 +74,7 @@ REPLACEMENTS = (
 """Texts that replace a number of a model file."""
 
 
-@experiment("X34", "Model files of all kinds")
+@experiment("X34", "Model files, valid and damaged")
 def model_files(size: Size) -> Iterator[Row]:
     """Model files of random trees with masses of 1e-12 to 1e12 kg, as written and with one damaged place.
 
