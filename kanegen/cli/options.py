@@ -32,7 +32,8 @@ RightAngles = Annotated[
     typer.Option(
         "--right-angles",
         metavar="TOL",
-        help="Make angles exact that miss a multiple of pi/2 by TOL at most (rad); 5e-05 takes 1.5708.",
+        help="Take an angle within TOL (rad) of a multiple of pi/2 for that multiple; 5e-05 takes 1.5708 "
+        "for pi/2.",
     ),
 ]
 Outputs = Annotated[

@@ -34,7 +34,7 @@ def tradeoff(
     seed: Annotated[int, typer.Option(min=0, help="Seed of all samples.")] = 0,
     quantile: Annotated[
         str,
-        typer.Option(metavar="NAME", help="Error that ranks variants: max, p99, median."),
+        typer.Option(metavar="NAME", help="Statistic of the errors that ranks variants: max, p99, median."),
     ] = "max",
     objective: Annotated[
         list[str] | None,
