@@ -45,6 +45,7 @@ from kanegen.model.numbers import (
 )
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+"""The orientation [C_K] of a joint frame that is parallel to the lower body."""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ TYPED = 5e-5
 """Tolerance (rad) for right angles that were typed with four decimals, as 1.5708, 3.1416 and 4.7124: half a
 unit of the last. Real joints are neither built nor measured as accurately."""
 
-LARGEST = 0.01
+MAX_TOLERANCE = 0.01
 """Largest tolerance (rad): an angle more than half a degree from a right angle is intended."""
 
 
@@ -31,16 +31,16 @@ def checked_tolerance(tolerance: Any) -> float:
     """Return `tolerance` (rad) as a float.
 
     Raises:
-        OptionError: If it is not a number from 0 to `LARGEST`.
+        OptionError: If it is not a number from 0 to `MAX_TOLERANCE`.
     """
     try:
         value = finite(tolerance, "right_angles")
     except ModelError:
         value = math.nan
-    if not 0 <= value <= LARGEST:
+    if not 0 <= value <= MAX_TOLERANCE:
         raise OptionError(
             f"right_angles is {tolerance!r}; it must be a number from 0, the model as written, to "
-            f"{LARGEST} rad. {TYPED:g} takes what was typed with four decimals or more."
+            f"{MAX_TOLERANCE} rad. {TYPED:g} takes what was typed with four decimals or more."
         )
     return value
 

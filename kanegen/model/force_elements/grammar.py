@@ -27,13 +27,13 @@ from kanegen.model.force_elements.expression import (
 )
 from kanegen.model.numbers import Parameter, finite
 
-LONGEST = 4000
+MAX_CHARACTERS = 4000
 """Largest number of characters of an expression."""
 
-DEEPEST = 200
+MAX_DEPTH = 200
 """Largest depth of nested operations."""
 
-LARGEST_POWER = 64
+MAX_EXPONENT = 64
 """Largest exponent, and largest product of the exponents of nested powers."""
 
 VECTORS = ("x", "y")
@@ -59,8 +59,8 @@ def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
         return text
     if not isinstance(text, str):
         return Expression(Constant(finite(text, "expression")))
-    if len(text) > LONGEST:
-        raise ModelError(f"an expression has {len(text)} characters; at most {LONGEST} are read.")
+    if len(text) > MAX_CHARACTERS:
+        raise ModelError(f"an expression has {len(text)} characters; at most {MAX_CHARACTERS} are read.")
     reader = _Reader(text, {parameter.name: parameter for parameter in parameters})
     try:
         return Expression(reader.node(_tree(text)))
@@ -93,8 +93,8 @@ class _Reader:
 
     def node(self, found: ast.expr, depth: int = 0, power: int = 1) -> Node:
         """Return the tree of `found`, at depth `depth`, inside exponents that multiply to `power`."""
-        if depth > DEEPEST:
-            raise self._refused(found, f"more than {DEEPEST} operations inside each other.")
+        if depth > MAX_DEPTH:
+            raise self._refused(found, f"more than {MAX_DEPTH} operations inside each other.")
         match found:
             case ast.Constant(value=bool() | complex() | str() | bytes() | None):
                 raise self._refused(found, "no number.")
@@ -147,8 +147,8 @@ class _Reader:
                 sign = -1
         if not isinstance(digits, ast.Constant) or type(digits.value) is not int:
             raise self._refused(found, "an exponent is a whole number; for roots there is sqrt.")
-        if digits.value * power > LARGEST_POWER:
-            raise self._refused(found, f"a huge power; together exponents reach at most {LARGEST_POWER}.")
+        if digits.value * power > MAX_EXPONENT:
+            raise self._refused(found, f"a huge power; together exponents reach at most {MAX_EXPONENT}.")
         return sign * digits.value
 
     def _call(self, found: ast.Call, depth: int, power: int) -> Node:
