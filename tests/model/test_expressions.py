@@ -21,7 +21,7 @@ from kanegen.model.force_elements.expression import (
     Power,
     Variable,
 )
-from kanegen.model.force_elements.grammar import LARGEST_POWER, LONGEST, parse
+from kanegen.model.force_elements.grammar import MAX_CHARACTERS, MAX_EXPONENT, parse
 from kanegen.model.numbers import Parameter
 from kanegen.reference.expressions import Dual, Rounded, evaluate
 
@@ -81,7 +81,7 @@ def test_plain_numbers_and_expressions_pass() -> None:
         ("2**0.5", "an exponent is a whole number"),
         ("2**~3", "'~3' in expression .* an exponent is a whole number"),
         ("2**-True", "an exponent is a whole number"),
-        ("2**100000000", f"a huge power; together exponents reach at most {LARGEST_POWER}"),
+        ("2**100000000", f"a huge power; together exponents reach at most {MAX_EXPONENT}"),
         ("((2**16)**16)**16", "a huge power"),
         ("1 if t else 2", "only numbers, names"),
         ("t < 2", "only numbers, names"),
@@ -98,7 +98,7 @@ def test_plain_numbers_and_expressions_pass() -> None:
         ("...", "is not a number"),
         ("1e999", "is not finite"),
         ("9" * 400, "is not finite"),
-        ("(" * 5000 + ")" * 5000, f"10000 characters; at most {LONGEST} are read"),
+        ("(" * 5000 + ")" * 5000, f"10000 characters; at most {MAX_CHARACTERS} are read"),
         ("-" * 3000 + "1", "nested too deeply|inside each other"),
         ("(" * 1500 + "1" + ")" * 1500, "no expression"),
         ("1" + "+1" * 300, "more than 200 operations inside each other"),

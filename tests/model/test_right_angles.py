@@ -21,7 +21,7 @@ import kanegen as kg
 from kanegen.cli.app import app
 from kanegen.compiler import compile_module
 from kanegen.model.numbers import Parameter
-from kanegen.model.right_angles import LARGEST, TYPED, angle, direction, rotation
+from kanegen.model.right_angles import MAX_TOLERANCE, TYPED, angle, direction, rotation
 from kanegen.model.rotations import Square, rotation_123
 from kanegen.reference.states import random_states
 from kanegen.studies.explain import exactness
@@ -292,7 +292,7 @@ def test_a_tolerance_that_makes_no_sense(tolerance: Any) -> None:
         kg.load("models/scara.toml", right_angles=tolerance)
     with pytest.raises(kg.OptionError, match=message):
         systems.chain(1, ["theta3"]).with_right_angles(tolerance)
-    assert LARGEST == 0.01
+    assert MAX_TOLERANCE == 0.01
 
 
 COMMANDS = ("generate", "verify", "check", "equations", "info", "explain", "bench", "tradeoff")
