@@ -13,7 +13,7 @@ from kanegen.errors import ModelError
 from kanegen.model import validation
 from kanegen.model.body import Body
 from kanegen.model.coordinates import Rotation, rotation_of
-from kanegen.model.description import Description
+from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.names import Place, variable_places
 from kanegen.model.joint import IDENTITY, Joint
@@ -72,7 +72,7 @@ class SystemArrays:
         return tuple(map(rotation_of, self.coordinates, self.sequence))
 
 
-def system_arrays(system: Description) -> SystemArrays:
+def system_arrays(system: SystemDescription) -> SystemArrays:
     """Return every number of a system, parameters at their defaults, orientations as matrices."""
     bodies = tuple(body.map_numbers(value_of) for body in system.bodies)
     joints = tuple(body.joint for body in bodies)
@@ -95,7 +95,7 @@ def system_arrays(system: Description) -> SystemArrays:
     )
 
 
-def _force_arrays(system: Description) -> ForceArrays:
+def _force_arrays(system: SystemDescription) -> ForceArrays:
     points = {point.name: (k, _floats(map_numbers(point.position, value_of))) for k, point in system.points}
     return ForceArrays(
         elements=tuple(element.map_numbers(value_of) for element in system.force_elements),

@@ -21,7 +21,7 @@ GRAVITY: Vector = (0.0, 0.0, -9.81)
 
 
 @dataclass(frozen=True)
-class Description:
+class SystemDescription:
     """The fields of a `System`, and what follows from them: {x}, {y}, parameters, names.
 
     Bodies count from 1, places in {x} and {y} from 0.

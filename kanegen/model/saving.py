@@ -7,14 +7,14 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from kanegen.model.description import Description
+from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.elements import KINDS
 from kanegen.model.numbers import map_numbers, toml_number
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 
-def system_table(system: Description) -> dict[str, Any]:
+def system_table(system: SystemDescription) -> dict[str, Any]:
     """Return the keys and values of the model file of a system, defaults left out."""
     table: dict[str, Any] = {"name": system.name, "gravity": map_numbers(system.gravity, toml_number)}
     if system.parameters:

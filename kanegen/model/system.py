@@ -15,7 +15,7 @@ from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
-from kanegen.model.description import GRAVITY, Description
+from kanegen.model.description import GRAVITY, SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.force_elements.names import with_resolved_names
@@ -27,7 +27,7 @@ from kanegen.model.saving import system_table, toml_text
 
 
 @dataclass(frozen=True)
-class System(Description):
+class System(SystemDescription):
     """A tree of rigid bodies with gravity, force elements, and the selection of what outputs contain.
 
     Attributes:

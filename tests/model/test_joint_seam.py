@@ -78,6 +78,12 @@ def test_at_most_ten_modules_know_a_kind_of_joint() -> None:
     assert len(JOINT_KINDS) <= 10
 
 
+def test_the_documentation_lists_these_modules() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = text[text.index("**Joint**") : text.index("**Output**")]
+    assert re.findall(r"^\| `kanegen/([\w/]+\.py)` \|", table, re.MULTILINE) == list(JOINT_KINDS)
+
+
 @pytest.mark.parametrize(
     "source",
     [

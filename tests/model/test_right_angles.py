@@ -25,9 +25,9 @@ from kanegen.model.right_angles import MAX_TOLERANCE, TYPED, angle, direction, r
 from kanegen.model.rotations import Square, rotation_123
 from kanegen.reference.states import random_states
 from kanegen.studies.explain import exactness
-from tests.readers.test_urdf_reading import BASE, axis, joint, link, origin
 from tests.support import systems
 from tests.support.robots import dynamics, places, robot_file
+from tests.support.urdf import BASE, axis, joint, link, origin
 
 EXACT = {
     "1.5708": math.pi / 2,
@@ -39,10 +39,10 @@ EXACT = {
     "6.1e-17": 0.0,
     "-0.00001": 0.0,
 }
-"""What a file may say, and what it means."""
+"""Numbers in a file that are rounded right angles, with the exact angles (rad)."""
 
-MEANT = {"1.5707": 1.5707, "1.57": 1.57, "3.1415": 3.1415, "0.0001": 0.0001, "0.785398": 0.785398}
-"""What is no right angle."""
+INTENDED = {"1.5707": 1.5707, "1.57": 1.57, "3.1415": 3.1415, "0.0001": 0.0001, "0.785398": 0.785398}
+"""Numbers in a file that are not rounded right angles (rad)."""
 
 SIGNED = [
     np.array(signs)[:, None] * np.eye(3)[list(order)]
@@ -76,7 +76,7 @@ def typed_and_exact(folder: Path) -> tuple[Path, Path]:
     )
 
 
-@pytest.mark.parametrize(("word", "meaning"), [*EXACT.items(), *MEANT.items()])
+@pytest.mark.parametrize(("word", "meaning"), [*EXACT.items(), *INTENDED.items()])
 def test_what_an_angle_means(word: str, meaning: float) -> None:
     assert angle(float(word), TYPED) == meaning
     assert angle(float(word), 0.0) == float(word)

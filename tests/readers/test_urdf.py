@@ -14,29 +14,9 @@ from kanegen.model.rotations import apply, normalized, rotation_quaternion, rota
 from kanegen.model.system import System
 from kanegen.readers import load
 from tests.support.paths import EVERY_JOINT
+from tests.support.urdf import BASE, axis, joint, link, origin
 
 RIGHT = repr(math.pi / 2)
-BASE = '<link name="base"/>'
-
-
-def link(name: str, mass: float = 1.0, origin: str = "", inertia: tuple[float, ...] = (3, 4, 5)) -> str:
-    xx, yy, zz = inertia
-    return f"""<link name="{name}"><inertial>{origin}<mass value="{mass}"/>
-        <inertia ixx="{xx}" iyy="{yy}" izz="{zz}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
-
-
-def joint(name: str, parent: str, child: str, inside: str = "", kind: str = "revolute") -> str:
-    return (
-        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{inside}</joint>'
-    )
-
-
-def axis(xyz: str) -> str:
-    return f'<axis xyz="{xyz}"/>'
-
-
-def origin(xyz: str = "0 0 0", rpy: str = "0 0 0") -> str:
-    return f'<origin xyz="{xyz}" rpy="{rpy}"/>'
 
 
 def read(folder: Path, inside: str, floating_base: bool = False, head: str = '<robot name="r">') -> System:
