@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kanegen.c.context import Context, context
+from kanegen.c.declarations import prepared_places
 from kanegen.c.dialect import Dialect, scalar
 from kanegen.c.functions import printed_functions
 from kanegen.c.interface import PREPARE, Function
@@ -23,19 +24,19 @@ FILES = {
     "{name}.h": "model.h",
     "{name}.c": "model.c",
     "{name}_batch.c": "model_batch.c",
-    "kanegen_lanes{f}.h": "kanegen_lanes.h",
+    "kanegen_simd{f}.h": "kanegen_simd.h",
     "kanegen_sincos{f}.h": "kanegen_sincos.h",
-    "kanegen_pairs.h": "kanegen_pairs.h",
+    "kanegen_double_double.h": "kanegen_double_double.h",
 }
 """Template of every file of code by the name of the file; {f} is the suffix of the precision, "" or "f"."""
 
-_NEEDED = {"kanegen_lanes.h": "simd", "kanegen_sincos.h": "sincos", "kanegen_pairs.h": "double_double"}
+_NEEDED = {"kanegen_simd.h": "simd", "kanegen_sincos.h": "sincos", "kanegen_double_double.h": "double_double"}
 """The variable, by template, without which a file is left out."""
 
 _RESERVED_NAMES = frozenset(
     """
-    assert complex ctype errno fenv features float inttypes iso646 kanegen_lanes kanegen_lanesf kanegen_pairs
-    kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched setjmp signal stdalign
+    assert complex ctype errno fenv features float inttypes iso646 kanegen_double_double kanegen_simd
+    kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched setjmp signal stdalign
     stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string strings tgmath
     threads time uchar unistd wchar wctype
     """.split()
@@ -71,7 +72,8 @@ class C99:
         """Return C for one state; `prepare` computes at least in double precision."""
         formats = given.formats
         arithmetic = formats.preparing if function.name == PREPARE else formats.arithmetic
-        return scalar(formats, arithmetic, given.sincos is not None and arithmetic is formats.arithmetic)
+        kanegen_sincos = given.sincos is not None and arithmetic is formats.arithmetic
+        return scalar(formats, arithmetic, kanegen_sincos, given.places)
 
     def printed(self, given: RenderInput) -> Printed:
         """Return header, source, batch source and the headers that these include."""
@@ -94,6 +96,7 @@ class C99:
         variables |= {
             "choices": given.variant.choices(given.decided),
             "functions": printed,
+            "prepared_places": prepared_places(given.model, given.prepared),
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),
             "few": FEW,

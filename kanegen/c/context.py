@@ -43,8 +43,8 @@ _ARITHMETICS = {
     FLOAT: "All is computed in single precision.",
     LONG_DOUBLE: "All is computed in long double, which has 64 bits or more; platforms where it is no wider "
     "than double are refused.",
-    DOUBLE_DOUBLE: "All is computed in pairs of doubles, about 32 digits (kanegen_pairs.h); what is stored "
-    "as double is rounded once. Angles beyond 1e6 rad give NaN, and so does what overflows.",
+    DOUBLE_DOUBLE: "All is computed in double-double, about 32 digits (kanegen_double_double.h); what is "
+    "stored as double is rounded once. Angles beyond 1e6 rad give NaN, and so does what overflows.",
 }
 
 
@@ -159,7 +159,7 @@ def _about_arithmetic(held: Formats, has_parameters: bool) -> str:
 def _about_sines(sincos: Sincos | None, arithmetic: Precision) -> str:
     """Return where sine and cosine come from, and their errors."""
     if sincos is None:
-        where = "kanegen_pairs.h" if arithmetic is DOUBLE_DOUBLE else "the C library"
+        where = "kanegen_double_double.h" if arithmetic is DOUBLE_DOUBLE else "the C library"
         return f"Sine and cosine are those of {where}, for one state and in batches."
     if sincos.plain:
         degrees = f"{sincos.degree} and {sincos.degree + 1}"

@@ -28,27 +28,27 @@ def batch_prototype(model: str, function: Function, formats: Formats) -> list[st
 
 
 def simd_prototype(model: str, function: Function, formats: Formats) -> list[str]:
-    """Return `static void model_forcing_lanes(const lanes *x, ..., lanes *f)`."""
+    """Return `static void model_forcing_simd(const simd *x, ..., simd *f)`."""
     arguments = [
-        f"const {formats.of(array.name).c_type if array.name in function.shared else 'lanes'} *{array.name}"
+        f"const {formats.of(array.name).c_type if array.name in function.shared else 'simd'} *{array.name}"
         for array in function.inputs
     ]
-    arguments += [f"lanes *{array.name}" for array in function.outputs]
-    arguments += ["lanes_bits *accurate"] if function.may_be_inaccurate else []
-    kind = "static lanes_bits" if function.may_fail else "static void"
-    return _prototype(kind, f"{model}_{function.name}_lanes", arguments)
+    arguments += [f"simd *{array.name}" for array in function.outputs]
+    arguments += ["simd_bits *accurate"] if function.may_be_inaccurate else []
+    kind = "static simd_bits" if function.may_fail else "static void"
+    return _prototype(kind, f"{model}_{function.name}_simd", arguments)
 
 
 def simd_call(model: str, function: Function) -> list[str]:
     """Return the call of the SIMD form, indented for the loop over a batch."""
     arguments = [
-        array.name if array.name in function.shared else f"{array.name}_lanes"
+        array.name if array.name in function.shared else f"{array.name}_simd"
         for array in (*function.inputs, *function.outputs)
     ]
     arguments += ["&accurate"] if function.may_be_inaccurate else []
-    text = f"{model}_{function.name}_lanes({f',{BREAK}'.join(arguments)});"
+    text = f"{model}_{function.name}_simd({f',{BREAK}'.join(arguments)});"
     if function.may_fail:
-        text = f"const lanes_bits good = {text}"
+        text = f"const simd_bits valid = {text}"
     return wrap(text, indent=" " * 8, hanging=" " * 12)
 
 
@@ -153,16 +153,32 @@ def parameter_places(model: ModelDescription) -> list[str]:
     )
 
 
+def prepared_places(model: ModelDescription, names: Sequence[str]) -> list[str]:
+    """Return the lines of the enumeration of places in the array of prepared constants.
+
+    Args:
+        model: Names of the model.
+        names: Name of each constant, in the order of the array.
+    """
+    prefix = model.name.upper()
+    parameters = {f"p_{name}" for name, _ in model.parameters}
+    rows = []
+    for index, name in enumerate(names):
+        meaning = "the parameter itself" if name in parameters else ""
+        rows.append((f"{prefix}_C_{name}", index, meaning))
+    return _enumeration(rows)
+
+
 def _enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
     """Return the lines between the braces of an enum; C++98 allows no comma after the last.
 
     Args:
-        rows: Name, value and meaning of each enumerator.
+        rows: Name, value and meaning of each enumerator; "" for a name that says all.
     """
     last = len(rows) - 1
     return columns(
         [
-            (name, f"= {value}{',' if i < last else ''}", f"/* {text} */")
+            (name, f"= {value}{',' if i < last else ''}", f"/* {text} */" if text else "")
             for i, (name, value, text) in enumerate(rows)
         ],
         gap=" ",

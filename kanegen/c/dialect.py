@@ -6,22 +6,23 @@ of functions, how a local is declared, and how a value that must be positive is 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from kanegen.c.expression import Expression, Notation, converted, literal, notation
 from kanegen.c.formats import Formats, uniform
+from kanegen.c.usage import NO_NAMES, element
 from kanegen.program.ir import Array, Op
 from kanegen.program.precision import DOUBLE, Precision
 
 FUNCTIONS = (Op.SIN, Op.COS, Op.SQRT)
 """Operations that are function calls."""
 
-_RESERVED = frozenset({"failed", "doubtful", "least", "i", "sines", "cosines", "lanes_waves"})
+_RESERVED = frozenset({"failed", "inaccurate", "least_margin", "i", "sines", "cosines", "simd_vector_sincos"})
 """Names in the body of a function for one state that no local may take."""
 
-_RESERVED_SIMD = frozenset({"lanes", "good", "fine", "accurate"})
+_RESERVED_SIMD = frozenset({"simd", "valid", "within_margin", "accurate"})
 """Further names in the body of a function for several states."""
 
 
@@ -33,11 +34,13 @@ class Dialect:
         formats: Precisions of the arrays.
         arithmetic: Precision of everything that is computed.
         kanegen_sincos: Whether sine and cosine are those of kanegen_sincos.h, else those of libm.
+        places: Enumerators of the places of some arrays, by name of the array.
     """
 
     formats: Formats
     arithmetic: Precision
     kanegen_sincos: bool = False
+    places: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     @property
     def is_scalar(self) -> bool:
@@ -104,6 +107,10 @@ class Dialect:
             return f"kanegen_sincos{self.arithmetic.libm_suffix}({angle}, &{sine}, &{cosine});"
         return f"{self.arithmetic.c_function('sincos')}(&{angle}, &{sine}, &{cosine});"
 
+    def element(self, array: Array, index: int) -> str:
+        """Return the text of element `index` of an array."""
+        return element(array, index, self.places.get(array.name, ()))
+
     def read(self, array: str, element: str) -> Expression:
         """Return an element of an input array, converted to the arithmetic."""
         return converted(Expression(element), self.formats.of(array), self.arithmetic)
@@ -131,7 +138,10 @@ class Dialect:
     def margin(self, value: Expression, place: int) -> str:
         """Return the statement that watches a value that accuracy needs positive; the least decides."""
         rounded = converted(value, self.arithmetic, self.arithmetic if self._is_ordered else DOUBLE)
-        return f"if (!({rounded} > least) && least == least) least = {rounded}, doubtful = -{place};"
+        return (
+            f"if (!({rounded} > least_margin) && least_margin == least_margin) "
+            f"least_margin = {rounded}, inaccurate = -{place};"
+        )
 
     @property
     def _is_ordered(self) -> bool:
@@ -147,7 +157,10 @@ class Dialect:
         if not has_margins:
             return ["    int failed = 0;"]
         kind = self.arithmetic if self._is_ordered else DOUBLE
-        return ["    int failed = 0, doubtful = 0;", f"    {kind.c_type} least = {kind.literal(0.0)};"]
+        return [
+            "    int failed = 0, inaccurate = 0;",
+            f"    {kind.c_type} least_margin = {kind.literal(0.0)};",
+        ]
 
     def closing(self, may_fail: Sequence[Array], has_margins: bool) -> list[str]:
         """Return the last lines of a function that watches values: NaN where it failed, and the status.
@@ -163,12 +176,12 @@ class Dialect:
                 f"        {array.name}[i] = {notation(self.formats.of(array.name)).nothing};",
                 "    }",
             ]
-        return [*lines, f"    return {'failed ? failed : doubtful' if has_margins else 'failed'};"]
+        return [*lines, f"    return {'failed ? failed : inaccurate' if has_margins else 'failed'};"]
 
 
 @dataclass(frozen=True)
 class SimdDialect(Dialect):
-    """Functions for several states in SIMD lanes, with the types and functions of kanegen_lanes.h."""
+    """Functions for several states in SIMD lanes, with the types and functions of kanegen_simd.h."""
 
     @property
     def is_scalar(self) -> bool:
@@ -178,12 +191,12 @@ class SimdDialect(Dialect):
     @property
     def number(self) -> str:
         """Type of a value that differs between states."""
-        return "lanes"
+        return "simd"
 
     @property
     def reserved(self) -> frozenset[str]:
         """Names that no local may take."""
-        functions = {f"lanes_{name}" for name in (*FUNCTIONS, "sincos", "of", "positive")}
+        functions = {f"simd_{name}" for name in (*FUNCTIONS, "sincos", "of", "positive")}
         return super().reserved | functions | _RESERVED_SIMD
 
     @property
@@ -199,36 +212,36 @@ class SimdDialect(Dialect):
     @property
     def status(self) -> str:
         """Type that a function returns if its outputs may fail: one bit pattern a lane."""
-        return "lanes_bits"
+        return "simd_bits"
 
     def function(self, op: Op, everywhere: bool) -> str:
         """Return the name of the function for `op`; a value that is the same everywhere needs no lanes."""
-        return super().function(op, everywhere) if everywhere else f"lanes_{op.value}"
+        return super().function(op, everywhere) if everywhere else f"simd_{op.value}"
 
     def sincos(self, angle: str, sine: str, cosine: str) -> str:
         """Return the call that sets `sine` and `cosine` to those of `angle` in all lanes."""
-        return f"lanes_sincos(&{angle}, &{sine}, &{cosine});"
+        return f"simd_sincos(&{angle}, &{sine}, &{cosine});"
 
     def everywhere(self, text: str) -> str:
         """Return an expression that is the same in all states as one of type `number`."""
-        return f"lanes_of({text})"
+        return f"simd_of({text})"
 
     def condition(self, text: str, place: int) -> str:
         """Return the statement that watches a value in every lane."""
-        return f"good &= lanes_positive({text});"
+        return f"valid &= simd_positive({text});"
 
     def margin(self, value: Expression, place: int) -> str:
         """Return the statement that watches a value that accuracy needs positive in every lane."""
-        return f"fine &= lanes_positive({value});"
+        return f"within_margin &= simd_positive({value});"
 
     def opening(self, has_margins: bool) -> list[str]:
         """Return the first lines of a function that watches values."""
-        lines = ["    lanes_bits good = ~(lanes_bits){0};"]
-        return [*lines, "    lanes_bits fine = ~(lanes_bits){0};"] if has_margins else lines
+        lines = ["    simd_bits valid = ~(simd_bits){0};"]
+        return [*lines, "    simd_bits within_margin = ~(simd_bits){0};"] if has_margins else lines
 
     def closing(self, may_fail: Sequence[Array], has_margins: bool) -> list[str]:
         """Return the last lines of a function that watches values; its caller writes NaN."""
-        return [*(["    *accurate = fine;"] if has_margins else []), "    return good;"]
+        return [*(["    *accurate = within_margin;"] if has_margins else []), "    return valid;"]
 
 
 SCALAR = Dialect(Formats(), DOUBLE)
@@ -238,11 +251,20 @@ SIMD = SimdDialect(Formats(), DOUBLE)
 """Several states in double precision."""
 
 
-def scalar(formats: Formats, arithmetic: Precision | None = None, kanegen_sincos: bool = False) -> Dialect:
+def scalar(
+    formats: Formats,
+    arithmetic: Precision | None = None,
+    kanegen_sincos: bool = False,
+    places: Mapping[str, Sequence[str]] = NO_NAMES,
+) -> Dialect:
     """Return the dialect for one state, which computes in the arithmetic of `formats` by default."""
-    return Dialect(formats, arithmetic or formats.arithmetic, kanegen_sincos)
+    return Dialect(formats, arithmetic or formats.arithmetic, kanegen_sincos, places)
 
 
-def simd(precision: Precision = DOUBLE, kanegen_sincos: bool = False) -> SimdDialect:
+def simd(
+    precision: Precision = DOUBLE,
+    kanegen_sincos: bool = False,
+    places: Mapping[str, Sequence[str]] = NO_NAMES,
+) -> SimdDialect:
     """Return the dialect for several states in SIMD lanes of one precision."""
-    return SimdDialect(uniform(precision), precision, kanegen_sincos)
+    return SimdDialect(uniform(precision), precision, kanegen_sincos, places)

@@ -1,4 +1,4 @@
-"""Double-double arithmetic: the constants of the header kanegen_pairs.h.
+"""Double-double arithmetic: the constants of the header kanegen_double_double.h.
 
 A double-double number is the exact sum of two doubles. Its sine and cosine need pi/2 in parts and power
 series.
@@ -21,13 +21,13 @@ from mpmath.libmp import to_rational
 
 from kanegen.program.precision import double_double_parts
 
-DECLARATION = """#ifndef KANEGEN_PAIR
-#define KANEGEN_PAIR
+DECLARATION = """#ifndef KANEGEN_DOUBLE_DOUBLE
+#define KANEGEN_DOUBLE_DOUBLE
 /* The exact sum of two doubles; `high` is the double nearest to it. */
 typedef struct {
     double high;
     double low;
-} kanegen_pair;
+} kanegen_double_double;
 #endif"""
 """Declaration of the type in C; several headers may contain it."""
 
@@ -72,7 +72,7 @@ def _half_pi_parts() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class DoubleDoubleHeader:
-    """The constants of kanegen_pairs.h as C literals.
+    """The constants of kanegen_double_double.h as C literals.
 
     Attributes:
         declaration: Declaration of the type.

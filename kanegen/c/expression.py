@@ -64,9 +64,9 @@ def converted(expression: Expression, source: Precision, target: Precision) -> E
     if source is target:
         return expression
     if target is DOUBLE_DOUBLE:
-        return replace(expression, text=f"pair_of({expression.text})", level=Level.ATOM)
+        return replace(expression, text=f"dd_of({expression.text})", level=Level.ATOM)
     if source is DOUBLE_DOUBLE:
-        return replace(expression, text=f"pair_rounded({expression.text})", level=Level.ATOM)
+        return replace(expression, text=f"dd_rounded({expression.text})", level=Level.ATOM)
     return cast(target.c_type, expression)
 
 
@@ -110,22 +110,22 @@ class Notation:
 
 
 class DoubleDoubleNotation(Notation):
-    """Operations on double-double numbers, written as calls of kanegen_pairs.h."""
+    """Operations on double-double numbers, written as calls of kanegen_double_double.h."""
 
     @property
     def nothing(self) -> str:
         """The expression of NaN."""
-        return "pair_of((double)NAN)"
+        return "dd_of((double)NAN)"
 
     def whole(self, expression: Expression) -> Expression:
         """Return an expression without a sign, which becomes a call."""
         if not expression.negative:
             return expression
-        return replace(expression, text=f"pair_negate({expression.text})", negative=False)
+        return replace(expression, text=f"dd_negate({expression.text})", negative=False)
 
     def positive(self, text: str) -> str:
         """Return the condition that a value is positive."""
-        return f"pair_positive({text})"
+        return f"dd_positive({text})"
 
     def sum(self, a: Expression, b: Expression) -> Expression:
         """Return a + b, where a may be negative only if b is."""

@@ -45,7 +45,7 @@ class _Body:
         self._sincos = vector_sincos(program) if dialect.has_vector_sincos else None
         self._only_sincos = self._sincos.only(program) if self._sincos else frozenset()
         self._zeros = usage.zero_runs(program)
-        self._places = usage.places(program, self._zeros)
+        self._places = usage.places(program, self._zeros, dialect.places)
         self._conditions = usage.conditions(program)
         self._margins = usage.margins(program)
         self._uniform = usage.uniform(program, shared)
@@ -116,7 +116,7 @@ class _Body:
         if instruction.op is Op.CONSTANT:
             return literal(instruction.number, self._dialect.arithmetic)
         if instruction.op is Op.INPUT:
-            element = usage.element(self._arrays[instruction.array], instruction.index)
+            element = self._dialect.element(self._arrays[instruction.array], instruction.index)
             return self._dialect.read(instruction.array, element)
         if place := self._vector_element(i):
             return Expression(place)

@@ -116,8 +116,8 @@ def scalar_code(given: RenderInput, target: Target, function: Function, parts: S
 
 def _simd_code(given: RenderInput, name: str, function: Function, parts: Sequence[Program]) -> Code:
     """Return the body of the SIMD form."""
-    dialect = simd(given.formats.arithmetic, given.sincos is not None)
-    return code(f"{name}_lanes", function, parts, dialect, given.variant.flushes)
+    dialect = simd(given.formats.arithmetic, given.sincos is not None, given.places)
+    return code(f"{name}_simd", function, parts, dialect, given.variant.flushes)
 
 
 def code(
@@ -145,7 +145,7 @@ def code(
         parts.append((part.prototype, statements(program, dialect, function.shared)))
         calls += part.call(flushes)
     if flushes:
-        calls.append("    put_back(before);")
+        calls.append("    restore_mode(before);")
         calls += ["    return result;"] if function.may_fail else []
     return Code(calls, tuple(parts), most, has_sines)
 
@@ -191,7 +191,7 @@ class _Part:
         arguments = {name: f"const {self._declared(name)}" for name in read}
         arguments |= {name: self._declared(name) for name in filled}
         if any(output.accurate_if_positive for output in outputs) and not self.dialect.is_scalar:
-            arguments["accurate"] = "lanes_bits *accurate"
+            arguments["accurate"] = "simd_bits *accurate"
         return arguments
 
     def _declared(self, name: str) -> str:
@@ -201,7 +201,7 @@ class _Part:
     @property
     def prototype(self) -> list[str]:
         """The lines of the prototype."""
-        head = f"static APART {self.dialect.status if self._may_fail else 'void'} {self.name}"
+        head = f"static NOINLINE {self.dialect.status if self._may_fail else 'void'} {self.name}"
         return wrap(f"{head}({f',{BREAK}'.join(self._arguments.values())})", indent="", hanging="    ")
 
     def call(self, flushes: bool) -> list[str]:

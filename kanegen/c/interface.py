@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.program.cut import LONGEST_PART, cut, workspace_size
@@ -86,6 +87,21 @@ def signatures(module: Module, longest: int = LONGEST_PART) -> dict[Function, tu
         status = _may_fail(program), workspace_size(parts), _may_be_inaccurate(program)
         found[Function(name, doc, program.inputs, arrays, shared, *status)] = parts
     return found
+
+
+def prepared_names(functions: Mapping[Function, Sequence[Program]]) -> tuple[str, ...]:
+    """Return the name of every prepared constant, by its place: that of its quantity, or `c_<place>`.
+
+    Args:
+        functions: Every function with its parts.
+    """
+    found: list[str] = []
+    for function, (program, *_) in functions.items():
+        if function.name == PREPARE:
+            for place, value in enumerate(program.results(), start=1):
+                name = program.instructions[value].name or f"c_{place}"
+                found.append(name if name not in found else f"c_{place}")
+    return tuple(found)
 
 
 def requested(module: Module) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """SIMD vectors of one precision: their widths, the bit patterns of their numbers, and transposes of blocks.
 
-The header kanegen_lanes.h is made of these.
+The header kanegen_simd.h is made of these.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Simd:
     @property
     def header(self) -> str:
         """Name of the header without .h, another for each precision, so that both may be included."""
-        return f"kanegen_lanes{self.precision.libm_suffix}"
+        return f"kanegen_simd{self.precision.libm_suffix}"
 
     @property
     def size(self) -> int:

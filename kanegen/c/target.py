@@ -15,12 +15,12 @@ from typing import Protocol
 from kanegen.c.description import ModelDescription
 from kanegen.c.dialect import Dialect
 from kanegen.c.formats import Formats, formats
-from kanegen.c.interface import Function, requested, signatures
+from kanegen.c.interface import Function, prepared_names, requested, signatures
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
 from kanegen.options import Variant
 from kanegen.program.cut import LONGEST_PART
-from kanegen.program.ir import Module, Program
+from kanegen.program.ir import PARAMETERS, PREPARED, Module, Program
 from kanegen.program.precision import Precision
 from kanegen.program.split import select_functions
 
@@ -57,6 +57,19 @@ class RenderInput:
     def functions(self) -> tuple[Function, ...]:
         """Every function that is printed, in the order of the generated code."""
         return tuple(self.programs)
+
+    @cached_property
+    def prepared(self) -> tuple[str, ...]:
+        """Name of every prepared constant, in the order of the array; () without parameters."""
+        return prepared_names(self.programs)
+
+    @property
+    def places(self) -> dict[str, tuple[str, ...]]:
+        """Enumerators of the places of parameters and of prepared constants, by name of the array."""
+        prefix = self.model.name.upper()
+        parameters = tuple(f"{prefix}_P_{name}" for name, _ in self.model.parameters)
+        prepared = tuple(f"{prefix}_C_{name}" for name in self.prepared)
+        return {PARAMETERS: parameters, PREPARED: prepared}
 
     @property
     def outputs(self) -> tuple[str, ...]:

@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import prod
+from types import MappingProxyType
 
 from kanegen.program.ir import Array, Op, Program
 from kanegen.program.selection import dependencies
+
+NO_NAMES: Mapping[str, Sequence[str]] = MappingProxyType({})
+"""No array has names for its places."""
 
 LOOPED = 8
 """Number of neighbouring zeros from which a loop of wide stores is faster than one store each."""
 
 
-def element(array: Array, index: int) -> str:
-    """Return element `index` of an array in C; of a matrix as `A[48*row + column]`."""
+def element(array: Array, index: int, names: Sequence[str] = ()) -> str:
+    """Return element `index` of an array in C; of a matrix as `A[48*row + column]`.
+
+    Args:
+        array: The array.
+        index: Place of the element, row-major.
+        names: Enumerators of the places, where they have names.
+    """
+    if names:
+        return f"{array.name}[{names[index]}]"
     terms: list[str] = []
     for axis in range(1, len(array.shape)):
         stride = prod(array.shape[axis:])
@@ -29,19 +41,22 @@ def live(program: Program) -> list[int]:
     return dependencies(program, program.results())
 
 
-def places(program: Program, filled: Iterable[Run] = ()) -> dict[int, list[tuple[str, str]]]:
+def places(
+    program: Program, filled: Iterable[Run] = (), named: Mapping[str, Sequence[str]] = NO_NAMES
+) -> dict[int, list[tuple[str, str]]]:
     """Return for every result the output elements that hold it: name of the array, and the element in C.
 
     Args:
         program: The program.
         filled: Runs of elements to leave out.
+        named: Enumerators of the places of some arrays, by name of the array.
     """
     done = {(run.array, index) for run in filled for index in range(run.start, run.stop)}
     found: dict[int, list[tuple[str, str]]] = {}
     for output in program.outputs:
         for index, value in output.elements():
             if (output.array, index) not in done:
-                place = output.array.name, element(output.array, index)
+                place = output.array.name, element(output.array, index, named.get(output.array.name, ()))
                 found.setdefault(value, []).append(place)
     return found
 

@@ -46,7 +46,7 @@ class VectorSincos:
         sines, cosines = NAMES.values()
         return [
             f"    {number} {sines}[{self.count}], {cosines}[{self.count}];",
-            f"    lanes_waves({self.count}, {angles}, {sines}, {cosines});",
+            f"    simd_vector_sincos({self.count}, {angles}, {sines}, {cosines});",
         ]
 
     def element(self, op: Op, array: str, index: int) -> str | None:

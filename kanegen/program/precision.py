@@ -156,13 +156,13 @@ class DoubleDouble(LongDouble):
         return True
 
     def c_function(self, name: str) -> str:
-        """Return the name of `sin`, `cos` or `sqrt` in the header kanegen_pairs.h."""
-        return f"pair_{name}"
+        """Return the name of `sin`, `cos` or `sqrt` in the header kanegen_double_double.h."""
+        return f"dd_{name}"
 
     def literal(self, number: Any) -> str:
         """Return a C expression of a number >= 0 from its two parts, or from one if the other is 0."""
         high, low = double_double_parts(number)
-        return f"pair_literal({high!r}, {low!r})" if low else f"pair_of({high!r})"
+        return f"dd_literal({high!r}, {low!r})" if low else f"dd_of({high!r})"
 
     def from_doubles(self, values: NDArray[np.float64]) -> NDArray[Any]:
         """Convert doubles to double-doubles whose low part is 0."""
@@ -200,7 +200,7 @@ LONG_DOUBLE = LongDouble(
 DOUBLE_DOUBLE = DoubleDouble(
     name="double-double",
     label="double-double",
-    c_type="kanegen_pair",
+    c_type="kanegen_double_double",
     libm_suffix="",
     dtype=_DOUBLE,
     bytes=16,

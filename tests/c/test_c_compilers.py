@@ -85,7 +85,10 @@ def test_long_functions_in_pieces_are_clean(precision, compiler, tmp_path):
     folder = _generated(system, tuple(outputs), precision).write(tmp_path / "out")
     for file in ("eight_body.c", "eight_body_batch.c"):
         assert "eight_body_evaluate" in (folder / file).read_text()
-        assert "APART int" in (folder / file).read_text() or "APART lanes_bits" in (folder / file).read_text()
+        assert (
+            "NOINLINE int" in (folder / file).read_text()
+            or "NOINLINE simd_bits" in (folder / file).read_text()
+        )
         run(*C[compiler], "-std=c99", "-O0", *WARNINGS, "-c", file, folder=folder)
 
 

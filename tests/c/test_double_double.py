@@ -149,7 +149,7 @@ def test_the_interface_is_that_of_double():
     assert first == second
     assert len(first) == 8
     assert sources[1].variant == TIERS["exact"]
-    assert {"kanegen_pairs.h", "tree.c", "tree_batch.c"} < sources[1].files.keys()
+    assert {"kanegen_double_double.h", "tree.c", "tree_batch.c"} < sources[1].files.keys()
     assert not any("lanes" in file or "sincos" in file for file in sources[1].files)
 
 
@@ -244,14 +244,14 @@ def test_the_command_line(tmp_path):
         "generate", PENDULUM, "-o", str(tmp_path / "out"), "--tier", "exact", "--storage", "double-double"
     )
     header = (tmp_path / "out" / "double_pendulum.h").read_text().replace("\n *", "")
-    assert "kanegen_pair x[2]" in header
+    assert "kanegen_double_double x[2]" in header
     assert "All is computed in pairs of doubles, about 32 digits" in header
     text = kanegen("check", PENDULUM, "--states", "20", "--precision", "double-double").stdout
     assert "passed" in text and "2^-53" in text
 
 
 def test_literals():
-    assert DOUBLE_DOUBLE.literal(0.5) == "pair_of(0.5)"
+    assert DOUBLE_DOUBLE.literal(0.5) == "dd_of(0.5)"
     with mpmath.workprec(300):
         third = mpmath.mpf(1) / 3
-        assert DOUBLE_DOUBLE.literal(third) == "pair_literal(0.3333333333333333, 1.850371707708594e-17)"
+        assert DOUBLE_DOUBLE.literal(third) == "dd_literal(0.3333333333333333, 1.850371707708594e-17)"

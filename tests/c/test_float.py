@@ -21,7 +21,7 @@ from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT
 from tests.c.test_c import programs
-from tests.c.test_lanes import FLAGS, waves, wide
+from tests.c.test_simd import FLAGS, waves, wide
 from tests.c.test_status import BAD, GOOD, forward
 from tests.support.handmade import Listing, array, bits, description, evaluate, module, source
 from tests.support.robots import robot_file

@@ -15,7 +15,7 @@ from kanegen.options import TIERS
 from kanegen.program.ir import Module
 from kanegen.program.precision import DOUBLE, FLOAT
 from tests.c.test_c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
-from tests.c.test_lanes import FLAGS, wide
+from tests.c.test_simd import FLAGS, wide
 from tests.c.test_status import forward, inverse
 from tests.support.command import kanegen
 from tests.support.handmade import bits, description, evaluate, module, source
@@ -32,7 +32,7 @@ def test_the_c_has_doubles_only_where_parameters_are_prepared():
     assert "prepared[0] = (float)" in prepare
     assert "sqrtf(" in rest
     assert "3.0f" in rest
-    code = rest + files["handmade_batch.c"] + files["kanegen_lanesf.h"] + files["kanegen_sincosf.h"]
+    code = rest + files["handmade_batch.c"] + files["kanegen_simdf.h"] + files["kanegen_sincosf.h"]
     assert "double" not in code
     assert "type float" in files["handmade.h"]
     assert "in single precision" in files["handmade.pc.in"]
@@ -121,10 +121,10 @@ def test_files_of_one_precision_replace_those_of_the_other_unless_they_were_chan
     folder = source().write(tmp_path / "out")
     source(precision=FLOAT).write(folder)
     assert "type float" in (folder / "handmade.h").read_text()
-    assert (folder / "kanegen_lanesf.h").is_file()
-    with (folder / "kanegen_lanes.h").open("a") as file:
+    assert (folder / "kanegen_simdf.h").is_file()
+    with (folder / "kanegen_simd.h").open("a") as file:
         file.write("int mine;\n")
-    with pytest.raises(WriteError, match=r"holds kanegen_lanes\.h, which are not this model's files"):
+    with pytest.raises(WriteError, match=r"holds kanegen_simd\.h, which are not this model's files"):
         source(precision=FLOAT).write(folder)
 
 

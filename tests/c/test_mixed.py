@@ -15,7 +15,7 @@ from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, FLOAT, LONG_DOUBLE
 from kanegen.reference.states import random_states
 from tests.c.test_c_compilers import WARNINGS, C, code, run
-from tests.c.test_lanes import FLAGS, wide
+from tests.c.test_simd import FLAGS, wide
 from tests.support.command import kanegen
 from tests.support.handmade import bits, source
 from tests.support.paths import PENDULUM

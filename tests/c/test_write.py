@@ -13,7 +13,7 @@ from kanegen.errors import WriteError
 from tests.support.handmade import source
 from tests.support.paths import ROOT
 
-NAMES = """handmade.h handmade.c handmade_batch.c kanegen_lanes.h kanegen_sincos.h main.c CMakeLists.txt
+NAMES = """handmade.h handmade.c handmade_batch.c kanegen_simd.h kanegen_sincos.h main.c CMakeLists.txt
 handmade.pc.in README.md""".split()
 
 

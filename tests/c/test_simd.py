@@ -63,8 +63,8 @@ def test_sine_and_cosine_of_an_angle_come_from_one_call():
     assert body(make)[4:] == [
         "const lanes t1 = a + b;",
         "lanes t2, C_1;",
-        "lanes_sincos(&t1, &t2, &C_1);",
-        "f[0] = C_1*lanes_sin(c);",
+        "simd_sincos(&t1, &t2, &C_1);",
+        "f[0] = C_1*simd_sin(c);",
         "f[1] = t2;",
     ]
 
@@ -79,8 +79,8 @@ def test_what_is_the_same_in_all_states_is_a_double():
         "const lanes a = x[0];",
         "const double p_m = prepared[0];",
         "const double ml = p_m*sin(prepared[1]);",
-        "f[0] = lanes_of(ml);",
-        "f[1] = lanes_sqrt(a) - ml;",
+        "f[0] = simd_of(ml);",
+        "f[1] = simd_sqrt(a) - ml;",
     ]
 
 
@@ -167,7 +167,7 @@ def test_place_and_neighbours_do_not_matter(width):
 def test_arrays_too_large_for_the_stack_go_one_by_one(monkeypatch):
     monkeypatch.setattr(interface, "LARGEST_BATCH_ROW", 5)
     made = source()
-    assert "lanes" not in made.files["handmade_batch.c"].replace("kanegen_lanes.h", "")
+    assert "lanes" not in made.files["handmade_batch.c"].replace("kanegen_simd.h", "")
     library = load(made)
     x, y = np.random.default_rng(13).normal(size=(2, 5, 2))
     assert bits(library.mass_matrix(x)) == bits([library.mass_matrix(row) for row in x])

@@ -21,19 +21,21 @@ BINARY = ("add", "subtract", "multiply", "divide")
 
 def driver():
     """C that applies each function to arrays."""
-    lines = ['#include "kanegen_pairs.h"']
+    lines = ['#include "kanegen_double_double.h"']
     for name, inputs in [(f, "a") for f in UNARY] + [(f, "ab") for f in BINARY]:
-        arguments = "".join(f"const kanegen_pair *{x}, " for x in inputs)
+        arguments = "".join(f"const kanegen_double_double *{x}, " for x in inputs)
         values = ", ".join(f"{x}[i]" for x in inputs)
-        head = f"void each_{name}(int count, {arguments}kanegen_pair *c)"
-        lines += [f"{head};", f"{head} {{ for (int i = 0; i < count; ++i) c[i] = pair_{name}({values}); }}"]
+        head = f"void each_{name}(int count, {arguments}kanegen_double_double *c)"
+        lines += [f"{head};", f"{head} {{ for (int i = 0; i < count; ++i) c[i] = dd_{name}({values}); }}"]
     return "\n".join(lines) + "\n"
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("pairs")
-    (path / "kanegen_pairs.h").write_text(fill("c99/kanegen_pairs.h", double_double=DOUBLE_DOUBLE_HEADER))
+    (path / "kanegen_double_double.h").write_text(
+        fill("c99/kanegen_double_double.h", double_double=DOUBLE_DOUBLE_HEADER)
+    )
     (path / "driver.c").write_text(driver())
     return path
 
@@ -44,16 +46,18 @@ class Compiled:
         shared = ["-std=c99", "-ffp-contract=off", "-shared", "-fPIC", "driver.c", "-o", name, "-lm"]
         run(*command, *flags, *shared, folder=folder)
         self.ffi = cffi.FFI()
-        self.ffi.cdef("typedef struct { double high; double low; } kanegen_pair;")
+        self.ffi.cdef("typedef struct { double high; double low; } kanegen_double_double;")
         for name_, inputs in [(f, 1) for f in UNARY] + [(f, 2) for f in BINARY]:
-            self.ffi.cdef(f"void each_{name_}(int, {'const kanegen_pair *, ' * inputs} kanegen_pair *);")
+            arguments = ["const kanegen_double_double *"] * inputs + ["kanegen_double_double *"]
+            self.ffi.cdef(f"void each_{name_}(int, {', '.join(arguments)});")
         self.library = self.ffi.dlopen(str(folder / name))
 
     def __call__(self, name, *inputs):
         """(count, 2) from (count, 2) arrays."""
         result = np.empty_like(inputs[0])
         pointers = [
-            self.ffi.from_buffer("kanegen_pair[]", np.ascontiguousarray(a)) for a in (*inputs, result)
+            self.ffi.from_buffer("kanegen_double_double[]", np.ascontiguousarray(a))
+            for a in (*inputs, result)
         ]
         getattr(self.library, f"each_{name}")(len(result), *pointers)
         return result
@@ -168,7 +172,7 @@ def test_every_compiler_gives_the_same_bits(folder, compiled):
 @pytest.mark.parametrize("flags", ["-O0", "-O3 -march=native"])
 @pytest.mark.parametrize("compiler", [*C, *CPP])
 def test_the_header_is_clean(folder, compiler, flags):
-    (folder / "user.cpp").write_text('#include "kanegen_pairs.h"\nint user() { return 0; }\n')
+    (folder / "user.cpp").write_text('#include "kanegen_double_double.h"\nint user() { return 0; }\n')
     for standard in ("c99", "c11") if compiler in C else ("c++98", "c++17"):
         file = "driver.c" if compiler in C else "user.cpp"
         command = ({**C, **CPP})[compiler]
