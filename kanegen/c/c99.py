@@ -14,6 +14,7 @@ from kanegen.c.declarations import prepared_places
 from kanegen.c.dialect import Dialect, scalar
 from kanegen.c.functions import printed_functions
 from kanegen.c.interface import PREPARE, Function
+from kanegen.c.nomenclature import nomenclature
 from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
 from kanegen.c.vector_sincos import FEW
@@ -36,9 +37,9 @@ _NEEDED = {"kanegen_simd.h": "simd", "kanegen_sincos.h": "sincos", "kanegen_doub
 _RESERVED_NAMES = frozenset(
     """
     assert complex ctype errno fenv features float inttypes iso646 kanegen_double_double kanegen_simd
-    kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched setjmp signal stdalign
-    stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string strings tgmath
-    threads time uchar unistd wchar wctype
+    kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched setjmp
+    signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string
+    strings tgmath threads time uchar unistd wchar wctype
     """.split()
 )
 """Names of models whose header would hide one of the C library, or whose source the example."""
@@ -96,6 +97,7 @@ class C99:
         variables |= {
             "choices": given.variant.choices(given.decided),
             "functions": printed,
+            "nomenclature": nomenclature(printed),
             "prepared_places": prepared_places(given.model, given.prepared),
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),

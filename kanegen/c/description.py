@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from kanegen.model.coordinates import NOTES
 from kanegen.model.reanchorable import ReanchorableJoint, reanchorable_joints
 from kanegen.model.system import System
-from kanegen.recursion.legend import legend
 
 
 @dataclass(frozen=True)
@@ -23,7 +22,6 @@ class ModelDescription:
         body_names: N names of the bodies.
         loaded: For each body whether it takes a force and a torque.
         parameters: Name and default of each run-time parameter, in the order of the C array.
-        legend: Names that occur in the code, each with its meaning.
         freedom_bodies: n names of the bodies that the freedoms belong to.
         planar: For each joint whose three axes of angles can come to lie in a plane, the place in {x} of its
             middle angle and the function of that angle that is then 0, "cos" or "sin".
@@ -46,7 +44,6 @@ class ModelDescription:
     body_names: tuple[str, ...]
     loaded: tuple[bool, ...]
     parameters: tuple[tuple[str, float], ...] = ()
-    legend: tuple[tuple[str, str], ...] = ()
     freedom_bodies: tuple[str, ...] = ()
     planar: tuple[tuple[int, str], ...] = ()
     sequences: tuple[tuple[str, str], ...] = ()
@@ -103,7 +100,6 @@ def description(system: System) -> ModelDescription:
         body_names=tuple(body.name for body in system.bodies),
         loaded=tuple(body.loads for body in system.bodies),
         parameters=tuple((parameter.name, parameter.value) for parameter in system.parameters),
-        legend=legend(system),
         freedom_bodies=tuple(system.bodies[freedom.body - 1].name for freedom in system.freedoms),
         planar=_planar(system),
         sequences=_sequences(system),

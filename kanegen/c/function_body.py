@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 from kanegen.c import usage
 from kanegen.c.dialect import SCALAR, Dialect
@@ -22,18 +23,37 @@ LONGEST = 16
 """Most operations in one expression; longer expressions are cut by numbered locals."""
 
 
+@dataclass(frozen=True)
+class Body:
+    """The body of a function.
+
+    Attributes:
+        lines: Lines between its braces.
+        locals: Names of the locals that hold values.
+    """
+
+    lines: list[str]
+    locals: frozenset[str]
+
+
 def statements(program: Program, dialect: Dialect = SCALAR, shared: Collection[str] = ()) -> list[str]:
-    """Return the lines of a function that evaluates `program`, without its braces.
+    """Return the lines of `body`."""
+    return body(program, dialect, shared).lines
+
+
+def body(program: Program, dialect: Dialect = SCALAR, shared: Collection[str] = ()) -> Body:
+    """Return the body of a function that evaluates `program`.
 
     Args:
         program: The program to print.
         dialect: How statements are written.
         shared: Names of inputs that all states have in common.
     """
-    return _Body(program, dialect, shared).lines()
+    printer = _Printer(program, dialect, shared)
+    return Body(printer.lines(), frozenset(printer.locals))
 
 
-class _Body:
+class _Printer:
     """The statements so far, and for every value the expression by which later statements refer to it."""
 
     def __init__(self, program: Program, dialect: Dialect, shared: Collection[str]) -> None:
@@ -58,6 +78,7 @@ class _Body:
         self._numbered = 0
         self._expressions: dict[int, Expression] = {}
         self._lines: list[str] = []
+        self.locals: set[str] = set()
         self._last_note = ""
 
     def lines(self) -> list[str]:
@@ -107,6 +128,7 @@ class _Body:
         number = self._dialect.number
         if angle.level is not Level.ATOM or angle.negative or not angle.text.isidentifier():
             angle = self._local(self._instructions[i].operands[0], self._next_name(), angle)
+        self.locals.update(local.values())
         self._lines += wrap(f"{number} {local[Op.SIN]}, {local[Op.COS]};")
         self._lines += wrap(self._dialect.sincos(str(angle), local[Op.SIN], local[Op.COS]))
         for k in (i, j):
@@ -142,6 +164,7 @@ class _Body:
     def _local(self, i: int, name: str, expression: Expression) -> Expression:
         """Define a local of this name for value i."""
         number = self._dialect.common if i in self._uniform else self._dialect.number
+        self.locals.add(name)
         self._lines += wrap(self._dialect.local(number, name, self._dialect.notation.text(expression)))
         return Expression(name)
 

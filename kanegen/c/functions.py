@@ -21,7 +21,7 @@ from kanegen.c.declarations import (
     simd_prototype,
 )
 from kanegen.c.dialect import Dialect, simd
-from kanegen.c.function_body import statements
+from kanegen.c.function_body import body
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, wrap
 from kanegen.c.simd import SIMD
@@ -39,12 +39,14 @@ class Code:
         parts: Lines of prototype and body of each function that it calls in turn.
         vector_sincos: Most angles whose sines and cosines one part computes in SIMD lanes.
         has_sines: Whether it calls functions of kanegen_sincos.h.
+        locals: Names of the locals that hold values, in all parts.
     """
 
     body: list[str]
     parts: tuple[tuple[list[str], list[str]], ...] = ()
     vector_sincos: int = 0
     has_sines: bool = False
+    locals: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -136,18 +138,20 @@ def code(
     found = [vector_sincos(part) for part in programs] if dialect.has_vector_sincos else []
     has_sines = dialect.kanegen_sincos and any(map(usage.has_sines, programs))
     most = max((sincos.count for sincos in found if sincos), default=0)
+    bodies = [body(program, dialect, function.shared) for program in programs]
+    names = frozenset(name for one in bodies for name in one.locals)
     if len(programs) == 1 and not flushes:
-        return Code(statements(programs[0], dialect, function.shared), (), most, has_sines)
+        return Code(bodies[0].lines, (), most, has_sines, names)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
-    for number, program in enumerate(programs, start=1):
+    for number, (program, one) in enumerate(zip(programs, bodies, strict=True), start=1):
         part = _Part(f"{name}_{number}", program, dialect, function.shared)
-        parts.append((part.prototype, statements(program, dialect, function.shared)))
+        parts.append((part.prototype, one.lines))
         calls += part.call(flushes)
     if flushes:
         calls.append("    restore_mode(before);")
         calls += ["    return result;"] if function.may_fail else []
-    return Code(calls, tuple(parts), most, has_sines)
+    return Code(calls, tuple(parts), most, has_sines, names)
 
 
 def _beginning(function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool) -> list[str]:

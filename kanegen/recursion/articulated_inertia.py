@@ -106,7 +106,7 @@ class ArticulatedInertia:
         matrix = self._matrix()
         others = [i for i in SIX if i != index and matrix[index][i] != 0]
         pivot = matrix[index][index]
-        inverse = definitions.define(f"D_{name}", 1 / pivot)
+        inverse = definitions.define(f"D_{name}i", 1 / pivot)
         gains = {i: definitions.define(f"g_{name}_{i}", matrix[index][i] * inverse) for i in others}
         for i in others:
             for j in others:

@@ -55,8 +55,8 @@ class CorrectionSize:
         define, square = self._define, Rational(limit) ** 2
         pairs = zip(self._weights, floor or (0.0,) * len(self.solution), strict=True)
         least = sum((weight * Rational(a) ** 2 for weight, a in pairs), S.Zero)
-        size = define("yy_all", self.whole + define("yy_0", least))
-        one = define("yy_1", size * define("yy_i", 1 / size))
+        size = define("yy_all", self.whole + define("yy_least", least))
+        one = define("yy_one", size * define("yy_i", 1 / size))
         share = define("dm", square * SHARE**2 * size * one)
         pairs = zip(self._parts, self.errors, strict=True)
         return [

@@ -102,7 +102,7 @@ class PlanarTurn:
         s, c = self.sine, self.cosine
         jj, kk, jk = (getattr(m, entry(a, b)) for a, b in ((j, j), (k, k), (j, k)))
         difference = definitions.define(f"{name}_d", kk - jj)
-        twice = definitions.define(f"{name}_2c", 2 * c)
+        twice = definitions.define(f"C2_{str(c).partition('_')[2]}", 2 * c)
         p = definitions.define(f"{name}_p", s * difference - twice * jk)
         t = definitions.define(f"{name}_t", s * p)
         new = {

@@ -1,0 +1,66 @@
+"""The list of names at the head of the generated code: exactly those that occur there, and what they mean."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+from kanegen.c.functions import PrintedFunction
+from kanegen.c.layout import WIDTH, columns
+from kanegen.recursion.legend import legend
+
+_NUMBERED = re.compile(r"t\d+_*")
+
+PRINTED = (
+    ("sines, cosines", "sines and cosines of many coordinates, computed at once"),
+    ("w", "numbers that one part of a function leaves for later parts"),
+    ("failed", "place in x, from 1, of the first freedom whose condition fails"),
+    ("inaccurate", "minus the place of the freedom with the least margin, where that is not positive"),
+    ("least_margin", "least margin so far"),
+)
+"""Names that the printer adds to those of the derivation, and their meanings."""
+
+
+@dataclass(frozen=True)
+class Nomenclature:
+    """Lines of the head of the code.
+
+    Attributes:
+        names: Lines about names.
+        places: Lines about what stands in names for P.
+        freedoms: Lines about what stands in names for L.
+    """
+
+    names: list[str]
+    places: list[str]
+    freedoms: list[str]
+
+
+def nomenclature(functions: Collection[PrintedFunction]) -> Nomenclature:
+    """Return the names of all functions, one state and SIMD, and their meanings."""
+    names = {name for f in functions for one in (f.code, f.simd_code) for name in one.locals}
+    numbered = {name for name in names if _NUMBERED.fullmatch(name)}
+    found = legend(names - numbered)
+    further = [("t1, t2, ...", "parts of longer expressions")] if numbered else []
+    lines = "\n".join(line for f in functions for line in _scalar_lines(f))
+    further += [(name, meaning) for name, meaning in PRINTED if _declares(lines, name)]
+    return Nomenclature(_table([*found.names, *further]), _table(found.places), _table(found.freedoms))
+
+
+def _scalar_lines(function: PrintedFunction) -> Iterable[str]:
+    """Yield the lines of all bodies of the form for one state."""
+    yield from function.code.body
+    for _, body in function.code.parts:
+        yield from body
+
+
+def _declares(lines: str, name: str) -> bool:
+    """Return whether the printer's own name occurs; of several names, the first."""
+    first = name.partition(",")[0]
+    return re.search(rf"^ +[\w ]*\b{first}(\[|\b[^\n]* = 0)", lines, flags=re.MULTILINE) is not None
+
+
+def _table(rows: Iterable[tuple[str, str]]) -> list[str]:
+    """Return two aligned columns as lines of a block comment."""
+    return columns(list(rows), width=WIDTH - len(" *     "))
