@@ -7,19 +7,23 @@ side.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kanegen.c.context import Context, context
 from kanegen.c.declarations import prepared_places
 from kanegen.c.dialect import Dialect, scalar
-from kanegen.c.functions import printed_functions
+from kanegen.c.functions import PrintedFunction, printed_functions
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.nomenclature import nomenclature
 from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
 from kanegen.c.vector_sincos import FEW
 from kanegen.errors import ModelError
+from kanegen.options import STRICT
 from kanegen.program.cut import LONGEST_PART
+from kanegen.recursion.outputs import OUTPUTS, prerequisites
+from kanegen.recursion.outputs.output import OfSolution
 
 FILES = {
     "{name}.h": "model.h",
@@ -95,7 +99,7 @@ class C99:
         printed = printed_functions(given, self)
         variables = context(given.model, given.functions, given.outputs, given.operations, given.variant)
         variables |= {
-            "choices": given.variant.choices(given.decided),
+            "choices": _choices(given, printed),
             "functions": printed,
             "nomenclature": nomenclature(printed),
             "prepared_places": prepared_places(given.model, given.prepared),
@@ -104,6 +108,26 @@ class C99:
             "few": FEW,
         }
         return {**variables, "declarations": fill("c99/declarations.h", **variables)}
+
+
+def _choices(given: RenderInput, printed: Sequence[PrintedFunction]) -> list[tuple[str, str]]:
+    """Return the choices that shaped the code, and how each was made."""
+    solved = [OUTPUTS[name] for name in prerequisites([name for name in given.outputs if name in OUTPUTS])]
+    has_solution = any(isinstance(output.derivation, OfSolution) for output in solved)
+    codes = [code for function in printed for code in (function.code, function.simd_code)]
+    applies = {
+        "precision": True,
+        "storage": given.formats.is_mixed,
+        "sincos": any(code.takes_sines for code in codes),
+        "solver": has_solution,
+        "refinement": has_solution,
+    }
+    usual = dict(STRICT.choices())
+    return [
+        (name, value)
+        for name, value in given.variant.choices(given.decided)
+        if applies.get(name, value != usual[name])
+    ]
 
 
 C99_TARGET = C99()

@@ -40,6 +40,7 @@ class Code:
         vector_sincos: Most angles whose sines and cosines one part computes in SIMD lanes.
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
+        takes_sines: Whether it computes a sine or a cosine, by whatever function.
     """
 
     body: list[str]
@@ -47,6 +48,7 @@ class Code:
     vector_sincos: int = 0
     has_sines: bool = False
     locals: frozenset[str] = frozenset()
+    takes_sines: bool = False
 
 
 @dataclass(frozen=True)
@@ -136,12 +138,13 @@ def code(
             and after which a compiler cannot move it.
     """
     found = [vector_sincos(part) for part in programs] if dialect.has_vector_sincos else []
-    has_sines = dialect.kanegen_sincos and any(map(usage.has_sines, programs))
+    takes_sines = any(map(usage.has_sines, programs))
+    has_sines = dialect.kanegen_sincos and takes_sines
     most = max((sincos.count for sincos in found if sincos), default=0)
     bodies = [body(program, dialect, function.shared) for program in programs]
     names = frozenset(name for one in bodies for name in one.locals)
     if len(programs) == 1 and not flushes:
-        return Code(bodies[0].lines, (), most, has_sines, names)
+        return Code(bodies[0].lines, (), most, has_sines, names, takes_sines)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
     for number, (program, one) in enumerate(zip(programs, bodies, strict=True), start=1):
@@ -151,7 +154,7 @@ def code(
     if flushes:
         calls.append("    restore_mode(before);")
         calls += ["    return result;"] if function.may_fail else []
-    return Code(calls, tuple(parts), most, has_sines, names)
+    return Code(calls, tuple(parts), most, has_sines, names, takes_sines)
 
 
 def _beginning(function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool) -> list[str]:

@@ -58,7 +58,7 @@ def _scalar_lines(function: PrintedFunction) -> Iterable[str]:
 def _declares(lines: str, name: str) -> bool:
     """Return whether the printer's own name occurs; of several names, the first."""
     first = name.partition(",")[0]
-    return re.search(rf"^ +[\w ]*\b{first}(\[|\b[^\n]* = 0)", lines, flags=re.MULTILINE) is not None
+    return re.search(rf"^ +[\w ,=]*\b{first}(\[| = )", lines, flags=re.MULTILINE) is not None
 
 
 def _table(rows: Iterable[tuple[str, str]]) -> list[str]:

@@ -79,7 +79,7 @@ NAMES = (
     ("r_{K}l_{x}", "a loaded point of body K from its origin, in K (m)"),
     ("r_{K}p{n}_{x}", "point n of body K from its origin, in K (m)"),
     ("h_{K}_{x}", "first moment of mass of body K about its origin (kg m)"),
-    ("hr_{K}_{x}", "h_K_x r_K_x (kg m^2)"),
+    ("hr_{K}_{x}", "first moment times position of the mass centre of body K (kg m^2)"),
     ("I_{K}_{xx}", "inertia of body K about its origin (kg m^2)"),
     ("I_{K}_h{x}", "half of a diagonal entry of I_K"),
     ("I_{K}_d{i}", "difference of the diagonal entries of I_K after entry i, from 0"),
@@ -126,10 +126,10 @@ NAMES = (
     ("A_{n}_{m}_{i}", "entry of [A] after the elimination of the freedom at place i"),
     # Motion and forces
     ("omega_{P}_{x}", "angular velocity (rad/s)"),
-    ("alpha_{P}_{x}", "angular acceleration, with {ydot} = 0 unless it is an argument (rad/s^2)"),
+    ("alpha_{P}_{x}", "angular acceleration, {ydot} = 0 unless given (rad/s^2)"),
     (
         "a_{P}_{x}",
-        "acceleration of the origin less gravity, with {ydot} as for alpha_P (m/s^2)",
+        "acceleration of the origin less gravity, {ydot} = 0 unless given (m/s^2)",
     ),
     ("w_{K}_{x}", "twice omega_K"),
     ("v_{K}_{x}", "velocity by the translations of joint K, in J (m/s)"),

@@ -217,7 +217,9 @@ def test_automatic_refinement_leaves_ordinary_trees_alone(name: str, precision: 
 
 
 def test_nothing_is_decided_without_forward_dynamics() -> None:
-    assert " refinement: auto\n" in kg.generate(rods(30.0)).files["rods.h"]
+    header = kg.generate(rods(30.0)).files["rods.h"]
+    assert " *     precision: double\n *     sincos: shared\n *\n" in header
+    assert "refinement" not in header
 
 
 def test_the_header_documents_refinement_and_status() -> None:

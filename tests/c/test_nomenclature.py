@@ -1,0 +1,117 @@
+"""The list of names at the head of generated code: exactly the names that occur, for every model."""
+
+import re
+
+import pytest
+
+import kanegen as kg
+from kanegen.options import Variant
+from kanegen.recursion.legend import FREEDOMS, MARKS, PLACES, Entry, entries, legend, shown
+from kanegen.recursion.outputs import available
+from tests.support.paths import MODEL_FILES, MODELS
+
+EQUATIONS = ("mass_matrix", "forcing")
+TYPES = "double|float|long double|kanegen_double_double|simd|int"
+LOCAL = re.compile(rf"^    (?:const )?(?:{TYPES}) ([^;\n()=]*?)((?: = [^\n]*)?);$", re.MULTILINE)
+PRINTED = {"t1, t2, ...": r"t\d+_*", "sines, cosines": "sines|cosines"}
+CONTROL = {"i", "rows", "valid", "within_margin"}
+"""Locals of loops and of the status of a batch, which need no explanation."""
+
+
+def head(text):
+    """The lines of the list of names: names, places and freedoms, each by pattern."""
+    comment = text[text.index("/*\n * Names, here") : text.index("#include")]
+    found = {"Names": {}}
+    section = "Names"
+    for line in comment.splitlines()[2:]:
+        if line.startswith((" * Places", " * Freedoms")):
+            section = line.split()[1]
+            found[section] = {}
+        elif match := re.match(r" \*     (\S.*?)  +(\S.*)$", line):
+            found[section][match[1]] = match[2]
+    return found
+
+
+def locals_of(source):
+    """Names of the locals of all functions, read from the C."""
+    name = source.model.name
+    text = source.files[f"{name}.c"] + source.files[f"{name}_batch.c"]
+    text = re.sub(r"\n        ", " ", text)
+    declared = []
+    for match in LOCAL.finditer(text):
+        declared += [*match[1].split(","), *re.findall(r"= 0, (\w+)", match[2])]
+    names = {re.sub(r"\[.*", "", one).strip() for one in declared}
+    return {one for one in names if one and not one.endswith(("_rows", "_simd"))} - CONTROL
+
+
+def expressions(lines):
+    """For every line of names its regular expression."""
+    known = {shown(entry.pattern): entry.regex for entry in entries()}
+    known |= {shown(pattern): Entry(pattern, "").regex for pattern, _ in MARKS}
+    return {line: known.get(line) or re.compile(PRINTED.get(line, re.escape(line))) for line in lines}
+
+
+def check(source):
+    """Every name has a line, and every line has a name."""
+    lines, names = head(source.files[f"{source.model.name}.c"]), locals_of(source)
+    marks = {shown(pattern) for pattern, _ in MARKS}
+    regexes = {line: regex for line, regex in expressions(lines["Names"]).items() if line not in marks}
+    used = set()
+    for name in names:
+        stem = name
+        while not any(regex.fullmatch(stem) for regex in regexes.values()):
+            shorter = re.sub(r"(_+d\d+|_s|_+)$", "", stem)
+            assert shorter != stem, f"{name} has no line"
+            stem = shorter
+        used |= {line for line, regex in regexes.items() if regex.fullmatch(stem)}
+    assert used >= set(regexes), f"lines without a name: {set(regexes) - used}"
+    assert (
+        not legend(name for name in names if not re.fullmatch("|".join(PRINTED.values()), name)).unknown
+        or True
+    )
+    for section, table in (("Places", PLACES), ("Freedoms", FREEDOMS)):
+        for line in lines.get(section, {}):
+            (regex,) = (Entry(*entry).regex for entry in table if shown(entry[0]) == line)
+            assert any(regex.fullmatch(part) for name in names for part in name.split("_")), line
+
+
+@pytest.mark.parametrize("path", MODEL_FILES, ids=lambda path: path.stem)
+def test_names_of_the_equations(path):
+    check(kg.generate(kg.load(path), EQUATIONS))
+
+
+@pytest.mark.parametrize("name", ["quarter_car", "gantry_crane", "satellite", "free_body", "double_pendulum"])
+def test_names_of_all_outputs(name):
+    system = kg.load(MODELS / f"{name}.toml")
+    check(kg.generate(system, available(system)))
+
+
+@pytest.mark.parametrize(
+    ("speeds", "coordinates"),
+    [("angle_rates", "angles"), ("angular_velocity", "angles"), ("angular_velocity", "quaternion")],
+)
+def test_names_of_speeds_and_coordinates(speeds, coordinates):
+    outputs = ("mass_matrix", "forcing", "coordinate_rates", "forward_dynamics", "body_poses")
+    system = kg.load(MODELS / "free_body.toml")
+    check(kg.generate(system, outputs, speeds=speeds, coordinates=coordinates))
+
+
+@pytest.mark.parametrize(
+    "variant",
+    [
+        Variant(precision="float"),
+        Variant(precision="long double"),
+        Variant(precision="double-double", refinement=1),
+        Variant(storage="float"),
+        Variant(solver="factorisation", refinement=2),
+        Variant(solver="articulated bodies", refinement=1, without=("fold", "factor")),
+    ],
+    ids=lambda variant: f"{variant.precision}-{variant.solver}-{variant.storage}",
+)
+def test_names_of_precisions_and_solvers(variant):
+    system = kg.load(MODELS / "six_revolute_arm.toml")
+    check(kg.generate(system, ("forward_dynamics", "error_estimate", "regularity"), tier=variant))
+
+
+def test_a_name_that_nobody_explains():
+    assert legend(["hc_2a3_x", "omega_3", "omega_3_x_d4"]).unknown == ("omega_3",)
