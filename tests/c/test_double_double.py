@@ -245,7 +245,7 @@ def test_the_command_line(tmp_path):
     )
     header = (tmp_path / "out" / "double_pendulum.h").read_text().replace("\n *", "")
     assert "kanegen_double_double x[2]" in header
-    assert "All is computed in pairs of doubles, about 32 digits" in header
+    assert "All is computed in double-double, about 32 digits" in header
     text = kanegen("check", PENDULUM, "--states", "20", "--precision", "double-double").stdout
     assert "passed" in text and "2^-53" in text
 

@@ -32,7 +32,7 @@ def driver():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    path = tmp_path_factory.mktemp("pairs")
+    path = tmp_path_factory.mktemp("double_double")
     (path / "kanegen_double_double.h").write_text(
         fill("c99/kanegen_double_double.h", double_double=DOUBLE_DOUBLE_HEADER)
     )
@@ -190,4 +190,4 @@ def test_other_arithmetic_is_refused(folder, flags):
         text=True,
         check=False,
     )
-    assert "pairs of doubles need IEEE arithmetic" in result.stderr
+    assert "double-double needs IEEE arithmetic" in result.stderr

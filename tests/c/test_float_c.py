@@ -28,19 +28,19 @@ ALL = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
 def test_the_c_has_doubles_only_where_parameters_are_prepared():
     files = source(precision=FLOAT).files
     prepare, rest = files["handmade.c"].split("void handmade_mass_matrix")
-    assert "const double p_m1 = (double)parameters[0];" in prepare
-    assert "prepared[0] = (float)" in prepare
+    assert "const double p_m1 = (double)parameters[HANDMADE_P_m1];" in prepare
+    assert "prepared[HANDMADE_C_c_1] = (float)" in prepare
     assert "sqrtf(" in rest
     assert "3.0f" in rest
     code = rest + files["handmade_batch.c"] + files["kanegen_simdf.h"] + files["kanegen_sincosf.h"]
     assert "double" not in code
     assert "type float" in files["handmade.h"]
     assert "in single precision" in files["handmade.pc.in"]
-    assert not re.search(r"kanegen_(lanes|sincos)\.h", "".join(files.values()))
-    stamps = [
+    assert not re.search(r"kanegen_(simd|sincos)\.h", "".join(files.values()))
+    first_lines = [
         {text.partition("\n")[0] for text in source(precision=p).files.values()} for p in (DOUBLE, FLOAT)
     ]
-    assert not stamps[0] & stamps[1]
+    assert not first_lines[0] & first_lines[1]
 
 
 @pytest.mark.parametrize("compiler", C)

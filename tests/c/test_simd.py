@@ -61,8 +61,8 @@ def test_sine_and_cosine_of_an_angle_come_from_one_call():
         return [k(Op.MULTIPLY, k(Op.COS, turn, name="C_1"), k(Op.SIN, c)), k(Op.SIN, turn)]
 
     assert body(make)[4:] == [
-        "const lanes t1 = a + b;",
-        "lanes t2, C_1;",
+        "const simd t1 = a + b;",
+        "simd t2, C_1;",
         "simd_sincos(&t1, &t2, &C_1);",
         "f[0] = C_1*simd_sin(c);",
         "f[1] = t2;",
@@ -76,7 +76,7 @@ def test_what_is_the_same_in_all_states_is_a_double():
         return [product, k(Op.SUBTRACT, k(Op.SQRT, a), product)]
 
     assert body(make) == [
-        "const lanes a = x[0];",
+        "const simd a = x[0];",
         "const double p_m = prepared[0];",
         "const double ml = p_m*sin(prepared[1]);",
         "f[0] = simd_of(ml);",
