@@ -9,6 +9,7 @@ from typing import Any, Self, Unpack
 from numpy.typing import ArrayLike
 
 from kanegen.c import Source
+from kanegen.c.interface import PREPARE
 from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.library.native.calls import NativeLibrary
@@ -211,6 +212,12 @@ class CompiledModel:
 
     def _absent(self, name: str) -> OptionError:
         """Return the error that says that the function of an output was not generated."""
+        if name in (*self.outputs, EVALUATE):
+            functions = ", ".join(function for function in self._calls if function != PREPARE)
+            return OptionError(
+                f"system {self.name!r} was built without the function {name!r}. It has {functions}; "
+                "ask for more with functions=(...)."
+            )
         return OptionError(
             f"system {self.name!r} was built without the output {name!r}. It has "
             f"{', '.join(self.outputs)}; ask for more with outputs=(...)."

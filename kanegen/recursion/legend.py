@@ -255,8 +255,8 @@ _TURNED = ("Ic_{P}", "Ic_{K}r{P}", "SI_{P}", "SM_{P}")
 """Symmetric matrices that pass turns."""
 
 _STEPS = (
-    ("_d", "difference of the diagonal entries {0} across the axis of the turn below"),
-    ("_p", "sine times {0}_d, less twice the cosine times the entry between them"),
+    ("_d", "difference of the two diagonal entries of {0} that the turn mixes"),
+    ("_p", "sine times {0}_d, less twice the cosine times the entry between the two"),
     ("_t", "sine times {0}_p"),
     ("_a_{x}", "product of {0} above and column x of the turn"),
     ("_b_{x}", "product of {0} above and column y of the turn"),
@@ -350,7 +350,8 @@ class Legend:
 @cache
 def entries() -> tuple[Entry, ...]:
     """Return every entry of names, in the order in which they are tried."""
-    return tuple(Entry(*entry) for entry in (*NAMES, *_turning()))
+    after = [pattern for pattern, _ in NAMES].index("Ic_{P}_{xx}") + 1
+    return tuple(Entry(*entry) for entry in (*NAMES[:after], *_turning(), *NAMES[after:]))
 
 
 _PLACE_ENTRIES = tuple(Entry(*entry) for entry in PLACES)

@@ -26,7 +26,7 @@ TERM = re.compile(r"(?<=[\w)\]])\s+[+-] [\w.]+(?:e[-+]\d+)?(?:\*[\w.]+)*(?=\s[+-
 VALUE = re.compile(r"(?<= = )(?!x\[|y\[)[^;{]+(?=;)")
 DIFFERENCE = re.compile(r"(?<= = )([\w.*]+) - ([\w.*]+)(?=;)")
 RECIPROCAL = re.compile(r"(?<= = )1\.0/(\w+)(?=;)")
-MOTION = re.compile(r"(?<=const lanes )((?:ww|W|w|v|alpha)_\w+) = ([^;]+)(?=;)")
+MOTION = re.compile(r"(?<=const simd )((?:ww|W|w|v|alpha)_\w+) = ([^;]+)(?=;)")
 LOAD = re.compile(r"(?<= = )((?:force|torque|tau)\[[^;]+)(?=;)")
 RESULT = re.compile(r"(?<=acceleration\[)\d+(?=\] = )")
 
@@ -82,7 +82,7 @@ def _mutants(source: Source, changes: Changes) -> Iterator[Source]:
     """Yield a source for every change of a kind in the function for many states."""
     file = f"{source.model.name}_batch.c"
     text = source.files[file]
-    start = text.index("forward_dynamics_lanes(")
+    start = text.index("forward_dynamics_simd(")
     body = text[start : text.index("\n}\n", start)]
     for changed in changes(body):
         yield replace(source, files={**source.files, file: text.replace(body, changed)})

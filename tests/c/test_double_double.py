@@ -150,7 +150,7 @@ def test_the_interface_is_that_of_double():
     assert len(first) == 8
     assert sources[1].variant == TIERS["exact"]
     assert {"kanegen_double_double.h", "tree.c", "tree_batch.c"} < sources[1].files.keys()
-    assert not any("lanes" in file or "sincos" in file for file in sources[1].files)
+    assert not any("simd" in file or "sincos" in file for file in sources[1].files)
 
 
 def test_what_parameters_make_is_not_rounded():

@@ -167,7 +167,7 @@ def test_place_and_neighbours_do_not_matter(width):
 def test_arrays_too_large_for_the_stack_go_one_by_one(monkeypatch):
     monkeypatch.setattr(interface, "LARGEST_BATCH_ROW", 5)
     made = source()
-    assert "lanes" not in made.files["handmade_batch.c"].replace("kanegen_simd.h", "")
+    assert "simd" not in made.files["handmade_batch.c"].replace("kanegen_simd.h", "")
     library = load(made)
     x, y = np.random.default_rng(13).normal(size=(2, 5, 2))
     assert bits(library.mass_matrix(x)) == bits([library.mass_matrix(row) for row in x])

@@ -50,7 +50,7 @@ def source():
     return with_artifacts(render(description(parameters=False, loads=False), Module(None, functions), {}))
 
 
-@pytest.fixture(scope="module", params=["in lanes", "one by one"])
+@pytest.fixture(scope="module", params=["in SIMD lanes", "one by one"])
 def library(request):
     with pytest.MonkeyPatch.context() as patch:
         if request.param == "one by one":

@@ -154,6 +154,15 @@ def test_functions_are_chosen():
     assert [function.name for function in together.functions] == ["prepare", "evaluate"]
 
 
+def test_a_library_has_the_chosen_functions():
+    system = kg.load(MODELS / "double_pendulum.toml")
+    every, one = kg.build(system), kg.build(system, functions=["forcing"])
+    assert (every.forcing([0.1, 0.2], [0.3, 0.4]) == one.forcing([0.1, 0.2], [0.3, 0.4])).all()
+    for call, name in ((one.mass_matrix, "mass_matrix"), (one.evaluate, "evaluate")):
+        with pytest.raises(OptionError, match=f"without the function '{name}'. It has forcing; ask for more"):
+            call([0.1, 0.2])
+
+
 @pytest.mark.parametrize(
     ("names", "message"),
     [
