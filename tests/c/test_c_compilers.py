@@ -77,8 +77,15 @@ def _generated(system, outputs, precision):
     return kg.generate(system, outputs, precision=precision)
 
 
-@pytest.mark.parametrize("compiler", C)
-@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize(
+    ("precision", "compiler"),
+    [
+        ("double", "clang"),
+        ("float", "gcc"),
+        pytest.param("double", "gcc", marks=pytest.mark.slow),
+        pytest.param("float", "clang", marks=pytest.mark.slow),
+    ],
+)
 def test_long_functions_in_pieces_are_clean(precision, compiler, tmp_path):
     system = kg.load(MODELS / "eight_body.toml")
     outputs = [name for name in available(system) if name not in DERIVATIVES]

@@ -225,9 +225,10 @@ def test_the_example_by_cmake_and_under_sanitizers(tmp_path):
         assert abs(value - expected) < abs(expected) * mpmath.mpf(2) ** -103
 
 
-def test_every_compiler_gives_the_same_bits():
+@pytest.mark.parametrize("bodies", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_every_compiler_gives_the_same_bits(bodies):
     """Whatever the optimisation, and whether the machine has fused multiply-add."""
-    system = tree(6, 2)
+    system = tree(6, bodies)
     rng = np.random.default_rng(4)
     n = len(system.freedoms)
     x, y = pairs(rng.normal(size=(5, n))), pairs(rng.normal(size=(5, n)))

@@ -44,7 +44,7 @@ def inputs(system, seed=2, count=13):
 )
 def test_results_are_those_of_the_arithmetic_rounded_once(arithmetic, storage):
     """Bit by bit, for one state and in batches: only loads and stores differ."""
-    system = tree()
+    system = tree(bodies=2)
     plain = kg.build(system, OUTPUTS, flags=FLAGS, precision=arithmetic)
     mixed = kg.build(system, OUTPUTS, flags=FLAGS, tier=Variant(precision=arithmetic, storage=storage))
     assert (mixed.precision, mixed.storage) == (arithmetic, storage)

@@ -238,7 +238,14 @@ def values(system: kg.System, without: tuple[str, ...]) -> dict[str, list[Any]]:
     return evaluate(program, inputs, mpmath, mpmath.mpf)
 
 
-@pytest.mark.parametrize("system", list(trees()), ids=lambda system: f"{system.name}{len(system.freedoms)}")
+CRANE, TREE, LARGER_TREE = trees()
+
+
+@pytest.mark.parametrize(
+    "system",
+    [CRANE, TREE, pytest.param(LARGER_TREE, marks=pytest.mark.slow)],
+    ids=lambda system: f"{system.name}{len(system.freedoms)}",
+)
 def test_the_equations_do_not_depend_on_the_passes(system: kg.System) -> None:
     """Values differ by the rounding of folded numbers only; the comparison computes with 40 digits."""
     with mpmath.workdps(40):

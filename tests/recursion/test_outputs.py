@@ -64,7 +64,9 @@ def test_what_several_share() -> None:
         assert cost(tree, new, old) <= cost(tree, new) + cost(tree, old) - spared, (new, old)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    "seed", [pytest.param(0, marks=pytest.mark.slow), 1, pytest.param(2, marks=pytest.mark.slow)]
+)
 def test_a_function_costs_the_same_whatever_else_is_asked_for(seed: int) -> None:
     """The counts are equal for every output of a tree with points."""
     tree = system(seed)
