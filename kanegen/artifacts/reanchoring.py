@@ -10,7 +10,7 @@ def reanchoring(source: Source) -> dict[str, str]:
     """Return the header `<model>_reanchor.h`."""
     model = source.model
     text = fill(
-        "artifacts/model_reanchor.h", model=model, prefix=model.name.upper(), anchors=model.reanchorable
+        "artifacts/model_reanchor.h", model=model, prefix=model.name.upper(), joints=model.reanchorable
     )
     return {f"{model.name}_reanchor.h": text}
 

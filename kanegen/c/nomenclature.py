@@ -18,6 +18,8 @@ PRINTED = (
     ("failed", "place in x, from 1, of the first freedom whose condition fails"),
     ("inaccurate", "minus the place of the freedom with the least margin, where that is not positive"),
     ("least_margin", "least margin so far"),
+    ("before", "mode of the arithmetic of the caller"),
+    ("result", "the status, until that mode is restored"),
 )
 """Names that the printer adds to those of the derivation, and their meanings."""
 

@@ -6,12 +6,13 @@ import pytest
 
 import kanegen as kg
 from kanegen.options import Variant
+from kanegen.program.semantics import FLUSH, RELAXED
 from kanegen.recursion.legend import FREEDOMS, MARKS, PLACES, Entry, entries, legend, shown
 from kanegen.recursion.outputs import available
 from tests.support.paths import MODEL_FILES, MODELS
 
 EQUATIONS = ("mass_matrix", "forcing")
-TYPES = "double|float|long double|kanegen_double_double|simd|int"
+TYPES = "arithmetic_mode|double|float|long double|kanegen_double_double|simd|int"
 LOCAL = re.compile(rf"^    (?:const )?(?:{TYPES}) ([^;\n()=]*?)((?: = [^\n]*)?);$", re.MULTILINE)
 PRINTED = {"t1, t2, ...": r"t\d+_*", "sines, cosines": "sines|cosines"}
 CONTROL = {"i", "rows", "valid", "within_margin"}
@@ -103,6 +104,7 @@ def test_names_of_speeds_and_coordinates(speeds, coordinates):
         Variant(precision="long double"),
         Variant(precision="double-double", refinement=1),
         Variant(storage="float"),
+        Variant(semantics=(*RELAXED, FLUSH)),
         Variant(solver="factorisation", refinement=2),
         Variant(solver="articulated bodies", refinement=1, without=("fold", "factor")),
     ],
