@@ -17,28 +17,28 @@ from kanegen.program.precision import DOUBLE, Precision
 
 def example(source: Source) -> dict[str, str]:
     """Return the example, `main.c`."""
-    functions, held = source.functions, formats(source.variant)
+    functions, model_formats = source.functions, formats(source.variant)
     printed = [array for function in functions for array in function.outputs]
     text = fill(
         "artifacts/main.c",
         model=source.model,
         functions=functions,
-        inputs=_inputs(source.model, functions, held),
-        results=list(dict.fromkeys(f"{held.of(a.name).c_type} {declarator(a)}" for a in printed)),
-        printers=_printers(printed, held),
+        inputs=_inputs(source.model, functions, model_formats),
+        results=list(dict.fromkeys(f"{model_formats.of(a.name).c_type} {declarator(a)}" for a in printed)),
+        printers=_printers(printed, model_formats),
     )
     return {"main.c": text}
 
 
 def _inputs(
-    model: ModelDescription, functions: Sequence[Function], held: Formats
+    model: ModelDescription, functions: Sequence[Function], model_formats: Formats
 ) -> list[tuple[str, list[str]]]:
     """Return the declaration of each input array, and a line for each of its elements."""
     found: dict[str, list[str]] = {}
     for function in functions:
         for array in function.inputs:
             if array.name not in function.shared:
-                precision = held.of(array.name)
+                precision = model_formats.of(array.name)
                 lines = _initializer(_elements(model, function, array), precision)
                 found[f"{precision.c_type} {declarator(array)}"] = lines
     return list(found.items())
@@ -100,11 +100,11 @@ class Printer:
     value: str
 
 
-def _printers(arrays: Sequence[Array], held: Formats) -> dict[str, Printer]:
+def _printers(arrays: Sequence[Array], model_formats: Formats) -> dict[str, Printer]:
     """Return the function that prints each result, by name of the result."""
-    kinds = list(dict.fromkeys([held.storage, *(held.of(array.name) for array in arrays)]))
+    kinds = list(dict.fromkeys([model_formats.storage, *(model_formats.of(array.name) for array in arrays)]))
     made = {kind: _printer(kind, f"_{number}" if number else "") for number, kind in enumerate(kinds)}
-    return {array.name: made[held.of(array.name)] for array in arrays}
+    return {array.name: made[model_formats.of(array.name)] for array in arrays}
 
 
 def _printer(precision: Precision, ending: str) -> Printer:

@@ -73,19 +73,19 @@ class C99:
                 "Choose another name."
             )
 
-    def dialect(self, given: RenderInput, function: Function) -> Dialect:
+    def dialect(self, render_input: RenderInput, function: Function) -> Dialect:
         """Return C for one state; `prepare` computes at least in double precision."""
-        formats = given.formats
+        formats = render_input.formats
         arithmetic = formats.preparing if function.name == PREPARE else formats.arithmetic
-        kanegen_sincos = given.sincos is not None and arithmetic is formats.arithmetic
-        return scalar(formats, arithmetic, kanegen_sincos, given.places)
+        kanegen_sincos = render_input.sincos is not None and arithmetic is formats.arithmetic
+        return scalar(formats, arithmetic, kanegen_sincos, render_input.places)
 
-    def printed(self, given: RenderInput) -> Printed:
+    def printed(self, render_input: RenderInput) -> Printed:
         """Return header, source, batch source and the headers that these include."""
-        variables = self._context(given)
+        variables = self._context(render_input)
         double_double = variables["double_double"]
         files = {
-            pattern.format(name=given.model.name, f=given.precision.libm_suffix): fill(
+            pattern.format(name=render_input.model.name, f=render_input.precision.libm_suffix): fill(
                 f"c99/{template}", **variables
             )
             for pattern, template in FILES.items()
@@ -94,15 +94,21 @@ class C99:
         types = double_double.declared if double_double else ""
         return Printed(files, types + variables["declarations"])
 
-    def _context(self, given: RenderInput) -> Context:
+    def _context(self, render_input: RenderInput) -> Context:
         """Return the variables of all templates."""
-        printed = printed_functions(given, self)
-        variables = context(given.model, given.functions, given.outputs, given.operations, given.variant)
+        printed = printed_functions(render_input, self)
+        variables = context(
+            render_input.model,
+            render_input.functions,
+            render_input.outputs,
+            render_input.operations,
+            render_input.variant,
+        )
         variables |= {
-            "choices": _choices(given, printed),
+            "choices": _choices(render_input, printed),
             "functions": printed,
             "nomenclature": nomenclature(printed),
-            "prepared_places": prepared_places(given.model, given.prepared),
+            "prepared_places": prepared_places(render_input.model, render_input.prepared),
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),
             "few": FEW,
@@ -110,14 +116,16 @@ class C99:
         return {**variables, "declarations": fill("c99/declarations.h", **variables)}
 
 
-def _choices(given: RenderInput, printed: Sequence[PrintedFunction]) -> list[tuple[str, str]]:
+def _choices(render_input: RenderInput, printed: Sequence[PrintedFunction]) -> list[tuple[str, str]]:
     """Return the choices that shaped the code, and how each was made."""
-    solved = [OUTPUTS[name] for name in prerequisites([name for name in given.outputs if name in OUTPUTS])]
+    solved = [
+        OUTPUTS[name] for name in prerequisites([name for name in render_input.outputs if name in OUTPUTS])
+    ]
     has_solution = any(isinstance(output.derivation, OfSolution) for output in solved)
     codes = [code for function in printed for code in (function.code, function.simd_code)]
     applies = {
         "precision": True,
-        "storage": given.formats.is_mixed,
+        "storage": render_input.formats.is_mixed,
         "sincos": any(code.takes_sines for code in codes),
         "solver": has_solution,
         "refinement": has_solution,
@@ -125,7 +133,7 @@ def _choices(given: RenderInput, printed: Sequence[PrintedFunction]) -> list[tup
     usual = dict(STRICT.choices())
     return [
         (name, value)
-        for name, value in given.variant.choices(given.decided)
+        for name, value in render_input.variant.choices(render_input.decided)
         if applies.get(name, value != usual[name])
     ]
 

@@ -64,36 +64,36 @@ def context(
         operations: Operation counts of one evaluation of all outputs.
         variant: The choices that shape the code.
     """
-    held = formats(variant)
+    model_formats = formats(variant)
     return {
         "version": __version__,
         "model": model,
         "prefix": model.name.upper(),
         "outputs": outputs,
         "operations": _operations(operations),
-        **_arithmetic(model, variant, held),
+        **_arithmetic(model, variant, model_formats),
         **_status(model, functions),
         **_tables(model, outputs),
         "sizes": declarations.sizes(model, functions),
         "parameter_places": declarations.parameter_places(model),
-        "stack": _batch_stack(functions, SIMD.get(held.arithmetic), held),
+        "stack": _batch_stack(functions, SIMD.get(model_formats.arithmetic), model_formats),
     }
 
 
-def _arithmetic(model: ModelDescription, variant: Variant, held: Formats) -> Context:
+def _arithmetic(model: ModelDescription, variant: Variant, model_formats: Formats) -> Context:
     """Return precisions, sine and cosine, and what the compiler may do."""
-    sincos = sincos_named(variant.sincos, held.arithmetic)
+    sincos = sincos_named(variant.sincos, model_formats.arithmetic)
     return {
-        "precision": held.arithmetic,
-        "formats": held,
-        "double_double": DOUBLE_DOUBLE_HEADER if held.arithmetic is DOUBLE_DOUBLE else None,
-        "simd": SIMD.get(held.arithmetic),
+        "precision": model_formats.arithmetic,
+        "formats": model_formats,
+        "double_double": DOUBLE_DOUBLE_HEADER if model_formats.arithmetic is DOUBLE_DOUBLE else None,
+        "simd": SIMD.get(model_formats.arithmetic),
         "sincos": sincos,
         "flags": variant.flags,
         "flushes": variant.flushes,
         "is_strict": variant.is_strict,
-        "arithmetic": _wrapped(_about_arithmetic(held, bool(model.parameters))),
-        "sines": _wrapped(_about_sines(sincos, held.arithmetic)),
+        "arithmetic": _wrapped(_about_arithmetic(model_formats, bool(model.parameters))),
+        "sines": _wrapped(_about_sines(sincos, model_formats.arithmetic)),
     }
 
 
@@ -130,30 +130,30 @@ def _loaded_rows(names: Sequence[str], loaded: Sequence[bool]) -> list[tuple[int
 
 
 def _operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:
-    """Return what is counted, in words, and how often it occurs."""
+    """Return the name and the number of each kind of operation."""
     return [(OPERATIONS[kind], number) for kind, number in counts.items() if number or kind != PREPARE]
 
 
 def _force_elements(model: ModelDescription) -> list[str]:
     """Return comment lines that describe the force elements."""
     width = WIDTH - len(" *     ")
-    lines = [textwrap.wrap(words, width, subsequent_indent="    ") for words in model.force_elements]
+    lines = [textwrap.wrap(element, width, subsequent_indent="    ") for element in model.force_elements]
     return [line for wrapped in lines for line in wrapped]
 
 
-def _about_arithmetic(held: Formats, has_parameters: bool) -> str:
+def _about_arithmetic(model_formats: Formats, has_parameters: bool) -> str:
     """Return what a user has to know of the precisions; "" where all is double."""
-    if held == uniform(FLOAT):
+    if model_formats == uniform(FLOAT):
         prepared = ", by _prepare too" if has_parameters else ""
         return (
             "Single precision: all numbers are of type float. Constants are computed in double and rounded "
             f"once{prepared}; below 1.2e-38 they lose digits or become 0. {_NAMES}"
         )
-    if held == uniform(DOUBLE):
+    if model_formats == uniform(DOUBLE):
         return ""
-    kinds = f"States, loads and results are of type {held.storage.c_type}"
-    kinds += f", parameters of type {held.parameters.c_type}." if has_parameters else "."
-    return f"{_ARITHMETICS[held.arithmetic]} {kinds} {_NAMES}"
+    kinds = f"States, loads and results are of type {model_formats.storage.c_type}"
+    kinds += f", parameters of type {model_formats.parameters.c_type}." if has_parameters else "."
+    return f"{_ARITHMETICS[model_formats.arithmetic]} {kinds} {_NAMES}"
 
 
 def _about_sines(sincos: Sincos | None, arithmetic: Precision) -> str:
@@ -174,12 +174,12 @@ def _about_sines(sincos: Sincos | None, arithmetic: Precision) -> str:
     )
 
 
-def _batch_stack(functions: Sequence[Function], simd: Simd | None, held: Formats) -> int:
+def _batch_stack(functions: Sequence[Function], simd: Simd | None, model_formats: Formats) -> int:
     """Return the most KiB that a batch function keeps on the stack, with the widest vectors."""
     if simd is None:
         return 0
     numbers = max((f.numbers for f in functions if f.has_batch and f.fits_simd), default=0)
-    copies = 2 if held.is_mixed else 1
+    copies = 2 if model_formats.is_mixed else 1
     return -(-copies * numbers * simd.widths[-1] * simd.precision.bytes // 1024)
 
 

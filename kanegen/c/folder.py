@@ -58,7 +58,7 @@ def _digest(text: str) -> str:
 
 
 def write(files: Mapping[str, str], folder: Path, force: bool = False) -> Path:
-    """Write `files`, texts by name, into `folder` under the rules of `Source.write`."""
+    """Write `files` into `folder` under the rules of `Source.write`."""
     try:
         if folder.is_dir():
             _refuse_foreign(folder, files, force)

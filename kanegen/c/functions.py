@@ -84,15 +84,17 @@ class PrintedFunction:
     has_simd: bool
 
 
-def printed_functions(given: RenderInput, target: Target) -> list[PrintedFunction]:
+def printed_functions(render_input: RenderInput, target: Target) -> list[PrintedFunction]:
     """Return every function of a model in C, its form for one state in the dialect of `target`."""
-    return [_printed(given, target, function, parts) for function, parts in given.programs.items()]
+    return [
+        _printed(render_input, target, function, parts) for function, parts in render_input.programs.items()
+    ]
 
 
 def _printed(
-    given: RenderInput, target: Target, function: Function, parts: Sequence[Program]
+    render_input: RenderInput, target: Target, function: Function, parts: Sequence[Program]
 ) -> PrintedFunction:
-    model, formats = given.model.name, given.formats
+    model, formats = render_input.model.name, render_input.formats
     name = f"{model}_{function.name}"
     has_simd = function.fits_simd and formats.arithmetic in SIMD
     return PrintedFunction(
@@ -100,28 +102,30 @@ def _printed(
         signature=function,
         arguments=argument_list(function),
         prototype=prototype(model, function, formats),
-        code=scalar_code(given, target, function, parts),
+        code=scalar_code(render_input, target, function, parts),
         batch_prototype=batch_prototype(model, function, formats),
         batch_notes=batch_notes(function),
         simd_prototype=simd_prototype(model, function, formats),
-        simd_code=_simd_code(given, name, function, parts) if has_simd else Code([]),
+        simd_code=_simd_code(render_input, name, function, parts) if has_simd else Code([]),
         simd_call=simd_call(model, function),
         row_call=row_call(model, function),
         has_simd=has_simd,
     )
 
 
-def scalar_code(given: RenderInput, target: Target, function: Function, parts: Sequence[Program]) -> Code:
+def scalar_code(
+    render_input: RenderInput, target: Target, function: Function, parts: Sequence[Program]
+) -> Code:
     """Return the body of the form for one state, or of `prepare`."""
-    flushes = given.variant.flushes and function.name != PREPARE
-    dialect = target.dialect(given, function)
-    return code(f"{given.model.name}_{function.name}", function, parts, dialect, flushes)
+    flushes = render_input.variant.flushes and function.name != PREPARE
+    dialect = target.dialect(render_input, function)
+    return code(f"{render_input.model.name}_{function.name}", function, parts, dialect, flushes)
 
 
-def _simd_code(given: RenderInput, name: str, function: Function, parts: Sequence[Program]) -> Code:
+def _simd_code(render_input: RenderInput, name: str, function: Function, parts: Sequence[Program]) -> Code:
     """Return the body of the SIMD form."""
-    dialect = simd(given.formats.arithmetic, given.sincos is not None, given.places)
-    return code(f"{name}_simd", function, parts, dialect, given.variant.flushes)
+    dialect = simd(render_input.formats.arithmetic, render_input.sincos is not None, render_input.places)
+    return code(f"{name}_simd", function, parts, dialect, render_input.variant.flushes)
 
 
 def code(

@@ -25,17 +25,17 @@ def wrap(text: str, indent: str = "    ", hanging: str = "        ") -> list[str
     """
     lines: list[str] = []
     line, separator = indent, ""
-    for space, piece in _pieces(text, WIDTH - len(hanging)):
+    for space, fragment in _fragments(text, WIDTH - len(hanging)):
         glue = separator and space
-        if separator and len(line) + len(glue) + len(piece) > WIDTH:
+        if separator and len(line) + len(glue) + len(fragment) > WIDTH:
             lines.append(line)
             line, glue = hanging, ""
-        line += glue + piece
+        line += glue + fragment
         separator = " "
     return [*lines, line]
 
 
-def _pieces(text: str, room: int) -> Iterator[tuple[str, str]]:
+def _fragments(text: str, room: int) -> Iterator[tuple[str, str]]:
     """What must stay together, each with what stands before it on the same line."""
     for chunk in text.split(BREAK):
         parts = chunk.split(HINGE)

@@ -47,13 +47,13 @@ def render(
     target = named(target)
     target.require_name(model.name)
     chosen = None if functions is None else _chosen(functions, tuple(module.functions))
-    given = RenderInput(model, module, operations, variant, decided, target.longest_part, chosen)
-    require_range(model, given.programs, given.formats)
-    printed = target.printed(given)
+    render_input = RenderInput(model, module, operations, variant, decided, target.longest_part, chosen)
+    require_range(model, render_input.programs, render_input.formats)
+    printed = target.printed(render_input)
     return Source(
         model=model,
-        outputs=given.outputs,
-        functions=given.functions,
+        outputs=render_input.outputs,
+        functions=render_input.functions,
         operations=dict(operations),
         files={name: with_provenance(name, text) for name, text in printed.files.items()},
         cdef=printed.declarations,

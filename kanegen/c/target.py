@@ -1,4 +1,4 @@
-"""The seam for target languages: what a target is given, and what it must provide.
+"""The seam for target languages: what a target prints from, and what it must provide.
 
 A target prints the programs of a module. Programs, names and documentation are the same for all targets; a
 target decides how statements are written (its dialects), what is declared, how long functions are cut into
@@ -131,10 +131,10 @@ class Target(Protocol):
         """
         ...
 
-    def dialect(self, given: RenderInput, function: Function) -> Dialect:
+    def dialect(self, render_input: RenderInput, function: Function) -> Dialect:
         """Return how the statements of a function for one state, or of `prepare`, are written."""
         ...
 
-    def printed(self, given: RenderInput) -> Printed:
+    def printed(self, render_input: RenderInput) -> Printed:
         """Return the code of a model."""
         ...

@@ -31,7 +31,7 @@ def folder(tmp_path_factory):
 
 
 def body(make, inputs=(IN,), out=OUT):
-    """Lines of the function whose program `make` writes; `a`, `b`, `c` are x[0], x[1], x[2]."""
+    """Return the body of the function whose program `make` writes; `a`, `b`, `c` are x[0], x[1], x[2]."""
     code = Listing()
     letters = [code.read("x", i, name) for i, name in enumerate(["a", "b", "c"])]
     values = make(code, *letters)
@@ -40,7 +40,7 @@ def body(make, inputs=(IN,), out=OUT):
 
 
 def expression(make):
-    """The C expression of a program with one result."""
+    """Return the C expression of a program with one result."""
     *_, last = body(make)
     return last.removeprefix("f[0] = ").removesuffix(";")
 
@@ -200,7 +200,7 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
 @st.composite
 def programs(draw, unary=UNARY, numbers=NUMBERS):
-    """Random programs with repeats, names, notes, constants and several outputs."""
+    """Draw random programs with repeats, names, notes, constants and several outputs."""
     code = Listing()
     for i in range(3):
         code.read("x", i, draw(st.sampled_from(["", f"theta_{i}"])))

@@ -43,7 +43,7 @@ def run(*command, folder, **environment):
 
 
 def code(name):
-    """What is compiled and linked with a program."""
+    """Return the files and libraries that are compiled and linked with a program."""
     return f"{name}.c", f"{name}_batch.c", "-lm"
 
 
@@ -61,8 +61,8 @@ def test_the_c_of_every_model_is_clean(compiler, folder, tmp_path):
 
 
 @pytest.mark.parametrize("compiler", C)
-def test_a_function_in_pieces_is_clean_where_none_of_them_reads_an_input(compiler, tmp_path):
-    """[A] needs no gravity, which alone depends on a parameter."""
+def test_a_function_in_parts_is_clean_where_no_part_reads_an_input(compiler, tmp_path):
+    """The mass matrix does not read the one run-time parameter, gravity."""
     whole = kg.load(MODELS / "eight_body.toml")
     system = replace(whole, gravity=(0.0, 0.0, kg.Parameter("g", -9.81)))
     folder = _generated(system, ("mass_matrix", "forcing"), "double").write(tmp_path / "out")
@@ -86,7 +86,7 @@ def _generated(system, outputs, precision):
         pytest.param("float", "clang", marks=pytest.mark.slow),
     ],
 )
-def test_long_functions_in_pieces_are_clean(precision, compiler, tmp_path):
+def test_long_functions_in_parts_are_clean(precision, compiler, tmp_path):
     system = kg.load(MODELS / "eight_body.toml")
     outputs = [name for name in available(system) if name not in DERIVATIVES]
     folder = _generated(system, tuple(outputs), precision).write(tmp_path / "out")

@@ -1,4 +1,4 @@
-"""Models computed in pairs of doubles, against certified truth; stored as doubles, correctly rounded."""
+"""Models computed in double-double, against certified truth; stored as doubles, correctly rounded."""
 
 import re
 
@@ -20,16 +20,16 @@ from tests.support.systems import flags, random_system
 
 OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
 QUICK = ("-O0", "-ffp-contract=off")
-PAIRS = Variant(precision="double-double", storage="double-double")
+ALL_DOUBLE_DOUBLE = Variant(precision="double-double", storage="double-double")
 ROUNDED = Variant(precision="double-double")
 
 
 def tree(seed, bodies=3, **options):
-    """Orientations, locked angles and loads included."""
+    """Return a random tree with orientations, locked angles and loads."""
     return random_system(np.random.default_rng(seed), bodies, loads=True, **options)
 
 
-def pairs(values):
+def double_double(values):
     return np.stack([values, np.zeros_like(values)], axis=-1)
 
 
@@ -40,10 +40,10 @@ def exact(values):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_random_trees_have_thirty_digits(seed):
-    """Normwise 1e-30 kappa_s: 2^-100 with room for the growth along the tree that the bound has."""
+    """Errors stay below 1e-30 kappa_s: 2^-100, with room for the growth along the tree that the bound has."""
     system = tree(seed)
     found = measure(
-        system, kg.build(system, OUTPUTS, flags=QUICK, tier=PAIRS), random_states(system, 3, seed)
+        system, kg.build(system, OUTPUTS, flags=QUICK, tier=ALL_DOUBLE_DOUBLE), random_states(system, 3, seed)
     )
     for output, measured in found.items():
         assert measured.within_bound, output
@@ -53,7 +53,7 @@ def test_random_trees_have_thirty_digits(seed):
 
 def test_eight_bodies_have_thirty_digits():
     system = kg.load("models/eight_body.toml")
-    library = kg.build(system, ("mass_matrix", "forcing"), flags=QUICK, tier=PAIRS)
+    library = kg.build(system, ("mass_matrix", "forcing"), flags=QUICK, tier=ALL_DOUBLE_DOUBLE)
     for output, measured in measure(system, library, random_states(system, 1, 3)).items():
         assert measured.within_bound, output
         assert measured.normwise[0] <= 1e-30
@@ -61,7 +61,7 @@ def test_eight_bodies_have_thirty_digits():
 
 @pytest.mark.parametrize("seed", [1, 3])
 def test_doubles_are_correctly_rounded(seed):
-    """Half a unit in the last place and what the pairs are off; all of these are the nearest double."""
+    """Results stored as doubles are the nearest doubles: off by half a unit in the last place."""
     system = tree(seed)
     library = kg.build(system, OUTPUTS, flags=QUICK, tier=ROUNDED)
     states = random_states(system, 4, seed)
@@ -92,7 +92,7 @@ def test_constants_have_all_digits():
         free=[[axis == 2 and k == 0 for axis in range(6)] for k in range(2)],
         locked=[[0] * 6, [0, 0, 0.3, 0, 0, 0]],
     )  # fmt: skip
-    found = kg.build(system, "mass_matrix", flags=QUICK, tier=PAIRS).mass_matrix([[0.4, 0.0]])
+    found = kg.build(system, "mass_matrix", flags=QUICK, tier=ALL_DOUBLE_DOUBLE).mass_matrix([[0.4, 0.0]])
     with mpmath.workprec(300):
         m, n, a, b, c = (mpmath.mpf(v) for v in (0.9, 1.1, 0.3, 0.7, 0.3))
         angle = mpmath.mpf(0.3)
@@ -111,9 +111,9 @@ def pendulum():
     )  # fmt: skip
 
 
-def test_angles_may_be_pairs():
-    """{f} is -m g r cos x; beside a right angle the digits of the pair are all that is left."""
-    library = kg.build(pendulum(), "forcing", flags=QUICK, tier=PAIRS)
+def test_angles_may_be_double_double():
+    """{f} is -m g r cos x; near a right angle only the low part of x is left."""
+    library = kg.build(pendulum(), "forcing", flags=QUICK, tier=ALL_DOUBLE_DOUBLE)
     with mpmath.workprec(300):
         for angle in (mpmath.mpf(1) / 3, mpmath.pi / 2, 1000 * mpmath.pi + mpmath.mpf(1) / 7):
             high = float(angle)
@@ -125,24 +125,28 @@ def test_angles_may_be_pairs():
 
 def test_arrays_of_pairs():
     system = tree(5)
-    library = kg.build(system, ("forcing", "mass_matrix"), flags=QUICK, tier=PAIRS)
+    library = kg.build(system, ("forcing", "mass_matrix"), flags=QUICK, tier=ALL_DOUBLE_DOUBLE)
     assert (library.precision, library.storage) == ("double-double", "double-double")
     n, bodies = library.n, system.number_of_bodies
     rng = np.random.default_rng(2)
     x, y = rng.normal(size=(2, 4, n))
     force = rng.normal(size=(4, bodies, 3))
-    batch = library.forcing(pairs(x), pairs(y), pairs(force))
+    batch = library.forcing(double_double(x), double_double(y), double_double(force))
     assert batch.shape == (4, n, 2)
-    assert library.mass_matrix(pairs(x[0])).shape == (n, n, 2)
+    assert library.mass_matrix(double_double(x[0])).shape == (n, n, 2)
     for k in range(4):
-        assert bits(library.forcing(pairs(x[k]), pairs(y[k]), pairs(force[k]))) == bits(batch[k])
-    assert bits(library.forcing(pairs(x), pairs(y), pairs(force[1]))[1]) == bits(batch[1])
+        assert bits(
+            library.forcing(double_double(x[k]), double_double(y[k]), double_double(force[k]))
+        ) == bits(batch[k])
+    assert bits(library.forcing(double_double(x), double_double(y), double_double(force[1]))[1]) == bits(
+        batch[1]
+    )
     with pytest.raises(ArrayError, match=rf"^x: expected shape \({n}, 2\) or \(B, {n}, 2\), got \({n},\)"):
         library.mass_matrix(x[0])
 
 
 def test_the_interface_is_that_of_double():
-    """Without pairs in the arrays a program takes one library for the other."""
+    """With arrays of doubles, a program can take either library."""
     system = tree(5)
     sources = [kg.generate(system, OUTPUTS, tier=tier) for tier in ("strict", "exact")]
     first, second = (re.findall(r"^\w+ tree_.*?;", made.cdef, re.M | re.S) for made in sources)
@@ -154,11 +158,11 @@ def test_the_interface_is_that_of_double():
 
 
 def test_what_parameters_make_is_not_rounded():
-    """Masses and lengths at run time have as many digits as in the code."""
+    """Masses and lengths that are run-time parameters keep as many digits as numbers in the code."""
     m, r = kg.Parameter("m", 0.3), kg.Parameter("r", 0.7)
     body = kg.Body("rod", 0, m, np.diag([0.1, 0.2, 0.2]), mass_center=(r, 0, 0))
     system = kg.System("swing", (body,))
-    library = kg.build(system, OUTPUTS[:2], flags=QUICK, tier=PAIRS).with_parameters({"m": 1 / 3})
+    library = kg.build(system, OUTPUTS[:2], flags=QUICK, tier=ALL_DOUBLE_DOUBLE).with_parameters({"m": 1 / 3})
     states = random_states(system, 3, 1)
     for measured in measure(system, library, states).values():
         assert measured.within_bound
@@ -227,15 +231,17 @@ def test_the_example_by_cmake_and_under_sanitizers(tmp_path):
 
 @pytest.mark.parametrize("bodies", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_every_compiler_gives_the_same_bits(bodies):
-    """Whatever the optimisation, and whether the machine has fused multiply-add."""
+    """The bits do not depend on compiler, optimisation or fused multiply-add."""
     system = tree(6, bodies)
     rng = np.random.default_rng(4)
     n = len(system.freedoms)
-    x, y = pairs(rng.normal(size=(5, n))), pairs(rng.normal(size=(5, n)))
+    x, y = double_double(rng.normal(size=(5, n))), double_double(rng.normal(size=(5, n)))
     found = set()
     for compiler in C.values():
         for level in ("-O0", "-O2", "-O3 -march=native"):
-            library = kg.build(system, OUTPUTS, " ".join(compiler), f"{level} -ffp-contract=off", tier=PAIRS)
+            library = kg.build(
+                system, OUTPUTS, " ".join(compiler), f"{level} -ffp-contract=off", tier=ALL_DOUBLE_DOUBLE
+            )
             found.add(b"".join(value.tobytes() for value in library.evaluate(x, y)))
     assert len(found) == 1
 

@@ -1,4 +1,4 @@
-"""Pairs of doubles: operations against mpmath, with the bounds of the papers; the same bits everywhere."""
+"""Double-double: operations against mpmath, with the bounds of the papers; the same bits everywhere."""
 
 import itertools
 import subprocess
@@ -20,7 +20,7 @@ BINARY = ("add", "subtract", "multiply", "divide")
 
 
 def driver():
-    """C that applies each function to arrays."""
+    """Return C that applies each function of the header to arrays."""
     lines = ['#include "kanegen_double_double.h"']
     for name, inputs in [(f, "a") for f in UNARY] + [(f, "ab") for f in BINARY]:
         arguments = "".join(f"const kanegen_double_double *{x}, " for x in inputs)
@@ -53,7 +53,7 @@ class Compiled:
         self.library = self.ffi.dlopen(str(folder / name))
 
     def __call__(self, name, *inputs):
-        """(count, 2) from (count, 2) arrays."""
+        """Apply a function to (count, 2) arrays of double-double numbers."""
         result = np.empty_like(inputs[0])
         pointers = [
             self.ffi.from_buffer("kanegen_double_double[]", np.ascontiguousarray(a))
@@ -68,8 +68,8 @@ def compiled(folder):
     return Compiled(folder, C["gcc"], "-O2")
 
 
-def pairs(high, low):
-    """Normalised pairs from doubles and relative remainders in (-1, 1)."""
+def double_double(high, low):
+    """Normalised double-double numbers from doubles and relative remainders in (-1, 1)."""
     return np.stack([high, np.spacing(np.abs(high)) / 2 * low * (1 - 1e-9)], axis=-1)
 
 
@@ -77,7 +77,7 @@ def numbers(seed, count=1500, spread=40):
     rng = np.random.default_rng(seed)
     high = rng.choice([-1.0, 1.0], count) * np.exp2(rng.uniform(-spread, spread, count))
     low = rng.uniform(-1, 1, count) * np.exp2(-rng.integers(0, 40, count).astype(float))
-    return pairs(high, low * (rng.random(count) > 0.1))
+    return double_double(high, low * (rng.random(count) > 0.1))
 
 
 def exact(values):
@@ -86,7 +86,7 @@ def exact(values):
 
 
 def largest_error(found, truth):
-    """In units of u^2, relative."""
+    """Return the largest relative error in units of u^2."""
     with mpmath.workprec(400):
         errors = [abs(v - t) / abs(t) if t else abs(v) for v, t in zip(exact(found), truth, strict=True)]
         return float(max(errors) / UNIT**2)
@@ -107,7 +107,7 @@ def test_operations_keep_the_bounds_of_the_papers(compiled, name):
     a, b = numbers(1), numbers(2)
     near = -a.copy()  # cancels nearly or wholly
     near[:, 0] += np.spacing(near[:, 0]) * np.random.default_rng(3).integers(-3, 4, len(a))
-    for x, y in ((a, b), (a, pairs(-a[:, 0], a[::-1, 1] * 0)), (a, near)):
+    for x, y in ((a, b), (a, double_double(-a[:, 0], a[::-1, 1] * 0)), (a, near)):
         with mpmath.workprec(400):
             truth = [function(p, q) for p, q in zip(exact(x), exact(y), strict=True)]
         found = compiled(name, x, y)
@@ -126,9 +126,9 @@ def test_roots_keep_the_bound_of_the_paper(compiled):
 
 
 def angles():
-    """Of every size up to 1e6; next to multiples of pi/2, as near as pairs come; beyond pi/4 the worst."""
+    """Angles of every size up to 1e6, and the nearest to multiples of pi/2 that double-double has."""
     rng = np.random.default_rng(6)
-    everyday = pairs(rng.uniform(-10, 10, 700), rng.uniform(-1, 1, 700))
+    everyday = double_double(rng.uniform(-10, 10, 700), rng.uniform(-1, 1, 700))
     every = np.exp2(rng.uniform(-60, 19.9, 700))
     doubles = np.stack([every, np.zeros(700)], axis=-1)
     turns = np.concatenate([np.arange(1, 200), rng.integers(200, 636_000, 300)])
@@ -146,7 +146,7 @@ def angles():
 
 @pytest.mark.parametrize("name", ["sin", "cos"])
 def test_sine_and_cosine(compiled, name):
-    """Relative to the result itself, however near it is to a zero; 2 u^2 is 2^-105."""
+    """The error is relative to the result, however near it is to 0; 2 u^2 is 2^-105."""
     x = angles()
     with mpmath.workprec(500):
         truth = [getattr(mpmath, name)(v) for v in exact(x)]

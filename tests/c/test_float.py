@@ -21,7 +21,7 @@ from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT
 from tests.c.test_c import programs
-from tests.c.test_simd import FLAGS, waves, wide
+from tests.c.test_simd import FLAGS, sine_and_cosine, wide
 from tests.c.test_status import BAD, GOOD, forward
 from tests.support.handmade import Listing, array, bits, description, evaluate, module, source
 from tests.support.robots import robot_file
@@ -44,7 +44,7 @@ def library():
 
 
 def of_one(program, flags):
-    """The function of `program` for one argument x."""
+    """Compile `program` and return its function of x."""
     made = render(
         description(parameters=False, loads=False),
         Module(None, {"mass_matrix": program}),
@@ -93,7 +93,7 @@ def constant(number, op=Op.MULTIPLY):
 
 
 def test_numbers_out_of_range():
-    """Too large is refused; too small is rounded, where it may be 0."""
+    """Numbers that are too large are refused; those that are too small are rounded where they may be 0."""
     beyond = (
         r"system 'handmade': a constant: 1e\+39 leaves the range of single precision; choose units nearer"
     )
@@ -136,7 +136,7 @@ def test_one_state_and_a_batch_are_the_instructions_one_by_one(program, width, s
 
 
 def angles():
-    """Of every size, and next to every multiple of pi/2."""
+    """Return angles of every size, and those next to multiples of pi/2."""
     rng = np.random.default_rng(7)
     multiples = (np.arange(6367) * (np.pi / 2)).astype(np.float32)
     close = (multiples.view(np.int32) + np.arange(-3, 4)[:, None]).view(np.float32).ravel()
@@ -148,9 +148,9 @@ def angles():
 
 @pytest.mark.parametrize("width", [1, 16])
 def test_sine_and_cosine_are_right_to_the_last_place(width):
-    """Over every float up to 1e4 the largest error is 0.7994; this is a part of them."""
+    """The largest error over all floats up to 1e4 is 0.7994 units in the last place; this is a part."""
     x = angles()
-    found = of_one(waves(), wide(width))(np.stack([x, x], axis=1))
+    found = of_one(sine_and_cosine(), wide(width))(np.stack([x, x], axis=1))
     for column, f in enumerate((np.sin, np.cos)):
         exact = f(x.astype(float))
         place = np.spacing(np.abs(exact.astype(np.float32))).astype(float)
@@ -160,7 +160,7 @@ def test_sine_and_cosine_are_right_to_the_last_place(width):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_large_angles_harm_no_neighbour(width):
-    function = of_one(waves(), wide(width))
+    function = of_one(sine_and_cosine(), wide(width))
     x = np.array(
         [0.3, 1.5e6, 2.0, np.inf, -1e30, np.nan, 1.0, np.nextafter(np.float32(1e4), np.float32(2e4)), -0.1]
     )

@@ -46,7 +46,7 @@ def test_the_c_has_doubles_only_where_parameters_are_prepared():
 @pytest.mark.parametrize("compiler", C)
 @pytest.mark.parametrize("width", ["", "-DKANEGEN_LANES=1", "-DKANEGEN_LANES=16"])
 def test_c_is_clean_and_needs_only_libm(compiler, width, tmp_path):
-    """Nothing becomes a double by itself; programs by hand, with a status, and a tree with everything."""
+    """No number becomes a double, in programs made by hand and in a tree with every output."""
     status = {"forward_dynamics": forward(), "inverse_dynamics": inverse()}
     tree = random_system(np.random.default_rng(4), 2, loads=True)
     sources = [

@@ -16,7 +16,7 @@ FLUSH = "flush-to-zero"
 
 
 def slider(mass):
-    """One mass on a rail: [A] is the mass, and forward dynamics divides by it."""
+    """Return one mass on a rail: [A] is the mass, and forward dynamics divides by it."""
     joint = kg.Joint(free=(False, False, False, True, False, False))
     return kg.System("slider", (kg.Body("mass", 0, mass, np.zeros((3, 3)), joint=joint),))
 
@@ -27,7 +27,7 @@ def still_here():
 
 @pytest.mark.parametrize("count", [None, 3, 2000])
 def test_subnormal_results_are_zero_and_the_thread_keeps_its_own(count):
-    """Without gravity {f} has the squares of speeds alone."""
+    """Without gravity {f} consists of squares of speeds, which are subnormal here."""
     system = kg.System("chain", chain(2).bodies, gravity=(0.0, 0.0, 0.0))
     shape = (system.number_of_bodies,) if count is None else (count, system.number_of_bodies)
     x, y = np.zeros(shape), np.full(shape, np.sqrt(TINY) / 64.0)

@@ -27,7 +27,7 @@ LONG = Variant(precision="long double")
 @pytest.mark.parametrize("storage", ["", "double"])
 @pytest.mark.parametrize("seed", [1, 2])
 def test_random_trees_keep_the_bound_of_64_bits(seed, storage):
-    """Orientations and locked angles included: their sines, as doubles, would be off by 2^-53."""
+    """The trees have constant angles, whose sines would be off by 2^-53 if they were doubles."""
     system = random_system(np.random.default_rng(seed), 3, loads=True)
     library = kg.build(system, OUTPUTS, flags=QUICK, tier=replace(LONG, storage=storage))
     states = random_states(system, 4, seed)

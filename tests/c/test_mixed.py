@@ -30,7 +30,7 @@ def tree(seed=1, bodies=3):
 
 
 def inputs(system, seed=2, count=13):
-    """Numbers that a float can hold, as doubles."""
+    """Return numbers that a float can hold, as doubles."""
     rng = np.random.default_rng(seed)
     x, y, ydot, tau = rng.uniform(-2, 2, (4, count, len(system.freedoms))).astype(np.float32).astype(float)
     force, torque = (
@@ -43,7 +43,7 @@ def inputs(system, seed=2, count=13):
     ("arithmetic", "storage"), [*itertools.permutations(["double", "float", "long double"], 2)]
 )
 def test_results_are_those_of_the_arithmetic_rounded_once(arithmetic, storage):
-    """Bit by bit, for one state and in batches: only loads and stores differ."""
+    """For one state and in batches, only loading and storing differ from plain double precision."""
     system = tree(bodies=2)
     plain = kg.build(system, OUTPUTS, flags=FLAGS, precision=arithmetic)
     mixed = kg.build(system, OUTPUTS, flags=FLAGS, tier=Variant(precision=arithmetic, storage=storage))
@@ -74,7 +74,7 @@ def test_widths_and_places_do_not_matter(width):
 
 
 def test_errors_are_one_rounding():
-    """Certified: half a unit in the last place of a float, beside double's own error."""
+    """The certified error is half a unit in the last place of a float, and the error of double precision."""
     system = tree(2)
     library = kg.build(system, OUTPUTS, flags=FLAGS, tier=MIXED)
     states = random_states(system, 4, 1)
@@ -99,7 +99,7 @@ def test_the_check_knows_both():
 
 
 def test_parameters_are_not_rounded_to_the_storage():
-    """Numbers of the model have the precision of the arithmetic."""
+    """Run-time parameters have the precision of the arithmetic, not of the arrays."""
     system = kg.load("models/gantry_crane.toml")
     mixed, plain = (kg.build(system, OUTPUTS, flags=FLAGS, tier=tier) for tier in (MIXED, "strict"))
     mixed, plain = (library.with_parameters({"load_mass": 0.1}) for library in (mixed, plain))
@@ -114,7 +114,7 @@ def test_parameters_are_not_rounded_to_the_storage():
 
 
 def test_status():
-    """Rows that do not exist are NaN in floats too."""
+    """Rows of failed states are NaN in arrays of floats, too."""
     system = kg.System.from_arrays([0], [1.0], [np.eye(3)], [[0, 0, 0]], [[0, 0, 0]])
     library = kg.build(system, "forward_dynamics", flags=FLAGS, tier=MIXED)
     bad, good = np.zeros(6), np.full(6, 0.1)
@@ -144,8 +144,8 @@ def test_c_is_clean(compiler, arithmetic, tmp_path):
         assert run("./example", folder=folder).count(" = ") == 2 + 2 * 6
 
 
-def test_long_functions_in_pieces_are_clean(tmp_path):
-    """What a piece leaves for the next is not rounded."""
+def test_long_functions_in_parts_are_clean(tmp_path):
+    """Numbers that one part of a function leaves for the next are not rounded to the storage."""
     system = random_system(np.random.default_rng(7), 7, loads=True)
     folder = kg.generate(system, OUTPUTS, tier=MIXED).write(tmp_path / "out")
     assert "double *w" in (folder / "tree.c").read_text()

@@ -20,7 +20,7 @@ CONTROL = {"i", "rows", "valid", "within_margin"}
 
 
 def head(text):
-    """The lines of the list of names: names, places and freedoms, each by pattern."""
+    """Return the list of names: for names, places and freedoms, the meaning of each pattern."""
     comment = text[text.index("/*\n * Names, here") : text.index("#include")]
     found = {"Names": {}}
     section = "Names"
@@ -34,7 +34,7 @@ def head(text):
 
 
 def locals_of(source):
-    """Names of the locals of all functions, read from the C."""
+    """Return the names of the locals of all functions, read from the C."""
     name = source.model.name
     text = source.files[f"{name}.c"] + source.files[f"{name}_batch.c"]
     text = re.sub(r"\n        ", " ", text)
@@ -46,14 +46,14 @@ def locals_of(source):
 
 
 def expressions(lines):
-    """For every line of names its regular expression."""
+    """Return the regular expression of every pattern."""
     known = {shown(entry.pattern): entry.regex for entry in entries()}
     known |= {shown(pattern): Entry(pattern, "").regex for pattern, _ in MARKS}
     return {line: known.get(line) or re.compile(PRINTED.get(line, re.escape(line))) for line in lines}
 
 
 def check(source):
-    """Every name has a line, and every line has a name."""
+    """Check that every name has a line, and every line a name."""
     lines, names = head(source.files[f"{source.model.name}.c"]), locals_of(source)
     marks = {shown(pattern) for pattern, _ in MARKS}
     regexes = {line: regex for line, regex in expressions(lines["Names"]).items() if line not in marks}

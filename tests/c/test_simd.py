@@ -34,12 +34,12 @@ def wide(width, *flags):
 
 
 def of_one(program, width, compiler=None, flags=()):
-    """The function of `program` for one argument x."""
+    """Compile `program` and return its function of x."""
     made = render(description(parameters=False, loads=False), Module(None, {"mass_matrix": program}), {})
     return load(made, compiler, wide(width, *flags)).mass_matrix
 
 
-def waves():
+def sine_and_cosine():
     code = Listing()
     angle = code.read("x", 0)
     results = [code(Op.SIN, angle), code(Op.COS, angle)]
@@ -101,7 +101,7 @@ def test_a_batch_computes_the_same_bits_as_the_instructions_one_by_one(program, 
 
 
 def angles():
-    """Of every size, and next to multiples of pi/2."""
+    """Return angles of every size, and those next to multiples of pi/2."""
     rng = np.random.default_rng(7)
     multiples = rng.integers(0, 636_619, 3000) * (np.pi / 2)
     sizes = 10.0 ** rng.uniform(-300, 6, 500)
@@ -112,14 +112,14 @@ def angles():
 
 
 def places(found, exact):
-    """Errors in units of the last place."""
+    """Return errors in units of the last place."""
     unit = np.spacing(np.abs([float(e) for e in exact]))
     return [abs(mpmath.mpf(f) - e) / u for f, e, u in zip(found.tolist(), exact, unit.tolist(), strict=True)]
 
 
 def test_sine_and_cosine_are_right_to_the_last_place():
     x = angles()
-    found = of_one(waves(), 8)(np.stack([x, x], axis=1))
+    found = of_one(sine_and_cosine(), 8)(np.stack([x, x], axis=1))
     with mpmath.workprec(160):
         for column, f in enumerate((mpmath.sin, mpmath.cos)):
             assert max(places(found[:, column], [f(mpmath.mpf(v)) for v in x.tolist()])) < 0.81
@@ -128,12 +128,12 @@ def test_sine_and_cosine_are_right_to_the_last_place():
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_large_angles_harm_no_neighbour(width):
-    function = of_one(waves(), width)
+    function = of_one(sine_and_cosine(), width)
     x = np.array([0.3, 1.5e6, 2.0, np.inf, -1e300, np.nan, 1.0, np.nextafter(1e5, 2e5), -0.1])
     found = function(np.stack([x, x], axis=1))
     assert bits(found) == bits([function([[v, v]])[0] for v in x])
     assert bits(found) == bits([function([v, v]) for v in x])
-    libm = [evaluate(waves(), x=[v, v])["f"] for v in x]
+    libm = [evaluate(sine_and_cosine(), x=[v, v])["f"] for v in x]
     np.testing.assert_allclose(found, libm, rtol=2.3e-16)
 
 
@@ -152,7 +152,7 @@ def test_every_width_and_compiler_gives_the_same_bits(compiler, flags):
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_place_and_neighbours_do_not_matter(width):
-    """Every remainder of the number of states by the width, forwards and backwards."""
+    """A state has the same bits at every place of a batch, and with any number of states behind it."""
     library = load(source(), flags=wide(width))
     rng = np.random.default_rng(12)
     x, y = rng.normal(size=(2, 17, 2))

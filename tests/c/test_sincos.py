@@ -44,7 +44,7 @@ def folder(tmp_path_factory):
 
 
 def program(count):
-    """Sines and cosines of `count` angles."""
+    """Return a program of the sines and cosines of `count` angles."""
     code = Listing()
     angles = [code.read("x", i) for i in range(count)]
     results = [code(op, angle) for angle in angles for op in (Op.SIN, Op.COS)]
@@ -57,7 +57,7 @@ def source(variant, count=1):
 
 
 def function(variant=None, flags=STRICT, compiler=None, count=1):
-    """The C that takes (..., count) angles and gives (..., 2 count) sines and cosines."""
+    """Return compiled C from (..., count) angles to (..., 2 count) sines and cosines."""
     return load(source(variant or Variant(), count), compiler, flags)._native.calls["mass_matrix"]
 
 
@@ -66,7 +66,7 @@ def call(compiled, x):
 
 
 def nearest_multiples():
-    """Doubles next to multiples of pi/2, for every exponent: denominators of continued fractions."""
+    """Return the doubles nearest to multiples of pi/2, for every exponent, by continued fractions."""
     found = []
     with flint.ctx.workprec(2400):
         quarter = 2 / flint.arb.pi()
@@ -96,13 +96,13 @@ def angles():
 
 
 def truth(x):
-    """Balls around sines and cosines."""
+    """Return balls that contain sines and cosines."""
     with flint.ctx.workprec(1300):
         return [flint.arb(v).sin_cos() for v in x.tolist()]
 
 
 def places(found, exact):
-    """Largest errors of sine and cosine in units of the last place."""
+    """Return the largest errors of sine and cosine in units of the last place."""
     with flint.ctx.workprec(1300):
         return [
             max(
@@ -173,7 +173,7 @@ def test_reassociation_does_not_harm_the_reduction(compiler):
 
 
 def test_floats_of_every_size():
-    """Every 4001st float; the benchmark tries all."""
+    """The test takes every 4001st float; a benchmark takes all."""
     x = np.arange(0, np.float32(np.inf).view(np.int32), 4001, dtype=np.int32).view(np.float32)
     found = call(function(Variant("float")), x[:, None])
     for column, f in enumerate((np.sin, np.cos)):
@@ -213,7 +213,7 @@ def test_the_error_of_a_polynomial_is_what_the_header_says(name, precision):
 
 
 def test_coefficients_are_the_same_on_every_machine():
-    """Degree 7 in all its bits, computed elsewhere."""
+    """The coefficients of degree 7 equal, bit for bit, those that another machine computed."""
     found = minimax(7, DOUBLE)
     assert [c.hex() for c in found.sine] == SINE_7
     assert [c.hex() for c in found.cosine] == COSINE_7

@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
 
 
 def forward():
-    """The first pivot needs the second: (x_1, x_0 - 1/x_1); the accelerations are (y + tau)/pivot."""
+    """Return a program with pivots (x_1, x_0 - 1/x_1) and accelerations (y + tau)/pivot."""
     k = Listing()
     x, y, tau = ([k.read(name, i) for i in range(2)] for name in ("x", "y", "tau"))
     outer = k(Op.MULTIPLY, x[1], k.number(1.0), name="D_2")
@@ -136,7 +136,7 @@ def test_inverse_dynamics_needs_no_pivot(library):
 
 
 def test_what_c_says(tmp_path):
-    """Status and count, the NaN that goes with them, and no warning of any compiler."""
+    """Return status, count and NaN as documented, without a warning of any compiler."""
     made = source()
     for text in (
         "int handmade_forward_dynamics(const double x[2], const double y[2], const double tau[2],",

@@ -40,19 +40,20 @@ class Cpp:
         if name == "std":
             raise ModelError(f"system name {name!r}: the namespace is that of the C++ library.")
 
-    def dialect(self, given, function):
-        return CppDialect(given.formats, given.precision)
+    def dialect(self, render_input, function):
+        return CppDialect(render_input.formats, render_input.precision)
 
-    def printed(self, given):
-        prefix = f"{given.model.name}_"
+    def printed(self, render_input):
+        prefix = f"{render_input.model.name}_"
         functions = []
-        for function in printed_functions(given, self):
+        for function in printed_functions(render_input, self):
             head = " ".join(line.strip() for line in function.prototype).replace(f" {prefix}", " ", 1)
             functions.append("\n".join([f"inline {head}", "{", *function.code.body, "}"]))
         body = "\n\n".join(functions)
         using = "\n".join(f"using std::{name};" for name in ("sin", "cos", "sqrt"))
-        text = f"#pragma once\n#include <cmath>\n\nnamespace {given.model.name} {{\n{using}\n\n{body}\n}}\n"
-        return Printed({f"{given.model.name}.hpp": text}, "")
+        model = render_input.model.name
+        text = f"#pragma once\n#include <cmath>\n\nnamespace {model} {{\n{using}\n\n{body}\n}}\n"
+        return Printed({f"{model}.hpp": text}, "")
 
 
 def test_a_target_is_one_class(tmp_path):
