@@ -60,7 +60,7 @@ def test_the_wheel_holds_exactly_the_tree(wheel):
     }
     drivers = {
         str(path.relative_to(ROOT))
-        for path in (ROOT / "kanegen" / "bench" / "drivers").iterdir()
+        for path in (ROOT / "kanegen" / "studies" / "bench" / "drivers").iterdir()
         if path.suffix in {".c", ".cpp", ".h"}
     }
     assert members == tree | templates | drivers | {"kanegen/py.typed"}
