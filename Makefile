@@ -63,8 +63,9 @@ $(VENV)/.kanegen: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable .
 	touch $@
 
+# Most of what is installed is never imported: it is compiled when it is.
 $(VENV)/.tests: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable ".[test]"
+	$(BIN)/python -m pip install --quiet --no-compile --editable ".[test]"
 	touch $@ $(VENV)/.kanegen
 
 $(VENV)/.bench: $(VENV)/bin/python pyproject.toml
