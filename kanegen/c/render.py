@@ -37,17 +37,16 @@ def render(
         variant: The choices that shape the code; the programs follow theirs already.
         decided: How choices that were left to kanegen were decided, as text by name of the choice.
         target: The language, a name of `TARGETS` or a target of one's own.
-        functions: Names of the functions to print besides `prepare`, by default all: one for each output, and
-            "evaluate" for all together where there are several.
+        functions: Names of the functions to print, by default all; `prepare` is always printed.
 
     Raises:
         ModelError: If the target cannot use the name of the model, or the precision cannot hold a number.
         OptionError: If there is no such target or function.
     """
-    target = named(target)
+    target = target_named(target)
     target.require_name(model.name)
-    chosen = None if functions is None else _chosen(functions, tuple(module.functions))
-    render_input = RenderInput(model, module, operations, variant, decided, target.longest_part, chosen)
+    options = target.longest_part, _chosen(functions, tuple(module.functions))
+    render_input = RenderInput(model, module, operations, variant, decided, *options)
     require_range(model, render_input.programs, render_input.formats)
     printed = target.printed(render_input)
     return Source(
@@ -62,15 +61,17 @@ def render(
     )
 
 
-def _chosen(functions: Iterable[str], known: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of functions, checked, in the order of the module."""
+def _chosen(functions: Iterable[str] | None, known: tuple[str, ...]) -> tuple[str, ...] | None:
+    """Return the names of functions, checked, in the order of the module; None for all."""
+    if functions is None:
+        return None
     chosen = several("functions", "function", functions, known)
     if not chosen:
         raise OptionError(f"functions: name one at least. There are {', '.join(known)}.")
     return chosen
 
 
-def named(target: Target | str) -> Target:
+def target_named(target: Target | str) -> Target:
     """Return a target, or the one of that name.
 
     Raises:
