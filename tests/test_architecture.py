@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import kanegen
-from tests.model.test_joint_seam import JOINT_KINDS
+from tests.support.joint_kinds import JOINT_KINDS
 from tests.support.paths import ROOT
 
 PACKAGE = ROOT / "kanegen"

@@ -14,9 +14,9 @@ import kanegen as kg
 from kanegen.errors import OptionError
 from kanegen.library.native import compilers
 from tests.c.test_c_compilers import WARNINGS
-from tests.model.test_reanchoring import near, with_parameters
 from tests.support import systems
 from tests.support.command import kanegen
+from tests.support.reanchoring import near_gimbal_lock, with_orientation_parameters
 
 CALLS = """
 #include "tree_reanchor.h"
@@ -29,8 +29,8 @@ U = 2.0**-53
 @pytest.fixture(scope="module")
 def system() -> kg.System:
     """Three bodies of three sequences: six freedoms, three angles with angular velocities, a fixed frame."""
-    drawn, _, _ = near("1-2-3", 1, 0.1)
-    bodies = list(with_parameters(drawn).bodies)
+    drawn, _, _ = near_gimbal_lock("1-2-3", 1, 0.1)
+    bodies = list(with_orientation_parameters(drawn).bodies)
     changes: tuple[dict[str, Any], ...] = (
         {"sequence": "3-1-3"},
         {"sequence": "2-3-1", "speeds": "angular_velocity", "free": (True,) * 3 + (False,) * 3},

@@ -12,11 +12,8 @@ from kanegen.errors import KanegenWarning
 from kanegen.library import load
 from kanegen.library.native import cache, compilers
 from tests.c.test_status import source as with_status
-from tests.support.handmade import bits, source
+from tests.support.handmade import bits, many_states, source
 from tests.support.paths import ROOT
-
-COUNT = 5003
-"""Number of states: enough for several threads, and no multiple of any SIMD width."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -32,25 +29,20 @@ def gcc():
     return "gcc"
 
 
-def states():
-    return np.random.default_rng(5).normal(size=(2, COUNT, 2))
-
-
 CODE = """
 import sys
 import numpy as np
 from kanegen.library import load
-from tests.support.handmade import source
-from tests.library.test_threads import states
+from tests.support.handmade import many_states, source
 library = load(source(), "gcc", threads=True)
-x, y = states()
+x, y = many_states()
 result = library.evaluate(x, y)
 sys.stdout.buffer.write(result.mass_matrix.tobytes() + result.forcing.tobytes())
 """
 
 
 def test_the_number_of_threads_changes_no_bit():
-    result = load(source(), gcc()).evaluate(*states())
+    result = load(source(), gcc()).evaluate(*many_states())
     expected = result.mass_matrix.tobytes() + result.forcing.tobytes()
     for threads in ("1", "2", "3", "8"):
         environment = {
@@ -65,10 +57,10 @@ def test_the_number_of_threads_changes_no_bit():
 
 
 def test_failed_states_are_counted_across_threads():
-    x, y = states()
+    x, y = many_states()
     library = load(with_status(), gcc(), threads=True)
     singular = np.flatnonzero(~((x[:, 1] > 0) & (x[:, 0] - 1 / x[:, 1] > 0)))
-    with pytest.warns(KanegenWarning, match=f"in {len(singular)} of {COUNT} states"):
+    with pytest.warns(KanegenWarning, match=f"in {len(singular)} of {len(x)} states"):
         found = library.forward_dynamics(x, y)
     np.testing.assert_array_equal(np.flatnonzero(np.isnan(found).any(axis=1)), singular)
 
@@ -86,7 +78,7 @@ def test_a_compiler_without_openmp_brings_a_warning_and_one_thread(tmp_path):
     fake.chmod(0o755)
     with pytest.warns(KanegenWarning, match="cc-without-openmp has no OpenMP, so batches use one thread"):
         library = load(source(), str(fake), threads=True)
-    x, y = states()
+    x, y = many_states()
     assert bits(library.forcing(x, y)) == bits(load(source()).forcing(x, y))
 
 
@@ -94,10 +86,9 @@ DROP = """
 import gc
 from pathlib import Path
 from kanegen.library import load
-from tests.support.handmade import source
-from tests.library.test_threads import states
+from tests.support.handmade import many_states, source
 library = load(source(), "gcc", threads=True)
-library.evaluate(*states())
+library.evaluate(*many_states())
 del library
 gc.collect()
 print("libgomp" in Path("/proc/self/maps").read_text())

@@ -28,10 +28,10 @@ from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
 from kanegen.symbolic import derive
 from tests.c.test_c_compilers import CPP, WARNINGS, C, run
-from tests.studies.test_cost_report import require_equal
 from tests.support import systems
 from tests.support.acting import acted_on, pointed
 from tests.support.command import kanegen
+from tests.support.general_programs import require_equal
 from tests.support.paths import MODELS
 from tests.support.programs import values
 from tests.support.reactions import efforts, reactions

@@ -15,20 +15,8 @@ import pytest
 
 from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS, SEQUENCES, SPEED_KINDS
 from kanegen.model.joint import Joint
+from tests.support.joint_kinds import JOINT_KINDS
 from tests.support.paths import ROOT
-
-JOINT_KINDS = {
-    "model/coordinates.py": "the kinds of rotations and their coordinates",
-    "symbolic/literal/joint.py": "rotation matrix and rates, literally",
-    "recursion/turns.py": "rotation matrix and rates, by recursion",
-    "recursion/legend.py": "what the names in generated code mean",
-    "reference/matrices.py": "rotation matrix in NumPy",
-    "reference/kinematics.py": "its place among the equations of the notes",
-    "measure/truth/tree.py": "the state of a joint, and rotations by the first algorithm",
-    "measure/truth/newton_euler.py": "rotations by the second algorithm",
-    "studies/tradeoff/evaluator.py": "the same orientation in other coordinates",
-}
-"""Modules, below `kanegen/`, that a new kind of joint changes, with what they say about one."""
 
 ELSEWHERE = {
     "model/rotations.py": "quaternions in a robot file, which become a constant orientation",

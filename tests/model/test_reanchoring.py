@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,37 +19,10 @@ from kanegen.model.joint import Joint
 from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
-from tests.support import systems
+from tests.support.reanchoring import near_gimbal_lock, with_orientation_parameters
 
 U = 2.0**-53
 ANGLES = FREEDOMS[:3]
-
-
-def near(sequence: str, seed: int, distance: float, bodies: int = 3) -> tuple[kg.System, Any, Any]:
-    """Return a chain of free bodies, its coordinates at a distance from gimbal lock, and its speeds."""
-    rng = np.random.default_rng(seed)
-    drawn = systems.random_system(rng, bodies, free=systems.flags(bodies, FREEDOMS), loads=False)
-    system = systems.from_values(replace(drawn.values(), sequence=(sequence,) * bodies))
-    x, y = rng.normal(size=(2, 6 * bodies))
-    alike = sequence[0] == sequence[-1]
-    middle = np.array([freedom.index == 1 for freedom in system.freedoms])
-    x[middle] = rng.choice([0, np.pi] if alike else [-np.pi / 2, np.pi / 2], bodies) + distance
-    return system, x, y
-
-
-def with_parameters(system: kg.System, seed: int = 1) -> kg.System:
-    """Return the system with three parameters as every constant orientation."""
-    values = np.random.default_rng(seed).uniform(-3, 3, (system.number_of_bodies, 3))
-    bodies = [
-        replace(
-            body,
-            joint=replace(
-                body.joint, orientation=[kg.Parameter(f"c{k}_{i}", v) for i, v in enumerate(values[k])]
-            ),
-        )
-        for k, body in enumerate(system.bodies)
-    ]
-    return replace(system, bodies=tuple(bodies))
 
 
 def rotation(system: kg.System, x: Any, k: int) -> Any:
@@ -66,8 +38,8 @@ def rotation(system: kg.System, x: Any, k: int) -> Any:
 def test_bodies_keep_their_position(sequence: str, distance: float) -> None:
     """[^J R_K] stays the same to 4 u, with matrices and with parameters, and the new angles are regular."""
     for seed in range(3):
-        system, x, y = near(sequence, seed, distance)
-        for case in (system, with_parameters(system)):
+        system, x, y = near_gimbal_lock(sequence, seed, distance)
+        for case in (system, with_orientation_parameters(system)):
             new, angles, _ = kg.reanchored(case, x, y, margin=0.5)
             for k in range(3):
                 moved = rotation(case, x, k) - rotation(new, angles, k)
@@ -81,7 +53,7 @@ def test_bodies_keep_their_position(sequence: str, distance: float) -> None:
 def test_motion_stays_as_it_is(sequence: str, distance: float) -> None:
     """Positions, velocities and energy of the reference stay the same to a few u of their terms."""
     for seed in range(5):
-        system, x, y = near(sequence, seed, distance)
+        system, x, y = near_gimbal_lock(sequence, seed, distance)
         new, angles, speeds = kg.reanchored(system, x, y, margin=0.5)
         before, after = kinematics(system.values(), x, y), kinematics(new.values(), angles, speeds)
         for name in ("position", "rotation", "omega", "center_velocity"):
@@ -103,7 +75,7 @@ def run(system: kg.System, output: str, **values: Any) -> Any:
 @pytest.mark.parametrize("distance", [1e-1, 1e-12])
 def test_accelerations_stay_as_they_are(distance: float) -> None:
     """Accelerations from regular angle rates agree with those from angular velocities before re-anchoring."""
-    system, x, y = near("1-2-3", 7, distance, 2)
+    system, x, y = near_gimbal_lock("1-2-3", 7, distance, 2)
     spinning = system.with_speeds("angular_velocity")
     new, angles, speeds = kg.reanchored(spinning, x, y, margin=0.5)
     still, zero = np.array_equal(speeds[:6], y[:6]), np.zeros(12)
@@ -122,8 +94,8 @@ def test_accelerations_stay_as_they_are(distance: float) -> None:
 
 def test_a_library_remains_usable() -> None:
     """A compiled library remains usable with the new parameters."""
-    system, x, y = near("3-2-1", 3, 1e-9)
-    system = with_parameters(system)
+    system, x, y = near_gimbal_lock("3-2-1", 3, 1e-9)
+    system = with_orientation_parameters(system)
     library = kg.build(system, ("mass_matrix", "kinetic_energy"))
     anchored = kg.reanchored(system, x, y)
     moved = library.with_parameters(anchored.parameters)
@@ -136,7 +108,9 @@ def test_a_library_remains_usable() -> None:
 def test_a_passage_through_the_singularity() -> None:
     """A ball that spins uniformly through gimbal lock is simulated by Runge-Kutta steps of fixed length."""
     joint = Joint(free=(True, True, True, False, False, False), orientation=np.eye(3))
-    system = with_parameters(kg.System("ball", (Body("ball", 0, 1.0, np.eye(3), joint=joint),), (0, 0, 0)))
+    system = with_orientation_parameters(
+        kg.System("ball", (Body("ball", 0, 1.0, np.eye(3), joint=joint),), (0, 0, 0))
+    )
     system = system.with_parameters(dict.fromkeys(("c0_0", "c0_1", "c0_2"), 0.0))
     library, step = kg.build(system, ("forward_dynamics",)), 2.0**-11
     x, y, anchored = np.zeros(3), np.array([0.0, 1.5, 0.0]), 0
@@ -169,7 +143,7 @@ def test_a_passage_through_the_singularity() -> None:
 
 
 def test_only_what_is_near() -> None:
-    system, x, y = near("1-2-3", 2, 0.05)
+    system, x, y = near_gimbal_lock("1-2-3", 2, 0.05)
     x[system.freedom_names.index("body2.theta2")] = 0.4
     new, *_ = kg.reanchored(system, x, y)
     same = [a.joint == b.joint for a, b in zip(system.bodies, new.bodies, strict=True)]
@@ -224,7 +198,7 @@ def test_frames_that_cannot_turn(system: kg.System, message: str) -> None:
 
 
 def test_arguments() -> None:
-    system, x, y = near("1-2-3", 1, 0.1)
+    system, x, y = near_gimbal_lock("1-2-3", 1, 0.1)
     with pytest.raises(ArrayError, match=r"x: expected 18 finite numbers, got shape \(17,\)"):
         kg.reanchored(system, x[1:], y)
     with pytest.raises(ArrayError, match="y: expected 18 finite numbers"):

@@ -7,16 +7,16 @@ import pinocchio as pin
 import pytest
 
 import kanegen as kg
-from tests.support.robots import dynamics, floating_model, places, robot_file
+from tests.support.robots import FIXED_ROBOTS, FLOATING_ROBOTS, dynamics, floating_model, places, robot_file
 
-FIXED = ("panda", "ur5_robot", "kinova", "allegro_right_hand", "double_pendulum")
-FLOATING = ("hyq_no_sensors", "solo12")
 TOLERANCE = 1e-12
 """Tolerance of the comparison; robots of this size lose less than 1e-14 on either side."""
 
 
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
-@pytest.mark.parametrize(("name", "floating"), [(n, False) for n in FIXED] + [(n, True) for n in FLOATING])
+@pytest.mark.parametrize(
+    ("name", "floating"), [(n, False) for n in FIXED_ROBOTS] + [(n, True) for n in FLOATING_ROBOTS]
+)
 def test_c_agrees_with_pinocchio(name: str, floating: bool) -> None:
     path = robot_file(name)
     system = kg.load(path, floating_base=floating)

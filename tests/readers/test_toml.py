@@ -21,19 +21,12 @@ from kanegen.readers import load
 from kanegen.reference import equations as reference
 from tests.support.paths import MODEL_FILES, MODELS
 from tests.support.systems import random_inertia, random_rotation
-
-ONE_BODY = '[[body]]\nname = "b"\nconnection = 0\nmass = 1\n'
-
-
-def read(folder: Path, text: str) -> System:
-    file = folder / "model.toml"
-    file.write_text(text, encoding="utf-8")
-    return load(file)
+from tests.support.toml_models import ONE_BODY, read_toml
 
 
 def test_every_key(tmp_path: Path) -> None:
     m = Parameter("m", 2.0)
-    system = read(
+    system = read_toml(
         tmp_path,
         """
         name = "arm"
@@ -84,14 +77,14 @@ def test_every_key(tmp_path: Path) -> None:
 
 
 def test_defaults(tmp_path: Path) -> None:
-    assert read(tmp_path, "[[body]]\nconnection = 0\nmass = 1\n") == System(
+    assert read_toml(tmp_path, "[[body]]\nconnection = 0\nmass = 1\n") == System(
         "model", (Body("body1", 0, 1.0, ((0, 0, 0),) * 3),), (0, 0, -9.81)
     )
 
 
 @pytest.mark.parametrize("form", ["[3, 4, 5]", "{xx=3,yy=4,zz=5}", "[[3,0,0],[0,4,0],[0,0,5]]"])
 def test_three_ways_to_write_an_inertia(tmp_path: Path, form: str) -> None:
-    assert read(tmp_path, f"{ONE_BODY}inertia = {form}\n").bodies[0].inertia == (
+    assert read_toml(tmp_path, f"{ONE_BODY}inertia = {form}\n").bodies[0].inertia == (
         (3, 0, 0),
         (0, 4, 0),
         (0, 0, 5),
@@ -103,10 +96,14 @@ def test_right_angles_are_exact(tmp_path: Path) -> None:
     for _ in range(4):
         almost = math.nextafter(almost, 2)
     angles = f"[{math.pi / 2!r}, {-math.pi!r}, {almost!r}]"
-    c = read(tmp_path, f"{ONE_BODY}joint.orientation_angles = {angles}\n").bodies[0].joint.orientation
+    c = read_toml(tmp_path, f"{ONE_BODY}joint.orientation_angles = {angles}\n").bodies[0].joint.orientation
     assert c == ((0, 0, 1), (1, 0, 0), (0, 1, 0))
     off = math.nextafter(almost, 2)
-    c = read(tmp_path, f"{ONE_BODY}joint.orientation_angles = [0, 0, {off!r}]\n").bodies[0].joint.orientation
+    c = (
+        read_toml(tmp_path, f"{ONE_BODY}joint.orientation_angles = [0, 0, {off!r}]\n")
+        .bodies[0]
+        .joint.orientation
+    )
     assert c == ((math.cos(off), math.sin(off), 0), (-math.sin(off), math.cos(off), 0), (0, 0, 1))
 
 
@@ -114,17 +111,17 @@ def test_outputs_are_about_bodies_and_directions(tmp_path: Path) -> None:
     """Selected bodies, by name or number, and directions keep the order of the file."""
     outputs = '[outputs]\nbody_poses = ["c", 1]\nreaction_loads = ["c.s1", "c.theta2"]\n'
     other = ONE_BODY.replace('"b"', '"c"') + 'joint.free = ["theta3"]\n'
-    system = read(tmp_path, outputs + ONE_BODY + other)
+    system = read_toml(tmp_path, outputs + ONE_BODY + other)
     assert (system.poses, system.pose_numbers) == (("c", "b"), (2, 1))
     assert system.reactions == system.reaction_names == ("c.s1", "c.theta2")
-    plain = read(tmp_path, ONE_BODY + other)
+    plain = read_toml(tmp_path, ONE_BODY + other)
     assert (plain.poses, plain.reactions) == (None, None)
     assert plain.reaction_names == ("c.theta1", "c.theta2", "c.s1", "c.s2", "c.s3")
 
 
 def test_angles_follow_equation_4(tmp_path: Path) -> None:
     a, b, c = 0.3, -0.7, 1.1
-    system = read(tmp_path, f"{ONE_BODY}joint.orientation_angles = [{a}, {b}, {c}]\n")
+    system = read_toml(tmp_path, f"{ONE_BODY}joint.orientation_angles = [{a}, {b}, {c}]\n")
     one = np.array([[1, 0, 0], [0, np.cos(a), np.sin(a)], [0, -np.sin(a), np.cos(a)]])
     two = np.array([[np.cos(b), 0, -np.sin(b)], [0, 1, 0], [np.sin(b), 0, np.cos(b)]])
     three = np.array([[np.cos(c), np.sin(c), 0], [-np.sin(c), np.cos(c), 0], [0, 0, 1]])
@@ -139,7 +136,7 @@ def test_byte_order_mark_and_crlf(tmp_path: Path) -> None:
 
 def test_unused_parameters(tmp_path: Path) -> None:
     with pytest.warns(KanegenWarning, match=r"model\.toml: unused parameters: k, c\."):
-        read(tmp_path, "parameters = {k = 1, m = 1, c = 2}\n" + ONE_BODY.replace("= 1", "= 'm'"))
+        read_toml(tmp_path, "parameters = {k = 1, m = 1, c = 2}\n" + ONE_BODY.replace("= 1", "= 'm'"))
 
 
 @st.composite

@@ -8,7 +8,7 @@ import pytest
 
 from kanegen.errors import OptionError, ReadError
 from kanegen.readers import load
-from tests.readers.test_toml import ONE_BODY, read
+from tests.support.toml_models import ONE_BODY, read_toml
 
 
 def with_joint(line: str) -> str:
@@ -128,7 +128,7 @@ def with_joint(line: str) -> str:
 )
 def test_errors(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(ReadError, match=message) as caught:
-        read(tmp_path, text)
+        read_toml(tmp_path, text)
     assert str(caught.value).startswith(f"{tmp_path / 'model.toml'}: ")
 
 
@@ -144,7 +144,7 @@ def test_errors(tmp_path: Path, text: str, message: str) -> None:
 )
 def test_syntax_errors(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(ReadError, match=message):
-        read(tmp_path, text)
+        read_toml(tmp_path, text)
 
 
 def test_file_errors(tmp_path: Path) -> None:

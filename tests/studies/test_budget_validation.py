@@ -16,7 +16,7 @@ from kanegen.studies.budget.confidence import quantile_level, validate
 from kanegen.studies.budget.evaluator import SELECT, VALIDATE, SampleSpec
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
 from kanegen.studies.budget.selection import choose
-from tests.studies.test_budget_selection import CANDIDATES, SMALL, STRICT, Planted, PlantedEvaluator
+from tests.support.planted_candidates import CANDIDATES, SMALL, STRICT, Planted, PlantedEvaluator
 
 Floats = NDArray[np.float64]
 SLOW = Planted("slow", 1e-15, 100.0)

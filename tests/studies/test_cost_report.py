@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -16,90 +15,18 @@ from kanegen.cli.app import app
 from kanegen.compiler import compile_module
 from kanegen.model.arrays import SystemArrays
 from kanegen.model.coordinates import Coordinate, Freedom
-from kanegen.model.numbers import map_numbers, value_of
 from kanegen.program.count import count
-from kanegen.program.evaluate import evaluate
 from kanegen.reference.kinematics import kinematics
-from kanegen.reference.magnitudes import (
-    element_magnitude,
-    forcing_magnitude,
-    mass_matrix_magnitude,
-    path_maxima,
-    rounding_bound,
-)
 from kanegen.reference.matrices import skew
 from kanegen.reference.states import random_states
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.general_form import steps
 from kanegen.studies.explain.page import drawing, html
-from tests.physics.test_robots import FIXED, FLOATING
 from tests.support import systems
 from tests.support.acting import acted_on
+from tests.support.general_programs import compiled, require_equal
 from tests.support.paths import MODEL_FILES, MODELS
-from tests.support.robots import robot_file
-
-Results = tuple[np.ndarray, np.ndarray]
-
-
-def compiled(system: kg.System) -> Callable[[dict[str, np.ndarray]], Results]:
-    """Return [A] and {f} by the program that becomes C."""
-    module = compile_module(system, regular=False).module
-    function, n = module.functions["evaluate"], len(system.freedoms)
-    known = {name: np.zeros(3 * system.number_of_bodies) for name in ("force", "torque")}
-    if module.prepare is not None:
-        parameters = [parameter.value for parameter in system.parameters]
-        known["prepared"] = evaluate(module.prepare, {"parameters": parameters}, np)["prepared"]
-
-    def run(given: dict[str, np.ndarray]) -> Results:
-        values = known | {name: np.ravel(value) for name, value in given.items()}
-        found = evaluate(function, {array.name: values[array.name] for array in function.inputs}, np)
-        return np.array(found["A"], float).reshape(n, n), np.array(found["f"], float)
-
-    return run
-
-
-def require_equal(system: kg.System, *seeds: int) -> None:
-    """Compare both programs at the locked state, up to rounding; loads act on the bodies that take them."""
-    (_, general), *_ = steps(system)
-    general_results, special_results = compiled(general), compiled(system)
-    for seed in seeds:
-        sample = random_states(system, 1, seed)
-        given = {"x": sample.x[0], "y": sample.y[0]}
-        if sample.force is not None and sample.torque is not None:
-            given |= {"force": sample.force[0], "torque": sample.torque[0]}
-        further = {name: rows[0] for name, rows in sample.inputs.items()}
-        given |= further
-        free = [general.places[freedom] for freedom in system.freedoms]
-        matrix, forcing = general_results(given | at_locked_state(system, general, given))
-        expected = matrix[np.ix_(free, free)], forcing[free]
-        bounds = limits(system, given, further)
-        for value, other, limit in zip(special_results(given), expected, bounds, strict=True):
-            assert (np.abs(value - other) <= limit).all()
-
-
-def at_locked_state(
-    system: kg.System, general: kg.System, given: dict[str, np.ndarray]
-) -> dict[str, np.ndarray]:
-    """Return the state of the general system in which the freedoms that `system` locks have their locked
-    values."""
-    x, y = np.zeros(len(general.coordinates)), np.zeros(len(general.freedoms))
-    for coordinate, place in general.coordinate_places.items():
-        locked = map_numbers(system.bodies[coordinate.body - 1].joint.locked, value_of)
-        known = system.coordinate_places.get(coordinate)
-        x[place] = locked[coordinate.index] if known is None else given["x"][known]
-    y[[general.places[freedom] for freedom in system.freedoms]] = given["y"]
-    return {"x": x, "y": y}
-
-
-def limits(system: kg.System, given: dict[str, np.ndarray], further: dict[str, np.ndarray]) -> Results:
-    """Return the largest difference that rounding allows between two programs for [A] and {f}."""
-    arrays, prescribed = system.values(), further.get("prescribed", np.zeros((3, 0)))
-    bodies = kinematics(arrays, given["x"], given["y"], prescribed)
-    maxima = path_maxima(arrays, bodies, given["y"], prescribed)
-    share = 2 * rounding_bound(system.number_of_bodies)
-    forcing = forcing_magnitude(arrays, maxima, given.get("force"), given.get("torque"))
-    forcing = forcing + element_magnitude(arrays, bodies, given["x"], given["y"], **further)
-    return share * mass_matrix_magnitude(arrays, maxima), share * forcing
+from tests.support.robots import FIXED_ROBOTS, FLOATING_ROBOTS, robot_file
 
 
 @pytest.mark.parametrize("model", MODEL_FILES, ids=lambda path: path.stem)
@@ -114,12 +41,12 @@ QUICK = ("ur5_robot", "double_pendulum", "kinova")
     "robot",
     [
         pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
-        for name in (*QUICK, *sorted({*FIXED, *FLOATING} - set(QUICK)))
+        for name in (*QUICK, *sorted({*FIXED_ROBOTS, *FLOATING_ROBOTS} - set(QUICK)))
     ],
 )
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
 def test_robots_agree_with_their_general_programs(robot: str) -> None:
-    require_equal(kg.load(robot_file(robot), floating_base=robot in FLOATING), 1)
+    require_equal(kg.load(robot_file(robot), floating_base=robot in FLOATING_ROBOTS), 1)
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -31,8 +31,8 @@ from kanegen.studies.tradeoff.simulation import with_simulations
 from kanegen.studies.tradeoff.study import study
 from kanegen.studies.tradeoff.tables import simulation_rows
 from kanegen.studies.tradeoff.variants import Candidate
-from tests.studies.test_tradeoff_study import invented, quiet
 from tests.support import systems
+from tests.support.tradeoff_times import ignore_stage, times_from_operations
 
 HINGES = systems.chain(2, ["theta3"])
 PRECISIONS = [
@@ -49,12 +49,12 @@ PRECISIONS = [
 @pytest.fixture(scope="module")
 def outcome() -> Study:
     patch = pytest.MonkeyPatch()
-    patch.setattr(evaluator, "time_variants", invented)
+    patch.setattr(evaluator, "time_variants", times_from_operations)
     patch.setattr(simulation, "STEPS", (16, 32, 64))
     patch.setattr(simulation, "REFERENCE_STEPS", 1024)
     wanted = [Candidate(STRICT), Candidate(Variant(precision="float"))]
     terms = StudyOptions(states=3, hard=1, search=0, rounds=1, seconds=0.0)
-    found = with_simulations(HINGES, study(HINGES, terms, quiet, variants=wanted), quiet)
+    found = with_simulations(HINGES, study(HINGES, terms, ignore_stage, variants=wanted), ignore_stage)
     patch.undo()
     return found
 
@@ -127,7 +127,7 @@ def test_every_precision_is_measured_and_timed(variant: Variant) -> None:
     system = systems.chain(1, FREEDOMS)
     domain = default_domain(system)
     sample = joined([domain.sample(6, 0), hard_states(domain, 4, 0) or domain.sample(1, 1)])
-    (built,), _ = compile_variants(system, [Candidate(variant)], quiet)
+    (built,), _ = compile_variants(system, [Candidate(variant)], ignore_stage)
     driven = accelerations_of_driver(built, sample)
     for objective in OBJECTIVES:
         errors = ExactResults(system).errors(built.library, sample, objective)

@@ -7,7 +7,7 @@ import io
 import json
 import sys
 import xml.etree.ElementTree
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,10 @@ from typer.testing import CliRunner
 
 import kanegen as kg
 from kanegen.cli.app import app
-from kanegen.measure.timing import OBJECTIVES, Rounds, Times
+from kanegen.measure.timing import OBJECTIVES, Rounds
 from kanegen.options import Variant
 from kanegen.studies.tradeoff import compilation, evaluator, variants
-from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
+from kanegen.studies.tradeoff.compilation import compile_variants
 from kanegen.studies.tradeoff.domain import default_domain
 from kanegen.studies.tradeoff.evaluator import accelerations_of_driver, time_variants
 from kanegen.studies.tradeoff.exact_results import compute_accelerations
@@ -31,6 +31,7 @@ from kanegen.studies.tradeoff.report import comma_separated, json_record, markdo
 from kanegen.studies.tradeoff.study import study
 from kanegen.studies.tradeoff.variants import Candidate
 from tests.support import systems
+from tests.support.tradeoff_times import ignore_stage, times_from_operations
 
 HINGES = systems.chain(2, ["theta3"])
 HUGE = kg.System.from_arrays([0], [1e60], [1e60 * np.eye(3)], [[0, 0, 0]], [[0, 0, 0]], name="huge")
@@ -45,34 +46,18 @@ FEW: list[dict[str, Any]] = [
 QUIET = ["tradeoff", "--states", "3", "--rounds", "1", "--seconds", "0", "--search", "2"]
 
 
-def quiet(stage: str) -> None:
-    """Ignore the name of a stage."""
-
-
 def few() -> list[Candidate]:
     return variants.candidates(FEW)[0]
 
 
-def invented(
-    samples: Mapping[CompiledVariant, Any], rounds: Rounds, progress: Any
-) -> dict[CompiledVariant, dict[str, Times]]:
-    """Return times that never vary: operations in ns, half of them for single precision."""
-    del rounds, progress
-    found = {}
-    for one in samples:
-        bytes_a_number = 1 if one.candidate.variant.precision == "float" else 2
-        found[one] = dict.fromkeys(OBJECTIVES, Times((one.operations * bytes_a_number / 2,)))
-    return found
-
-
 @pytest.fixture
 def still(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(evaluator, "time_variants", invented)
+    monkeypatch.setattr(evaluator, "time_variants", times_from_operations)
 
 
 @pytest.fixture(scope="module")
 def outcome() -> Study:
-    return study(HINGES, QUICK, quiet, variants=few())
+    return study(HINGES, QUICK, ignore_stage, variants=few())
 
 
 @pytest.fixture
@@ -82,13 +67,13 @@ def small_table(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def test_the_timed_driver_computes_the_measured_results() -> None:
-    (one, _, single, _), _ = compile_variants(HINGES, few(), quiet)
+    (one, _, single, _), _ = compile_variants(HINGES, few(), ignore_stage)
     sample = default_domain(HINGES).sample(40, 0)
     for built in (one, single):
         found = accelerations_of_driver(built, sample)
         for objective in OBJECTIVES:
             assert np.array_equal(found[objective], compute_accelerations(built.library, sample, objective))
-    times = time_variants({one: sample, single: sample}, Rounds(3, 0.0), quiet)
+    times = time_variants({one: sample, single: sample}, Rounds(3, 0.0), ignore_stage)
     assert [len(times[built][objective].rounds) for built in times for objective in OBJECTIVES] == [3] * 4
     assert times[one]["batch"].least <= times[one]["batch"].median
     assert times[one]["latency"].least > 0
@@ -114,11 +99,11 @@ def test_a_study_measures_every_variant_and_equal_programs_once(outcome: Study) 
 
 
 def test_variants_that_cannot_be_built_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    built, refused = compile_variants(HUGE, [Candidate(Variant(precision="float"))], quiet)
+    built, refused = compile_variants(HUGE, [Candidate(Variant(precision="float"))], ignore_stage)
     assert not built
     assert "leaves the range of single precision" in refused[0].reason
     monkeypatch.setenv("KANEGEN_CC", sys.executable)
-    built, refused = compile_variants(HINGES, few()[:1], quiet)
+    built, refused = compile_variants(HINGES, few()[:1], ignore_stage)
     assert not built
     assert refused[0].label == "articulated, -O0"
     assert refused[0].reason
@@ -132,7 +117,7 @@ def test_a_wrong_variant_is_not_timed(monkeypatch: pytest.MonkeyPatch, still: No
         return right(heavier if candidate.variant.solver == "factorisation" else system, candidate)
 
     monkeypatch.setattr(compilation, "generate_variant", generate_variant)
-    found = study(HINGES, QUICK, quiet, variants=few())
+    found = study(HINGES, QUICK, ignore_stage, variants=few())
     wrong = [entry for entry in found.results if entry.wrong]
     assert [entry.label for entry in wrong] == ["factorisation, -O0"]
     assert wrong[0].wrong == 8
@@ -143,7 +128,7 @@ def test_a_wrong_variant_is_not_timed(monkeypatch: pytest.MonkeyPatch, still: No
 
 
 def test_documents_are_the_same_but_for_times(still: None) -> None:
-    one, two = (study(HINGES, QUICK, quiet, variants=few()) for _ in range(2))
+    one, two = (study(HINGES, QUICK, ignore_stage, variants=few()) for _ in range(2))
     assert markdown(one) == markdown(two)
     assert comma_separated(one) == comma_separated(two)
     assert json_record(one) == json_record(two)
@@ -169,20 +154,20 @@ def test_impossible_options_and_domains() -> None:
         study(HINGES, replace(QUICK, quantile="mx"))
     other = default_domain(systems.chain(3, ["theta3"]))
     with pytest.raises(kg.OptionError, match="the domain belongs to another system than 'chain'"):
-        study(HINGES, QUICK, quiet, other, variants=few())
+        study(HINGES, QUICK, ignore_stage, other, variants=few())
 
 
 def test_a_model_without_any_variant() -> None:
     with pytest.raises(kg.OptionError, match=r"no variant can be built\. The first one, float.*the range"):
-        study(HUGE, QUICK, quiet, variants=[Candidate(Variant(precision="float"))])
+        study(HUGE, QUICK, ignore_stage, variants=[Candidate(Variant(precision="float"))])
     massless = kg.System.from_arrays([0], [0.0], [np.zeros((3, 3))], [[0, 0, 0]], [[0, 0, 0]])
     with pytest.raises(kg.SingularError):
-        study(massless, QUICK, quiet)
+        study(massless, QUICK, ignore_stage)
 
 
 def test_loads_and_parameters_are_named() -> None:
     system = kg.load("models/double_pendulum.toml")
-    found = study(system, QUICK, quiet, variants=few()[:1])
+    found = study(system, QUICK, ignore_stage, variants=few()[:1])
     assert "run-time parameters are constants" in found.notes[0]
     assert "Note: run-time parameters" in markdown(found)
 

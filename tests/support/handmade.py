@@ -131,6 +131,11 @@ def source(
     return with_artifacts(made)
 
 
+def many_states():
+    """Return {x} and {y} of 5003 states: enough for several threads, and no multiple of any SIMD width."""
+    return np.random.default_rng(5).normal(size=(2, 5003, 2))
+
+
 def evaluate(program, number=np.float64, **inputs):
     """Outputs by name, flat, with every operation rounded on its own to the type `number`."""
     compute = {

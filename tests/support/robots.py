@@ -13,6 +13,12 @@ from kanegen.model.arrays import Floats
 from kanegen.model.names import usable_label
 from kanegen.model.system import System
 
+FIXED_ROBOTS = ("panda", "ur5_robot", "kinova", "allegro_right_hand", "double_pendulum")
+"""Robots of example-robot-data whose root link is welded to the ground."""
+
+FLOATING_ROBOTS = ("hyq_no_sensors", "solo12")
+"""Robots of example-robot-data whose root link has six freedoms."""
+
 FREE = ("s1", "s2", "s3", "theta1", "theta2", "theta3")
 """Freedoms of a floating joint in Pinocchio's order."""
 
