@@ -17,11 +17,11 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
     return f"Known are {', '.join(map(repr, words))}." if words else "None is known."
 
 
-def require_one(what: str, value: object, known: Collection[object]) -> None:
+def require_one(label: str, value: object, known: Collection[object]) -> None:
     """Make sure that a value is known.
 
     Args:
-        what: Kind of the value, such as "solver", used in the error message.
+        label: Kind of the value, such as "solver", used in the error message.
         value: The value that a user chose.
         known: All values that there are.
 
@@ -29,15 +29,15 @@ def require_one(what: str, value: object, known: Collection[object]) -> None:
         OptionError: If the value is not known.
     """
     if isinstance(value, bool) or value not in tuple(known):
-        raise OptionError(f"unknown {what} {value!r}. {did_you_mean(value, map(str, known))}")
+        raise OptionError(f"unknown {label} {value!r}. {did_you_mean(value, map(str, known))}")
 
 
-def several(option: str, what: str, asked: Iterable[str] | str, known: Collection[str]) -> tuple[str, ...]:
+def several(option: str, label: str, asked: Iterable[str] | str, known: Collection[str]) -> tuple[str, ...]:
     """Return the names that a user chose, checked, each once, in the order in which they are known.
 
     Args:
         option: Name of the option, used in error messages.
-        what: Kind of one name, such as "output", used in error messages.
+        label: Kind of one name, such as "output", used in error messages.
         asked: The names, or a single one.
         known: All names that there are.
 
@@ -48,5 +48,5 @@ def several(option: str, what: str, asked: Iterable[str] | str, known: Collectio
         raise OptionError(f"{option}: expected names, got {asked!r}. There are {', '.join(known)}.")
     names = (asked,) if isinstance(asked, str) else tuple(asked)
     for name in names:
-        require_one(what, name, known)
+        require_one(label, name, known)
     return tuple(name for name in known if name in names)

@@ -32,11 +32,11 @@ def info(
     """Show the tree of MODEL, its freedoms and parameters, and the number of operations of its outputs."""
     from kanegen.cli.summary import RightAngleChanges, summarize
     from kanegen.cli.summary_text import show
-    from kanegen.model.right_angles import TYPED
+    from kanegen.model.right_angles import FOUR_DECIMALS
     from kanegen.studies.explain import exactness
 
     system = load_system(model, floating_base, right_angles, speeds, coordinates)
-    tolerance = right_angles or TYPED
+    tolerance = right_angles or FOUR_DECIMALS
     with without_warnings():
         written, exact = (
             load_system(model, floating_base, limit, speeds, coordinates) for limit in (AS_WRITTEN, tolerance)

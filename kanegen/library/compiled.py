@@ -14,7 +14,7 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError
 from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.results import Evaluation
-from kanegen.model.arguments import ARGUMENTS, FURTHER, Floats, NamedInputs, Values
+from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT, Floats, NamedInputs, Values
 from kanegen.model.numbers import finite
 from kanegen.program.ir import EVALUATE
 from kanegen.program.precision import precision_named
@@ -230,7 +230,7 @@ class CompiledModel:
             ArrayError: If there is no input of a name, or no output depends on it.
         """
         for name in inputs:
-            if name not in FURTHER:
+            if name not in MODEL_DEPENDENT:
                 raise ArrayError(f"{name}: there is no such argument. {did_you_mean(name, ARGUMENTS)}")
             if name not in self._named_inputs:
                 raise ArrayError(f"{name}: no output of system {self.name!r} depends on it. Leave it out.")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from kanegen.errors import ArrayError
 
 Floats = NDArray[np.floating[Any]]
-"""Numbers in the precision of a library, or parts of such numbers (double-double) along a last axis."""
+"""Numbers in the precision of a library; a double-double number is its two parts along a last axis."""
 
 Shape = tuple[int, ...]
 
@@ -21,7 +21,7 @@ LOADS = {"force": "body", "torque": "body", "point_force": "point", "point_momen
 OPTIONAL = LOADS.keys() | {"tau"}
 """Arguments that may be left out, which means zero."""
 
-FURTHER = {
+MODEL_DEPENDENT = {
     "point_force": "in N",
     "point_moment": "in N m",
     "t": "the time in s",
@@ -29,10 +29,10 @@ FURTHER = {
 }
 """Arguments that only some models have, and descriptions of them for error messages."""
 
-ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *FURTHER)
+ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *MODEL_DEPENDENT)
 """Names of all arguments, in the order of the C functions and of the methods of `Library`."""
 
-COMMON = OPTIONAL | FURTHER.keys()
+SHAREABLE = OPTIONAL | MODEL_DEPENDENT.keys()
 """Arguments that may have one value for all states of a batch."""
 
 Values = tuple[object, ...]
@@ -40,7 +40,7 @@ Values = tuple[object, ...]
 
 
 class LoadInputs(TypedDict, total=False):
-    """Loads on points, and the time, as keyword arguments; each may have one value for all states of a batch.
+    """Loads on points and the time, as keyword arguments, each with or without an axis for the batch.
 
     Attributes:
         point_force: (P, 3) or (B, P, 3) force on each point that takes loads, inertial components (N); None
@@ -76,7 +76,8 @@ def floats(name: str, value: object, dtype: np.dtype[Any]) -> Floats:
         dtype: Type of the numbers.
 
     Raises:
-        ArrayError: If it is ragged, masked, contains anything but real numbers, or one that is too large.
+        ArrayError: If `value` is ragged or masked, or contains anything but real numbers in the range of the
+            type.
     """
     if type(value) is np.ndarray and value.dtype == dtype and value.flags.carray:
         return value
@@ -99,7 +100,7 @@ def state(name: str, value: object, shape: Shape, dtype: np.dtype[Any]) -> Float
     """Return an argument that is one state, `shape`, or a batch of states, `(B, *shape)`.
 
     Raises:
-        ArrayError: If it has neither shape.
+        ArrayError: If the argument has neither shape.
     """
     array = floats(name, value, dtype)
     if array.shape != shape and array.shape[1:] != shape:
@@ -130,14 +131,14 @@ def companion(
     return array
 
 
-def required(name: str, value: object, what: str) -> object:
-    """Return an argument on which the result depends.
+def required(name: str, value: object, label: str) -> object:
+    """Return the value of an argument on which the result depends.
 
     Raises:
-        ArrayError: If the caller passed none; describes it by `what`.
+        ArrayError: If the caller passed none; the message describes the argument by `label`.
     """
     if value is None:
-        raise ArrayError(f"{name}: it is missing, and the result depends on it. Pass {name}=..., {what}.")
+        raise ArrayError(f"{name}: missing, but the result depends on this input. Pass {name}=..., {label}.")
     return value
 
 
@@ -168,8 +169,8 @@ def load(
     row = next((row for row in unloaded if rows[row].any()), None)
     if row is not None:
         raise ArrayError(
-            f"{name}: row {row} is not zero, but {unloaded[row]} takes no loads. Say that it does in the "
-            "model's loads."
+            f"{name}: row {row} is not zero, but {unloaded[row]} takes no loads. Enter it among the loads of "
+            "the model."
         )
     return array if array.shape == full else np.ascontiguousarray(np.broadcast_to(array, full))
 

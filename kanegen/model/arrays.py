@@ -1,4 +1,4 @@
-"""A system as NumPy arrays: bodies from arrays that a user passes, and the numbers of a model as arrays."""
+"""Conversion between systems and NumPy arrays: bodies from a user's arrays, and arrays from a system."""
 
 from __future__ import annotations
 
@@ -63,12 +63,12 @@ class SystemArrays:
     prescribed: Flags  # (N, 6)
 
     def rows(self) -> dict[str, Any]:
-        """Return the arguments of `System.from_arrays` that give these numbers again, without `forces`."""
+        """Return the arguments of `System.from_arrays` for the same bodies, without force elements."""
         return {field.name: getattr(self, field.name) for field in fields(self) if field.name != "forces"}
 
     @property
     def rotations(self) -> tuple[Rotation, ...]:
-        """(N,) how each body is oriented in its joint frame."""
+        """(N,) rotation of each body in its joint frame, by angles or by a quaternion."""
         return tuple(map(rotation_of, self.coordinates, self.sequence))
 
 
@@ -110,7 +110,7 @@ def _floats(values: Any) -> Floats:
 
 
 def _matrix(orientation: Any) -> Floats:
-    """Return (3, 3) an orientation that is a matrix or three 1-2-3 angles."""
+    """Return as a (3, 3) matrix an orientation that is a matrix or three 1-2-3 angles (rad)."""
     value = _floats(orientation)
     return value if value.shape == (3, 3) else np.array(rotation_123(orientation))
 
@@ -134,7 +134,7 @@ def bodies_from_arrays(
     """Return the bodies of a tree from the arguments of `System.from_arrays`.
 
     Raises:
-        ModelError: If a shape or a number is not usable; names the array, and the body where it is one.
+        ModelError: If a shape or a number is not usable; the message names the array and the body.
     """
     lower = validation.connection(_integers(connection, "connection"))
     rows = _Rows(len(lower))
@@ -168,12 +168,12 @@ def bodies_from_arrays(
     return tuple(bodies)
 
 
-def _integers(value: Any, what: str) -> tuple[int, ...]:
+def _integers(value: Any, label: str) -> tuple[int, ...]:
     """Return `value` as a tuple of integers."""
     items = listed(value)
     if items is None:
-        raise ModelError(f"{what}: expected a sequence of integers, got {value!r}.")
-    return tuple(validation.integer(item, f"{what}[{i}]") for i, item in enumerate(items))
+        raise ModelError(f"{label}: expected a sequence of integers, got {value!r}.")
+    return tuple(validation.integer(item, f"{label}[{i}]") for i, item in enumerate(items))
 
 
 @dataclass(frozen=True)
@@ -182,22 +182,22 @@ class _Rows:
 
     count: int
 
-    def numbers(self, value: Any, shape: tuple[int, ...], default: Any, what: str) -> Any:
+    def numbers(self, value: Any, shape: tuple[int, ...], default: Any, label: str) -> Any:
         """Return (count, *shape) numbers, or `default` in every row where `value` is None."""
-        return (default,) * self.count if value is None else numbers(value, (self.count, *shape), what)
+        return (default,) * self.count if value is None else numbers(value, (self.count, *shape), label)
 
-    def flags(self, value: Any, length: int, default: bool, what: str) -> tuple[tuple[bool, ...], ...]:
+    def flags(self, value: Any, length: int, default: bool, label: str) -> tuple[tuple[bool, ...], ...]:
         """Return (count, length) flags, or `default` everywhere where `value` is None."""
         if value is None:
             return ((default,) * length,) * self.count
-        rows = validation.sequence(value, self.count, what)
-        return tuple(validation.flags(row, length, f"{what}[{k}]") for k, row in enumerate(rows))
+        rows = validation.sequence(value, self.count, label)
+        return tuple(validation.flags(row, length, f"{label}[{k}]") for k, row in enumerate(rows))
 
-    def names(self, value: Any, what: str) -> Sequence[Any]:
+    def names(self, value: Any, label: str) -> Sequence[Any]:
         """Return (count,) names, from one name for all bodies or one for each."""
         if isinstance(value, str):
             return (value,) * self.count
-        return validation.sequence(value, self.count, what)
+        return validation.sequence(value, self.count, label)
 
     def loads(self, value: Any) -> tuple[bool, ...]:
         """Return (count,) flags, from None, one flag for all bodies or one for each."""

@@ -35,9 +35,9 @@ class Point:
 
     def __post_init__(self) -> None:
         check_label(self.name, "point name")
-        what = f"point {self.name!r}"
-        position = numbers(self.position, (3,), what)
-        validation.store(self, position=position, loads=validation.flags((self.loads,), 1, what)[0])
+        label = f"point {self.name!r}"
+        position = numbers(self.position, (3,), label)
+        validation.store(self, position=position, loads=validation.flags((self.loads,), 1, label)[0])
 
     def map_numbers(self, change: Callable[[Number], Number]) -> Point:
         """Return the same point with `change` applied to every number.

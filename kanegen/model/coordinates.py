@@ -58,7 +58,7 @@ class SpeedKind:
     Attributes:
         name: Name within the body, such as "theta1" for the rate of that angle, or "omega1".
         symbol: Letter of the notes, spelled out: its symbol is `<symbol>_K_<number>`.
-        derivative: The same for the time derivative of the speed.
+        derivative: Letter for the time derivative of the speed, spelled out like `symbol`.
         number: Subscript of both symbols.
         is_rate: Whether the speed is the time derivative of the coordinate at the same place of `FREEDOMS`.
     """
@@ -119,7 +119,7 @@ class Freedom:
 
     @property
     def axis(self) -> int:
-        """Which of the three angles or of the three translations it is: 0, 1 or 2."""
+        """Place of the freedom among the three angles or the three translations: 0, 1 or 2."""
         return self.index % 3
 
     @property
@@ -242,11 +242,11 @@ class QuaternionRotation:
 
 
 Rotation = AxisRotations | QuaternionRotation
-"""How the orientation of a body follows from its coordinates."""
+"""The ways in which the orientation of a body follows from its coordinates."""
 
 
 def rotation_of(coordinates: str, sequence: str) -> Rotation:
-    """Return how a body is oriented, from one of `ORIENTATIONS` and, for angles, one of `SEQUENCES`."""
+    """Return the rotation for one of `ORIENTATIONS` and, for angles, one of `SEQUENCES`."""
     return QuaternionRotation() if coordinates == "quaternion" else AxisRotations(SEQUENCES[sequence])
 
 
@@ -254,7 +254,7 @@ def check_sequence(name: object) -> None:
     """Make sure that `name` is one of the twelve `SEQUENCES`.
 
     Raises:
-        ModelError: If it is not.
+        ModelError: If `name` is none of them.
     """
     if not isinstance(name, str) or name not in SEQUENCES:
         raise ModelError(f"joint sequence: {name!r} is none of the twelve. {did_you_mean(name, SEQUENCES)}")

@@ -1,4 +1,4 @@
-"""What a system is: its fields, and the orders and names of everything that follows from them."""
+"""`SystemDescription`: the fields of a system, and the orders and names of its coordinates and speeds."""
 
 from __future__ import annotations
 
@@ -236,7 +236,7 @@ class SystemDescription:
 
 
 class HasPrescribedNames(Protocol):
-    """A system or a summary of one."""
+    """An object with the names of prescribed freedoms: a system, or the description of one in a source."""
 
     @property
     def name(self) -> str:
@@ -247,18 +247,18 @@ class HasPrescribedNames(Protocol):
         """Names of the freedoms whose motion is an input."""
 
 
-def require_unprescribed(system: HasPrescribedNames, what: str) -> None:
-    """Make sure that no freedom is prescribed, where a caller cannot pass the motion of one.
+def require_unprescribed(system: HasPrescribedNames, label: str) -> None:
+    """Make sure that no freedom is prescribed, for functions that cannot take a prescribed motion.
 
     Args:
         system: The system.
-        what: Name of the function or study that needs this, for the message.
+        label: Name of the function or study that cannot take one, for the message.
 
     Raises:
         OptionError: If a freedom is prescribed.
     """
     if names := tuple(system.prescribed_names):
         raise OptionError(
-            f"{what}: system {system.name!r} has prescribed freedoms ({', '.join(names)}), "
+            f"{label}: system {system.name!r} has prescribed freedoms ({', '.join(names)}), "
             "whose motion cannot be passed here. Free them or lock them."
         )

@@ -1,9 +1,9 @@
-"""The joint below a body: the one description of it that every derivation reads.
+"""The joint between a body and its lower body: the only description of it, which every derivation reads.
 
 A joint consists of steps from its lower body J outward: the constant position {q'_K} and orientation [C_K],
 three translations in the joint frame, and a rotation, which is an `AxisRotations` or a `QuaternionRotation`.
-Each of the six freedoms is free, prescribed or locked. `Joint.coordinate_kinds` and `Joint.speed_kinds` say
-what stands for them in {x} and {y}. All of it is plain data; the mathematics stands in the derivations.
+Each of the six freedoms is free, prescribed or locked. `Joint.coordinate_kinds` and `Joint.speed_kinds` list
+their coordinates and speeds. A joint is plain data; the mathematics is in the derivations.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Joint:
             numbers become the matrix, with exact zeros and ones at right angles.
         free: (6,) which of `FREEDOMS` are free.
         locked: (6,) values of the locked freedoms (rad, m); 0 at the others.
-        name: Name of the joint in a robot file; it names the freedom where only one moves.
+        name: Name of the joint in a robot file, also the name of the freedom where only one moves.
         speeds: One of `SPEEDS`: "angle_rates", or "angular_velocity" for the components of {omega_hat'_K},
             Eq. (8), which keep [A] regular in every orientation and need three free angles.
         sequence: One of `SEQUENCES`, the axes of the three angles: with "3-1-3" theta1 turns about axis 3 of
@@ -102,8 +102,8 @@ class Joint:
         self._check_speeds()
 
     def _check_prescribed(self) -> None:
-        for name, *what in zip(FREEDOMS, self.prescribed, self.free, self.locked, strict=True):
-            is_prescribed, is_free, value = what
+        for name, *choice in zip(FREEDOMS, self.prescribed, self.free, self.locked, strict=True):
+            is_prescribed, is_free, value = choice
             if is_prescribed and is_free:
                 raise ModelError(f"prescribed: {name!r} is free as well. A freedom is one or the other.")
             if is_prescribed and value != 0:
@@ -151,17 +151,17 @@ class Joint:
 
     @cached_property
     def rotation(self) -> Rotation:
-        """How body K is oriented in the joint frame: rotations about axes, or a quaternion."""
+        """The rotation of body K in the joint frame, by angles or by a quaternion."""
         return rotation_of(self.coordinates, self.sequence)
 
     @cached_property
     def coordinate_kinds(self) -> tuple[int, ...]:
-        """Places in `COORDINATE_KINDS` of all coordinates: of the rotation, then translations; locked too."""
+        """Places in `COORDINATE_KINDS` of all coordinates, locked or not: rotation, then translations."""
         return (*self.rotation.coordinates, *TRANSLATIONS)
 
     @cached_property
     def free_coordinate_kinds(self) -> tuple[int, ...]:
-        """Places in `COORDINATE_KINDS` of what the joint adds to {x}: of the rotation, then translations."""
+        """Places in `COORDINATE_KINDS` of the free coordinates: rotation, then translations."""
         return tuple(kind for kind in self.coordinate_kinds if kind >= len(FREEDOMS) or self.free[kind])
 
     @cached_property
@@ -182,7 +182,7 @@ class Joint:
 
     @property
     def gimbal_lock(self) -> Literal["sin", "cos"] | None:
-        """The function of theta2 that vanishes at gimbal lock; None if the body cannot reach it that way.
+        """The function of theta2 that vanishes at gimbal lock; None for a joint without gimbal lock.
 
         Gimbal lock is where the axes of three free angles lie in a plane; a quaternion has none.
         """

@@ -1,4 +1,4 @@
-"""Names that a model may use.
+"""Validation of the names in a model.
 
 System and parameter names become C identifiers. Body and joint names appear in comments, messages and
 `freedom_names`, and may also contain dots, hyphens and colons, as robot files do. Every other name is
@@ -17,7 +17,7 @@ MAX_LENGTH = 63
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _LABEL = re.compile(r"[A-Za-z0-9_](?:[A-Za-z0-9_:-]|\.(?!\.))*")
 
-# Keywords of C99, C11, C23 and C++20, and the names that the generated header takes for itself.
+# Keywords of C99, C11, C23 and C++20, and `main`, which the generated example defines.
 KEYWORDS = frozenset(
     """
     alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break
@@ -32,24 +32,24 @@ KEYWORDS = frozenset(
 )
 
 
-def check_identifier(name: object, what: str) -> str:
-    """Return `name` if it can be a C identifier; `what` says what it names, for the message.
+def check_identifier(name: object, label: str) -> str:
+    """Return `name` if it can be a C identifier; the message calls it `label`.
 
     Raises:
-        ModelError: If it is not an ASCII identifier, is a keyword of C or C++, or is too long.
+        ModelError: If `name` is not an ASCII identifier, is a keyword of C or C++, or is too long.
     """
     rule = "Use letters, digits and underscores, beginning with a letter."
-    return _check(name, what, _IDENTIFIER, rule)
+    return _check(name, label, _IDENTIFIER, rule)
 
 
-def check_label(name: object, what: str) -> str:
-    """Return `name` if it can label a body or a joint; `what` says what it names, for the message.
+def check_label(name: object, label: str) -> str:
+    """Return `name` if it can label a body or a joint; the message calls it `label`.
 
     Raises:
-        ModelError: If it contains anything but ASCII letters, digits and `_ . - :`, or is a keyword.
+        ModelError: If `name` contains anything but ASCII letters, digits and `_ . - :`, or is a keyword.
     """
     rule = "Use letters, digits, '_', '-', ':' and single dots, beginning with a letter or digit."
-    return _check(name, what, _LABEL, rule)
+    return _check(name, label, _LABEL, rule)
 
 
 def usable_label(name: str) -> str:
@@ -68,15 +68,15 @@ def _without_keyword(name: str) -> str:
     return f"{name}_" if name in KEYWORDS else name
 
 
-def _check(name: object, what: str, pattern: re.Pattern[str], rule: str) -> str:
+def _check(name: object, label: str, pattern: re.Pattern[str], rule: str) -> str:
     if not isinstance(name, str):
-        raise ModelError(f"{what}: {name!r} is not a string.")
+        raise ModelError(f"{label}: {name!r} is not a string.")
     if not name:
-        raise ModelError(f"{what} is empty. {rule}")
+        raise ModelError(f"{label} is empty. {rule}")
     if not pattern.fullmatch(name):
-        raise ModelError(f"{what}: {name!r} cannot be used. {rule}")
+        raise ModelError(f"{label}: {name!r} cannot be used. {rule}")
     if name in KEYWORDS:
-        raise ModelError(f"{what}: {name!r} is a keyword of C or C++. Choose another name.")
+        raise ModelError(f"{label}: {name!r} is a keyword of C or C++. Choose another name.")
     if len(name) > MAX_LENGTH:
-        raise ModelError(f"{what}: {name!r} is longer than {MAX_LENGTH} characters.")
+        raise ModelError(f"{label}: {name!r} is longer than {MAX_LENGTH} characters.")
     return name

@@ -1,4 +1,4 @@
-"""Numbers of a model: plain floats, or named parameters that stay open until run time."""
+"""Numbers of a model: plain floats, or named parameters that get their values at run time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from kanegen.model.names import check_identifier
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a model that stays open until run time.
+    """A number of a model that gets its value at run time.
 
     Attributes:
         name: A C identifier, unique within a system.
@@ -37,7 +37,7 @@ class Parameter:
 
 
 Number = float | Parameter
-"""A number of a model: fixed, or open until run time."""
+"""A number of a model: fixed, or a run-time parameter."""
 
 Vector = tuple[Number, Number, Number]
 """(3,) numbers of a model."""
@@ -46,26 +46,26 @@ Matrix = tuple[Vector, Vector, Vector]
 """(3, 3) numbers of a model, row by row."""
 
 
-def finite(value: Any, what: str) -> float:
-    """Return `value` as a finite float; `what` names the quantity for the message.
+def finite(value: Any, label: str) -> float:
+    """Return `value` as a finite float; the message calls it `label`.
 
     Raises:
-        ModelError: If it is not a real number, or is NaN or infinite.
+        ModelError: If `value` is not a real number, or is NaN or infinite.
     """
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
-        raise ModelError(f"{what}: {value!r} is not a number.")
+        raise ModelError(f"{label}: {value!r} is not a number.")
     try:
         result = float(value)
     except OverflowError:
         result = math.inf
     if not math.isfinite(result):
-        raise ModelError(f"{what}: {result!r} is not finite.")
+        raise ModelError(f"{label}: {result!r} is not finite.")
     return result + 0.0  # -0.0 + 0.0 is 0.0: the sign of a zero in a model has no meaning
 
 
-def number(value: Any, what: str) -> Number:
-    """Return a parameter as it is, and anything else as a finite float."""
-    return value if isinstance(value, Parameter) else finite(value, what)
+def number(value: Any, label: str) -> Number:
+    """Return a parameter unchanged, and anything else as a finite float."""
+    return value if isinstance(value, Parameter) else finite(value, label)
 
 
 def listed(value: Any) -> list[Any] | None:
@@ -77,25 +77,25 @@ def listed(value: Any) -> list[Any] | None:
     return list(value)
 
 
-def numbers(value: Any, shape: tuple[int, ...], what: str) -> Any:
+def numbers(value: Any, shape: tuple[int, ...], label: str) -> Any:
     """Return `value` as nested tuples of `Number` with exactly `shape`.
 
     Args:
         value: Nested sequences or an array; entries are numbers or parameters.
         shape: Length of every level; `()` is a single number.
-        what: Name of the quantity, for the message.
+        label: Name of the quantity, for the message.
 
     Raises:
         ModelError: If the shape differs or an entry is not a finite number.
     """
     if not shape:
-        return number(value, what)
+        return number(value, label)
     items = listed(value)
     if items is None:
-        raise ModelError(f"{what}: expected {_describe(shape)}, got {value!r}.")
+        raise ModelError(f"{label}: expected {_describe(shape)}, got {value!r}.")
     if len(items) != shape[0]:
-        raise ModelError(f"{what}: expected {_describe(shape)}, got {len(items)} entries.")
-    return tuple(numbers(item, shape[1:], f"{what}[{i}]") for i, item in enumerate(items))
+        raise ModelError(f"{label}: expected {_describe(shape)}, got {len(items)} entries.")
+    return tuple(numbers(item, shape[1:], f"{label}[{i}]") for i, item in enumerate(items))
 
 
 def _describe(shape: tuple[int, ...]) -> str:
@@ -111,7 +111,7 @@ def map_numbers(value: Any, function: Callable[[Number], Any]) -> Any:
 
 
 def value_of(value: Number) -> float:
-    """Return a number as it is, and the default value of a parameter."""
+    """Return the value of a number: of a parameter its default, of a float the float itself."""
     return value.value if isinstance(value, Parameter) else value
 
 

@@ -1,6 +1,6 @@
-"""The rows of outputs that a system selects: bodies of `body_poses`, directions of `reaction_loads`.
+"""The selection of output rows by a system: bodies of `body_poses`, locked directions of `reaction_loads`.
 
-Names stand in the order in which results have their rows; None stands for all that there are.
+Names have the order of the rows in results; None selects all rows.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from kanegen.model.coordinates import ANGLES, FREEDOMS, TRANSLATIONS
 POSES, REACTIONS = "body poses", "reaction loads"
 
 
-def body_number(bodies: Sequence[Body], body: Any, what: str) -> int:
+def body_number(bodies: Sequence[Body], body: Any, label: str) -> int:
     """Return the number of a body, from 1.
 
     Args:
         bodies: The bodies of the system.
-        body: Name or number of one.
-        what: Name of what refers to the body, for the message.
+        body: Name of the body, or its number from 1.
+        label: Name of the object that refers to the body, for the message.
 
     Raises:
         ModelError: If there is no such body.
@@ -31,7 +31,7 @@ def body_number(bodies: Sequence[Body], body: Any, what: str) -> int:
     if body in names:
         return names.index(body) + 1
     if isinstance(body, bool) or body not in range(1, len(names) + 1):
-        raise ModelError(f"{what}: there is no body {body!r}. {did_you_mean(body, names)}")
+        raise ModelError(f"{label}: there is no body {body!r}. {did_you_mean(body, names)}")
     return int(body)
 
 
@@ -39,7 +39,7 @@ def locked_directions(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
     """Return every locked direction in the order of Eq. (1): angles of all bodies, then translations.
 
     Returns:
-        By name, `<body>.theta2` or `<body>.s1`, the number of the body, from 1, and the place in `FREEDOMS`.
+        Number of the body, from 1, and place in `FREEDOMS`, by name such as `<body>.theta2` or `<body>.s1`.
     """
     return {
         f"{body.name}.{FREEDOMS[index]}": (k, index)
@@ -51,10 +51,10 @@ def locked_directions(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
 
 
 def poses(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
-    """Return the names of bodies that are chosen by name or number; None for all.
+    """Return the names of the bodies that are chosen by name or number; None if all are.
 
     Raises:
-        ModelError: If one does not exist or is there twice, or there is none.
+        ModelError: If a chosen body does not exist or is named twice, or none is chosen.
     """
     if chosen is None:
         return None
@@ -64,10 +64,10 @@ def poses(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
 
 
 def reactions(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
-    """Return the names of the locked directions that are chosen; None for all.
+    """Return the names of the locked directions that are chosen; None if all are.
 
     Raises:
-        ModelError: If one is free, does not exist or is there twice, or there is none.
+        ModelError: If a chosen direction is free, does not exist or is named twice, or none is chosen.
     """
     if chosen is None:
         return None
@@ -94,15 +94,15 @@ def _reason(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
     return f"there is no locked direction {name!r}. {did_you_mean(name, known)}"
 
 
-def _require_once(names: Sequence[str], what: str) -> None:
+def _require_once(names: Sequence[str], label: str) -> None:
     for i, name in enumerate(names):
         if name in names[:i]:
-            raise ModelError(f"{what}: {name!r} is named twice. Name it once.")
+            raise ModelError(f"{label}: {name!r} is named twice. Name it once.")
 
 
-def _listed(chosen: Any, what: str) -> tuple[Any, ...]:
+def _listed(chosen: Any, label: str) -> tuple[Any, ...]:
     """Return one or several chosen items as a tuple."""
     items = tuple(chosen) if isinstance(chosen, Iterable) and not isinstance(chosen, str) else (chosen,)
     if not items:
-        raise ModelError(f"{what}: none is chosen. Name one, or leave the choice out for all.")
+        raise ModelError(f"{label}: none is chosen. Name one, or leave the choice out for all.")
     return items

@@ -1,4 +1,4 @@
-"""Joints that can be re-anchored: those whose joint frame nothing but their own coordinates refers to."""
+"""Conditions under which a joint can be re-anchored: only its own coordinates refer to its joint frame."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from kanegen.model.system import System
 
 @dataclass(frozen=True)
 class ReanchorableJoint:
-    """A joint that C can re-anchor: its constant orientation is three parameters of its own.
+    """A joint that generated C can re-anchor: its constant orientation is three parameters used nowhere else.
 
     Attributes:
         body: Number of the body, from 1.
@@ -25,7 +25,7 @@ class ReanchorableJoint:
         angles: Places of the joint's angles in {x}.
         speeds: Places of their speeds in {y}.
         translations: Places of the joint's translations in {x}; empty if they are locked at zero.
-        translation_rates: Places of their rates in {y}; empty likewise.
+        translation_rates: Places of the rates of these translations in {y}; empty if they are locked at zero.
         rotations: The axes of the joint's angles.
         speeds_are_rates: Whether the speeds of the angles are their rates, not the angular velocity.
     """
@@ -56,12 +56,12 @@ class ReanchorableJoint:
 
 
 def require_free_frame(system: System, k: int) -> None:
-    """Make sure that the joint frame of body `k` can turn.
+    """Make sure that the joint of body `k` can be re-anchored.
 
-    Its three angles are free, and its translations are all free or all locked.
+    Its three angles must be free, and its translations all free or all locked.
 
     Raises:
-        OptionError: If the frame cannot turn; says why, and what to change.
+        OptionError: If the joint cannot be re-anchored; the message says why, and what to change.
     """
     body = system.bodies[k - 1]
     if obstacle := _obstacle(system, body):
@@ -69,7 +69,7 @@ def require_free_frame(system: System, k: int) -> None:
 
 
 def _obstacle(system: System, body: Body) -> str:
-    """Return what refers to the joint frame, and what to change; "" if nothing does."""
+    """Return the reason against re-anchoring a joint and what to change; "" if there is none."""
     joint = body.joint
     translations, parameters = joint.free[3:], orientation_parameters(joint)
     if not joint.has_free_orientation:

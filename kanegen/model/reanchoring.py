@@ -1,4 +1,4 @@
-"""Re-anchoring: a joint frame turned so that its body stands away from gimbal lock.
+"""Re-anchoring: a change of a joint frame and its coordinates that leaves the body far from gimbal lock.
 
 Where the axes of a joint's three angles lie almost in a plane, the rates of the angles grow without bound.
 The angles at which this happens depend on the joint frame. With [C'] = [R][C] as its constant orientation the
@@ -80,9 +80,9 @@ def reanchored(
         system: The tree.
         x: (m,) coordinates (rad, m, 1).
         y: (n,) generalized speeds.
-        bodies: Name, or number from 1, of a body or of several whose three angles are free; by default all
-            bodies whose cos(theta2), or sin(theta2) for proper Euler sequences, is below `margin`.
-        margin: From 0 to 1.
+        bodies: Names, or numbers from 1, of one or several bodies whose three angles are free; by default all
+            bodies whose |cos(theta2)|, or |sin(theta2)| for proper Euler sequences, is below `margin`.
+        margin: Bound from 0 to 1 on the distance from gimbal lock.
 
     Raises:
         ArrayError: If `x` or `y` has the wrong shape or is not finite.
@@ -102,11 +102,11 @@ def reanchored(
     return Anchored(system, coordinates, speeds)
 
 
-def _copied(value: ArrayLike, n: int, what: str) -> Floats:
+def _copied(value: ArrayLike, n: int, label: str) -> Floats:
     """Return a copy of (n,) finite numbers."""
-    array = floats(what, value, np.dtype(np.float64)).astype(np.float64)
+    array = floats(label, value, np.dtype(np.float64)).astype(np.float64)
     if array.shape != (n,) or not np.isfinite(array).all():
-        raise ArrayError(f"{what}: expected {n} finite numbers, got shape {array.shape}.")
+        raise ArrayError(f"{label}: expected {n} finite numbers, got shape {array.shape}.")
     return array
 
 
@@ -136,13 +136,13 @@ def _numbers(system: System, bodies: str | int | Iterable[str | int]) -> list[in
 
 
 def _turned(system: System, k: int, x: Floats, y: Floats) -> System:
-    """Return the system with another frame at the joint of body `k`.
+    """Return the system with the joint of body `k` re-anchored at the present orientation of the body.
 
     Args:
         system: The tree.
         k: Number of the body, from 1.
         x: (m,) coordinates; changed in place to those of the new system.
-        y: (n,) generalized speeds; changed in place likewise.
+        y: (n,) generalized speeds; changed in place to those of the new system.
     """
     joint = system.bodies[k - 1].joint
     rotations = joint.rotation
@@ -180,7 +180,7 @@ def _angular_velocity(
 
 
 def _regular_rates(rotations: AxisRotations, regular: Square, omega: Triple) -> Triple:
-    """Return the angle rates of an angular velocity where the three axes are perpendicular to each other."""
+    """Return the angle rates for an angular velocity, where the three axes are orthogonal."""
     first, second, third = rotations.axes
     return dot(apply(regular, UNIT[first]), omega), omega[second], omega[third]
 

@@ -19,9 +19,9 @@ AS_WRITTEN = 0.0
 """Default tolerance (rad): numbers stay as the file has them, so that results agree to the last digits with
 other programs that read the same file. Making even 1.57079632679 exact changes results by 5e-12."""
 
-TYPED = 5e-5
+FOUR_DECIMALS = 5e-5
 """Tolerance (rad) for right angles that were typed with four decimals, as 1.5708, 3.1416 and 4.7124: half a
-unit of the last. Real joints are neither built nor measured as accurately."""
+unit of the last decimal. No real joint is built or measured as accurately."""
 
 MAX_TOLERANCE = 0.01
 """Largest tolerance (rad): an angle more than half a degree from a right angle is intended."""
@@ -40,7 +40,7 @@ def checked_tolerance(tolerance: Any) -> float:
     if not 0 <= value <= MAX_TOLERANCE:
         raise OptionError(
             f"right_angles is {tolerance!r}; it must be a number from 0, the model as written, to "
-            f"{MAX_TOLERANCE} rad. {TYPED:g} takes what was typed with four decimals or more."
+            f"{MAX_TOLERANCE} rad. {FOUR_DECIMALS:g} takes what was typed with four decimals or more."
         )
     return value
 

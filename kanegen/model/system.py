@@ -1,4 +1,4 @@
-"""The class of systems: how one is made, varied, handed out as arrays and saved."""
+"""The class `System`: construction, variation, conversion to arrays, and saving."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ class System(SystemDescription):
         validation.store(self, poses=output_rows.poses(self.bodies, self.poses))
         validation.store(self, reactions=output_rows.reactions(self.bodies, self.reactions))
         if not self.freedoms:
-            what = "locked or prescribed" if self.prescribed else "locked"
-            raise ModelError(f"system {self.name!r} has no free freedom: every joint is {what}.")
+            state = "locked or prescribed" if self.prescribed else "locked"
+            raise ModelError(f"system {self.name!r} has no free freedom: every joint is {state}.")
         validation.unique("freedom name", (*self.freedom_names, *self.prescribed_names))
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
@@ -185,7 +185,7 @@ class System(SystemDescription):
         """Return the same system with further force elements.
 
         Raises:
-            ModelError: If a name in an element is unknown, or an element makes no sense where it acts.
+            ModelError: If a name in an element is unknown, or an element cannot act on what it names.
 
         Example:
             system.with_force_elements(kg.JointSpring("elbow.theta3", stiffness=40.0))
@@ -199,7 +199,7 @@ class System(SystemDescription):
             bodies: Names, or numbers from 1, in the order of the rows; None for all.
 
         Raises:
-            ModelError: If one does not exist or is there twice, or there is none.
+            ModelError: If a body does not exist or is named twice, or none is named.
 
         Example:
             system.with_poses(["hand"])
@@ -214,7 +214,7 @@ class System(SystemDescription):
                 all.
 
         Raises:
-            ModelError: If one is free, does not exist or is there twice, or there is none.
+            ModelError: If a direction is free, does not exist or is named twice, or none is named.
 
         Example:
             system.with_reactions(["arm.s3"])
@@ -296,7 +296,7 @@ class System(SystemDescription):
                 counts as rounding; 0 changes nothing. Parameters stay as they are.
 
         Raises:
-            OptionError: If it makes no sense, see `right_angles.checked_tolerance`.
+            OptionError: If `tolerance` is out of range, see `right_angles.checked_tolerance`.
 
         Example:
             kg.load("robot.urdf").with_right_angles(5e-5)

@@ -17,52 +17,51 @@ from kanegen.model.rotations import nearest_rotation, rotation_123
 _T = TypeVar("_T")
 
 ORTHOGONALITY = 1e-12
-"""Largest entry of [C][C]^T - [1] that is accepted: the rounding error of a product of many rotations.
-Entries typed with six digits have a larger one, which would pass into [A] and {f}, and are refused."""
+"""Largest entry of [C][C]^T - [1] that is accepted: the rounding error of a product of many rotations. A
+matrix typed with six digits has a larger error, which would pass into [A] and {f}, and is refused."""
 
 ROUNDED_ROTATION = 1e-15
-"""Largest entry of [C][C]^T - [1] that a rotation rounded to doubles may have. Beyond it the nearest rotation
-is taken, because the derivation uses [C][C]^T = [1], and its result would depend on the places where it
-does."""
+"""Largest entry of [C][C]^T - [1] for a rotation rounded to doubles. A matrix with a larger error is replaced
+by the nearest rotation, because derivations use [C][C]^T = [1], each in other places."""
 
 INERTIA_ROUNDING = 1e-12
 """Relative asymmetry, and relative size of a negative principal moment, that count as rounding errors."""
 
 
-def integer(value: Any, what: str) -> int:
+def integer(value: Any, label: str) -> int:
     """Return `value` as an int; bools and floats are refused."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
-        raise ModelError(f"{what}: {value!r} is not an integer.")
+        raise ModelError(f"{label}: {value!r} is not an integer.")
     return int(value)
 
 
-def sequence(value: Any, length: int, what: str) -> Sequence[Any]:
+def sequence(value: Any, length: int, label: str) -> Sequence[Any]:
     """Return `value` as a list of exactly `length` items."""
     items = listed(value)
     if items is None:
-        raise ModelError(f"{what}: expected {length} entries, got {value!r}.")
+        raise ModelError(f"{label}: expected {length} entries, got {value!r}.")
     if len(items) != length:
-        raise ModelError(f"{what}: expected {length} entries, got {len(items)}.")
+        raise ModelError(f"{label}: expected {length} entries, got {len(items)}.")
     return items
 
 
-def instances(values: Any, kind: type[_T], what: str) -> tuple[_T, ...]:
+def instances(values: Any, kind: type[_T], label: str) -> tuple[_T, ...]:
     """Return `values` as a tuple of objects of the class `kind`."""
     items = listed(values)
     if items is None:
-        raise ModelError(f"{what}: expected a sequence of {kind.__name__} objects, got {values!r}.")
+        raise ModelError(f"{label}: expected a sequence of {kind.__name__} objects, got {values!r}.")
     for item in items:
         if not isinstance(item, kind):
-            raise ModelError(f"{what}: {item!r} is no {kind.__name__}.")
+            raise ModelError(f"{label}: {item!r} is no {kind.__name__}.")
     return tuple(items)
 
 
-def flags(value: Any, length: int, what: str) -> tuple[bool, ...]:
+def flags(value: Any, length: int, label: str) -> tuple[bool, ...]:
     """Return `value` as a tuple of exactly `length` flags."""
-    items = sequence(value, length, what)
+    items = sequence(value, length, label)
     for item in items:
         if not isinstance(item, bool | np.bool_):
-            raise ModelError(f"{what}: {item!r} is not true or false.")
+            raise ModelError(f"{label}: {item!r} is not true or false.")
     return tuple(bool(item) for item in items)
 
 
@@ -71,16 +70,16 @@ def connection(lower: Sequence[int]) -> tuple[int, ...]:
     if not lower:
         raise ModelError("connection array is empty: a system needs at least one body.")
     if lower[0] != 0:
-        raise ModelError(f"connection array starts with {lower[0]}: body 1 must hang on the ground, 0.")
+        raise ModelError(f"connection array starts with {lower[0]}, but body 1 is connected to the ground.")
     for k, j in enumerate(lower, start=1):
         if j == k:
-            raise ModelError(f"connection array: body {k} hangs on itself.")
+            raise ModelError(f"connection array: body {k} is its own lower body.")
         if j < 0 or j > len(lower):
             raise ModelError(f"connection array: lower body {j} of body {k} is out of range 0..{k - 1}.")
         if j > k:
             raise ModelError(
-                f"connection array: body {k} hangs on the higher body {j}. Number bodies outward, so "
-                "that every lower body has a lower number."
+                f"connection array: body {k} has the lower body {j}, a higher number. Number bodies outward, "
+                "so that every lower body has a lower number."
             )
     return tuple(lower)
 
@@ -165,12 +164,12 @@ def orientation(value: Any) -> Matrix | Vector:
     return nearest_rotation(plain) if plain == matrix and defect > ROUNDED_ROTATION else matrix
 
 
-def unique(what: str, names: Sequence[str]) -> None:
+def unique(label: str, names: Sequence[str]) -> None:
     """Raise a `ModelError` if a name occurs twice."""
     seen: set[str] = set()
     for name in names:
         if name in seen:
-            raise ModelError(f"{what} {name!r} is used twice. Give every one its own.")
+            raise ModelError(f"{label} {name!r} is used twice. Give every one its own.")
         seen.add(name)
 
 

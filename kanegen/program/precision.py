@@ -73,12 +73,12 @@ class Precision:
         """Return the name in C of `sin`, `cos` or `sqrt` for this type."""
         return f"{name}{self.libm_suffix}"
 
-    def rounded(self, number: Any, what: str) -> float:
+    def rounded(self, number: Any, name: str) -> float:
         """Return the nearest number of this precision, or of double where it is wider; 0 on underflow.
 
         Args:
             number: Any real number.
-            what: Name of the number, used in the error message.
+            name: Name of the number, used in the error message.
 
         Raises:
             ModelError: If it is beyond the largest number of this precision.
@@ -87,7 +87,7 @@ class Precision:
             nearest = float(self.dtype.type(float(number)))
         if not math.isfinite(nearest):
             raise ModelError(
-                f"{what}: {float(number)!r} leaves the range of {self.label} precision; choose units nearer "
+                f"{name}: {float(number)!r} leaves the range of {self.label} precision; choose units nearer "
                 "to 1, or double precision."
             )
         return nearest

@@ -88,6 +88,6 @@ def _outputs(table: Any) -> tuple[Any, Any]:
     """Return the bodies of `body_poses` and the locked directions of `reaction_loads`; None for all."""
     if not isinstance(table, Mapping):
         raise ModelError('outputs: write a table, [outputs], with lines such as body_poses = ["tool"].')
-    check_keys(table, OUTPUT_KEYS, what="outputs: ")
+    check_keys(table, OUTPUT_KEYS, label="outputs: ")
     poses, reactions = (table.get(key) for key in OUTPUT_KEYS)
     return poses, reactions

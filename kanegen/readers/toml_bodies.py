@@ -79,10 +79,10 @@ def _points(table: Any, parameters: Parameters) -> tuple[Point, ...]:
 
 
 def _point(name: str, value: Any, parameters: Parameters) -> Point:
-    what = f"point {name!r}"
+    label = f"point {name!r}"
     table = value if isinstance(value, Mapping) else {"position": value}
-    check_keys(table, POINT_KEYS, required=POINT_KEYS[:1], what=f"{what}: ")
-    position = numbers(parameters.resolve(table["position"], what), (3,), what)
+    check_keys(table, POINT_KEYS, required=POINT_KEYS[:1], label=f"{label}: ")
+    position = numbers(parameters.resolve(table["position"], label), (3,), label)
     return Point(name, position, table.get("loads", False))
 
 
@@ -115,7 +115,7 @@ def _inertia(value: Any, parameters: Parameters) -> Any:
 def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
     if not isinstance(table, Mapping):
         raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
-    check_keys(table, JOINT_KEYS, what="joint: ")
+    check_keys(table, JOINT_KEYS, label="joint: ")
     prescribed = _flags("prescribed", table.get("prescribed", []))
     not_prescribed = selected_freedoms(not flag for flag in prescribed)
     free = _flags("free", table.get("free", list(not_prescribed)))
@@ -161,7 +161,7 @@ def _locked(table: Any, moving: Mapping[str, tuple[bool, ...]], parameters: Para
     """Return (6,) values of locked freedoms (rad, m), 0 where the file says nothing."""
     if not isinstance(table, Mapping):
         raise ModelError("locked: write a table such as {theta1 = 0.5}.")
-    check_keys(table, FREEDOMS, what="locked: ")
+    check_keys(table, FREEDOMS, label="locked: ")
     for key, flags in moving.items():
         for name in selected_freedoms(flags):
             if name in table:

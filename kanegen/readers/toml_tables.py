@@ -17,18 +17,18 @@ ORIGIN = (0, 0, 0)
 """Default of a position (m)."""
 
 
-def check_keys(table: Table, known: Sequence[str], required: Sequence[str] = (), what: str = "") -> None:
+def check_keys(table: Table, known: Sequence[str], required: Sequence[str] = (), label: str = "") -> None:
     """Make sure that a table has no key but `known` ones, and all that are `required`.
 
     Raises:
-        ModelError: If a key is unknown or missing; the message begins with `what`.
+        ModelError: If a key is unknown or missing; the message begins with `label`.
     """
     for key in table:
         if key not in known:
-            raise ModelError(f"{what}unknown key {key!r}. {did_you_mean(key, known)}")
+            raise ModelError(f"{label}unknown key {key!r}. {did_you_mean(key, known)}")
     for key in required:
         if key not in table:
-            raise ModelError(f"{what}{key} is missing.")
+            raise ModelError(f"{label}{key} is missing.")
 
 
 @dataclass(frozen=True)
@@ -54,23 +54,23 @@ class Parameters:
             raise ModelError("parameters: write a table, [parameters], with lines 'name = default'.")
         return cls({name: Parameter(name, default) for name, default in table.items()})
 
-    def resolve(self, value: Any, what: str) -> Any:
+    def resolve(self, value: Any, label: str) -> Any:
         """Return `value` with a `Parameter` for every string in it, at any depth of nested lists.
 
         Args:
             value: A number, a string or nested lists of these.
-            what: Name of the quantity, for the message.
+            label: Name of the quantity, for the message.
 
         Raises:
             ModelError: If a string names no parameter.
         """
         if isinstance(value, list):
-            return [self.resolve(item, what) for item in value]
+            return [self.resolve(item, label) for item in value]
         if not isinstance(value, str):
             return value
         if value not in self.known:
             hint = did_you_mean(value, self.known)
-            raise ModelError(f"{what}: a string stands for a parameter, but there is no {value!r}. {hint}")
+            raise ModelError(f"{label}: a string stands for a parameter, but there is no {value!r}. {hint}")
         self.used.add(value)
         return self.known[value]
 

@@ -1,10 +1,11 @@
 """The solver of [A]{ydot} = {b} by articulated bodies.
 
-Inward, every free component of a joint's acceleration is eliminated; outward, each is solved for. A joint
-whose three angles are free is solved in angular acceleration, where it is regular, and only the result is
-mapped to the angles by Eq. (9), unless its speeds are the angular velocity itself; so is one whose three
-translations are free, in the body's own frame. A joint with all six freedoms passes nothing inward but its
-efforts: the body behind it moves as if it were free.
+Inward, every free component of a joint's acceleration is eliminated; outward, every one is solved for
+(Featherstone 2008, section 7.3). A joint whose three angles are free is solved in the components of the
+angular acceleration, where [A] is regular; Eq. (9) maps the result to the angles, unless the speeds are the
+angular velocity. A joint whose three translations are free is likewise solved in components in the frame of
+the body. A joint with six freedoms passes only its efforts inward: the inertia of its body does not load the
+lower body.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from kanegen.recursion.coordinate_rates import angle_rates
 from kanegen.recursion.force_elements import element_efforts
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joint_path import (
+    GROUND_ACCELERATION,
     ROTATIONS,
-    STILL,
     FrameChange,
     FreeComponent,
     OriginChange,
@@ -39,7 +40,7 @@ class ArticulatedBodies:
 
     Attributes:
         tree: The tree.
-        paths: By body the path through its joint, with the free components that are solved for.
+        paths: Path through the joint of each body, with the free components that are solved for, by body.
         pivots: By freedom the divisor of its elimination.
     """
 
@@ -60,7 +61,7 @@ class ArticulatedBodies:
         self.pivots: Sequence[Expr] = [self._eliminations[i].pivot for i in range(len(tree.system.freedoms))]
 
     def _eliminate(self, joint: JointMotion, body: ArticulatedInertia) -> ArticulatedInertia:
-        """Return what body K passes to its lower body, about the lower body's origin."""
+        """Return the articulated inertia that body K passes inward, about the lower body's origin."""
         definitions = self.tree.definitions
         for element in self.paths[joint.body]:
             match element:
@@ -73,34 +74,34 @@ class ArticulatedBodies:
                     body = body.shifted(offset, name, definitions)
         return body
 
-    def solve(self, needs: Sequence[Wrench], name: str) -> list[Expr]:
-        """Return the free components of the accelerations that the efforts cause.
+    def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
+        """Return the free components of the accelerations.
 
         Args:
-            needs: Wrench that each body needs for anything else.
+            bias: Wrench that each body requires where all free components are zero, less its loads.
             name: Prefix of the names of the components.
         """
         tree, definitions, efforts = self.tree, self.tree.definitions, self._efforts()
         alone: dict[int, Expr] = {}
-        carried = list(needs)
+        carried = list(bias)
         for joint in reversed(tree.joints):
             k, j = joint.body, joint.lower
             tree.about(k, "forces on the articulated body, Eq. (42)")
-            need = carried[k - 1]
+            wrench = carried[k - 1]
             for element in self.paths[k]:
                 if isinstance(element, FreeComponent):
                     i = element.freedom
-                    need, alone[i] = self._eliminations[i].eliminate(need, efforts[i], definitions)
+                    wrench, alone[i] = self._eliminations[i].eliminate(wrench, efforts[i], definitions)
                 else:
-                    need = element.inward(need, definitions)
+                    wrench = element.inward(wrench, definitions)
             if j:
-                carried[j - 1] = carried[j - 1].plus(need, f"{j}", definitions)
+                carried[j - 1] = carried[j - 1].plus(wrench, f"{j}", definitions)
         return self._outward(alone, name)
 
     def _outward(self, alone: dict[int, Expr], name: str) -> list[Expr]:
-        """Return the free components, each from its value where the others are zero."""
+        """Return the free components, from the value of each component where the others are zero."""
         found: dict[int, Expr] = {}
-        accelerations = {0: STILL}
+        accelerations = {0: GROUND_ACCELERATION}
         for joint in self.tree.joints:
             self.tree.about(joint.body, "accelerations, Eq. (42)")
             a = accelerations[joint.lower]
@@ -109,7 +110,7 @@ class ArticulatedBodies:
                     i, freedom = element.index, element.freedom
                     solution = self._eliminations[freedom].solve(alone[freedom], a)
                     total = self.tree.definitions.define(f"q_{freedom}", solution)
-                    # What the lower body does not carry along is the coordinate's.
+                    # The joint's own acceleration is the total less that of the lower body.
                     found[freedom] = self.tree.definitions.define(f"{name}_{freedom}", total - a[i])
                     a = (*a[:i], total, *a[i + 1 :])
                 else:
@@ -118,7 +119,7 @@ class ArticulatedBodies:
         return [found[i] for i in range(len(found))]
 
     def speed_rates(self, components: Sequence[Expr], name: str) -> list[Expr]:
-        """Return the {ydot} that belongs to free components of the accelerations."""
+        """Return {ydot} from the free components of the accelerations, Eq. (9)."""
         result, definitions = dict(enumerate(components)), self.tree.definitions
         for joint in self.tree.joints:
             self.tree.about(joint.body, "{ydot} of the joint, Eq. (9)")
@@ -136,7 +137,7 @@ class ArticulatedBodies:
         return [result[i] for i in range(len(components))]
 
     def _efforts(self) -> list[Expr]:
-        """Return {tau} and the efforts of force elements, as forces and torques along the free components."""
+        """Return {tau} plus the efforts of force elements, as generalized forces on the free components."""
         tree, definitions, acting = self.tree, self.tree.definitions, element_efforts(self.tree)
         result: dict[int, Expr] = {}
         for i, f in enumerate(tree.system.freedoms):
@@ -161,7 +162,7 @@ class ArticulatedBodies:
         """Expressions by freedom that are positive where [A] is regular."""
         result = list(self.pivots)
         for joint in self.tree.joints:
-            # Where the angles' axes lie in a plane, [A] is singular though the body is not.
+            # At gimbal lock [A] is singular, although the articulated inertia is not.
             if rotates_freely(joint):
                 first, across = joint.angles[0].freedom, angle_rates(joint, self.tree.definitions).across
                 weakened = result[first] * across * across
@@ -170,7 +171,7 @@ class ArticulatedBodies:
 
     @property
     def diagonal(self) -> list[Expr]:
-        """Inertia of the composite body by freedom: the pivot if everything else stood still."""
+        """Inertia of the composite body by freedom: the pivot with every other freedom locked."""
         tree, definitions = self.tree, self.tree.definitions
         result: dict[int, Expr] = {}
         bodies = list(tree.inertias)

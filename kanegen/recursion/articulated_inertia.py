@@ -1,14 +1,14 @@
-"""Articulated inertia: a body with everything outward of it, as the wrench that accelerates it.
+"""Articulated inertia: the wrench on a body with all bodies outward, as a function of its acceleration.
 
-The pair {N}, {F} of moment and force about an origin is linear in the angular acceleration and the
-acceleration of that origin,
+Moment {N} and force {F} about an origin are linear in the angular acceleration and the acceleration of that
+origin,
 
     {N; F} = [S] {alpha; a} + {p},
 
 with a symmetric [S] of rows and columns 0-2 for rotation and 3-5 for translation. Where a component of the
-acceleration is free, its row is solved for it and what is left passes inward (Featherstone 2008, section
-7.3). A component that is eliminated leaves exact zeros in [S] and its own effort in {p}. [S] depends on {x}
-alone, so one elimination serves any number of {p}.
+acceleration is free, its row is solved for the component, and the Schur complement passes inward
+(Featherstone 2008, section 7.3). An eliminated component leaves exact zeros in [S] and its generalized force
+in {p}. [S] depends on {x} alone, so one elimination serves any number of {p}.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Elimination:
         name: Suffix of the names of intermediates.
         pivot: Its diagonal entry of [S]; positive, or [A] is singular.
         inverse: Reciprocal of the pivot.
-        gains: Factors by which it follows from the other components, by component.
+        gains: Entries of its row of [S] over the pivot, by index of the other component.
     """
 
     index: int
@@ -53,7 +53,7 @@ class Elimination:
             definitions: Definitions that the intermediates are added to.
 
         Returns:
-            What is left of {p}, and the component where all others are zero.
+            The rest of {p}, and the value of the component where all others are zero.
         """
         left = [*bias.moment, *bias.force]
         surplus = definitions.define(f"e_{self.name}", effort - left[self.index])
@@ -64,7 +64,7 @@ class Elimination:
         return Wrench(Vector(*left[3:]), Vector(*left[:3])).named(self.name, definitions), alone
 
     def solve(self, alone: Expr, acceleration: Sequence[Expr]) -> Expr:
-        """Return the component, from its value where all others are zero and from the others."""
+        """Return the component from the other components and `alone`, its value where these are zero."""
         return alone - sum(gain * acceleration[i] for i, gain in self.gains.items())
 
 
@@ -83,7 +83,7 @@ class ArticulatedInertia:
     mass: Symmetric
 
     def plus(self, other: ArticulatedInertia, name: str, definitions: Definitions) -> ArticulatedInertia:
-        """Return the sum of both."""
+        """Return the sum of this matrix and another, with a symbol for every entry."""
         return ArticulatedInertia(
             add_symmetric(self.inertia, other.inertia),
             _rows([add(a, b) for a, b in zip(self.coupling, other.coupling, strict=True)]),
@@ -102,7 +102,7 @@ class ArticulatedInertia:
     def eliminated(
         self, index: int, name: str, definitions: Definitions
     ) -> tuple[ArticulatedInertia, Elimination]:
-        """Return what is left where component `index` is free, and its elimination."""
+        """Return the matrix after the elimination of the free component `index`, and the elimination."""
         matrix = self._matrix()
         others = [i for i in SIX if i != index and matrix[index][i] != 0]
         pivot = matrix[index][index]
@@ -116,7 +116,7 @@ class ArticulatedInertia:
         return _from_matrix(matrix).named(name, definitions), Elimination(index, name, pivot, inverse, gains)
 
     def down(self, turn: Turn, name: str, definitions: Definitions) -> ArticulatedInertia:
-        """Return the same matrix in components of the frame below a turn."""
+        """Return the matrix in components of the frame below a turn."""
         rows = [turn.down(row) for row in self.coupling]
         rows = [definitions.vector(f"SHr_{name}_{axis}", row) for axis, row in zip(AXES, rows, strict=True)]
         columns = [turn.down(Vector(rows[0][j], rows[1][j], rows[2][j])) for j in range(3)]

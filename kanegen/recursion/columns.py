@@ -1,9 +1,9 @@
-"""Columns of [A] on their way inward, and two ways to carry them with fewer operations.
+"""Columns of [A], passed inward joint by joint, and two ways to pass them in fewer operations.
 
-A column is the force {F} and the moment {M} about the current origin that unit speed of one freedom needs. It
-knows its moment about a basis vector, can be seen from below a turn, and can be taken about another origin.
-The column of a rotation needs a force and a moment. That of a translation needs a mere force through the mass
-centre of the composite body, so that its moment never has to be carried: three columns share one point.
+A column is the force {F} and the moment {M} about the current origin that give the composite body unit
+acceleration along one freedom. A column of a rotation holds both. A column of a translation is a force
+through the mass centre of the composite body, so that no moment is passed on: the three translations of a
+joint share this point.
 
 `shifted_columns` begins the columns of a joint's rotations about the lower body's origin, straight from the
 composite body: multiplying the axes by one matrix, [I] - [d~][h~], on which the shifted inertia then builds,
@@ -12,7 +12,7 @@ can cost less than turning every column through the joint and shifting it.
 `force_basis` and `combine_forces` spare forces some of their turns. The columns of a body with three free
 translations begin as equal forces along the basis vectors of its lower body's frame. On their way inward they
 carry that frame along, so that another force which began in it need not be turned again: it stays the same
-combination of the three, and of only two where its column is that of an angle about a basis vector.
+combination of the three, and of only two for the column of an angle about a basis vector.
 """
 
 from __future__ import annotations
@@ -26,15 +26,16 @@ from sympy import Expr
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
 from kanegen.recursion.turns import Turn
-from kanegen.recursion.vectors import ZERO, Rows, add, cross, multiply, present, scale, unit
+from kanegen.recursion.vectors import ZERO, Rows, add, count_nonzero, cross, multiply, scale, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
 
 MOMENT_COST = (0, 0, 9, 20)
-"""Operations of the moment of an axis by number of its components; for three also those of axis and entry."""
+"""Operations for the moment about an axis, by number of nonzero components of the axis; with three, the axis
+itself and the entry of [A] are included."""
 
 
 class Column(Protocol):
-    """A column of [A]: force and moment about the current origin for unit speed of a freedom."""
+    """A column of [A]: force and moment about the current origin for unit acceleration along a freedom."""
 
     @property
     def freedom(self) -> int:
@@ -68,7 +69,7 @@ class RotationColumn:
         label: Suffix of the names of intermediates.
         force: The force {F}.
         moment: The moment {M}.
-        shares: Factors of the forces of translations whose combination the force is, by freedom, if known.
+        shares: Factors by freedom where the force is a known combination of forces of translations; or empty.
     """
 
     freedom: int
@@ -146,7 +147,7 @@ class ShiftedColumns:
     definitions: Definitions
 
     def shift(self, column: RotationColumn) -> RotationColumn:
-        """Return the column of one of the rotations about the origin of the lower body."""
+        """Return a column of one of the rotations, with its moment about the origin of the lower body."""
         moment = multiply(self.moment_matrix, self.axes[column.freedom])
         return replace(column, moment=self.definitions.vector(f"M_{column.label}_{self.lower}", moment))
 
@@ -176,17 +177,17 @@ def shifted_columns(
 
 def _shift_saves(axes: dict[int, Vector], composite: Inertia, joint: JointMotion) -> bool:
     """Return whether the matrix and its products cost less than turns and shifts of the moments."""
-    arms = present(joint.offset)
+    arms = count_nonzero(joint.offset)
     by_matrix = 1 + (1 if composite.mass == 0 else 4) * arms
     by_turns = inner = 0
     for step in joint.angles:
         if step.freedom in axes:
-            components = present(axes[step.freedom])
+            components = count_nonzero(axes[step.freedom])
             by_matrix += MOMENT_COST[components]
             by_turns += inner + (2 if components == 1 else 4) * arms
         inner += step.turn.cost
     for speed in joint.angular_speeds:
-        by_matrix += MOMENT_COST[present(axes[speed.freedom])]
+        by_matrix += MOMENT_COST[count_nonzero(axes[speed.freedom])]
         by_turns += joint.turn_cost + 4 * arms
     return by_matrix < by_turns
 
@@ -206,10 +207,10 @@ class ForceBasis:
     def with_shares(
         self, column: RotationColumn, force: Vector, path: Iterable[JointMotion], definitions: Definitions
     ) -> RotationColumn:
-        """Return the column with its force as a combination of the three, where this saves operations.
+        """Return the column with its force as a combination of the three forces, where this saves operations.
 
         Args:
-            column: Column whose force began in the frame of the basis.
+            column: Column whose force is known in the frame of the basis.
             force: The force in that frame.
             path: The joints that the column has yet to pass.
             definitions: Definitions that the intermediates are added to.
@@ -228,7 +229,7 @@ class ForceBasis:
 
 
 def force_basis(joint: JointMotion, mass: Expr) -> ForceBasis | None:
-    """Return the forces of a joint's translations, if three are along basis vectors of the lower frame."""
+    """Return the force basis of a joint with three translations along basis vectors of the lower frame."""
     if len(joint.translations) < 3 or joint.constant:
         return None
     one, two, three = (translation.freedom for translation in joint.translations)

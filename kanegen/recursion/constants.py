@@ -1,4 +1,4 @@
-"""Constants of a model as exact SymPy numbers: what is irrational is computed to the digits that C needs."""
+"""Constants of a model as exact SymPy numbers; irrational ones are computed to the digits that C needs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NEWTON_STEPS = 4
 
 
 def exact(value: Number) -> Expr:
-    """Return the symbol of a parameter, or the fraction that a float is, so that folding rounds only once."""
+    """Return the symbol of a parameter, or a float as an exact fraction, so that folding rounds only once."""
     return sympy.Symbol(value.name, real=True) if isinstance(value, Parameter) else sympy.Rational(value)
 
 
@@ -46,10 +46,10 @@ def constant_rotation(matrix: Matrix, constants: Constants) -> Matrix:
 
 
 def rational(number: Any) -> Rational:
-    """Return a float or a number of mpmath as the fraction that it is."""
+    """Return a float or an mpmath number as an exact fraction."""
     return Rational(number) if isinstance(number, float) else Rational(*to_rational(number._mpf_))
 
 
 def _rounded(entry: Rational) -> Rational:
-    """Round a fraction to the digits of wide constants; a number of so few digits stays exact."""
+    """Round a fraction to the digits of wide constants; a fraction with fewer digits stays exact."""
     return rational(MULTIPRECISION.mpf(entry.p) / entry.q)

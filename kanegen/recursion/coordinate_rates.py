@@ -1,10 +1,10 @@
 """The output {xdot}, and the map between the rates of a joint's angles and its relative angular velocity.
 
 Eqs. (8), (9) hold for any sequence of axes. In the frame between the second turn and the third, the second
-and third axes are basis vectors, and the first is {v}, which has no component along the second. So only one
-component of an angular velocity stands between it and the first rate, that across both basis vectors; where
-{v} has none, the axes lie in a plane (gimbal lock) and no rates exist. For 1-2-3 it is the middle cosine, for
-a sequence that begins and ends with one axis a sine.
+and third axes are basis vectors, and the first is a vector {v} without a component along the second. The
+first rate is therefore the component of the angular velocity across both basis vectors over that of {v}.
+Where the latter is zero, the three axes lie in a plane (gimbal lock) and no rates exist: for 1-2-3 it is the
+cosine of theta2, for a sequence that ends with its first axis the sine.
 """
 
 from __future__ import annotations
@@ -50,11 +50,11 @@ def coordinate_rates(tree: Tree) -> Derived:
 def _rates_of_angles(
     joint: JointMotion, tree: Tree, names: Sequence[str], positive: dict[int, Expr]
 ) -> Sequence[Expr]:
-    """Return the rates of the angles of one joint, and add to `positive` what is zero in gimbal lock."""
+    """Return the rates of the angles of a joint; add to `positive` a square that is zero at gimbal lock."""
     one, two, three = names
     found = angle_rates(joint, tree.definitions)
     square = tree.definitions.define(f"Cq_{joint.body}", found.across * found.across)
-    # The middle angle decides, and the status names it.
+    # Gimbal lock is a matter of the middle angle, which the status therefore names.
     positive[joint.angular_speeds[1].freedom] = square
     return found.rates(joint.relative_omega, (one, two, three))
 
@@ -93,8 +93,9 @@ class AngleRates:
         """Return the rates of the angles, Eq. (9).
 
         Args:
-            omega: Relative angular velocity, in K (rad/s), or a relative angular acceleration less all terms
-                without second derivatives (rad/s^2).
+            omega: Relative angular velocity, in K (rad/s); or the part of the relative angular acceleration
+                that is linear in second derivatives (rad/s^2), for which the same map gives second
+                derivatives.
             names: Names of the rates.
         """
         define = self.definitions.define
@@ -106,7 +107,7 @@ class AngleRates:
         return one, two, three
 
     def torque(self, efforts: tuple[Expr, Expr, Expr]) -> Vector:
-        """Return the torque, in K, that works on the rates as generalized forces do: [P]^T {T} = {tau}."""
+        """Return the torque {T}, in K, of the generalized forces {tau} on the angles: [P]^T {T} = {tau}."""
         one, two, three = efforts
         name = f"T_{self.body}"
         surplus = one - self._v[self.third.axis] * three

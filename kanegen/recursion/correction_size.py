@@ -1,7 +1,7 @@
-"""The size of a solution {ydot} and of its first correction, freedom by freedom.
+"""The size of a solution {ydot} and of its first correction, by freedom.
 
-Errors are measured in units that do not matter: a length, whose square is the mean pivot of the angles over
-that of the translations, stands between them.
+Angles and translations are compared through a length, whose square is the mean pivot of the angles over the
+mean pivot of the translations, so that the measure does not depend on the units of the model.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from sympy import Expr, Rational, S
 from kanegen.recursion.tree import Tree
 
 SHARE = Rational(1, 128)
-"""Share of the whole solution that a correction is compared with where an entry of {ydot} is smaller. The
-entries have to be compared one by one: errors of small ones enter the large ones at the next step."""
+"""Share of the size of the whole solution with which a correction is compared where its entry of {ydot} is
+smaller. Entries have to be compared one by one: errors of small entries enter large ones at the next step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +46,10 @@ class CorrectionSize:
         return self._squares(self.correction, "dd")
 
     def margins(self, limit: float, floor: Sequence[float]) -> list[Expr]:
-        """Return by freedom what is positive where the correction is within its limit; NaN on overflow.
+        """Return by freedom a margin, positive where the correction is within its limit; NaN on overflow.
 
         Args:
-            limit: Largest correction over the solution.
+            limit: Largest ratio of correction and solution.
             floor: By freedom an acceleration that counts as part of the solution; empty for zeros.
         """
         define, square = self._define, Rational(limit) ** 2

@@ -48,7 +48,7 @@ def methods(system: System, outputs: Sequence[str], solver: str = "cheapest") ->
     Args:
         system: The tree.
         outputs: Names of outputs that are no derivatives; see `outputs.prerequisites`.
-        solver: Name of the solver for {ydot}, or "cheapest" for each that loses no accuracy.
+        solver: Name of the solver for {ydot}, or "cheapest" for every solver that loses no accuracy.
     """
     derivations = {name: OUTPUTS[name].derivation for name in outputs}
     solved = any(isinstance(derivation, OfSolution) for derivation in derivations.values())
@@ -99,12 +99,12 @@ def derive(
 
 
 def _solved_tree(prepared: Tree, methods: Methods, refinement: Refinement) -> Tree:
-    """Return the tree for a solver; corrections need the inertia of every body by itself."""
+    """Return the tree for a solver; for corrections every body keeps its own inertia."""
     return with_own_inertias(prepared) if refinement.steps or "error_estimate" in methods else prepared
 
 
 def derive_correction_size(system: System, solver: str) -> RecursiveForm:
-    """Derive `Solution.correction_size`, as the only output, named "correction_size"."""
+    """Derive `Solution.correction_size` as the only output, under the name "correction_size"."""
     prepared = tree(system)
     size = Solution(SOLVERS[solver](prepared)).correction_size()
     return RecursiveForm(system, {}, prepared.definitions.listed(), {"correction_size": size})

@@ -1,8 +1,8 @@
 """Outputs that are sums over all bodies: energies, momentum, and the common mass centre.
 
 Kinetic energy and momentum come from the velocities of the bodies, mass centre and energy of gravity from
-first moments of mass, which are collected inward. All stay what they are when inertias are regrouped (see
-`tree`): what passes to the lower body moves with it.
+first moments of mass, which are added up inward. Regrouped inertias (see `tree`) give the same sums, because
+the part that passes to the lower body moves with that body.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from kanegen.symbolic.definitions import AXES, Definitions, Vector
 
 @dataclass(frozen=True)
 class FirstMoments:
-    """Masses and first moments of bodies with all that they carry; inertias are regrouped as in `Tree`.
+    """Masses and first moments of the composite bodies; inertias are regrouped as in `Tree`.
 
     Attributes:
         masses: Mass by body, 0 being the ground (kg).
-        moments: First moment by body about its origin, in the frame of its lower body; that of the ground
-            about a chosen point (kg m).
+        moments: First moment by body about its origin, in the frame of its lower body (kg m); entry 0, of the
+            whole system, is about a chosen point.
     """
 
     masses: list[Expr]
@@ -41,7 +41,7 @@ class FirstMoments:
 
 
 def first_moments(tree: Tree, about: Vector = ZERO) -> FirstMoments:
-    """Return the first moments, through the composite bodies of [A], so that both share them.
+    """Return the first moments, with the names of composite bodies in [A], so that both outputs share them.
 
     Args:
         tree: The tree.
@@ -81,7 +81,7 @@ def mass_center(tree: Tree) -> Derived:
 
 
 def potential_energy(tree: Tree) -> Derived:
-    """Derive the energy of gravity, minus the sum of m g . p_G, and what force elements store."""
+    """Derive the potential energy: minus the sum of m g . p_G, plus the energy that force elements store."""
     gravity = Vector(*(exact(value) for value in tree.system.gravity))
     return Derived([stored_energy(tree) - dot(gravity, first_moments(tree).moments[0])])
 
@@ -113,8 +113,8 @@ def _kinetic_energy(inertia: Inertia, omega: Vector, v: Vector, definitions: Def
 def momentum(tree: Tree) -> Derived:
     """Derive linear momentum, and angular momentum about the mass centre of all bodies, inertial components.
 
-    What a body carries has momenta about its origin and as seen from there: only rotations count. On the way
-    inward, what one origin moves past the next is added. The last of them is the origin of the first body, so
+    The momenta of a composite body are first taken relative to its origin, where only rotations count; each
+    step inward adds the velocity of one origin relative to the next. The last one is the origin of body 1, so
     that the angular momentum loses no digits where a floating tree is far away or fast.
     """
     definitions, omega = tree.definitions, angular_velocities(tree)

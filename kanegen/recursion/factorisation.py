@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from sympy import Expr, S
 
 from kanegen.model.system import System
-from kanegen.recursion.inverse_dynamics import needed_efforts
+from kanegen.recursion.inverse_dynamics import required_efforts
 from kanegen.recursion.joint_path import PathElement, joint_path
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.tree import Tree
@@ -21,11 +21,11 @@ from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import generalized_force
 
 ARTICULATED_COST = 350
-"""Operations of articulated bodies per freedom, roughly: beyond it a factorisation is not worth deriving."""
+"""Operations of articulated bodies per freedom, roughly; a costlier factorisation is not worth deriving."""
 
 MOST_ANGLES = 2
-"""Most free angles of a joint whose rates are speeds. With three, [A] is singular in gimbal lock; articulated
-bodies stay accurate there."""
+"""Largest number of free angles with rates as speeds at a joint, for which factorisation is used. With three,
+[A] is nearly singular close to gimbal lock, where articulated bodies stay accurate."""
 
 
 def worth_trying(system: System) -> bool:
@@ -40,7 +40,7 @@ class Factorisation:
 
     Attributes:
         tree: The tree.
-        paths: By body the path through its joint; its free components are {ydot} itself.
+        paths: Path through the joint of each body, by body; the free components are {ydot} itself.
         pivots: Entries of [D] by freedom; positive where [A] is regular.
         diagonal: Diagonal entries of [A] by freedom.
     """
@@ -65,16 +65,16 @@ class Factorisation:
         """Expressions by freedom that are positive where [A] is regular."""
         return self.pivots
 
-    def solve(self, needs: Sequence[Wrench], name: str) -> list[Expr]:
-        """Return the {ydot} that the efforts cause.
+    def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
+        """Return {ydot}.
 
         Args:
-            needs: Wrench that each body needs for anything else.
+            bias: Wrench that each body requires where all free components are zero, less its loads.
             name: Prefix of the names of the entries.
         """
         definitions, factors = self.tree.definitions, self._factors
         efforts = [generalized_force(f.body, f.index) for f in self.tree.system.freedoms]
-        b = [effort - work for effort, work in zip(efforts, needed_efforts(self.tree, needs), strict=True)]
+        b = [effort - work for effort, work in zip(efforts, required_efforts(self.tree, bias), strict=True)]
         definitions.about("{ydot}, Eq. (42)")
         for k in self._carriers:
             b[k] = definitions.define(f"b_{k}", b[k])
@@ -89,7 +89,7 @@ class Factorisation:
         return [result[i] for i in range(len(efforts))]
 
     def speed_rates(self, components: Sequence[Expr], name: str) -> list[Expr]:
-        """Return {ydot}, which is what is solved for."""
+        """Return the components unchanged: they are {ydot}."""
         del name
         return list(components)
 
@@ -116,7 +116,7 @@ def _factorise(
 
 
 def carriers(system: System) -> dict[int, list[int]]:
-    """Return for every freedom, from the outermost inward, the freedoms that carry it."""
+    """Return for every freedom, from the outermost inward, the freedoms inward of it on its path."""
     number = system.places
     outward: dict[int, list[int]] = {0: []}
     for k, body in enumerate(system.bodies, start=1):

@@ -1,10 +1,10 @@
-"""Columns of [A] on long paths: in one frame near the ground they need no turning.
+"""Columns of [A] on long paths, kept in one fixed frame near the ground so that no joint has to turn them.
 
-A column that passes many joints can keep its components in a fixed frame, and take its entries from the axes
-of the joints seen from there. Moments are still about one origin after the other, so that no digits are lost
-to a far one. `bodies_that_save` counts beforehand, body by body, where this saves operations. Costs are those
-of vectors without zeros, for one column and one joint. A body seen from the fixed frame needs its lower body
-seen from there, so the bodies that are chosen form a tree with the same root.
+A column that passes many joints can keep its components in a fixed frame; its entries of [A] are then
+products with the axes of the joints in that frame. Moments are still taken about one origin after the other,
+so that no digits are lost to a distant origin. `bodies_that_save` counts beforehand, body by body, where this
+saves operations. Costs are those of vectors without zeros, for one column and one joint. The axes of a joint
+in the fixed frame follow from those of its lower body, so the selected bodies form a tree with the same root.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from kanegen.recursion.columns import RotationColumn
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.turns import Turn
-from kanegen.recursion.vectors import ZERO, dot, present, unit
+from kanegen.recursion.vectors import ZERO, count_nonzero, dot, unit
 from kanegen.symbolic.definitions import Definitions, Vector
 
 MATRIX_COST = 15
 """Operations of a matrix times a vector."""
 
 SHIFT_COST = 12
-"""Operations of a moment about another origin."""
+"""Operations that shift a moment to another origin."""
 
 DOT_COST = 5
 """Operations of a scalar product."""
@@ -52,7 +52,7 @@ class Basis:
 
 @dataclass(frozen=True)
 class FixedFrameJoint:
-    """A joint and its body K, seen from the fixed frame.
+    """A joint and its body K, with vectors in components of the fixed frame.
 
     Attributes:
         body: Number of body K.
@@ -69,20 +69,20 @@ class FixedFrameJoint:
     offset: Vector
 
     def to_fixed(self, column: RotationColumn, definitions: Definitions) -> RotationColumn:
-        """Return a column that is given in the frame of K in the fixed frame."""
+        """Return a column in components of the fixed frame, from its components in the frame of K."""
         force = definitions.vector(f"F_{column.label}_{self.body}h", self.basis.to_fixed(column.force))
         moment = definitions.vector(f"M_{column.label}_{self.body}h", self.basis.to_fixed(column.moment))
         return replace(column, force=force, moment=moment, shares={})
 
     def entries(self, column: RotationColumn, definitions: Definitions) -> dict[int, Expr]:
-        """Return the entries of [A] that a column has with the freedoms of the joint."""
+        """Return the entries of [A] in the rows of the joint's freedoms and in the column, by freedom."""
         values = {freedom: dot(axis, column.moment) for freedom, axis in self.axes.items()}
         values |= {freedom: dot(direction, column.force) for freedom, direction in self.directions.items()}
         return {b: definitions.define(f"A_{column.freedom}_{b}", value) for b, value in values.items()}
 
 
 def fixed_frame_joints(tree: Tree) -> dict[int, FixedFrameJoint]:
-    """Return by body the joints where columns change to the fixed frame."""
+    """Return the joints where columns change to the fixed frame, by body."""
     found: dict[int, FixedFrameJoint] = {}
     chosen = bodies_that_save(tree)
     for joint in tree.joints:
@@ -96,10 +96,10 @@ def fixed_frame_joints(tree: Tree) -> dict[int, FixedFrameJoint]:
 
 
 def _first(joint: JointMotion, tree: Tree) -> FixedFrameJoint:
-    """Return the joint on the ground seen from the fixed frame.
+    """Return a joint on the ground in components of the fixed frame.
 
     The fixed frame is the one above the innermost angle, where the axes of two angles are basis vectors;
-    where angular velocities are speeds it is that of the body.
+    where the speeds are an angular velocity, it is the frame of the body.
     """
     free = [i for i, step in enumerate(joint.steps) if step.freedom != NO_FREEDOM]
     below = joint.steps if joint.angular_speeds else joint.steps[: free[0] + 1] if free else ()
@@ -114,7 +114,7 @@ def _first(joint: JointMotion, tree: Tree) -> FixedFrameJoint:
 
 
 def _next(joint: JointMotion, basis: Basis, definitions: Definitions) -> FixedFrameJoint:
-    """Return a joint seen from the fixed frame, whose basis is given in the frame of the lower body."""
+    """Return a joint in components of the fixed frame, from the basis in the frame of the lower body."""
     k = joint.body
     directions = {
         translation.freedom: definitions.vector(
@@ -140,10 +140,10 @@ def _outward(
 
 
 def bodies_that_save(tree: Tree) -> set[int]:
-    """Return the bodies from which columns in the fixed frame save most operations, if they save any.
+    """Return the bodies at which columns change to the fixed frame, chosen to save most operations.
 
-    Inward, every body is weighed: seen from the fixed frame, it takes all columns from outward, or those that
-    have not changed to it further out. Outward, those that save and can be reached are taken.
+    An inward pass computes the saving at every body, with all columns from outward or with those that have
+    not changed further out. An outward pass selects bodies with a saving whose lower body is selected.
     """
     own = [_rotations(joint) for joint in tree.joints]
     outward = list(own)
@@ -166,7 +166,7 @@ def bodies_that_save(tree: Tree) -> set[int]:
 
 
 def _saved(tree: Tree, joint: JointMotion) -> int:
-    """Return the operations that a column from outward saves by changing to the fixed frame at a joint."""
+    """Return the operations saved when one column from outward changes to the fixed frame at a joint."""
     here, *inward = tree.inward(joint)
     if not inward:
         return 0
@@ -179,19 +179,19 @@ def _saved(tree: Tree, joint: JointMotion) -> int:
 
 
 def _pass_cost(joint: JointMotion) -> int:
-    """Return the operations of a column that passes a joint turn by turn."""
+    """Return the operations that pass one column through a joint turn by turn."""
     force = min(joint.turn_cost, MATRIX_COST) if joint.translations else joint.turn_cost
-    return joint.turn_cost + force + 4 * present(joint.offset)
+    return joint.turn_cost + force + 4 * count_nonzero(joint.offset)
 
 
 def _entry_cost(joint: JointMotion) -> int:
-    """Return the operations of a column of which only the entries with a joint are wanted."""
+    """Return the operations for the entries of one fixed-frame column with a joint."""
     turns = len(joint.angles)
     return 3 * (turns * (turns - 1) // 2) + (joint.turn_cost if joint.translations else 0)
 
 
 def _basis_cost(joint: JointMotion) -> int:
-    """Return the operations of the basis of the fixed frame; on the ground it holds many zeros."""
+    """Return the operations that carry the basis of the fixed frame past a joint; few on the ground."""
     if joint.lower:
         return 3 * joint.turn_cost + MATRIX_COST
     return 3 * max(joint.turn_cost - SHIFT_COST, 0)

@@ -1,7 +1,7 @@
 """Force elements and loads on points: efforts on freedoms, wrenches on bodies, and stored energy.
 
-The ends of a spring between two points are followed inward to the first body that carries both, and seen from
-there: what that body does itself changes no length. So a spring between neighbours costs one joint, wherever
+The ends of a spring between two points are expressed in the frame of the outermost body that carries both,
+because the motion of that body changes no length. A spring between neighbours thus costs one joint, wherever
 in the tree they are.
 """
 
@@ -39,7 +39,7 @@ def element_efforts(tree: Tree) -> dict[Place, Expr]:
 
 
 def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
-    """Yield place and effort of one force element after the other."""
+    """Yield the place (body and freedom) and the effort of every force element on freedoms."""
     bodies, translator = tree.system.bodies, ExpressionTranslator(tree.system, exact)
     coordinates, speeds = coordinate_places(bodies), speed_places(bodies)
     for element in tree.system.force_elements:
@@ -64,7 +64,7 @@ def applied_wrenches(tree: Tree) -> dict[int, Wrench]:
 
 
 def _spring_wrenches(tree: Tree) -> Iterator[tuple[int, Wrench]]:
-    """Yield body and wrench of both ends of springs between points."""
+    """Yield the body and the wrench at either end of every spring between points."""
     for spring in attached_springs(tree):
         pull = spring.pull(tree.definitions)
         for k, position, force in zip(spring.bodies, spring.positions, (pull, negate(pull)), strict=True):
@@ -75,7 +75,7 @@ def _spring_wrenches(tree: Tree) -> Iterator[tuple[int, Wrench]]:
 
 
 def _point_loads(tree: Tree) -> Iterator[tuple[int, Wrench]]:
-    """Yield body and wrench of loads on points, by elements and by the caller."""
+    """Yield the body and the wrench of every load on a point, by force elements and by the caller."""
     places = {point.name: (k, point.position) for k, point in tree.system.points}
     translator = ExpressionTranslator(tree.system, exact)
     for number, element in enumerate(tree.system.force_elements, start=1):
@@ -129,11 +129,11 @@ class AttachedSpring:
     Attributes:
         spring: The element.
         number: Number of the spring, from 1.
-        bodies: Bodies of both ends, 0 for the ground.
-        positions: Positions of both ends, each from O of its body, in its frame (m).
-        frame: Number of the body from which both ends are seen.
+        bodies: Bodies of the two ends, 0 for the ground.
+        positions: Positions of the two ends from the O of their bodies, in the frames of these bodies (m).
+        frame: Number of the outermost body that carries both ends.
         separation: Vector from the first end to the second, in that frame (m).
-        rate: Rate of `separation`, as seen there (m/s).
+        rate: Rate of `separation` in that frame (m/s).
     """
 
     spring: Spring
@@ -208,7 +208,7 @@ def _joints_between(tree: Tree, k: int, frame: int) -> list[JointMotion]:
 
 
 def _outward(tree: Tree, k: int, frame: int, v: Vector, name: str) -> Vector:
-    """Return a vector of the body `frame` in components of body `k`, which it carries."""
+    """Return a vector in components of body `k`, from those of the body `frame`, which carries `k`."""
     for joint in reversed(_joints_between(tree, k, frame)):
         for step in joint.steps:
             v = tree.definitions.vector(f"{name}_{joint.above(step)}", step.turn.up(v))
@@ -216,7 +216,7 @@ def _outward(tree: Tree, k: int, frame: int, v: Vector, name: str) -> Vector:
 
 
 def _seen_from(tree: Tree, frame: int, k: int, position: Vector, name: str) -> tuple[Vector, Vector]:
-    """Return position (m) and velocity (m/s) of a point of body `k` relative to the body `frame`, in it."""
+    """Return position (m) and velocity (m/s) of a point of body `k` in the frame of the body `frame`."""
     define, velocity = tree.definitions.vector, ZERO
     for joint in _joints_between(tree, k, frame):
         tree.about(joint.body, "an end of a spring, Eqs. (22), (25)")

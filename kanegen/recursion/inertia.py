@@ -1,4 +1,4 @@
-"""Inertia of a body, or of several bodies that move as one, about the point O_K or another origin."""
+"""Inertia of a body, or of a composite of several bodies, about the point O_K or another origin."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Inertia:
     inertia: Symmetric = NO_INERTIA
 
     def plus(self, other: Inertia, label: str, definitions: Definitions) -> Inertia:
-        """Return the inertia of both bodies as the composite body `label`."""
+        """Return the sum of two inertias about one origin, named as the composite body `label`."""
         return Inertia(
             definitions.define(f"mc_{label}", self.mass + other.mass),
             definitions.vector(f"hc_{label}", add(self.moment, other.moment)),
@@ -46,7 +46,7 @@ class Inertia:
         )
 
     def moment_matrix(self, d: Vector, name: str, definitions: Definitions) -> Rows:
-        """Return [I] - [d~][h~], the moment about another origin by angular velocity about this one.
+        """Return [I] - [d~][h~]: angular momentum about another origin by angular velocity about this one.
 
         Args:
             d: Vector from the other origin to this one, in this frame (m).

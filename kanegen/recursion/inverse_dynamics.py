@@ -1,12 +1,13 @@
 """The outputs {f} and [A]{ydot} - {f} by a recursion of forces.
 
-Outward go the motions of the bodies, inward the force and moment about each origin that they need, less the
-loads. Their work on a freedom is the generalized force that it needs; with {ydot} = 0 this is minus its entry
-of {f} (Luh, Walker and Paul 1980; Featherstone 2008, section 5.3). Prescribed freedoms need such a force as
-well.
+An outward pass computes the motion of every body, an inward pass the force and moment about its origin that
+this motion requires, less the loads. Their component along a freedom is the generalized force that the
+freedom requires; for {ydot} = 0 this is minus its entry of {f} (Luh, Walker and Paul 1980; Featherstone 2008,
+section 5.3). Prescribed freedoms require such a force too.
 
-The motion of a body is its angular velocity and the accelerations that belong to given {ydot}; gravity counts
-as an upward acceleration of the ground. With {ydot} = 0 this is what remains of Eqs. (20) and (33).
+The motion of a body is its angular velocity, its angular acceleration and the acceleration of its origin for
+some {ydot}; gravity enters as an upward acceleration of the ground. For {ydot} = 0 these are the terms of
+Eqs. (20) and (33) without {ydot}.
 """
 
 from __future__ import annotations
@@ -41,17 +42,17 @@ from kanegen.symbolic.symbols import torque as torque_symbol
 
 def forcing(tree: Tree) -> Derived:
     """Derive the entries of {f}, Eq. (44)."""
-    return Derived([-needed for needed in needed_efforts(tree, needed_wrenches(tree, accelerated=False))])
+    return Derived([-needed for needed in required_efforts(tree, required_wrenches(tree, accelerated=False))])
 
 
 def inverse_dynamics(tree: Tree) -> Derived:
-    """Derive the entries of [A]{ydot} - {f}: what {ydot} needs beside loads and gravity."""
-    return Derived(needed_efforts(tree, needed_wrenches(tree, accelerated=True)))
+    """Derive the entries of [A]{ydot} - {f}, the generalized forces for {ydot} beside loads and gravity."""
+    return Derived(required_efforts(tree, required_wrenches(tree, accelerated=True)))
 
 
 def prescribed_efforts(tree: Tree) -> Derived:
     """Derive the generalized forces at the prescribed freedoms, beside loads and gravity."""
-    found = _all_needed_efforts(tree, needed_wrenches(tree, accelerated=True))
+    found = _all_required_efforts(tree, required_wrenches(tree, accelerated=True))
     first = len(tree.system.freedoms)
     return Derived([found[first + i] for i in range(len(tree.system.prescribed))])
 
@@ -65,7 +66,7 @@ class BodyMotion:
         alpha: Angular acceleration (rad/s^2).
         acceleration: Acceleration of the origin, less gravity (m/s^2).
         squares: Products omega_i omega_j by pair of axes.
-        field: [alpha~] + [omega~][omega~], which times a body-fixed vector gives its acceleration.
+        field: [alpha~] + [omega~][omega~], the matrix that maps a body-fixed vector to its second derivative.
     """
 
     omega: Vector
@@ -76,11 +77,12 @@ class BodyMotion:
 
 
 def body_motions(tree: Tree, *, accelerated: bool, weightless: bool = False) -> dict[int, BodyMotion]:
-    """Return the motions of the ground, 0, and of every body.
+    """Return the motion of the ground, under the key 0, and of every body.
 
     Args:
         tree: The tree.
-        accelerated: Whether {ydot} are symbols, else zero. Prescribed freedoms accelerate in either case.
+        accelerated: Whether {ydot} is symbols instead of zeros. Prescribed freedoms accelerate in either
+            case.
         weightless: Whether to leave gravity out of the accelerations.
     """
     gravity = ZERO if weightless else Vector(*(exact(value) for value in tree.system.gravity))
@@ -145,22 +147,22 @@ def _with_field(
     return BodyMotion(omega, alpha, acceleration, squares, (named[0], named[1], named[2]))
 
 
-def needed_wrenches(tree: Tree, *, accelerated: bool) -> list[Wrench]:
-    """Return by body the force and moment about its origin that its motion needs, less its loads.
+def required_wrenches(tree: Tree, *, accelerated: bool) -> list[Wrench]:
+    """Return for each body the force and moment about its origin that its motion requires, less its loads.
 
     Args:
         tree: The tree.
-        accelerated: Whether {ydot} are symbols, else zero.
+        accelerated: Whether {ydot} is symbols instead of zeros.
     """
     moved, loads = body_motions(tree, accelerated=accelerated), applied_wrenches(tree)
     return [
-        _needed_wrench(tree, joint.body, moved[joint.body], loads.get(joint.body, Wrench()))
+        _required_wrench(tree, joint.body, moved[joint.body], loads.get(joint.body, Wrench()))
         for joint in tree.joints
     ]
 
 
-def _needed_wrench(tree: Tree, k: int, motion: BodyMotion, applied: Wrench) -> Wrench:
-    """Return what the motion of body `k` needs, less its loads: its terms of Eqs. (38) and (44)."""
+def _required_wrench(tree: Tree, k: int, motion: BodyMotion, applied: Wrench) -> Wrench:
+    """Return the wrench that the motion of body `k` requires, less its loads, Eqs. (38), (44)."""
     body, inertia, definitions = tree.system.bodies[k - 1], tree.inertias[k - 1], tree.definitions
     tree.about(k, "force and moment about its origin, Eq. (44)")
     m, h = inertia.mass, inertia.moment
@@ -199,12 +201,12 @@ def _rotational_moment(inertia: Inertia, motion: BodyMotion, definitions: Defini
 
 @dataclass(frozen=True)
 class CarriedWrench:
-    """What a joint carries: the force and moment that its body needs, with all that hangs on it.
+    """The wrench that a joint transmits: force and moment for its body and all bodies outward.
 
     Attributes:
         joint: The joint of body K.
         above: Force and moment about the origin of K, in its frame.
-        moments: Moment above each of the turns of the joint, in the frame there.
+        moments: Moment above each of the turns of the joint, in the frame above that turn.
         force: Force in the frame of J.
     """
 
@@ -214,12 +216,17 @@ class CarriedWrench:
     force: Vector
 
 
-def carried_wrenches(tree: Tree, needs: Sequence[Wrench]) -> Iterator[CarriedWrench]:
-    """Yield, joint by joint inward, what the joints carry where the bodies need the wrenches `needs`."""
+def carried_wrenches(tree: Tree, wrenches: Sequence[Wrench]) -> Iterator[CarriedWrench]:
+    """Yield the wrench that each joint transmits, joint by joint inward.
+
+    Args:
+        tree: The tree.
+        wrenches: Wrench that each body requires, less its loads.
+    """
     definitions = tree.definitions
     carried = [Wrench() for _ in tree.joints]
     for joint in reversed(tree.joints):
-        k, j, own = joint.body, joint.lower, needs[joint.body - 1]
+        k, j, own = joint.body, joint.lower, wrenches[joint.body - 1]
         tree.about(k, "force and moment about its origin, Eq. (44)")
         force = definitions.vector(f"F_{k}", add(own.force, carried[k - 1].force))
         moment = definitions.vector(f"M_{k}", add(own.moment, carried[k - 1].moment))
@@ -237,16 +244,16 @@ def carried_wrenches(tree: Tree, needs: Sequence[Wrench]) -> Iterator[CarriedWre
             )
 
 
-def needed_efforts(tree: Tree, needs: Sequence[Wrench]) -> list[Expr]:
-    """Return by freedom the generalized force that the bodies' needs demand, less those of force elements."""
-    found = _all_needed_efforts(tree, needs)
+def required_efforts(tree: Tree, wrenches: Sequence[Wrench]) -> list[Expr]:
+    """Return by freedom the generalized force for the required wrenches, less that of force elements."""
+    found = _all_required_efforts(tree, wrenches)
     return [found[i] for i in range(len(tree.system.freedoms))]
 
 
-def _all_needed_efforts(tree: Tree, needs: Sequence[Wrench]) -> dict[int, Expr]:
-    """Return the same by number of a freedom; prescribed freedoms are numbered behind the others."""
+def _all_required_efforts(tree: Tree, wrenches: Sequence[Wrench]) -> dict[int, Expr]:
+    """Return required generalized forces by number of the freedom, as in `Step.number`."""
     result: dict[int, Expr] = {}
-    for carried in carried_wrenches(tree, needs):
+    for carried in carried_wrenches(tree, wrenches):
         joint = carried.joint
         result |= {speed.freedom: carried.above.moment[speed.axis] for speed in joint.angular_speeds}
         for step, moment in zip(joint.steps, carried.moments, strict=True):

@@ -12,7 +12,7 @@ from kanegen.recursion.vectors import ZERO, add, scale, unit
 from kanegen.symbolic.definitions import Vector
 
 NO_FREEDOM = -1
-"""Place in {y} of what is no freedom."""
+"""Value of `freedom` where nothing in {y} moves the element of a joint."""
 
 NO_ANGLE = -1
 """Number of the angle of a constant turn."""
@@ -25,14 +25,14 @@ class Step:
     Attributes:
         turn: Turn from the lower to the upper frame.
         frame: Suffix of the names of quantities in the frame below the turn.
-        freedom: Place in {y} of the angle that turns it, or `NO_FREEDOM`.
-        axis: Basis vector about which that angle turns.
+        freedom: Place in {y} of the angle of the turn, or `NO_FREEDOM`.
+        axis: Basis vector about which this angle turns.
         rate: Rate of the angle (rad/s).
         acceleration: Second derivative of the angle (rad/s^2).
         sine: Sine of the angle.
         cosine: Cosine of the angle.
-        angle: The angle of the joint, 0 to 2, that turns it, free or locked; or `NO_ANGLE`.
-        number: `freedom`, or for a prescribed angle its place in `system.prescribed`, counted on from {y}.
+        angle: Number of the angle of the turn, 0 to 2, free or locked; or `NO_ANGLE`.
+        number: `freedom`, or n plus the place in `system.prescribed` for a prescribed angle.
     """
 
     turn: Turn
@@ -54,7 +54,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Translation:
-    """One translation of a joint that moves.
+    """A free or prescribed translation of a joint.
 
     Attributes:
         freedom: Place in {y}, or `NO_FREEDOM` where the translation is prescribed.
@@ -62,7 +62,7 @@ class Translation:
         direction: The same vector in the lower body's frame.
         rate: Rate of the translation (m/s).
         acceleration: Second derivative of the translation (m/s^2).
-        number: `freedom`, or for a prescribed translation its number as in `Step`.
+        number: `freedom`, or n plus the place in `system.prescribed` for a prescribed translation.
     """
 
     freedom: int
@@ -94,21 +94,22 @@ class AngularSpeed:
 class JointMotion:
     """The motion of body K on its lower body J.
 
-    A joint whose speeds are components of the relative angular velocity turns as a whole, by one of `angles`
-    that has neither freedom nor rate.
+    A joint whose speeds are components of the relative angular velocity has one turn in `angles`, the whole
+    rotation, with neither freedom nor rate.
 
     Attributes:
         body: Number of K.
         lower: Number of J, 0 for the ground.
         arm: Vector from O_J to O_K, in J (m): {q'_K} + [C_K]^T {s'_K}.
         directions: Directions of the three translations, free or locked, in J.
-        offset: Vector from the origin of J to that of K, in J (m): `arm` and what the `origin` of both adds.
+        offset: Vector from the origin of J to that of K, in J (m): `arm`, changed by the `origin` of both
+            joints.
         origin: Vector from O_K to the point of K that serves as its origin, in K (m).
         translations: The free translations.
         constant: The turns of [C_K], from J to the joint frame.
         angles: The turns of the angles, from the joint frame to K.
         angular_speeds: The components of the relative angular velocity, if these are the speeds of the joint.
-        composed_of: The turns of the angles from which the turn as a whole is made; empty for a quaternion.
+        composed_of: The turns of the single angles of a whole rotation; empty for a quaternion.
         merged: `constant` and `angles` as one turn, for vectors that pass both; or empty.
         prescribed_translations: The prescribed translations.
     """
@@ -139,7 +140,7 @@ class JointMotion:
 
     @property
     def relative_omega(self) -> Vector:
-        """The relative angular velocity by speeds that are its components, in K (rad/s)."""
+        """The relative angular velocity from `angular_speeds`, in K (rad/s); zero if there are none."""
         return _along_axes(self.angular_speeds, [speed.rate for speed in self.angular_speeds])
 
     @property
@@ -187,7 +188,7 @@ def _along_axes(speeds: Iterable[AngularSpeed], values: Iterable[Expr]) -> Vecto
 
 
 def down(turns: Iterable[Turn], v: Vector) -> Vector:
-    """Return a vector above several turns, which are counted from below, in components below them."""
+    """Return a vector in components below several turns, listed from below, from its components above."""
     for turn in reversed(tuple(turns)):
         v = turn.down(v)
     return v

@@ -1,9 +1,8 @@
-"""The path between a body and its lower body, element by element, for pairs of vectors that pass along it.
+"""The path through a joint, element by element, along which wrenches pass inward and accelerations outward.
 
-Inward pass forces with their moments, outward accelerations: a turn changes their frame, a shift their
-origin, and at a free component of the acceleration the joint itself adds to them. Both solvers of [A]{ydot}
-go along this path, so that what given accelerations need can be computed again from the free components
-alone.
+A turn changes the frame of both, a shift their origin, and at a free component the joint adds its own
+acceleration. Both solvers of [A]{ydot} = {b} follow this path, so that the wrenches for a solution follow
+from its free components alone.
 """
 
 from __future__ import annotations
@@ -18,11 +17,11 @@ from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import Wrench, add, cross
 from kanegen.symbolic.definitions import Definitions, Vector
 
-STILL = (S.Zero,) * 6
-"""Angular acceleration of the ground, and acceleration of its origin."""
+GROUND_ACCELERATION = (S.Zero,) * 6
+"""Angular acceleration of the ground and acceleration of its origin: zeros."""
 
 ROTATIONS, TRANSLATIONS = (0, 1, 2), (3, 4, 5)
-"""Components of a pair of angular acceleration and acceleration of the origin."""
+"""Indices of a six-vector of angular acceleration and acceleration of the origin."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class FreeComponent:
 
 @dataclass(frozen=True)
 class FrameChange:
-    """A change of frame.
+    """A change of frame on the path.
 
     Attributes:
         turn: Turn between the two frames.
@@ -50,9 +49,11 @@ class FrameChange:
     turn: Turn
     name: str
 
-    def inward(self, need: Wrench, definitions: Definitions) -> Wrench:
+    def inward(self, wrench: Wrench, definitions: Definitions) -> Wrench:
         """Return a wrench in components of the lower frame."""
-        return Wrench(self.turn.down(need.force), self.turn.down(need.moment)).named(self.name, definitions)
+        return Wrench(self.turn.down(wrench.force), self.turn.down(wrench.moment)).named(
+            self.name, definitions
+        )
 
     def outward(self, a: tuple[Expr, ...], definitions: Definitions) -> tuple[Expr, ...]:
         """Return accelerations in components of the upper frame."""
@@ -62,20 +63,20 @@ class FrameChange:
 
 @dataclass(frozen=True)
 class OriginChange:
-    """A change of origin.
+    """A change of origin on the path.
 
     Attributes:
-        offset: Vector from the lower body's origin to the other, in the lower body's frame (m).
+        offset: Vector from the lower body's origin to the upper body's, in the lower body's frame (m).
         name: Name of the lower origin.
     """
 
     offset: Vector
     name: str
 
-    def inward(self, need: Wrench, definitions: Definitions) -> Wrench:
+    def inward(self, wrench: Wrench, definitions: Definitions) -> Wrench:
         """Return a wrench about the lower body's origin."""
-        moment = add(need.moment, cross(self.offset, need.force))
-        return Wrench(need.force, moment).named(self.name, definitions)
+        moment = add(wrench.moment, cross(self.offset, wrench.force))
+        return Wrench(wrench.force, moment).named(self.name, definitions)
 
     def outward(self, a: tuple[Expr, ...], definitions: Definitions) -> tuple[Expr, ...]:
         """Return angular acceleration, and acceleration of the upper body's origin."""
@@ -91,8 +92,8 @@ def joint_path(joint: JointMotion, *, together: bool) -> tuple[PathElement, ...]
 
     Args:
         joint: The joint of K.
-        together: Whether three free angles, or translations, count as free components in the frame of K. For
-            those of angles [A] is regular everywhere; with their own rates it is not.
+        together: Whether three free angles, or three free translations, become free components along the axes
+            of K. Those of angles are then regular at gimbal lock, unlike second derivatives of the angles.
     """
     return tuple(_elements(joint, together))
 

@@ -1,4 +1,4 @@
-"""The motions of joints, from the description of the joints in a system."""
+"""Construction of `JointMotion` from the description of a joint in a system."""
 
 from __future__ import annotations
 
@@ -81,7 +81,11 @@ def _place_and_number(system: System, freedom: Freedom) -> tuple[int, int]:
 
 
 def _turning_as_a_whole(joint: JointMotion, rotation: Rotation, definitions: Definitions) -> JointMotion:
-    """Return a joint whose angles have no speeds with one turn, which includes [C_K] if a body is below."""
+    """Return a joint with its rotation as one turn, for speeds that are no rates of angles.
+
+    Unless the lower body is the ground, the turns of [C_K] are included: in `merged` if the joint translates,
+    else in the turn itself.
+    """
     k = joint.body
     parts = [step.turn for step in joint.angles] or [rotation_as_a_whole(k, rotation, definitions)]
     turned = Step(composed(f"R_{k}", parts, definitions), f"{k}a")
@@ -95,11 +99,11 @@ def _turning_as_a_whole(joint: JointMotion, rotation: Rotation, definitions: Def
 
 
 def _with_origin(joint: JointMotion, body: Body, definitions: Definitions) -> JointMotion:
-    """Return a joint with a point of K as its origin for which constants vanish; [A] and {f} do not change.
+    """Return a joint with another point of K as its origin, so that constants vanish; [A], {f} do not change.
 
-    A body that only translates takes its mass centre, so that it has no first moment. A hinge takes the point
-    of its axis opposite the lower body's origin, where the axis is a basis vector of J and the offset thus
-    loses a component.
+    For a body that only translates it is the mass centre, which leaves no first moment. For a hinge whose
+    axis is a basis vector of J it is the point of the axis opposite the lower body's origin, which leaves an
+    offset without a component along the axis.
     """
     origin, offset, hinge = ZERO, joint.offset, joint.hinge
     if joint.moving_translations and not joint.rotates:

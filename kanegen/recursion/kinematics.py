@@ -9,7 +9,7 @@ from sympy import Expr
 
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.tree import Derived, Tree
-from kanegen.recursion.vectors import ZERO, Rows, add, cross, dot, present, scale, unit
+from kanegen.recursion.vectors import ZERO, Rows, add, count_nonzero, cross, dot, scale, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
 
 CROSS_COST = 9
@@ -57,7 +57,8 @@ def body_poses(tree: Tree) -> Derived:
 
 def _columns(lower: Rows, joint: JointMotion, definitions: Definitions) -> Rows:
     """Return the inertial basis vectors above a joint; the third from the others where that costs less."""
-    by_product = joint.turn_cost > CROSS_COST and all(present(direction) == len(AXES) for direction in lower)
+    is_full = all(count_nonzero(direction) == len(AXES) for direction in lower)
+    by_product = joint.turn_cost > CROSS_COST and is_full
     x, y, *others = (
         _up(direction, f"N{axis.upper()}", joint, definitions)
         for axis, direction in zip(AXES, lower[: 2 if by_product else 3], strict=False)
@@ -67,7 +68,7 @@ def _columns(lower: Rows, joint: JointMotion, definitions: Definitions) -> Rows:
 
 
 def _up(v: Vector, name: str, joint: JointMotion, definitions: Definitions) -> Vector:
-    """Return a vector of the lower body in components of the body above a joint."""
+    """Return a vector in components of the body above a joint, from its components in the lower body."""
     for step in joint.steps:
         v = definitions.vector(f"{name}_{joint.above(step)}", step.turn.up(v))
     return v

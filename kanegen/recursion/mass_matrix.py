@@ -1,12 +1,13 @@
 """The output [A] by composite bodies: Eq. (43) regrouped so that nothing is computed twice.
 
-Hold every joint outward of a freedom still: all bodies that the freedom carries move as one composite body.
-Its unit speed then needs a force {F} and a moment {M} about the origin, and the work of that pair on every
-freedom further inward is an entry of [A] (Featherstone 2008, section 6.2). The joint's turns are passed one
-at a time, so that an angle's entry is simply a component of {M}, a translation's a component of {F}.
+With every joint outward of a freedom locked, all bodies that the freedom carries move as one composite body.
+Unit acceleration along the freedom then requires a force {F} and a moment {M} about the origin, and their
+component along every freedom further inward is an entry of [A] (Featherstone 2008, section 6.2). The turns of
+a joint are passed one at a time, so that the entry of an angle is a component of {M}, that of a translation a
+component of {F}.
 
-Three ways spare columns some of this: shifted columns begin about the lower origin, force combinations
-replace turned forces, and fixed-frame columns stay in one frame on long paths; see `columns` and
+Three refinements save operations: shifted columns begin about the lower origin, force combinations replace
+turned forces, and fixed-frame columns stay in one frame on long paths; see `columns` and
 `fixed_frame_columns`.
 """
 
@@ -53,11 +54,11 @@ class _Assembly:
 
     Attributes:
         tree: The tree.
-        bodies: By body the composite body, with what is outward of it as far as it has been passed.
-        moving: By body the columns that have arrived in its frame.
-        fixed: By body the columns about its origin that stay in the fixed frame.
-        seen: By body the joints where columns change to the fixed frame.
-        bases: By body the translation columns that began along the basis vectors of its frame.
+        bodies: Composite body by body, as far as its outward bodies have been added.
+        moving: Columns by body that have arrived in its frame.
+        fixed: Columns by body that are about its origin, in the fixed frame.
+        seen: Joints by body where columns change to the fixed frame.
+        bases: Force basis by body: the translation columns that began along the basis vectors of its frame.
         entries: Entries of [A] by pair of freedoms, the larger first.
     """
 
@@ -74,7 +75,7 @@ class _Assembly:
         self.entries[max(a, b), min(a, b)] = value
 
     def pass_fixed_columns(self, joint: JointMotion) -> None:
-        """Take the entries of fixed-frame columns with a joint and pass them inward; others join them."""
+        """Record the entries of fixed-frame columns with a joint, and pass them inward with new ones."""
         seen, definitions = self.seen.get(joint.body), self.tree.definitions
         if seen is None:
             return
@@ -89,7 +90,7 @@ class _Assembly:
             self.fixed[joint.lower - 1] += [col.shifted(seen.offset, origin, definitions) for col in fixed]
 
     def pass_moving_columns(self, joint: JointMotion) -> None:
-        """Pass columns through the turns of a joint, then its translations; those of its freedoms begin."""
+        """Pass columns through the turns and translations of a joint; begin the columns of its freedoms."""
         definitions, composite = self.tree.definitions, self.bodies[joint.body - 1]
         arriving, own = self._arriving(joint), self._angular_speed_columns(joint, composite)
         for step in reversed(joint.steps):
@@ -133,7 +134,7 @@ class _Assembly:
         ]
 
     def _record_angle(self, columns: Iterable[Column], step: Step) -> None:
-        """Record the entries of an angle with columns that are given above or below its turn."""
+        """Record the entries of an angle with columns in components above or below its turn."""
         if step.freedom != NO_FREEDOM:
             for col in columns:
                 self.record(col.freedom, step.freedom, col.moment_about(step.axis, self.tree.definitions))

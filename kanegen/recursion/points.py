@@ -40,7 +40,7 @@ def point_positions(tree: Tree) -> Derived:
 
 
 def point_velocities(tree: Tree) -> Derived:
-    """Derive {v_P} = {v_O} + {omega} x {arm} of every point, Eq. (27)."""
+    """Derive {v_P} = {v_O} + {omega} x {r} of every point at {r} from the origin, Eq. (27)."""
     omega = angular_velocities(tree)
     velocity = velocities(tree, omega)
     found = {number: add(velocity[k], cross(omega[k], arm)) for number, k, arm in _arms(tree)}
@@ -126,7 +126,7 @@ def _below(tree: Tree, joint: JointMotion, v: Vector, name: str) -> Vector:
 
 
 def _poses_that_save(tree: Tree) -> list[Pose]:
-    """Return the poses of the bodies where turning by them costs less than joint by joint; else none."""
+    """Return the poses of the bodies if vectors cost less by [R_K] than joint by joint; else none."""
     paths = [list(tree.inward(tree.joints[k - 1])) for _, k, _ in _points(tree)]
     by_joints = sum(joint.turn_cost for path in paths for joint in path)
     columns = {joint.body: 3 * joint.turn_cost for path in paths for joint in path}

@@ -1,9 +1,9 @@
-"""The output of reaction loads: what joints carry along the directions that they lock.
+"""The output `reaction_loads`: the loads that joints transmit along locked directions.
 
-They are what `inverse_dynamics` would give for these directions if they were free and stood still: the force
-that a joint carries, along a translation of its joint frame, and the moment about O_K, about the axis of an
-angle. The recursion is that of {f}, but no body passes inertia to its lower body. That would leave [A] and
-{f} as they are, and not what the joint between the two carries.
+A reaction load is the generalized force that `inverse_dynamics` would give for the direction if it were free
+and at rest: the component of the transmitted force along a translation of the joint frame, or of the moment
+about O_K along the axis of an angle. The recursion is that of {f}, but inertias are not regrouped: regrouping
+does not change [A] and {f}, but changes the load that the joint between the two bodies transmits.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from sympy import Expr, S
 
 from kanegen.model.joint import Joint
 from kanegen.recursion.force_elements import element_efforts
-from kanegen.recursion.inverse_dynamics import CarriedWrench, carried_wrenches, needed_wrenches
+from kanegen.recursion.inverse_dynamics import CarriedWrench, carried_wrenches, required_wrenches
 from kanegen.recursion.tree import Derived, Tree, ungrouped
 from kanegen.recursion.vectors import add, cross, dot
 from kanegen.symbolic.definitions import Definitions
@@ -23,7 +23,7 @@ from kanegen.symbolic.definitions import Definitions
 def reaction_loads(tree: Tree) -> Derived:
     """Derive the load along every locked direction that the system selects, in its order."""
     whole = ungrouped(tree)
-    every = list(carried_wrenches(whole, needed_wrenches(whole, accelerated=True)))
+    every = list(carried_wrenches(whole, required_wrenches(whole, accelerated=True)))
     found: dict[tuple[int, int], Expr] = {}
     for carried in every:
         k = carried.joint.body

@@ -1,13 +1,13 @@
 """The solution {ydot} of [A]{ydot} = {b}: found by a solver, refined step by step, with its error.
 
-A solution leaves a residual, {tau} less what it needs by inverse dynamics, and the eliminations that found it
-turn that into a correction (Higham 2002, chapter 12). Nothing is computed in a higher precision: a solution
-loses digits by eliminating, a residual only by adding up forces. So one step repairs whatever has a few
-correct digits, and the correction tells how many those were.
+The residual of a solution is {tau} less the generalized forces that inverse dynamics gives for it; the solver
+maps the residual to a correction (Higham 2002, chapter 12). Nothing is computed in a higher precision:
+eliminations lose digits of a solution, but a residual only loses digits in sums of forces. So one step
+repairs any solution with a few correct digits, and the correction tells how many there were.
 
-A step does not form the residual. What the bodies need for the solution is added to what they need without
-it, and the solver starts again from there: what is then missing is the residual. It must know the inertia of
-every body by itself, since next to a heavy body that hangs on it a light one's would be rounded away; see
+A step does not form the residual explicitly. The wrenches that the bodies require for the solution are added
+to the bias wrenches, and the solver runs again from there. For this every body keeps its own inertia, because
+the inertia of a light body would be lost to rounding in the sum with a heavy one; see
 `tree.with_own_inertias`.
 """
 
@@ -23,20 +23,20 @@ from sympy import Expr
 
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.inverse_dynamics import needed_wrenches
-from kanegen.recursion.joint_path import STILL, FreeComponent, PathElement
+from kanegen.recursion.inverse_dynamics import required_wrenches
+from kanegen.recursion.joint_path import GROUND_ACCELERATION, FreeComponent, PathElement
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import Wrench, add, column, cross, dot, scale
 from kanegen.symbolic.definitions import Vector
 
 
 class Solver(Protocol):
-    """A way to solve [A]{ydot} = {b} for several {b}.
+    """A factorised [A] that solves [A]{ydot} = {b} for several {b}.
 
     Attributes:
         tree: The tree.
-        paths: By body the path through its joint, with the free components that are solved for.
-        pivots: By freedom the divisor of its elimination.
+        paths: Path through the joint of each body, with the free components that are solved for, by body.
+        pivots: Divisor of the elimination of each freedom.
     """
 
     tree: Tree
@@ -49,24 +49,24 @@ class Solver(Protocol):
 
     @property
     def diagonal(self) -> Sequence[Expr]:
-        """The pivots by freedom if all other components stood still."""
+        """Inertia of the composite body by freedom: the pivot with every other freedom locked."""
 
-    def solve(self, needs: Sequence[Wrench], name: str) -> list[Expr]:
-        """Return the free components that the efforts cause, less what the bodies need beside them."""
+    def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
+        """Return the free components under {tau}, where the bodies require `bias` at zero components."""
 
     def speed_rates(self, components: Sequence[Expr], name: str) -> list[Expr]:
-        """Return the {ydot} that belongs to free components."""
+        """Return {ydot} from the free components of the accelerations."""
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """Iterative refinement of {ydot}, and when its result is called inaccurate.
+    """Iterative refinement of {ydot}, and the limit beyond which its result is reported as inaccurate.
 
     Attributes:
         steps: Number of steps.
         limit: Largest first correction over the solution, freedom by freedom.
-        floor: By freedom an acceleration that counts as part of the whole solution, so that nothing is called
-            inaccurate where forces cancel (rad/s^2, m/s^2).
+        floor: Acceleration by freedom that is added to the size of the solution, so that no result is
+            reported as inaccurate because forces cancel (rad/s^2, m/s^2).
     """
 
     steps: int = 0
@@ -78,7 +78,7 @@ UNREFINED = Refinement()
 
 
 class Solution:
-    """The solution {ydot}, with its correction; nothing is derived before it is asked for."""
+    """The solution {ydot} with its correction, each derived when it is first needed."""
 
     def __init__(self, solver: Solver, refinement: Refinement = UNREFINED) -> None:
         self._solver = solver
@@ -103,7 +103,7 @@ class Solution:
         return Derived([sympy.sqrt(square) for square in squares], self._solver.regular_if_positive)
 
     def regularity(self) -> Derived:
-        """Derive by freedom the share of its inertia that the other freedoms leave."""
+        """Derive by freedom the ratio of its pivot to its inertia with every other freedom locked."""
         pairs = zip(self._solver.regular_if_positive, self._solver.diagonal, strict=True)
         return Derived([left / whole for left, whole in pairs])
 
@@ -112,14 +112,14 @@ class Solution:
         return Derived([self._size.whole, *self._size.errors])
 
     @cached_property
-    def _needs(self) -> list[Wrench]:
-        """Wrenches that the bodies need where {ydot} = {0}."""
-        return needed_wrenches(self._tree, accelerated=False)
+    def _bias(self) -> list[Wrench]:
+        """Wrenches that the bodies require where {ydot} = {0}, less their loads."""
+        return required_wrenches(self._tree, accelerated=False)
 
     @cached_property
     def _components(self) -> list[Expr]:
         """Free components of the accelerations before refinement."""
-        return self._solver.solve(self._needs, "ydot")
+        return self._solver.solve(self._bias, "ydot")
 
     @cached_property
     def _correction(self) -> list[Expr]:
@@ -128,21 +128,21 @@ class Solution:
 
     @cached_property
     def _size(self) -> CorrectionSize:
-        """Sizes of the unrefined solution and of its first correction."""
+        """Size of the unrefined solution and of its first correction."""
         return CorrectionSize(self._tree, self._solver.pivots, self._components, self._correction)
 
     def _corrected(self, components: Sequence[Expr]) -> list[Expr]:
         """Return the correction of a solution."""
-        return self._solver.solve(_needs_with(self._solver, self._needs, components), "dy")
+        return self._solver.solve(_with_free_components(self._solver, self._bias, components), "dy")
 
     def _define(self, name: str, value: Expr) -> Expr:
         return self._tree.definitions.define(name, value)
 
 
-def _needs_with(solver: Solver, needs: Sequence[Wrench], components: Sequence[Expr]) -> list[Wrench]:
-    """Return the wrenches that the bodies need for given free components, beside `needs`."""
+def _with_free_components(solver: Solver, bias: Sequence[Wrench], components: Sequence[Expr]) -> list[Wrench]:
+    """Return `bias` plus the wrenches that the bodies require for the free components."""
     tree, definitions = solver.tree, solver.tree.definitions
-    accelerations = {0: STILL}
+    accelerations = {0: GROUND_ACCELERATION}
     total = []
     for joint in tree.joints:
         k = joint.body
@@ -157,12 +157,12 @@ def _needs_with(solver: Solver, needs: Sequence[Wrench], components: Sequence[Ex
                 a = element.outward(a, definitions)
         accelerations[k] = a
         own = _accelerated(tree.inertias[k - 1], Vector(*a[:3]), Vector(*a[3:]))
-        total.append(needs[k - 1].plus(own, f"{k}own", definitions))
+        total.append(bias[k - 1].plus(own, f"{k}own", definitions))
     return total
 
 
 def _accelerated(inertia: Inertia, alpha: Vector, a: Vector) -> Wrench:
-    """Return the wrench that a body needs for an angular acceleration and the acceleration of its origin."""
+    """Return the wrench that a body requires for an angular acceleration and that of its origin."""
     force = add(scale(inertia.mass, a), cross(alpha, inertia.moment))
     angular = Vector(*(dot(column(inertia.inertia, axis), alpha) for axis in range(3)))
     return Wrench(force, add(angular, cross(inertia.moment, a)))

@@ -1,9 +1,9 @@
-"""The tree that the recursions walk: joints, and inertias regrouped so that many numbers vanish.
+"""The tree that the recursions traverse: joints, and inertias regrouped so that many numbers vanish.
 
-What a joint cannot move apart from the lower body may as well belong to the lower body: the mass of a body
-whose joint has no moving translation, as a point at its origin; the first moment along a hinge, and the
-inertia of a rod on its axis; the whole inertia of a body that does not rotate; everything of a welded body.
-[A] and {f} do not change (base inertial parameters: Gautier and Khalil 1990).
+The part of an inertia that a joint cannot move relative to the lower body is added to the lower body: the
+mass of a body whose joint has no moving translation, as a point at its origin; the first moment along a
+hinge, and the inertia of a rod on its axis; the whole inertia of a body that does not rotate; everything of a
+welded body. [A] and {f} do not change (base inertial parameters: Gautier and Khalil 1990).
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ class Derived:
 
     Attributes:
         entries: Entries, row-major.
-        exists_if_positive: Expressions by freedom that are positive where the entries exist; empty if they
-            always do.
-        accurate_if_positive: Expressions by freedom that are positive where the entries are accurate; empty
-            if no accuracy is promised.
+        exists_if_positive: Expressions by freedom, all positive where the entries exist; empty if they exist
+            in every state.
+        accurate_if_positive: Expressions by freedom, all positive where the entries are accurate; empty if
+            accuracy is not checked.
     """
 
     entries: Sequence[Expr]
@@ -70,7 +70,7 @@ class Tree:
 
 
 def tree(system: System, constants: Constants = DOUBLE_CONSTANTS) -> Tree:
-    """Return the tree of a system, with definitions of its own."""
+    """Return the tree of a system, with new definitions."""
     definitions = Definitions([parameter.name for parameter in system.parameters], constants)
     joints: list[JointMotion] = []
     for k, body in enumerate(system.bodies, start=1):
@@ -82,14 +82,14 @@ def tree(system: System, constants: Constants = DOUBLE_CONSTANTS) -> Tree:
 def with_own_inertias(tree: Tree) -> Tree:
     """Return the same tree, where every body that rotates on its lower body keeps its inertia.
 
-    A sum of two inertias is rounded as the larger is, which may swallow the smaller one. What the bodies need
-    for given accelerations is then still accurate for each of them.
+    The sum of two inertias has the rounding error of the larger, in which the smaller one may be lost. With
+    its own inertia, the wrench that each body requires for its accelerations stays accurate.
     """
     return _regrouped(tree.system, tree.joints, tree.definitions, lambda joint: not joint.rotates)
 
 
 def ungrouped(tree: Tree) -> Tree:
-    """Return the same tree, where every body keeps its inertia, as the loads that joints carry demand."""
+    """Return the same tree, where every body keeps its inertia, for the loads that joints transmit."""
     return _regrouped(tree.system, tree.joints, tree.definitions, lambda joint: False)
 
 
@@ -99,13 +99,13 @@ def _regrouped(
     definitions: Definitions,
     is_regrouped: Callable[[JointMotion], bool],
 ) -> Tree:
-    """Return the tree in which bodies pass to the lower body what their joints cannot move apart from it.
+    """Return the tree in which bodies pass to the lower body the inertia that their joints do not move.
 
     Args:
         system: The system.
         joints: Joint of each body.
         definitions: Definitions that the intermediates are added to.
-        is_regrouped: Function that says at which joints this is done.
+        is_regrouped: Function that selects the joints at which inertia is passed.
     """
     own = [Inertia(), *(body_inertia(system, joint.body, joint.origin, definitions) for joint in joints)]
     for joint in reversed(joints):
@@ -118,7 +118,7 @@ def _regrouped(
 
 
 def _split(own: Inertia, joint: JointMotion, definitions: Definitions) -> tuple[Inertia, Inertia]:
-    """Return what a body keeps, and what its lower body gets, about the lower origin and in its frame."""
+    """Return the inertia that a body keeps, and the part for its lower body, about that body's origin."""
     if joint.moving_translations and joint.rotates:
         return own, Inertia()
     if joint.moving_translations:

@@ -1,9 +1,9 @@
 """Changes of frame along a joint, one elementary turn at a time.
 
 [R_123] of Eq. (4) is the product of three planar turns. Passing vectors through them one by one costs no more
-than multiplying by the product, shows every angle's axis as a unit vector of some frame, and needs no matrix
-to be formed. Other turns are given by a matrix: constant ones, those by a quaternion, and several as one. A
-new kind of rotation, with the rates of its coordinates, is written in this module alone.
+than multiplying by the product, makes the axis of every angle a basis vector of some frame, and forms no
+matrix. Constant turns, rotations by a quaternion, and several turns as one are matrices. A new kind of
+rotation, with the rates of its coordinates, is added in this module alone.
 """
 
 from __future__ import annotations
@@ -153,9 +153,9 @@ class MatrixTurn:
 
 @dataclass(frozen=True)
 class ComposedTurn:
-    """Several turns at once, for a joint in which nothing happens between them.
+    """Several successive turns as one, for a joint without quantities between them.
 
-    Vectors turn by the matrix, which costs less than three planar turns; a symmetric matrix by the parts.
+    Vectors pass by the product, which costs less than three planar turns; symmetric matrices part by part.
 
     Attributes:
         product: The product of all parts.
@@ -249,7 +249,7 @@ def rotation_rates(body: int, rotation: Rotation, omega: Vector) -> tuple[Expr, 
 
 
 def _quaternion_rates(quaternion: Sequence[Expr], omega: Vector) -> tuple[Expr, ...]:
-    """Return the rates of a quaternion, which keep its length, from the angular velocity in K (rad/s)."""
+    """Return the rates of a quaternion from the angular velocity in K (rad/s); its length stays constant."""
     scalar, *elements = quaternion
     vector, half = Vector(*elements), scale(Rational(1, 2), omega)
     return (-dot(vector, half), *add(scale(scalar, half), cross(vector, half)))
@@ -269,7 +269,7 @@ def constant_turns(matrix: Sequence[Sequence[Expr]]) -> tuple[Turn, ...]:
 
 
 def composed(name: str, parts: Sequence[Turn], definitions: Definitions) -> ComposedTurn:
-    """Return several turns, counted from below, as one; `name` is for the rows of its matrix."""
+    """Return several turns, listed from below, as one; `name` is the prefix of the rows of its matrix."""
     columns = [unit(axis) for axis in range(3)]
     for i, part in enumerate(parts, start=1):
         turned = [part.up(column) for column in columns]
@@ -282,5 +282,5 @@ def composed(name: str, parts: Sequence[Turn], definitions: Definitions) -> Comp
 
 
 def is_identity(turn: Turn) -> bool:
-    """Return whether a turn leaves all basis vectors as they are."""
+    """Return whether a turn is the identity."""
     return all(turn.up(unit(axis)) == unit(axis) for axis in range(3))

@@ -28,7 +28,7 @@ def add(a: Vector, b: Vector) -> Vector:
     return Vector(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
-def present(a: Vector) -> int:
+def count_nonzero(a: Vector) -> int:
     """Return the number of components that are not zero."""
     return sum(1 for component in a if component != 0)
 

@@ -96,13 +96,13 @@ def coordinates(system: SystemArrays, x: ArrayLike) -> Numbers:
     return _states(x, "x", coordinate_count(system))
 
 
-def speeds(system: SystemArrays, value: ArrayLike, what: str) -> Numbers:
-    """Return {y} or {ydot} as an (n,) or (B, n) array; `what` names it in error messages.
+def speeds(system: SystemArrays, value: ArrayLike, label: str) -> Numbers:
+    """Return {y} or {ydot} as an (n,) or (B, n) array; `label` names it in error messages.
 
     Raises:
         ArrayError: If it has another shape.
     """
-    return _states(value, what, int(free_columns(system).sum()))
+    return _states(value, label, int(free_columns(system).sum()))
 
 
 def prescribed_motion(system: SystemArrays, value: ArrayLike | None, x: Numbers) -> Numbers:
@@ -113,9 +113,7 @@ def prescribed_motion(system: SystemArrays, value: ArrayLike | None, x: Numbers)
     """
     count = int(system.prescribed.sum())
     if value is None and count:
-        raise ArrayError(
-            f"prescribed: it is missing. Pass (3, {count}) values, rates and second derivatives."
-        )
+        raise ArrayError(f"prescribed: missing. Pass (3, {count}) values, rates and second derivatives.")
     array = UNPRESCRIBED if value is None else np.asarray(value)
     if array.shape not in {(3, count), (*x.shape[:-1], 3, count)}:
         raise ArrayError(f"prescribed has shape {array.shape}; expected (3, {count}), or one for each state.")
@@ -133,15 +131,15 @@ def point_inputs(system: SystemArrays, x: Numbers, **loads: Unpack[LoadInputs]) 
     )
 
 
-def _states(value: ArrayLike, what: str, count: int) -> Numbers:
-    """Return `value` as a (count,) or (B, count) array; `what` names it in error messages."""
+def _states(value: ArrayLike, label: str, count: int) -> Numbers:
+    """Return `value` as a (count,) or (B, count) array; `label` names it in error messages."""
     array = np.asarray(value)
     if array.ndim not in (1, 2) or array.shape[-1] != count:
-        raise ArrayError(f"{what} has shape {array.shape}; expected ({count},) or (B, {count}).")
+        raise ArrayError(f"{label} has shape {array.shape}; expected ({count},) or (B, {count}).")
     return array
 
 
-def _load(system: SystemArrays, value: ArrayLike | None, x: Numbers, what: str) -> Numbers:
+def _load(system: SystemArrays, value: ArrayLike | None, x: Numbers, label: str) -> Numbers:
     """Return `value` as an (N, 3) or (B, N, 3) array that fits `x`; zeros for None."""
     count = len(system.mass)
     if value is None:
@@ -150,5 +148,5 @@ def _load(system: SystemArrays, value: ArrayLike | None, x: Numbers, what: str) 
     allowed = {(count, 3), (*x.shape[:-1], count, 3)}
     if array.shape not in allowed:
         shapes = " or ".join(str(shape) for shape in sorted(allowed, key=len))
-        raise ArrayError(f"{what} has shape {array.shape}; expected {shapes}.")
+        raise ArrayError(f"{label} has shape {array.shape}; expected {shapes}.")
     return array

@@ -15,7 +15,7 @@ from kanegen.cli.app import COMMANDS, app
 from kanegen.cli.bench import DEFAULT_PEERS
 from kanegen.cli.options import DEFAULT_OUTPUTS
 from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
-from kanegen.model.right_angles import AS_WRITTEN, TYPED
+from kanegen.model.right_angles import AS_WRITTEN, FOUR_DECIMALS
 from kanegen.program import passes, precision
 from kanegen.recursion.outputs import EQUATIONS, OUTPUTS
 from kanegen.studies.bench.peers.registry import PEERS
@@ -75,4 +75,4 @@ def test_defaults_are_those_of_the_compiler() -> None:
     assert tuple(DEFAULT_OUTPUTS) == EQUATIONS
     assert sorted(DEFAULT_PEERS) == sorted(PEERS)
     assert cli_options.AS_WRITTEN == AS_WRITTEN
-    assert f"{TYPED:g}" in help_of("info", "right_angles")
+    assert f"{FOUR_DECIMALS:g}" in help_of("info", "right_angles")

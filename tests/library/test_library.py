@@ -199,12 +199,12 @@ def test_states_that_do_not_fit(library, x, message):
         ),
         (
             {"force": np.ones((3, 3))},
-            "force: row 0 is not zero, but body 'arm' takes no loads. Say that it does in the model's loads.",
+            "force: row 0 is not zero, but body 'arm' takes no loads. Enter it among the loads of the model.",
         ),
         (
             {"torque": [[0, 0, 0], [1, 2, 3], [0, 0, np.nan]]},
-            "torque: row 2 is not zero, but body 'hand' takes no loads. Say that it does in the "
-            "model's loads.",
+            "torque: row 2 is not zero, but body 'hand' takes no loads. Enter it among the loads of the "
+            "model.",
         ),
     ],
 )

@@ -418,7 +418,7 @@ def test_c_is_clean(tmp_path: Path) -> None:
 
 def test_time_is_missing() -> None:
     library = kg.build(oscillator(Drive("body1.s1", parse("2*t"))), ("mass_matrix", "forcing"))
-    with pytest.raises(kg.ArrayError, match=r"t: it is missing, .* Pass t=\.\.\., the time in s"):
+    with pytest.raises(kg.ArrayError, match=r"t: missing, .* Pass t=\.\.\., the time in s"):
         library.forcing([0.0], [0.0])
     assert library.forcing([0.0], [0.0], t=2)[0] == 4.0
     assert np.array_equal(library.forcing(np.zeros((2, 1)), np.zeros((2, 1)), t=[1, 2]), [[2.0], [4.0]])

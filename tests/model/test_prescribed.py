@@ -117,7 +117,7 @@ def test_three_angles_stay_together() -> None:
 
 def test_arguments() -> None:
     library = kg.build(pendulum())
-    with pytest.raises(kg.ArrayError, match=r"prescribed: it is missing.*\(3, 1\).* of q1"):
+    with pytest.raises(kg.ArrayError, match=r"prescribed: missing, .*\(3, 1\).* of q1"):
         library.forcing([0.1], [0.2])
     with pytest.raises(kg.ArrayError, match="prescribed: expected shape"):
         library.mass_matrix([0.1], prescribed=[1, 2, 3])

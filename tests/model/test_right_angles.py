@@ -21,7 +21,7 @@ import kanegen as kg
 from kanegen.cli.app import app
 from kanegen.compiler import compile_module
 from kanegen.model.numbers import Parameter
-from kanegen.model.right_angles import MAX_TOLERANCE, TYPED, angle, direction, rotation
+from kanegen.model.right_angles import FOUR_DECIMALS, MAX_TOLERANCE, angle, direction, rotation
 from kanegen.model.rotations import Square, rotation_123
 from kanegen.reference.states import random_states
 from kanegen.studies.explain import exactness
@@ -78,21 +78,21 @@ def typed_and_exact(folder: Path) -> tuple[Path, Path]:
 
 @pytest.mark.parametrize(("word", "meaning"), [*EXACT.items(), *INTENDED.items()])
 def test_what_an_angle_means(word: str, meaning: float) -> None:
-    assert angle(float(word), TYPED) == meaning
+    assert angle(float(word), FOUR_DECIMALS) == meaning
     assert angle(float(word), 0.0) == float(word)
 
 
 def test_far_turns_stay() -> None:
     """Angles beyond two full turns stay as they are."""
-    assert angle(8 * math.pi / 2 + 1e-6, TYPED) == 4 * math.pi
-    assert angle(9 * math.pi / 2 + 1e-6, TYPED) == 9 * math.pi / 2 + 1e-6
+    assert angle(8 * math.pi / 2 + 1e-6, FOUR_DECIMALS) == 4 * math.pi
+    assert angle(9 * math.pi / 2 + 1e-6, FOUR_DECIMALS) == 9 * math.pi / 2 + 1e-6
 
 
 @given(st.sampled_from(range(24)), st.tuples(*[st.floats(-1, 1)] * 3))
 def test_rotations_near_right_angles(which: int, turn: tuple[float, float, float]) -> None:
-    small = np.array(rotation_123(tuple(0.4 * TYPED * x for x in turn)))
+    small = np.array(rotation_123(tuple(0.4 * FOUR_DECIMALS * x for x in turn)))
     near: Any = tuple(map(tuple, (RIGHT[which] @ small).tolist()))
-    assert np.array_equal(rotation(near, TYPED), RIGHT[which])
+    assert np.array_equal(rotation(near, FOUR_DECIMALS), RIGHT[which])
     assert rotation(near, 0.0) == near
 
 
@@ -100,13 +100,13 @@ def test_rotations_near_right_angles(which: int, turn: tuple[float, float, float
 def test_rotations_with_one_axis_along_another(which: int, turn: float, tilt: tuple[float, float]) -> None:
     """The tilt of the axis disappears; the rotation about it stays, to the square of the tilt."""
     plane = np.array(rotation_123((0.0, 0.0, turn))) @ RIGHT[which]
-    small = np.array(rotation_123((0.4 * TYPED * tilt[0], 0.4 * TYPED * tilt[1], 0.0)))
+    small = np.array(rotation_123((0.4 * FOUR_DECIMALS * tilt[0], 0.4 * FOUR_DECIMALS * tilt[1], 0.0)))
     near: Any = tuple(map(tuple, (small @ plane).tolist()))
-    found = np.array(rotation(near, TYPED))
+    found = np.array(rotation(near, FOUR_DECIMALS))
     assert np.array_equal(found == 0, plane == 0)
     assert np.abs(found @ found.T - np.eye(3)).max() < 1e-15
     assert np.linalg.det(found) > 0
-    assert np.abs(found - plane).max() <= TYPED**2
+    assert np.abs(found - plane).max() <= FOUR_DECIMALS**2
 
 
 @given(st.integers(0, 2**32))
@@ -115,23 +115,23 @@ def test_other_rotations_and_exact_ones_keep_every_bit(seed: int) -> None:
     far: Any = tuple(map(tuple, systems.random_rotation(rng).tolist()))
     plane = rotation_123((0.0, float(rng.uniform(0.1, 1.4)), 0.0))
     kept: list[Square] = [far, plane]
-    assert [rotation(m, TYPED) for m in kept] == kept
+    assert [rotation(m, FOUR_DECIMALS) for m in kept] == kept
     tilted = rotation_123((1e-8, 1e-8, 6e-17))  # whose cosines are 1 to the last digit
     assert tilted[0][0] == 1
     assert rotation(tilted, 1e-12) == tilted
 
 
 def test_directions() -> None:
-    assert direction((1e-6, -1.0, 0.0), TYPED) == (0.0, -1.0, 0.0)
-    x, y, z = direction((0.6, 0.8, 1e-6), TYPED)
+    assert direction((1e-6, -1.0, 0.0), FOUR_DECIMALS) == (0.0, -1.0, 0.0)
+    x, y, z = direction((0.6, 0.8, 1e-6), FOUR_DECIMALS)
     assert (math.hypot(x, y), z) == (1.0, 0.0)
-    assert direction((0.6, 0.8, 1e-4), TYPED) == (0.6, 0.8, 1e-4)
+    assert direction((0.6, 0.8, 1e-4), FOUR_DECIMALS) == (0.6, 0.8, 1e-4)
 
 
 def test_a_robot_means_what_it_would_say_with_all_digits(tmp_path: Path) -> None:
     typed, exact = typed_and_exact(tmp_path)
-    assert kg.load(typed, right_angles=TYPED) == kg.load(exact)
-    assert kg.load(exact, right_angles=TYPED) == kg.load(exact)
+    assert kg.load(typed, right_angles=FOUR_DECIMALS) == kg.load(exact)
+    assert kg.load(exact, right_angles=FOUR_DECIMALS) == kg.load(exact)
 
 
 def test_by_default_a_file_means_what_it_says(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_quaternions(tmp_path: Path) -> None:
     )
     path = tmp_path / "r.urdf"
     path.write_text(f'<robot name="r">{text}</robot>', encoding="utf-8")
-    (body,) = kg.load(path, right_angles=TYPED).bodies
+    (body,) = kg.load(path, right_angles=FOUR_DECIMALS).bodies
     assert body.joint.orientation == ((1, 0, 0), (0, 0, 1), (0, -1, 0))
     assert kg.load(path).bodies[0].joint.orientation != body.joint.orientation
 
@@ -185,7 +185,7 @@ def test_toml(tmp_path: Path) -> None:
         path = tmp_path / f"{name}.toml"
         path.write_text('name = "m"\n' + TOML.format(**words))
         models.append(path)
-    found, wanted = kg.load(models[0], right_angles=TYPED), kg.load(models[1])
+    found, wanted = kg.load(models[0], right_angles=FOUR_DECIMALS), kg.load(models[1])
     assert found.bodies[0].joint.locked == (half, 0, 0, 1.5708, 0, 0)
     assert found.bodies[1].joint.orientation == (Parameter("tilt", 0.3), quarter, 0.1)
     assert [b.joint.orientation for b in found.bodies] == [b.joint.orientation for b in wanted.bodies]
@@ -207,7 +207,7 @@ def test_arrays() -> None:
 
 def test_saving_loses_nothing(tmp_path: Path) -> None:
     typed, _ = typed_and_exact(tmp_path)
-    for tolerance in (0.0, TYPED):
+    for tolerance in (0.0, FOUR_DECIMALS):
         system = kg.load(typed, right_angles=tolerance)
         system.save(tmp_path / "saved.toml")
         assert kg.load(tmp_path / "saved.toml") == system
@@ -216,7 +216,7 @@ def test_saving_loses_nothing(tmp_path: Path) -> None:
 def test_the_report_says_what_pinocchio_finds(tmp_path: Path) -> None:
     """The reported change of [A], {f} and {ydot} agrees with Pinocchio, which reads the same files."""
     files = typed_and_exact(tmp_path)
-    written, exact = kg.load(files[0]), kg.load(files[0], right_angles=TYPED)
+    written, exact = kg.load(files[0]), kg.load(files[0], right_angles=FOUR_DECIMALS)
     report = exactness(written, exact, states=5, seed=3)
     assert report is not None
     sample = random_states(written, 5, 3)
@@ -264,7 +264,7 @@ def test_the_report_names_bodies_and_counts(tmp_path: Path) -> None:
         written.bodies[0], joint=replace(written.bodies[0].joint, locked=(3.1416, 0, 0, 0, 0, 0))
     )
     turned = replace(written, bodies=(locked, *written.bodies[1:]))
-    report = exactness(turned, turned.with_right_angles(TYPED), states=2)
+    report = exactness(turned, turned.with_right_angles(FOUR_DECIMALS), states=2)
     assert report is not None
     assert report.bodies[0].turned == pytest.approx(3.1416 - math.pi)
     assert exactness(exact, exact) is None
@@ -273,7 +273,7 @@ def test_the_report_names_bodies_and_counts(tmp_path: Path) -> None:
 def test_a_real_robot() -> None:
     """Every joint of the xArm 7 except the first has the angle 1.5708."""
     path = robot_file("xarm7")
-    written, exact = kg.load(path), kg.load(path, right_angles=TYPED)
+    written, exact = kg.load(path), kg.load(path, right_angles=FOUR_DECIMALS)
     report = exactness(written, exact)
     assert report is not None
     assert {entry for body in exact.bodies for row in body.joint.orientation for entry in row} == {-1, 0, 1}
@@ -314,7 +314,7 @@ def test_generate_takes_it(tmp_path: Path) -> None:
     """The C with the option is that of the exact model, byte for byte; without it that of the file."""
     typed, exact = typed_and_exact(tmp_path)
     run = CliRunner()
-    run.invoke(app, ["generate", str(typed), "-o", str(tmp_path / "c"), "--right-angles", str(TYPED)])
+    run.invoke(app, ["generate", str(typed), "-o", str(tmp_path / "c"), "--right-angles", str(FOUR_DECIMALS)])
     run.invoke(app, ["generate", str(typed), "-o", str(tmp_path / "d")])
     assert (tmp_path / "c" / "r.c").read_text() == kg.generate(kg.load(exact)).files["r.c"]
     assert (tmp_path / "d" / "r.c").read_text() == kg.generate(kg.load(typed)).files["r.c"]

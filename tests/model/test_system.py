@@ -96,9 +96,9 @@ def test_parameters_are_collected_once_in_order() -> None:
 
 CONNECTIONS = {
     "empty": ([], "connection array is empty"),
-    "not from the ground": ([1, 1], "starts with 1: body 1 must hang on the ground"),
-    "upward": ([0, 3, 1], "body 2 hangs on the higher body 3"),
-    "itself": ([0, 2], "body 2 hangs on itself"),
+    "not from the ground": ([1, 1], "starts with 1, but body 1 is connected to the ground"),
+    "upward": ([0, 3, 1], "body 2 has the lower body 3, a higher number"),
+    "itself": ([0, 2], "body 2 is its own lower body"),
     "out of range": ([0, 7], "lower body 7 of body 2 is out of range"),
     "negative": ([0, -1], "lower body -1 of body 2 is out of range"),
     "fraction": ([0, 0.5], r"connection\[1\]: 0.5 is not an integer"),

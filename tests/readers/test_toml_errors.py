@@ -44,7 +44,7 @@ def with_joint(line: str) -> str:
             r"connection: 'a' is no earlier body\. Known are 'ground'",
         ),
         (ONE_BODY + "[[body]]\nconnection = 'bb'\nmass = 1\n", r"body 'body2': .* Did you mean 'b'\?"),
-        ("[[body]]\nconnection = 1\nmass = 1\n", r"body 1 must hang on the ground"),
+        ("[[body]]\nconnection = 1\nmass = 1\n", r"body 1 is connected to the ground"),
         (ONE_BODY + "[[body]]\nconnection = 3\nmass = 1\n", r"lower body 3 of body 2 is out of range 0\.\.1"),
         ("[[body]]\nconnection = 0.0\nmass = 1\n", r"body 'body1': connection: 0\.0 is not an integer"),
         ("[[body]]\nconnection = true\nmass = 1\n", r"connection: True is not an integer"),

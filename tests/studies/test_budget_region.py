@@ -31,8 +31,8 @@ def loaded() -> kg.System:
     return systems.random_system(rng, 2, connection=[0, 1], free=free, loads=True)
 
 
-def range_of(found: Region, what: str, name: str) -> list[float]:
-    return found.as_table()[what][name]
+def range_of(found: Region, item: str, name: str) -> list[float]:
+    return found.as_table()[item][name]
 
 
 def test_a_file_with_everything(tmp_path: Path, pendulum: kg.System) -> None:
@@ -190,9 +190,9 @@ def test_states_that_cancel_are_excluded(pendulum: kg.System) -> None:
 
 def test_random_streams_differ() -> None:
     numbers = {
-        (seed, what, k): random_stream(seed, what, k).random()
+        (seed, item, k): random_stream(seed, item, k).random()
         for seed in (0, 1)
-        for what in ("select", "validate", "verify")
+        for item in ("select", "validate", "verify")
         for k in (0, 1)
     }
     assert len(set(numbers.values())) == len(numbers)

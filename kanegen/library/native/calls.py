@@ -20,10 +20,10 @@ from kanegen.library.native import floating_point
 from kanegen.library.native.status import Status
 from kanegen.model.arguments import (
     ARGUMENTS,
-    COMMON,
-    FURTHER,
     LOADS,
+    MODEL_DEPENDENT,
     OPTIONAL,
+    SHAREABLE,
     Floats,
     Values,
     companion,
@@ -35,7 +35,7 @@ from kanegen.program.ir import EVALUATE
 from kanegen.program.precision import Precision
 from kanegen.recursion.outputs import OUTPUTS
 
-EVERY_ARGUMENT = tuple(name for name in ARGUMENTS if name not in FURTHER)
+EVERY_ARGUMENT = tuple(name for name in ARGUMENTS if name not in MODEL_DEPENDENT)
 """Arguments of the function that computes all outputs, in order."""
 
 _NEVER_UNLOAD = getattr(os, "RTLD_NODELETE", 0)
@@ -67,7 +67,7 @@ class NativeLibrary:
         self.source = source
         self.path = path
         read = {array.name for function in source.functions for array in function.inputs}
-        self.named_inputs = tuple(name for name in FURTHER if name in read)
+        self.named_inputs = tuple(name for name in MODEL_DEPENDENT if name in read)
         ffi = cffi.FFI()
         ffi.cdef(source.cdef)
         arrays = formats(source.variant)
@@ -230,7 +230,7 @@ class Call:
     def _unused_load(self, name: str) -> ArrayError:
         """Return the error that says that a load was passed and no body takes loads."""
         return ArrayError(
-            f"{name}: no body of system {self._system!r} takes loads. Say which do in the model's loads."
+            f"{name}: no body of system {self._system!r} takes loads. Enter one among the loads of the model."
         )
 
     def _converted(self, values: Values) -> tuple[list[Floats], tuple[int, ...]]:
@@ -239,7 +239,7 @@ class Call:
         arrays = [state(first, values[k], shape, self._dtype)]
         batch = arrays[0].shape[: arrays[0].ndim - len(shape)]
         for name, k, shape in others:
-            if name in COMMON:
+            if name in SHAREABLE:
                 unloaded = self._unloaded.get(name, {})
                 value = values[k] if name in OPTIONAL else required(name, values[k], self._meaning[name])
                 arrays.append(load(name, value, shape, batch, self._dtype, unloaded))
@@ -252,4 +252,4 @@ def _meaning_of_named_inputs(model: ModelDescription) -> dict[str, str]:
     """Return for each input that is passed by name what it is, for error messages."""
     names = model.prescribed_names
     words = {"count": len(names), "prescribed": ", ".join(names)}
-    return {name: meaning.format(**words) for name, meaning in FURTHER.items()}
+    return {name: meaning.format(**words) for name, meaning in MODEL_DEPENDENT.items()}

@@ -161,10 +161,10 @@ def checked_state(
     require_unprescribed(system, "truth")
     loaded = [point.name for _, point in system.points if point.loads]
     if system.force_elements or loaded:
-        what = "force elements" if system.force_elements else f"loads on points ({', '.join(loaded)})"
+        unsupported = "force elements" if system.force_elements else f"loads on points ({', '.join(loaded)})"
         raise OptionError(
-            f"system {system.name!r} has {what}, for which there are no exact results. Leave them out of the "
-            "model that is measured."
+            f"system {system.name!r} has {unsupported}, for which there are no exact results. Leave them out "
+            "of the model that is measured."
         )
     n, loads = (len(system.freedoms),), (system.number_of_bodies, 3)
     coordinates = (len(system.coordinates),)
@@ -227,14 +227,14 @@ def _require_overlap(name: str, first: Enclosure, second: Enclosure) -> None:
         )
 
 
-def _finite_array(value: ArrayLike | None, shape: tuple[int, ...], what: str) -> Floats:
-    """Return `value` as doubles of this shape, zeros for None; `what` names it in error messages."""
+def _finite_array(value: ArrayLike | None, shape: tuple[int, ...], label: str) -> Floats:
+    """Return `value` as doubles of this shape, zeros for None; `label` names it in error messages."""
     if value is None:
         return np.zeros(shape)
     array = np.asarray(value)
     if array.dtype.kind not in "iuf" or array.shape != shape:
         found = f"{array.dtype} of shape {array.shape}"
-        raise ArrayError(f"{what}: expected real numbers of shape {shape}, got {found}.")
+        raise ArrayError(f"{label}: expected real numbers of shape {shape}, got {found}.")
     if not np.isfinite(array).all():
-        raise ArrayError(f"{what}: every number must be finite.")
+        raise ArrayError(f"{label}: every number must be finite.")
     return array.astype(np.float64)

@@ -262,15 +262,15 @@ def measurable_outputs(
     return names
 
 
-def _rounded_rows(value: ArrayLike | None, y: Floats, precision: Precision, what: str) -> Floats:
+def _rounded_rows(value: ArrayLike | None, y: Floats, precision: Precision, label: str) -> Floats:
     """Return `value` (B, n) as numbers that `precision` can hold; zeros for None.
 
     Raises:
-        ArrayError: If it does not have the shape of `y`; `what` names it in the message.
+        ArrayError: If it does not have the shape of `y`; `label` names it in the message.
     """
     array = np.zeros(y.shape) if value is None else np.asarray(value)
     if array.shape != y.shape:
-        raise ArrayError(f"{what}: expected shape {y.shape}, got {array.shape}.")
+        raise ArrayError(f"{label}: expected shape {y.shape}, got {array.shape}.")
     return array.astype(precision.dtype).astype(np.float64)
 
 
@@ -279,8 +279,8 @@ def _results(library: MeasuredLibrary, name: str, states: States, tau: Floats, y
     storage = precision_named(library.storage)
     x, y, tau, ydot = (storage.from_doubles(values) for values in (states.x, states.y, tau, ydot))
     loads = {
-        what: None if load is None else storage.from_doubles(load)
-        for what, load in (("force", states.force), ("torque", states.torque))
+        argument: None if load is None else storage.from_doubles(load)
+        for argument, load in (("force", states.force), ("torque", states.torque))
     }
     if name == "mass_matrix":
         return library.mass_matrix(x)

@@ -1,4 +1,4 @@
-"""What every kind of force element can do: its fields hold names, numbers, expressions or tuples of these."""
+"""`ForceElement`, the base class of force elements; fields hold names, numbers, expressions or tuples."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ForceElement:
     EXPRESSION_FIELDS: ClassVar[tuple[str, ...]] = ()
 
     def map_numbers(self, change: Callable[[Number], Number]) -> Self:
-        """Return the same element with `change` applied to every number, those of expressions included.
+        """Return the same element with `change` applied to every number, also inside expressions.
 
         Example:
             plain = element.map_numbers(value_of)  # parameters at their defaults
@@ -47,7 +47,7 @@ class ForceElement:
         )
 
     def numbers(self) -> Iterator[Number]:
-        """Yield every number of the element, those of expressions included.
+        """Yield every number of the element, also inside expressions.
 
         Example:
             list(kg.JointSpring("arm.theta3", stiffness=40.0).numbers())  # [40.0, 0.0, 0.0]

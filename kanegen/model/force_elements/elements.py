@@ -1,6 +1,7 @@
 """The kinds of force elements: springs, drives, loads on points, potentials.
 
-They name freedoms and points; `names.with_resolved_names` looks the names up when a system is made.
+Force elements refer to freedoms and points by name; `names.with_resolved_names` looks the names up when a
+system is made.
 """
 
 from __future__ import annotations
@@ -118,7 +119,7 @@ class PointLoad(ForceElement):
     Attributes:
         point: Name of the point.
         force: (3,) force that acts at the point (N), expressions of {x}, {y}, t and parameters.
-        moment: (3,) moment on the body of the point (N m), expressions likewise.
+        moment: (3,) moment on the body of the point (N m), expressions of the same variables.
 
     Raises:
         ModelError: If a component is no expression, or there are not three.
@@ -181,7 +182,7 @@ def _check_spring(spring: JointSpring | Spring, rest: str) -> None:
         raise ModelError(f"{spring.KEY} without stiffness and damping: give one of them.")
 
 
-def _name(value: object, what: str) -> str:
+def _name(value: object, label: str) -> str:
     if not isinstance(value, str):
-        raise ModelError(f"{what}: {value!r} is not a name.")
+        raise ModelError(f"{label}: {value!r} is not a name.")
     return value

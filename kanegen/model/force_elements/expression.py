@@ -1,7 +1,7 @@
-"""Expressions in a model: trees of numbers, variables, operations and powers, and how they print.
+"""Expressions in a model: trees of numbers, variables, operations and powers, and their conversion to text.
 
-`grammar` reads them. The derivation differentiates and lowers them through SymPy, and the reference evaluates
-them in NumPy, independently.
+`grammar` parses expressions. The derivation differentiates and lowers them through SymPy; the reference
+evaluates them in NumPy, independently.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Leaf = Constant | Variable
 
 @dataclass(frozen=True)
 class Power:
-    """A power with a whole exponent, which is no parameter."""
+    """A power whose exponent is an integer, never a parameter."""
 
     base: Node
     exponent: int

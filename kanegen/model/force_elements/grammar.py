@@ -1,4 +1,4 @@
-"""The grammar of expressions, and a reader that evaluates nothing.
+"""The grammar of expressions, and a parser that evaluates nothing.
 
     expression = number | variable | parameter | "(" expression ")" | function "(" expression ")"
                | ("+" | "-") expression | expression ("+" | "-" | "*" | "/") expression
@@ -50,7 +50,7 @@ def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
         parameters: Parameters whose names the text may contain.
 
     Raises:
-        ModelError: If the text does not follow the grammar; says which part, and what is possible.
+        ModelError: If the text does not follow the grammar; the message quotes the part that does not.
 
     Example:
         kg.parse("k*sin(x.arm.theta3)", [kg.Parameter("k", 2.0)])
@@ -71,7 +71,7 @@ def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
 def _tree(text: str) -> ast.expr:
     """Return the syntax tree that Python's parser makes of a text."""
     try:
-        with warnings.catch_warnings(action="ignore"):  # Python warns of texts that are refused later
+        with warnings.catch_warnings(action="ignore"):  # Python's warnings are about texts refused below
             return ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
         where = f" near column {error.offset}" if error.offset else ""

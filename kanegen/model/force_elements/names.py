@@ -1,7 +1,7 @@
-"""Names of coordinates, speeds and points in force elements, looked up when a system is made.
+"""Name resolution for force elements: coordinates, speeds and points, looked up when a system is made.
 
-Every name becomes `<body>.<freedom>`, also where the joint has a name of its own or the freedom is locked, so
-that locking a freedom changes no element.
+Every name becomes `<body>.<freedom>`, also where the joint has a name or the freedom is locked, so that
+locking a freedom changes no element.
 """
 
 from __future__ import annotations
@@ -56,10 +56,10 @@ def variable_places(bodies: Sequence[Body]) -> dict[str, Place]:
 
 
 def with_resolved_names(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[ForceElement, ...]:
-    """Return the elements, kind by kind, with names that do not change when a freedom is locked.
+    """Return the elements in the order of `KINDS`, with names that do not change when a freedom is locked.
 
     Raises:
-        ModelError: If a name is unknown, or an element makes no sense where it acts.
+        ModelError: If a name is unknown, or an element cannot act on the freedom or points that it names.
     """
     resolver = _Resolver(bodies)
     found = [resolver.resolved(element) for element in elements]
@@ -67,7 +67,7 @@ def with_resolved_names(elements: Iterable[ForceElement], bodies: Sequence[Body]
 
 
 def referenced_variables(elements: Iterable[ForceElement]) -> set[str]:
-    """Return the variables of elements, and as variables the freedoms on which elements act."""
+    """Return the variables in expressions of elements, and x and y of the freedoms on which elements act."""
     found: set[str] = set()
     for element in elements:
         found |= {name for expression in element.expressions() for name in expression.variables}
@@ -82,7 +82,7 @@ class _Names:
 
     Attributes:
         kind: "coordinate" or "speed", for messages.
-        known: By every name the name that does not change when a freedom is locked.
+        known: For every name, the name that does not change when a freedom is locked.
     """
 
     kind: str
@@ -95,9 +95,9 @@ class _Names:
             first.setdefault(place, name)
         return cls(kind, {name: first[place] for name, place in places.items()})
 
-    def named(self, name: str, what: str) -> str:
+    def named(self, name: str, label: str) -> str:
         if name not in self.known:
-            raise ModelError(f"{what}: there is no {self.kind} {name!r}. {did_you_mean(name, self.known)}")
+            raise ModelError(f"{label}: there is no {self.kind} {name!r}. {did_you_mean(name, self.known)}")
         return self.known[name]
 
 
@@ -129,23 +129,23 @@ class _Resolver:
                     self._require_rate(name, element.KEY)
         return element
 
-    def _variable(self, name: str, what: str) -> str:
+    def _variable(self, name: str, label: str) -> str:
         for vector, names in (("x", self._coordinates), ("y", self._speeds)):
             if name.startswith(f"{vector}."):
-                return f"{vector}.{names.named(name[2:], what)}"
+                return f"{vector}.{names.named(name[2:], label)}"
         if name != TIME:
             raise ModelError(
-                f"{what}: {name!r} is not known. Write x.<coordinate>, y.<speed>, t or a parameter."
+                f"{label}: {name!r} is not known. Write x.<coordinate>, y.<speed>, t or a parameter."
             )
         return name
 
-    def _require_rate(self, variable: str, what: str) -> None:
+    def _require_rate(self, variable: str, label: str) -> None:
         """Raise a `ModelError` if the rate of a coordinate is needed, but is not among the speeds."""
         k, index = self._places[variable[2:]]
         body = self._bodies[k - 1]
         if index >= len(FREEDOMS) or not SPEED_KINDS[body.joint.speed_kinds[index]].is_rate:
             raise ModelError(
-                f"{what}: the speeds of body {body.name!r} are its angular velocity, so none is the rate of "
+                f"{label}: the speeds of body {body.name!r} are its angular velocity, so none is the rate of "
                 f"{variable!r} alone. Keep angles and their rates there, or use a drive on "
                 f"'{body.name}.omega1' to 'omega3'."
             )
@@ -159,8 +159,8 @@ class _Resolver:
                 "points of two bodies, or a place [x, y, z] of the ground."
             )
 
-    def _body(self, point: str, what: str) -> int:
+    def _body(self, point: str, label: str) -> int:
         """Return the number of the body of a point, which must exist."""
         if point not in self._points:
-            raise ModelError(f"{what}: there is no point {point!r}. {did_you_mean(point, self._points)}")
+            raise ModelError(f"{label}: there is no point {point!r}. {did_you_mean(point, self._points)}")
         return self._points[point]

@@ -1,9 +1,9 @@
-"""Outputs of the generated code: one table that holds what each computes, reads and requires.
+"""Outputs of the generated code: one table of the arrays that they fill and read, and of their derivations.
 
-`table` has one entry an output, and everything else asks the table: `recursion.derivation`, the C functions
-(`selection.function_signatures`), the methods of `library.Library`, the command line. `inputs` has the arrays
-that functions read. A new output is one entry, one function that derives it, one method of `Library`, and one
-function of `reference` to compare with.
+`table` has one entry for each output, from which everything else follows: `recursion.derivation`, the C
+functions (`selection.function_signatures`), the methods of `library.Library`, the command line. `inputs` has
+the arrays that functions read. A new output is one entry, one function that derives it, one method of
+`Library`, and one function of `reference` to compare with.
 """
 
 from kanegen.recursion.outputs.inputs import input_arrays

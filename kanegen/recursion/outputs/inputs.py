@@ -18,7 +18,7 @@ Elements = tuple[tuple[Symbol, str], ...]
 LOADS = ("force", "torque", "point_force", "point_moment", "t")
 """Loads on a system beside gravity and {tau}, and the time on which they may depend."""
 
-EVERYWHERE = ("prescribed",)
+READ_BY_ALL = ("prescribed",)
 """Arrays that every output may read."""
 
 

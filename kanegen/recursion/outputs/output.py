@@ -1,11 +1,11 @@
-"""What the table of outputs records of an output, before there is a system."""
+"""The classes of entries in the table of outputs, which do not depend on a system."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sized
 from dataclasses import dataclass
 
-from kanegen.model.arguments import ARGUMENTS, FURTHER
+from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS, Array
 from kanegen.recursion.refinement import Solution
@@ -27,7 +27,7 @@ class Recursion:
 
 @dataclass(frozen=True)
 class OfSolution:
-    """Derivation from the solution {ydot} of [A]{ydot} = {f} + {tau}; the method is the solver that found it.
+    """Derivation from the solution {ydot} of [A]{ydot} = {f} + {tau}; its method is the name of the solver.
 
     Attributes:
         derive: Function that returns the entries.
@@ -44,7 +44,7 @@ class Derivative:
         of: The differentiated quantity, as documented in the generated C.
         unit: Unit of the differentiated quantity.
         needs: Names of the outputs whose programs are differentiated.
-        by: Names of the arrays by whose elements they are differentiated; the run-time parameters are added.
+        by: Names of the arrays with respect to which they are differentiated; run-time parameters are added.
     """
 
     of: str
@@ -88,11 +88,11 @@ class Derivative:
 
 @dataclass(frozen=True)
 class Subject:
-    """Part of a system that an output is about and that not every system has, such as points.
+    """A part that a system must have for an output to exist, such as points.
 
     Attributes:
         found: Function that returns these parts of a system.
-        missing: End of the error message about a system without them; says how to add some.
+        missing: End of the error message for a system without such parts, with the way to add some.
     """
 
     found: Callable[[System], Sized]
@@ -106,9 +106,9 @@ class Output:
     Attributes:
         name: Name of the output, of its C function and of its method in `Library`.
         array: Function that returns the array which the output fills: name in C, shape, unit, documentation.
-        inputs: Names of the arrays that the output may read, beside those of `inputs.EVERYWHERE`.
-        derivation: The way in which its entries are derived.
-        subject: Part of a system that the output is about; None if every system has the output.
+        inputs: Names of the arrays that the output may read, beside those of `inputs.READ_BY_ALL`.
+        derivation: Algorithm that derives the entries.
+        subject: Part that a system must have; None if every system has the output.
     """
 
     name: str
@@ -125,8 +125,8 @@ class Output:
     @property
     def arguments(self) -> tuple[str, ...]:
         """Arguments of the method in `Library`, in order; further inputs are passed by name."""
-        return tuple(name for name in ARGUMENTS if name in self.inputs and name not in FURTHER)
+        return tuple(name for name in ARGUMENTS if name in self.inputs and name not in MODEL_DEPENDENT)
 
     def is_available(self, system: System) -> bool:
-        """Return whether a system has what the output is about."""
+        """Return whether a system has the parts that the output requires."""
         return self.subject is None or len(self.subject.found(system)) > 0

@@ -10,7 +10,7 @@ from kanegen.errors import OptionError
 from kanegen.model.system import System
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
-from kanegen.recursion.outputs.inputs import EVERYWHERE, input_arrays
+from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
 from kanegen.recursion.outputs.output import Derivative
 from kanegen.recursion.outputs.table import OUTPUTS
 
@@ -19,7 +19,7 @@ def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
     """Return the names `outputs`, checked, in the order of `OUTPUTS`, each once.
 
     Raises:
-        OptionError: If there is no name, or one is unknown.
+        OptionError: If `outputs` is empty or contains an unknown name.
     """
     asked = several("outputs", "output", outputs, OUTPUTS)
     if not asked:
@@ -33,10 +33,10 @@ def available(system: System) -> tuple[str, ...]:
 
 
 def require_available(system: System, outputs: Iterable[str]) -> None:
-    """Make sure that a system has the parts that the outputs are about.
+    """Make sure that a system has the parts that the outputs require.
 
     Raises:
-        OptionError: If it has no such parts, such as points.
+        OptionError: If such a part, for example a point, is missing.
     """
     for name in outputs:
         output = OUTPUTS[name]
@@ -45,7 +45,7 @@ def require_available(system: System, outputs: Iterable[str]) -> None:
 
 
 def prerequisites(outputs: Sequence[str]) -> tuple[str, ...]:
-    """Return the outputs to derive for `outputs`: derivatives are replaced by what they differentiate."""
+    """Return the outputs to derive for `outputs`: derivatives are replaced by the outputs differentiated."""
     found: list[str] = []
     for name in outputs:
         derivation = OUTPUTS[name].derivation
@@ -60,9 +60,9 @@ def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array
 
 
 def function_signatures(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
-    """Return the arrays of each C function: one function an output, and `EVALUATE` for several together."""
+    """Return the arrays of each C function: one function per output, and `EVALUATE` for several together."""
     arrays = [array.name for array in input_arrays(system)]
-    read = {name: {*OUTPUTS[name].inputs, *EVERYWHERE} for name in outputs}
+    read = {name: {*OUTPUTS[name].inputs, *READ_BY_ALL} for name in outputs}
     groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}
     if len(outputs) > 1:
         groups[EVALUATE] = tuple(outputs)

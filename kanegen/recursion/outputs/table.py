@@ -1,4 +1,4 @@
-"""The table of outputs: one entry an output, in the order in which the generated C has them."""
+"""The table of outputs: one entry per output, in the order of the generated C."""
 
 from __future__ import annotations
 

@@ -208,15 +208,15 @@ class Domain:
         """Return the ranges as plain data, by the names of elements and bodies."""
         pairs = np.stack([self.low, self.high], axis=1).tolist()
         parts: dict[str, Any] = {
-            what: dict(zip(names, pairs[self.first[what] :], strict=False))
-            for what, names in self.elements.items()
+            argument: dict(zip(names, pairs[self.first[argument] :], strict=False))
+            for argument, names in self.elements.items()
         }
         if self.loads:
             bodies = [body.name for body in self.system.bodies]
-            for what in ("force", "torque"):
-                start = self.first[what]
+            for argument in ("force", "torque"):
+                start = self.first[argument]
                 ranges_of = [pairs[start + 3 * row : start + 3 * row + 3] for row in range(len(bodies))]
-                parts[what] = dict(zip(bodies, ranges_of, strict=True))
+                parts[argument] = dict(zip(bodies, ranges_of, strict=True))
         return {**parts, "clearance": self.clearance, "rounded_to": GRID.name}
 
 

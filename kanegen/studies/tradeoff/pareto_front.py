@@ -23,12 +23,12 @@ class Point(Generic[T]):
     """An object with a time and an error.
 
     Attributes:
-        what: The object.
+        item: The object that the point stands for.
         time: Its time (ns).
         error: Its error.
     """
 
-    what: T
+    item: T
     time: float
     error: float
 
@@ -71,7 +71,7 @@ def verdict(front: Sequence[Point[T]], label: Callable[[T], str], every: Sequenc
         others = [point for point in every if point is not fast and math.isfinite(point.time)]
         slowest = max((point.time for point in others), default=fast.time)
         return (
-            f"There is no trade-off: {label(fast.what)} is both the fastest ({fast.time:.3g} ns) and the "
+            f"There is no trade-off: {label(fast.item)} is both the fastest ({fast.time:.3g} ns) and the "
             f"most accurate ({fast.error:.1e}); the others take up to {slowest / fast.time:.2f} times as "
             "long."
         )
@@ -79,13 +79,13 @@ def verdict(front: Sequence[Point[T]], label: Callable[[T], str], every: Sequenc
     loss = fast.error / accurate.error if accurate.error > 0 else math.inf
     if loss < FLAT:
         return (
-            f"There is no trade-off: from {label(accurate.what)} to {label(fast.what)} the error grows "
+            f"There is no trade-off: from {label(accurate.item)} to {label(fast.item)} the error grows "
             f"only {loss:.2f} times, from {accurate.error:.1e} to {fast.error:.1e}, and the time falls "
             f"{speed:.2f} times, from {accurate.time:.3g} to {fast.time:.3g} ns: the fastest will do for all."
         )
-    steps = "; ".join(f"{label(point.what)} {point.time:.3g} ns, {point.error:.1e}" for point in front)
+    steps = "; ".join(f"{label(point.item)} {point.time:.3g} ns, {point.error:.1e}" for point in front)
     return (
-        f"There is a trade-off: {label(fast.what)} is {speed:.3g} times as fast as {label(accurate.what)}, "
+        f"There is a trade-off: {label(fast.item)} is {speed:.3g} times as fast as {label(accurate.item)}, "
         f"with {loss:.2g} times the error. The Pareto front: {steps}."
     )
 

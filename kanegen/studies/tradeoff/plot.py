@@ -56,11 +56,11 @@ def _errors(panel: Any, study: Study, objective: str) -> None:
     """Draw the errors of all variants and the Pareto front."""
     _scatter(panel, study, objective, lambda errors: errors.quantile(study.share))
     for point in study.points(objective):
-        ends = (point.what.errors[objective].median, point.error)
+        ends = (point.item.errors[objective].median, point.error)
         if all(map(math.isfinite, ends)):
             panel.plot([point.time] * 2, [max(end, LEAST) for end in ends], color="0.85", zorder=0)
     best = [confirmed.result for confirmed in study.pareto_fronts[objective]]
-    corners = [point for point in study.points(objective) if any(point.what is result for result in best)]
+    corners = [point for point in study.points(objective) if any(point.item is result for result in best)]
     corners.sort(key=lambda point: point.time)
     panel.step(
         [point.time for point in corners],
@@ -82,10 +82,10 @@ def _scatter(panel: Any, study: Study, objective: str, figure: Callable[[Measure
     """Draw a figure of the errors of each program against its time; colours are precisions, marks solvers."""
     colours = {name: f"C{number}" for number, name in enumerate(_precisions(study))}
     for point in study.points(objective):
-        if point.what.same_as is None:
-            variant = point.what.candidate.variant
+        if point.item.same_as is None:
+            variant = point.item.candidate.variant
             style = {"color": colours[variant.precision], "markersize": 4, "linestyle": "", "alpha": 0.8}
-            value = figure(point.what.errors[objective])
+            value = figure(point.item.errors[objective])
             if math.isfinite(value):
                 mark, name = _MARKS.get(variant.solver, "^"), f"{variant.precision}, {variant.solver}"
                 panel.plot(point.time, max(value, LEAST), mark, label=name, **style)

@@ -129,14 +129,14 @@ class _Measuring:
             for one, result in results.items()
             if result.same_as is None and (point := result.point(objective, share)) is not None
         ]
-        best = [point.what for point in pareto_front(points)]
+        best = [point.item for point in pareto_front(points)]
         sample = self._domain.sample(options.states, (options.seed, VALIDATE))
         errors = {one: self._evaluator.errors(one, sample, objective) for one in best}
         times = self._times(best)
         fresh = pareto_front(
             Point(one, times[one][objective].median, errors[one].quantile(share)) for one in best
         )
-        stay = [point.what for point in fresh]
+        stay = [point.item for point in fresh]
         found = {one: self._search(one, sample, errors[one], objective) for one in best}
         return tuple(
             ConfirmedVariant(results[one], errors[one], times[one], *found[one], one in stay) for one in best

@@ -184,17 +184,17 @@ def needed_definitions(
     return tuple(reversed(needed))
 
 
-def _load(load: ArrayLike | None, rows: int, what: str) -> Floats:
-    """Return a load, (3 rows,), zeros where there is none; `what` is its name in error messages."""
-    return np.zeros(3 * rows) if load is None else _array(load, (rows, 3), what).ravel()
+def _load(load: ArrayLike | None, rows: int, label: str) -> Floats:
+    """Return a load, (3 rows,), zeros where there is none; `label` is its name in error messages."""
+    return np.zeros(3 * rows) if load is None else _array(load, (rows, 3), label).ravel()
 
 
-def _array(value: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
-    """Return an argument as an array of that shape; `what` is its name in error messages."""
+def _array(value: ArrayLike, shape: tuple[int, ...], label: str) -> Floats:
+    """Return an argument as an array of that shape; `label` is its name in error messages."""
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
-        raise ArrayError(f"{what}: expected real numbers of shape {shape}, got {value!r}.") from None
+        raise ArrayError(f"{label}: expected real numbers of shape {shape}, got {value!r}.") from None
     if array.shape != shape:
-        raise ArrayError(f"{what} has shape {array.shape}; expected {shape}.")
+        raise ArrayError(f"{label} has shape {array.shape}; expected {shape}.")
     return array
