@@ -86,9 +86,8 @@ def _method(options: GrowthOptions) -> str:
 - *operations*: operations of one evaluation, as `kanegen info` counts them.
 - *generation*: time of `kg.generate` in a new process; *derivation* is its part for the recursive form.
 - *memory*: peak memory of that process beyond that of kanegen and the tree.
-- *C*, *compile*, *.text*: size of the C file, time to compile it with `{" ".join(STRICT.flags)}`, and size of
-the
-  instructions; *batch* is the same for the file for many states at once.
+- *C*, *compile*, *.text*: size of the C file, time to compile it with `{" ".join(STRICT.flags)}`, and size
+  of the instructions; *batch* is the same for the file for many states at once.
 - *one state*: time of one call, from {options.turns} processes of {options.seconds:g} s each, in turns."""
 
 
