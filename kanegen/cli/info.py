@@ -29,7 +29,12 @@ def info(
     coordinates: Coordinates = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show the tree of MODEL, its freedoms and parameters, and the number of operations of its outputs."""
+    """Show the tree of MODEL, its freedoms and parameters, and the number of operations of its outputs.
+
+    The column "prepare" counts operations that depend on parameters alone and run once for each set of
+    parameters. The rows "this after ..." count the operations of [A] and {f} together after each pass of the
+    optimiser.
+    """
     from kanegen.cli.summary import RightAngleChanges, summarize
     from kanegen.cli.summary_text import show
     from kanegen.model.right_angles import FOUR_DECIMALS

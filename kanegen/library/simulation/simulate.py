@@ -63,8 +63,10 @@ def simulate(
         x: (m,) or (B, m) coordinates at the first time, rad, m or 1; (B, m) with fixed steps only.
         y: (n,) or (B, n) generalized speeds at the first time, rad/s and m/s.
         times: (T,) increasing times at which states are wanted, s; the first is that of `x` and `y`.
-        method: One of `METHODS`. "RK4" is of order 4; "semi-implicit Euler" of order 1 and "leapfrog" of
-            order 2 keep the energy of a conservative system near its value for a very long time.
+        method: One of `METHODS`. With fixed steps, "RK4" is of order 4; "semi-implicit Euler" of order 1 and
+            "leapfrog" of order 2 keep the energy of a conservative system near its value for a very long
+            time. SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit and of
+            order 5, for stiff systems.
         step: Largest fixed step, s; every interval between two times is cut into equal steps.
         tolerance: Relative and absolute error of a step of the adaptive methods, from 1e-13 to 0.1; 1e-10 by
             default.
