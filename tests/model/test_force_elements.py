@@ -30,6 +30,7 @@ from kanegen.symbolic import derive
 from tests.c.test_c_compilers import CPP, WARNINGS, C, run
 from tests.support import systems
 from tests.support.acting import acted_on, pointed
+from tests.support.cases import slow_except
 from tests.support.command import kanegen
 from tests.support.general_programs import require_equal
 from tests.support.paths import MODELS
@@ -57,7 +58,7 @@ def first_state(states: States, system: kg.System) -> dict[str, Any]:
     return found | {name: one[0] for name, one in states.inputs.items()}
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", slow_except(range(12), 0, 1, 2, 3, 6))
 def test_programs_agree_with_the_reference(seed: int) -> None:
     """[A], {f}, inverse dynamics, and {ydot} by every solver agree with the reference."""
     system = driven(seed, 1 + seed % 5)
@@ -75,8 +76,8 @@ def test_programs_agree_with_the_reference(seed: int) -> None:
     assert np.abs(found["acceleration"] - ydot).max() <= 1e-13 * np.linalg.cond(matrix) * np.abs(ydot).max()
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_so_do_the_literal_equations(seed: int) -> None:
+@pytest.mark.parametrize("seed", slow_except(range(5), 1, 2))
+def test_literal_equations_agree_with_the_reference(seed: int) -> None:
     system = driven(seed, 2)
     states = random_states(system, 1, seed)
     x, y, further = states.x[0], states.y[0], {name: one[0] for name, one in states.inputs.items()}
@@ -184,7 +185,7 @@ def test_a_pendulum_with_a_torsion_spring_and_a_tangential_load() -> None:
     assert force(oscillator(*elements, free="theta1"), theta, 0.0) == pytest.approx(expected, rel=1e-15)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", slow_except(range(6), 1, 2))
 def test_the_energy_changes_by_the_power_of_what_is_not_conservative(seed: int) -> None:
     """d(T + V)/dt is the sum of efforts times speeds, by differences in 60 digits; 0 without dissipation."""
     system = driven(seed, 3)
@@ -299,13 +300,13 @@ def test_derivatives_go_through_force_elements() -> None:
             assert np.abs(column - expected).max() <= 1e-12 * (1 + np.abs(expected).max()) * 10
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", slow_except(range(4), 1, 2))
 def test_specialised_and_general_programs_agree(seed: int) -> None:
     system = driven(seed, 3)
     require_equal(replace(system, bodies=tuple(body.without_loads() for body in system.bodies)), seed)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", slow_except(range(4), 1, 2))
 def test_locked_joints_carry_what_acts_on_them(seed: int) -> None:
     """Reactions contain the efforts of elements on locked freedoms."""
     system = driven(seed, 3)
@@ -323,7 +324,7 @@ def test_locked_joints_carry_what_acts_on_them(seed: int) -> None:
     assert reactions(system, state) == pytest.approx(expected, abs=1e-13 * max(map(abs, every.values())))
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", slow_except(range(4), 1, 2))
 def test_prescribed_freedoms_are_driven_against_what_acts_on_them(seed: int) -> None:
     """{f} and efforts are right with elements on prescribed freedoms, and so is the literal {f}."""
     system = driven(seed, 3)
@@ -409,7 +410,7 @@ def test_c_is_clean(tmp_path: Path) -> None:
     source.write(tmp_path)
     name = source.model.name
     files = (f"{name}.c", f"{name}_batch.c", "main.c")
-    run(*C["gcc"], "-std=c99", "-O1", *WARNINGS, *files, "-lm", "-o", "example", folder=tmp_path)
+    run(*C["gcc"], "-std=c99", "-O0", *WARNINGS, *files, "-lm", "-o", "example", folder=tmp_path)
     assert "forward_dynamics" in run("./example", folder=tmp_path)
     run(
         *CPP["g++"], "-x", "c++", "-std=c++11", "-fsyntax-only", "-Wall", "-Werror", files[2], folder=tmp_path

@@ -22,6 +22,7 @@ from kanegen.studies.tradeoff.evaluator import convert_sample
 from kanegen.symbolic import derive
 from kanegen.symbolic.printing import render
 from tests.support import systems
+from tests.support.cases import slow_except
 from tests.support.orientation_trees import (
     ANGULAR_VELOCITY,
     ARRAYS,
@@ -37,7 +38,7 @@ from tests.support.paths import MODELS
 OUTPUTS = (*ARRAYS, "kinetic_energy", "potential_energy", "momentum", "mass_center", "body_poses")
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1, 2))
 def test_truth_and_reference(seed: int) -> None:
     """The recursion agrees with two algorithms in ball arithmetic and the notes' equations in NumPy."""
     system = with_quaternions(seed)
@@ -52,7 +53,7 @@ def test_truth_and_reference(seed: int) -> None:
     close(reference.forcing(system, given["x"], given["y"], **loads), exact["forcing"].value)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", slow_except(range(6), 0, 1, 2))
 def test_angles_of_the_same_orientation(seed: int) -> None:
     """Every output equals that with angles, for the same orientations and angular velocities."""
     turned = with_quaternions(seed)
@@ -74,7 +75,7 @@ def test_angles_of_the_same_orientation(seed: int) -> None:
         close(ours[output], value)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_except(range(3), 0, 1))
 def test_the_literal_equations(seed: int) -> None:
     system = with_quaternions(seed)
     given = quaternion_state(system, seed)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 import kanegen as kg
@@ -17,6 +19,7 @@ FORWARD = ("forward_dynamics",)
 SOLVERS = ("articulated bodies", "factorisation")
 
 
+@cache
 def rods(ratio: float, bodies: int = 8) -> kg.System:
     """Return a planar chain of slender rods of 1 m, each heavier than the one before by `ratio`."""
     mass = np.array([ratio**k for k in range(bodies)])
@@ -41,6 +44,7 @@ def sample(system: kg.System, count: int, seed: int, precision: Precision) -> tu
     return states.rounded(precision), tau.astype(precision.dtype).astype(float)
 
 
+@cache
 def mixed(seed: int) -> kg.System:
     """Return a random tree with all kinds of joints and with loads."""
     rng = np.random.default_rng(seed)
