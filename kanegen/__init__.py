@@ -1,6 +1,6 @@
 """kanegen: Kane's equations of motion for a tree of rigid bodies, as C specialised to that tree.
 
-Every name below is imported from its module when it is first used, so that `import kanegen` alone loads
+Every public name is imported from its module when it is first used, so that `import kanegen` alone loads
 neither SymPy nor NumPy.
 
 Example:

@@ -97,7 +97,7 @@ def _diagnosed(size: Size) -> Row:
         for x, y in zip(states.x, states.y, strict=True):
             singularity = library.diagnose(x, y).singularity
             silent.append(singularity is None or singularity.value > 1.001 * distance + DOUBLE.roundoff)
-    return count("distance that diagnose does not tell", silent, f"{len(silent)} states", "none")
+    return count("distance that diagnose does not report", silent, f"{len(silent)} states", "none")
 
 
 @experiment("X8", "Gimbal lock, speeds that are angular velocities")
