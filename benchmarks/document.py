@@ -74,7 +74,9 @@ def section(comparison: Comparison) -> str:
     parts = [f"### {comparison.model}, {comparison.n} freedoms"]
     for quantity in QUANTITIES:
         parts.append(
-            markdown_table(table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXTS)
+            markdown_table(
+                table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXT_COLUMNS
+            )
         )
     return "\n\n".join([*parts, *table.notes(comparison), *table.left_out(comparison)])
 

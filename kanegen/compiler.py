@@ -1,4 +1,4 @@
-"""The compiler: a tree of rigid bodies becomes C that computes its equations of motion and is checked.
+"""The compiler: from a tree of rigid bodies to C that computes its equations of motion, and its check.
 
 TOML / URDF / arrays
     |  readers      text -> System
@@ -8,9 +8,9 @@ System
     |  derive       Kane's equations by recursion, every intermediate named -> RecursiveForm
     |  lower        every definition becomes a few instructions; derivatives -> Program
     |  passes       Program -> Program, with operations counted
-    |  split        a program for each function; what depends on parameters alone goes into `prepare`
+    |  split        a program for each function; values of parameters alone go into `prepare`
 Module              the one with the fewest operations among the candidates
-    |  c            Jinja templates print header, source and what stands beside them
+    |  c            Jinja templates print header, source and further files
 Source
     |  build        a C compiler, behind a cache
 Library             NumPy in, NumPy out
@@ -90,7 +90,7 @@ def derive(
 
     Raises:
         OptionError: If there are no such speeds or coordinates.
-        SingularError: If [A] is singular in every state; names the body and the freedom.
+        SingularError: If [A] is singular in every state; the message names the body and the freedom.
 
     Example:
         equations = kg.derive(kg.load("models/double_pendulum.toml"))
@@ -135,7 +135,7 @@ def generate(
     Raises:
         OptionError: If an output, a tier or another choice is unknown, or there is nothing to re-anchor.
         ModelError: If a constant leaves the range of the precision.
-        SingularError: If [A] is singular in every state; names the body and the freedom.
+        SingularError: If [A] is singular in every state; the message names the body and the freedom.
 
     Example:
         kg.generate(kg.load("models/eight_body.toml"), precision="float").write("build/")

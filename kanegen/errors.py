@@ -1,7 +1,7 @@
 """The errors that kanegen raises, one class for each kind of mistake that a user can make.
 
 Every class is a `KanegenError`, which is a `ValueError`, so one `except` catches them all. A message says
-what is wrong, where, and how to mend it.
+the mistake, its place and its remedy.
 """
 
 
@@ -38,7 +38,7 @@ class BuildError(KanegenError):
 
 
 class MissingError(KanegenError):
-    """An optional package is not installed, or a program beside kanegen cannot do what is asked."""
+    """An optional package is not installed, or another program lacks a feature that is needed."""
 
 
 class BudgetError(KanegenError):

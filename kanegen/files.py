@@ -41,7 +41,7 @@ def require_writable(*paths: Path | None) -> None:
         paths: Paths of files that may or may not exist; None is ignored.
 
     Raises:
-        WriteError: If one of the files cannot be written.
+        WriteError: If a file cannot be written.
     """
     for path in paths:
         if path is not None:
@@ -54,7 +54,7 @@ def require_writable(*paths: Path | None) -> None:
 
 @contextlib.contextmanager
 def _temporary(path: Path) -> Iterator[Path]:
-    """Yield the path of a temporary file beside `path`; raise what fails as a `WriteError` about `path`."""
+    """Yield the path of a temporary file beside `path`; failures become a `WriteError` about `path`."""
     temporary = path
     try:
         temporary = path.with_name(f".{path.name}.{os.getpid()}.part")

@@ -1,7 +1,7 @@
-"""The choices that trade speed for accuracy, as one value that goes with the C it shaped.
+"""The choices that trade speed for accuracy, as one value that is recorded in the generated C.
 
-Every field is an explicit option of the generator or the compiler; named tiers are bundles of them. What a
-choice costs and what error it has is measured, never assumed.
+Every field is an explicit option of the generator or the compiler; named tiers are bundles of options. The
+cost and the error of a choice are measured, never assumed.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ class Variant:
         precision: Arithmetic of the C, one of `precision.PRECISIONS`. For "float", too, constants are
             computed in double, for "long double" and "double-double" in 96 digits; they are rounded once.
         solver: Solver for {ydot}, one of `SOLVERS`.
-        without: Passes of the optimiser that are left out, of `passes.PASS_NAMES`: the C then computes the
-            same by more operations.
+        without: Passes of the optimiser that are left out, of `passes.PASS_NAMES`; the C then takes more
+            operations for the same results.
         semantics: Changes of arithmetic that the C compiler is allowed, of `semantics.SEMANTICS`.
         machine: Processors that the code runs on, one of `semantics.MACHINES`.
         optimisation: Level of the C compiler, one of `semantics.OPTIMISATIONS`.
@@ -57,7 +57,7 @@ class Variant:
         storage: Type of the arrays, one of `precision.PRECISIONS`; "" for that of `precision` itself.
 
     Raises:
-        OptionError: If there is no such choice, or two do not go together.
+        OptionError: If a choice is unknown, or two choices do not go together.
 
     Example:
         kg.build(system, tier=kg.Variant(precision="float", storage="double"))

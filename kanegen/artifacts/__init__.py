@@ -1,9 +1,8 @@
-"""Files that stand beside generated code, each made for one kind of user.
+"""Optional files beside generated code, each made for one kind of user.
 
-An artifact is a function from a `Source` to files; `ARTIFACTS` is the list of all. A new one is a module here
-and an entry in the list: what it needs to know of the model is in `source.model`, of the functions in
-`source.functions`. Code that a program cannot do without does not belong here, but to a target of
-`kanegen.c`.
+An artifact is a function from a `Source` to files; `ARTIFACTS` is the list of all. A new artifact is a module
+here and an entry in the list; it reads the model from `source.model` and the functions from
+`source.functions`. Code that the generated functions need belongs to a target of `kanegen.c`, not here.
 """
 
 from __future__ import annotations
@@ -47,14 +46,14 @@ ARTIFACTS: dict[str, Artifact] = {
 
 
 def with_artifacts(source: Source, names: Iterable[str] = ()) -> Source:
-    """Return `source` with the default artifacts and those of these names among its files.
+    """Return `source` with the default artifacts and the artifacts `names` among its files.
 
     Args:
-        source: The code; what stands beside it already stays or is made anew.
+        source: The code; artifacts that it has already stay or are made anew.
         names: Names of `ARTIFACTS`.
 
     Raises:
-        OptionError: If there is no such artifact, or `source` cannot have it.
+        OptionError: If an artifact is unknown, or `source` cannot have it.
 
     Example:
         >>> with_artifacts(source, ["self-test"]).files["selftest.c"]

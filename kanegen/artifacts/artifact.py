@@ -1,4 +1,4 @@
-"""The seam for artifacts: a name, a sentence for users, and a function from a source to files."""
+"""The class of artifacts: a name, a sentence for users, and a function from a source to files."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ def _never(source: Source) -> str:
 
 @dataclass(frozen=True)
 class Artifact:
-    """Files that can stand beside generated code for one kind of user.
+    """Optional files beside generated code, for one kind of user.
 
     Attributes:
-        name: What users call it.
-        summary: What it is for, in one sentence.
+        name: Name of the artifact, as users write it.
+        summary: Purpose of the artifact, in one sentence.
         files: Function from a source to the text of each file by name, without the line of provenance.
-        refusal: Function from a source to the reason why it cannot have this artifact, "" if it can.
-        is_default: Whether it stands beside every source that can have it.
+        refusal: Function from a source to the reason why the source cannot have this artifact, "" if it can.
+        is_default: Whether every source that can have the artifact gets it.
     """
 
     name: str

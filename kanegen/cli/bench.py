@@ -75,7 +75,7 @@ def _show(comparison: Comparison, options: BenchOptions) -> None:
     )
     for quantity in QUANTITIES:
         screen.print(
-            text_table(table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXTS)
+            text_table(table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXT_COLUMNS)
         )
     overheads = [f"{title} {table.ns(value)} ns" for title, value in table.overheads(comparison).items()]
     if overheads:

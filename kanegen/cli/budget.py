@@ -100,7 +100,7 @@ def generate(
 
 
 def show(found: CertifiedSource) -> None:
-    """Print the variant that was chosen, what its certificate claims, and its time."""
+    """Print the chosen variant, the claim of its certificate, and its time."""
     print_plain(f"variant: {found.choice.candidate.label}")
     print_plain(claim_sentence(found.request, found.choice))
     print_plain(_time(found))
@@ -117,7 +117,7 @@ def show_verification(path: Path, found: Verification) -> None:
 
 
 def _time(found: CertifiedSource) -> str:
-    """The time of the variant beside that of the fastest one that is as accurate as the default."""
+    """Return the time of the variant, and its ratio to the fastest variant as accurate as the default."""
     choice, objective = found.choice, found.request.objective
     said = f"time: {choice.times.median:.4g} ns for {objective} on this machine"
     if choice.candidate == choice.reference:

@@ -102,7 +102,7 @@ BUDGET_OPTIONS = (
 """Names of the options that are allowed only with a budget."""
 
 EXCLUDED = ("tier", "without", "storage", "sincos", "output", "poses", "reactions", "reanchoring")
-"""Names of the options that a budget excludes, since they choose what the budget chooses."""
+"""Names of the options that a budget excludes, because the budget makes these choices."""
 
 
 def has_budget(context: typer.Context) -> bool:
@@ -114,7 +114,7 @@ def has_budget(context: typer.Context) -> bool:
     typed = {name for name in context.params if _is_typed(context, name)}
     budgets = [f"--{name}" for name in BUDGETS if name in typed]
     if len(budgets) > 1:
-        raise OptionError("--error and --budget: give one of them. The other is what you get.")
+        raise OptionError("--error and --budget exclude each other: a budget of one minimises the other.")
     if not budgets:
         idle = [f"--{name}" for name in BUDGET_OPTIONS if name in typed]
         if idle:

@@ -1,7 +1,7 @@
 """Arguments and options that several commands share.
 
 Names that a user chooses among are written out here, since importing the modules that define them would load
-SymPy and NumPy, and `kanegen COMMAND --help` loads neither. A test compares the texts with those modules.
+SymPy and NumPy, and `kanegen COMMAND --help` loads neither. A test compares these names with the modules.
 """
 
 from __future__ import annotations

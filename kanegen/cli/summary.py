@@ -1,4 +1,4 @@
-"""The summary of a system that `kanegen info` gives: its contents, and the cost of its equations."""
+"""The summary of a system for `kanegen info`: its contents, and the operation counts of its outputs."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def summarize(
 
 
 def _contents(system: System) -> dict[str, Any]:
-    """Everything that the system holds, by the keys of the JSON."""
+    """Return the contents of the system, by the keys of the JSON."""
     coordinates = zip(system.coordinate_names, system.coordinates, strict=True)
     efforts = [freedom.effort for freedom in system.reaction_freedoms]
     return {

@@ -21,7 +21,7 @@ from kanegen.program.passes import savings
 from kanegen.studies.explain.exactness import STATES
 
 WIDEST = 2**16
-"""Characters of a line of the tree; rich would cut off what is wider than the screen."""
+"""Characters of a line of the tree; rich would cut off lines wider than the screen."""
 
 SYMBOLS = {"mass_matrix": "[A]", "forcing": "{f}", "ydot": "{ydot}"}
 """The letters of the notes by the names of the results that exact right angles change."""
@@ -47,7 +47,7 @@ def show(summary: Summary, console: Console) -> None:
 
 
 def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
-    """Yield title, remark and content of each section; what the system does not have gets no section."""
+    """Yield title, remark and content of each section; empty sections are left out."""
     system = summary.system
     has_other_coordinates = system.coordinate_names != system.freedom_names
     if has_other_coordinates:
@@ -114,7 +114,7 @@ def _costs(summary: Summary) -> Table:
 
 
 def _show_right_angles(changes: RightAngleChanges, console: Console) -> None:
-    """Print what exact right angles change: bodies, results and operations."""
+    """Print the changes by exact right angles: bodies, results and operations."""
     found, limit = changes.exactness, f"{changes.tolerance:g}"
     hint = "are exact here" if changes.applied else f"are as written; --right-angles {limit} makes them exact"
     console.print(f"\n[bold]Right angles[/] missed by no more than {limit} rad {hint}", soft_wrap=True)

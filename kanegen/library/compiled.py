@@ -21,7 +21,7 @@ from kanegen.program.precision import precision_named
 
 
 class CompiledModel:
-    """Compiled functions with values of their parameters, called by name; `Library` adds a method an output.
+    """Compiled functions with values of their parameters, called by name; `Library` adds a method per output.
 
     The table of outputs, `recursion.outputs.OUTPUTS`, says which arguments each output has and in which order
     they are passed to `_run`.
@@ -131,7 +131,7 @@ class CompiledModel:
         """Return the same library with other values of some run-time parameters.
 
         Nothing is compiled anew. Only the names are checked, and that the values are finite;
-        `System.with_parameters` also checks whether they make sense in the model.
+        `System.with_parameters` also checks whether the model is usable with them.
 
         Args:
             values: New values by name of the parameter, in the unit of the place where it stands.
@@ -161,7 +161,7 @@ class CompiledModel:
         tau: ArrayLike | None = None,
         **inputs: Unpack[NamedInputs],
     ) -> Evaluation:
-        """Compute every output at once, which costs less than one after the other.
+        """Compute all outputs in one call, which costs less than separate calls.
 
         The shared intermediates may be summed in another order than in the function of one output, so the
         two may differ by rounding.
@@ -171,7 +171,8 @@ class CompiledModel:
             y: (n,) or (B, n) generalized speeds, rad/s and m/s; needed if an output depends on them.
             force: Forces on the bodies, as in `forcing`.
             torque: Torques on the bodies, as in `forcing`.
-            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2; needed if an output depends on them.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2; needed if an output depends on
+                them.
             tau: Generalized forces, as in `forward_dynamics`.
             inputs: Inputs that only some systems have, as in `forcing`.
 

@@ -15,8 +15,8 @@ from kanegen.recursion.outputs import DERIVATIVES
 class Derivatives(CompiledModel):
     """Methods for the derivatives of {f}, of generalized forces and of {ydot}.
 
-    Their last axis has K columns, one for each number by which is differentiated; `derivative_columns` says
-    which are which.
+    The last axis of a result has K columns, one for each differentiation variable; `derivative_columns` gives
+    their order.
     """
 
     def forcing_derivatives(
@@ -65,7 +65,7 @@ class Derivatives(CompiledModel):
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2.
             force: Forces on the bodies, as in `forcing`.
             torque: Torques on the bodies, as in `forcing`.
             inputs: Inputs that only some systems have, as in `forcing`.
@@ -119,7 +119,7 @@ class Derivatives(CompiledModel):
         return self._run("forward_dynamics_derivatives", (x, y, tau, force, torque), inputs)[0]
 
     def derivative_columns(self, output: str) -> dict[str, slice]:
-        """Return the columns of an output of derivatives by what is differentiated by.
+        """Return the columns of an output of derivatives, by array of differentiation variables.
 
         Args:
             output: Name of the output, such as "forcing_derivatives".

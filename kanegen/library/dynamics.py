@@ -1,4 +1,4 @@
-"""Outputs that are the equations of motion, their solution, and how far the solution can be trusted."""
+"""Outputs that are the equations of motion, their solution, and estimates of its error."""
 
 from __future__ import annotations
 
@@ -51,7 +51,8 @@ class Dynamics(CompiledModel):
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
             force: (N, 3) or (B, N, 3) force {F'_K} on each body at its mass centre, in body components, N;
                 (N, 3) acts in every state of a batch, None is zero.
-            torque: (N, 3) or (B, N, 3) torque {M'_K} on each body, in body components, N m; likewise.
+            torque: (N, 3) or (B, N, 3) torque {M'_K} on each body, in body components, N m; (N, 3) acts in
+                every state of a batch, None is zero.
             inputs: Inputs that only some systems have, by name: `point_force`, `point_moment`, `t` and
                 `prescribed`.
 
@@ -76,12 +77,12 @@ class Dynamics(CompiledModel):
         torque: ArrayLike | None = None,
         **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """Return [A]{ydot} - {f}, the generalized forces that {ydot} needs beside loads and gravity.
+        """Return [A]{ydot} - {f}, the generalized forces that {ydot} requires beside loads and gravity.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2.
             force: Forces on the bodies, as in `forcing`.
             torque: Torques on the bodies, as in `forcing`.
             inputs: Inputs that only some systems have, as in `forcing`.
@@ -112,7 +113,7 @@ class Dynamics(CompiledModel):
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2.
             force: Forces on the bodies, as in `forcing`.
             torque: Torques on the bodies, as in `forcing`.
             inputs: Inputs that only some systems have, as in `forcing`; `prescribed` is one of them here.
@@ -148,7 +149,7 @@ class Dynamics(CompiledModel):
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2.
             force: Forces on the bodies, as in `forcing`.
             torque: Torques on the bodies, as in `forcing`.
             inputs: Inputs that only some systems have, as in `forcing`.
@@ -193,8 +194,8 @@ class Dynamics(CompiledModel):
         Raises:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If the library was built without this output.
-            SingularError: If [A] is singular in a single state, or the state is not finite; names the
-                freedom.
+            SingularError: If [A] is singular in a single state, or the state is not finite; the message names
+                the freedom.
 
         Example:
             ydot = library.forward_dynamics(x, y, tau=[1.0, 0.0])
@@ -210,10 +211,10 @@ class Dynamics(CompiledModel):
         torque: ArrayLike | None = None,
         **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """Return by how much a first step of refinement changes each entry of {ydot}.
+        """Return the absolute change of each entry of {ydot} by a first step of refinement.
 
-        That is about the error of {ydot} without refinement. It does not include what is lost where loads,
-        gravity, speeds and {tau} cancel.
+        That is about the error of {ydot} without refinement. It does not include the loss of digits where
+        loads, gravity, speeds and {tau} cancel.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
@@ -269,7 +270,7 @@ class Dynamics(CompiledModel):
         torque: ArrayLike | None = None,
         **inputs: Unpack[NamedInputs],
     ) -> Diagnosis:
-        """Return how far `forward_dynamics` can be trusted in some states, and which freedom is the worst.
+        """Return how accurate `forward_dynamics` is in some states, and at which freedom it is worst.
 
         Singular states are counted and raise no error.
 

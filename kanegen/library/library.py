@@ -29,7 +29,7 @@ def load(
             fork. With a compiler without OpenMP this gives a `KanegenWarning`, and batches use one thread.
 
     Raises:
-        BuildError: If there is no compiler, it fails, or what it makes cannot be loaded.
+        BuildError: If there is no compiler, it fails, or the compiled library cannot be loaded.
 
     Example:
         source = kg.generate(system)

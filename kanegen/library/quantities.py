@@ -28,7 +28,8 @@ class Quantities(CompiledModel):
         Raises:
             ArrayError: If an argument has the wrong shape or type.
             OptionError: If the library was built without this output.
-            SingularError: If three angles are in gimbal lock in a single state; names the middle one.
+            SingularError: If three angles are in gimbal lock in a single state; the message names the middle
+                one.
 
         Example:
             xdot = library.coordinate_rates(x, y)
@@ -106,7 +107,7 @@ class Quantities(CompiledModel):
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
-            ydot: (n,) or (B, n) rates of the speeds, rad/s^2 and m/s^2.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2.
             inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:

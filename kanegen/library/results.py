@@ -67,14 +67,14 @@ class Finding:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """How far {ydot} can be trusted in some states, from `Library.diagnose`.
+    """The accuracy of {ydot} in some states, from `Library.diagnose`.
 
     Attributes:
         states: Number of states.
         singular: Number of states in which a pivot is not positive or is NaN; `estimate` leaves them out.
         estimate: Largest first correction of {ydot} over the largest acceleration of the same unit, which is
-            about the relative error of the solution without refinement. It does not include what is lost
-            where forces cancel. None if every state is singular.
+            about the relative error of the solution without refinement. It does not include the loss of
+            digits where forces cancel. None if every state is singular.
         pivot: Smallest share of its inertia that a freedom keeps where the freedoms eliminated before it may
             move.
         singularity: Smallest |cos(theta2)|, or |sin(theta2)|, of joints whose three angles have their rates
@@ -100,7 +100,7 @@ class Diagnosis:
 def diagnosis(
     model: ModelDescription, x: Floats, acceleration: Floats, estimate: Floats, regularity: Floats
 ) -> Diagnosis:
-    """Return the worst values of what a library has computed for B states.
+    """Return the worst values of the results of a library for B states.
 
     Args:
         model: Description of the model, which names the freedoms.

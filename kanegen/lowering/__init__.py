@@ -1,7 +1,7 @@
-"""From a request to a program of instructions: acceptance, conditioning, lowering and derivatives.
+"""The way from a request to a program of instructions: acceptance, conditioning, lowering and derivatives.
 
-`accept` checks what is to be compiled, `conditioning` decides by which solvers and with how much refinement
-it is derived, `lower` turns every definition of the recursive form into instructions, and `differentiate`
-adds the derivatives. Only what needs both the equations and the program representation enters here: mechanics
-belongs to `recursion`, passes over programs to `program`.
+`accept` checks the request, `conditioning` chooses the solvers and the number of refinement steps, `lower`
+turns every definition of the recursive form into instructions, and `differentiate`
+adds the derivatives. Only code that needs both the equations and the program representation belongs here:
+mechanics belongs to `recursion`, passes over programs to `program`.
 """

@@ -1,4 +1,4 @@
-"""Acceptance: only systems whose equations can be solved, and outputs that they have, are compiled."""
+"""Acceptance: the checks that the equations of a system can be solved, and that it has the outputs."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular:
         regular: Whether to refuse a system whose [A] is singular in every state.
 
     Raises:
-        OptionError: If `system` is no `System`, or an output is unknown or about parts that it does not have.
-        SingularError: If [A] is singular in every state; names the body and the freedom.
+        OptionError: If `system` is no `System`, or an output is unknown or requires parts that the system
+            lacks.
+        SingularError: If [A] is singular in every state; the message names the body and the freedom.
     """
     names = chosen(outputs)
     require_system(system)
@@ -43,7 +44,7 @@ def reformulated(system: System, speeds: str | None = None, coordinates: str | N
         coordinates: Name of coordinates of orientations, as for `System.with_coordinates`.
 
     Raises:
-        OptionError: If there are no such speeds or coordinates, or they do not go together.
+        OptionError: If the speeds or coordinates are unknown, or do not go together.
     """
     require_system(system)
     if speeds == SPEEDS[0] and coordinates in ORIENTATIONS[1:]:
@@ -59,7 +60,7 @@ def require_system(system: object) -> None:
     """Make sure that an object is a `System`.
 
     Raises:
-        OptionError: If it is not.
+        OptionError: If `system` is no `System`.
     """
     if not isinstance(system, System):
         raise OptionError(f"{system!r} is no System. Make one with kg.load or kg.System.from_arrays.")

@@ -1,10 +1,10 @@
-"""Conditioning: which ways to {ydot} lose no accuracy, and whether the solution needs iterative refinement.
+"""Conditioning: the solvers for {ydot} that lose no accuracy, and whether iterative refinement is needed.
 
-The loss of accuracy is measured where it will occur, before any code is written: the solution is computed in
-doubles at a few random states, and a first correction tells its error. Ordinary trees, robots among them,
-lose less than 130 roundoffs; eight links whose masses grow outward by a factor of 30 lose 10^9, and five of
-them 10^5. The limit lies at 8192, which is 1e-12 of the solution in double precision and 5e-4 in single: so
-far from what is ordinary that no machine decides otherwise by the last bits of its sines.
+The loss of accuracy is measured before any code is generated: the solution is computed in doubles in a few
+random states, and a first correction estimates its error. Ordinary trees, robots among them, lose less than
+130 roundoffs; eight links whose masses grow outward by a factor of 30 lose 10^9, and five of them 10^5. The
+limit is 8192 roundoffs, 1e-12 of the solution in double precision and 5e-4 in single: far enough from
+ordinary trees that the decision is the same on every machine, whatever the last bits of its sines.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states, ranges
 
 STATES = 16
-"""Number of states that are tried; half of them are nearly straight, where chains are worst."""
+"""Number of states that are tried; half of them are nearly straight, where chains are worst conditioned."""
 
 WELL_CONDITIONED = 1e4
 """Condition number of [A], scaled to a diagonal of ones, below which no solver loses too much."""
 
-PROMISED = 2.0**13
+LARGEST_ACCEPTED_ERROR = 2.0**13
 """Largest error, in unit roundoffs, of a result without a status; results that may lose more are refined."""
 
 CONTRACTION = 64.0
@@ -46,9 +46,10 @@ WEIGHTLESS = 1e-12
 
 
 def condition(request: Request) -> tuple[Candidate, ...]:
-    """Return the ways to derive the outputs that lose no accuracy.
+    """Return the candidates, ways to derive the outputs, that lose no accuracy.
 
-    Where [A] is ill-conditioned that is only the most accurate one, refined if the measured error demands it.
+    Where [A] is ill-conditioned there is one candidate with the most accurate solver, refined if the measured
+    error demands it.
     """
     system, variant = request.system, request.variant
     ways = methods(system, prerequisites(request.outputs), variant.solver)
@@ -62,7 +63,7 @@ def condition(request: Request) -> tuple[Candidate, ...]:
     if _condition_number(system, states.part(0, STATES // 2)) < WELL_CONDITIONED:
         return tuple(Candidate(way, UNREFINED, "0 (auto: [A] is well conditioned)") for way in ways)
     lost = measured_error(system, ways[0]["forward_dynamics"], states) / DOUBLE.roundoff
-    if lost <= PROMISED:
+    if lost <= LARGEST_ACCEPTED_ERROR:
         reason = f"0 (auto: it would repair about {_power_of_ten(lost)} roundoffs)"
         return (Candidate(ways[0], UNREFINED, reason),)
     reason = f"1 (auto: it repairs about {_power_of_ten(lost)} roundoffs)"
@@ -70,10 +71,10 @@ def condition(request: Request) -> tuple[Candidate, ...]:
 
 
 def refined(system: System, steps: int, precision: Precision) -> Refinement:
-    """Return a refinement of `steps` steps that reports results whose errors may exceed `PROMISED`."""
+    """Return a refinement that reports results whose errors may exceed `LARGEST_ACCEPTED_ERROR`."""
     if steps == 0:
         return UNREFINED
-    remaining = PROMISED * precision.roundoff / CONTRACTION**steps
+    remaining = LARGEST_ACCEPTED_ERROR * precision.roundoff / CONTRACTION**steps
     return Refinement(steps, remaining ** (1 / (steps + 1)), _accelerations(system))
 
 

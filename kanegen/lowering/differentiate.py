@@ -1,9 +1,9 @@
 """Programs of the outputs that are derivatives, made by differentiating the lowered program of other outputs.
 
-{f} and the generalized forces of inverse dynamics are differentiated as they are computed. Of {ydot}, where
-[A]{ydot} = {f} + {tau}, the derivative by anything but {tau} is that of inverse dynamics at this {ydot}, held
-constant, with its sign changed and [A]^-1 in front (Carpentier and Mansard 2018, section III); by {tau} it is
-[A]^-1. So the solution is not differentiated, and its derivatives are those of the exact one.
+{f} and the generalized forces of inverse dynamics are differentiated instruction by instruction. The
+derivative of the solution {ydot} of [A]{ydot} = {f} + {tau} by {x}, {y} or a parameter is -[A]^-1 times the
+derivative of inverse dynamics at constant {ydot} (Carpentier and Mansard 2018, section III); by {tau} it is
+[A]^-1. The elimination itself is not differentiated, so these are the derivatives of the exact solution.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def differentiated(
         program: Program of the outputs that are differentiated or asked for.
         system: The tree.
         outputs: Outputs of the program, by name.
-        names: Names of the wanted outputs, in order.
+        names: Names of the outputs of the result, in order.
         constants: Precision of exact numbers.
     """
     if not DERIVATIVES.keys() & set(names):
@@ -98,7 +98,7 @@ class _Differentiation:
         return [found[value] for value in output.values]
 
     def _directions(self) -> Iterator[tuple[int, int]]:
-        """Yield the inputs by which is differentiated, each with its column."""
+        """Yield the input values that are differentiation variables, each with its column."""
         for i, instruction in enumerate(self._program.instructions):
             if instruction.op is Op.INPUT and instruction.array in self._columns:
                 yield i, self._columns[instruction.array].start + instruction.index
@@ -121,7 +121,7 @@ class _Differentiation:
         ]
 
     def _at_solution(self) -> dict[int, int]:
-        """Return the places of the values of the program where {ydot} is the solution."""
+        """Return the values of the program evaluated at the solution {ydot}, by number of the value."""
         solution = [self._moved[value] for value in self._outputs["forward_dynamics"].values]
         moved: dict[int, int] = {}
         for i, instruction in enumerate(self._program.instructions):
@@ -137,7 +137,7 @@ class _Differentiation:
         return moved
 
     def _elimination(self) -> Elimination:
-        """Return the elimination of [A], in the order in which freedoms carry each other."""
+        """Return the elimination of [A], from the outermost freedom inward."""
         n, values = self._n, self._outputs["mass_matrix"].values
         matrix = {
             (i, j): self._moved[values[n * i + j]]

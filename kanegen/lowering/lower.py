@@ -1,4 +1,4 @@
-"""Lowering, from SymPy to straight-line code: every definition becomes a few instructions."""
+"""Lowering from SymPy to straight-line code: every definition becomes a few instructions."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
 
 
 def lower(form: RecursiveForm, outputs: Sequence[str], constants: Constants = DOUBLE_CONSTANTS) -> Program:
-    """Return one program for `outputs`, derivatives among them, every intermediate shared.
+    """Return one program for `outputs`, which may include derivatives, with every intermediate shared.
 
     Args:
-        form: The derived outputs, those that derivatives need among them.
+        form: The derived outputs, including those that derivatives need.
         outputs: Names of the wanted outputs, in order.
         constants: Precision of the numbers.
     """

@@ -1,4 +1,4 @@
-"""How far results are from the truth, what bounds their errors, and how long programs take.
+"""Errors of results against the reference and against exact results, bounds on them, and times of programs.
 
 - `comparison` compares a compiled library with the NumPy reference over random states; its outcome is a
   `report.Report`. This is what `kanegen.compare` and `kanegen check` do.

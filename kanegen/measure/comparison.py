@@ -128,7 +128,7 @@ def compare(
 def reference_errors(
     value: NDArray[Any], truth: Floats, size: Floats, scale: Floats, limit: float
 ) -> ReferenceErrors:
-    """Compare results with those of the reference; what is not finite counts as an infinite error.
+    """Compare results with those of the reference; a result that is not finite has an infinite error.
 
     Args:
         value: (B, ...) results of a library.

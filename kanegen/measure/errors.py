@@ -3,9 +3,8 @@
 With E the difference of a result from the true one, t the true one, and S factors that take the units away:
 
 - normwise error: ||S E|| / ||S t||, Euclidean for vectors and Frobenius for [A].
-- componentwise error: the largest |E_i| over the size of entry i. What the size of an entry is depends on
-  what
-  t is: `comparison` takes the magnitudes of the terms of the entry, `truth.errors` the entry itself.
+- componentwise error: the largest |E_i| over the size of entry i. `comparison` takes the magnitudes of the
+  terms of the entry as its size, `truth.errors` the entry itself.
 
 A result that is not finite has infinite errors.
 """

@@ -1,4 +1,4 @@
-"""Times of programs that take turns, and what they say about which program is faster.
+"""Times of programs that take turns, and the statistics that tell which program is faster.
 
 Every program has one time in every round, and all programs share the rounds, so a disturbance of the
 machine hits one round of all of them. Two programs are compared by the ratios of their rounds. The confidence

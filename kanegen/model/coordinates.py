@@ -25,10 +25,10 @@ FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
 (m)."""
 
 ANGLES = (0, 1, 2)
-"""Places of the angles in `FREEDOMS`."""
+"""Indices of the angles in `FREEDOMS`."""
 
 TRANSLATIONS = (3, 4, 5)
-"""Places of the translations in `FREEDOMS`."""
+"""Indices of the translations in `FREEDOMS`."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ COORDINATE_KINDS = (
 """Every coordinate that a joint may have: the six freedoms, then the Euler parameters."""
 
 EULER_PARAMETERS = tuple(i for i, kind in enumerate(COORDINATE_KINDS) if kind.symbol == "epsilon")
-"""Places of the Euler parameters in `COORDINATE_KINDS`."""
+"""Indices of the Euler parameters in `COORDINATE_KINDS`."""
 
 SPEED_KINDS = (
     *(SpeedKind(FREEDOMS[i], "thetadot", "thetaddot", i + 1, True) for i in ANGLES),
@@ -92,7 +92,7 @@ SPEED_KINDS = (
 angular velocity {omega_hat'_K} in body K, Eq. (8), which stand at the places of the angles."""
 
 ANGULAR_VELOCITY = tuple(i for i, kind in enumerate(SPEED_KINDS) if not kind.is_rate)
-"""Places of the components of the relative angular velocity in `SPEED_KINDS`."""
+"""Indices of the components of the relative angular velocity in `SPEED_KINDS`."""
 
 
 def selected_freedoms(flags: Iterable[bool]) -> tuple[str, ...]:
@@ -106,7 +106,7 @@ class Freedom:
 
     Attributes:
         body: Number of the body, from 1.
-        index: Place in `FREEDOMS`.
+        index: Index in `FREEDOMS`.
     """
 
     body: int
@@ -139,7 +139,7 @@ class Coordinate:
 
     Attributes:
         body: Number of the body, from 1.
-        index: Place in `COORDINATE_KINDS`.
+        index: Index in `COORDINATE_KINDS`.
     """
 
     body: int
@@ -177,7 +177,7 @@ class Speed:
 
     Attributes:
         body: Number of the body, from 1.
-        index: Place in `SPEED_KINDS`.
+        index: Index in `SPEED_KINDS`.
     """
 
     body: int
@@ -217,7 +217,7 @@ class AxisRotations:
 
     axes: Axes
     coordinates: ClassVar[tuple[int, ...]] = ANGLES
-    """Places of the angles in `COORDINATE_KINDS`."""
+    """Indices of the angles in `COORDINATE_KINDS`."""
 
     @property
     def is_proper_euler(self) -> bool:
@@ -235,7 +235,7 @@ class QuaternionRotation:
     """One rotation by Euler parameters e0, e1, e2, e3, a scalar and a vector of any common length but 0."""
 
     coordinates: ClassVar[tuple[int, ...]] = EULER_PARAMETERS
-    """Places of the elements in `COORDINATE_KINDS`."""
+    """Indices of the elements in `COORDINATE_KINDS`."""
 
     gimbal_lock: ClassVar[None] = None
     """A quaternion is regular in every orientation."""

@@ -22,7 +22,7 @@ GRAVITY: Vector = (0.0, 0.0, -9.81)
 
 @dataclass(frozen=True)
 class SystemDescription:
-    """The fields of a `System`, and what follows from them: {x}, {y}, parameters, names.
+    """The fields of a `System`, and the elements of {x} and {y}, parameters and names that follow from them.
 
     Bodies count from 1, places in {x} and {y} from 0.
     """
@@ -89,7 +89,7 @@ class SystemDescription:
 
         Args:
             body: Number of the body, from 1.
-            kind: Place of the coordinate in `COORDINATE_KINDS`.
+            kind: Index of the coordinate in `COORDINATE_KINDS`.
 
         Raises:
             KeyError: If the coordinate is not in {x}.

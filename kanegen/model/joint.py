@@ -156,17 +156,17 @@ class Joint:
 
     @cached_property
     def coordinate_kinds(self) -> tuple[int, ...]:
-        """Places in `COORDINATE_KINDS` of all coordinates, locked or not: rotation, then translations."""
+        """Indices in `COORDINATE_KINDS` of all coordinates, locked or not: rotation, then translations."""
         return (*self.rotation.coordinates, *TRANSLATIONS)
 
     @cached_property
     def free_coordinate_kinds(self) -> tuple[int, ...]:
-        """Places in `COORDINATE_KINDS` of the free coordinates: rotation, then translations."""
+        """Indices in `COORDINATE_KINDS` of the free coordinates: rotation, then translations."""
         return tuple(kind for kind in self.coordinate_kinds if kind >= len(FREEDOMS) or self.free[kind])
 
     @cached_property
     def speed_kinds(self) -> tuple[int, ...]:
-        """(6,) places in `SPEED_KINDS` of the speeds of the six freedoms, locked ones too."""
+        """(6,) indices in `SPEED_KINDS` of the speeds of the six freedoms, locked ones too."""
         angular = ANGLES if self.speeds == SPEEDS[0] else ANGULAR_VELOCITY
         return (*angular, *TRANSLATIONS)
 

@@ -39,7 +39,7 @@ def locked_directions(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
     """Return every locked direction in the order of Eq. (1): angles of all bodies, then translations.
 
     Returns:
-        Number of the body, from 1, and place in `FREEDOMS`, by name such as `<body>.theta2` or `<body>.s1`.
+        Number of the body, from 1, and index in `FREEDOMS`, by name such as `<body>.theta2` or `<body>.s1`.
     """
     return {
         f"{body.name}.{FREEDOMS[index]}": (k, index)
@@ -80,7 +80,7 @@ def reactions(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
 
 
 def _reason(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
-    """Return why a name is no locked direction, and what to do."""
+    """Return the reason why a name is no locked direction, and the remedy."""
     for body in bodies:
         for index, freedom in enumerate(FREEDOMS):
             if name == f"{body.name}.{freedom}":

@@ -61,7 +61,7 @@ def require_free_frame(system: System, k: int) -> None:
     Its three angles must be free, and its translations all free or all locked.
 
     Raises:
-        OptionError: If the joint cannot be re-anchored; the message says why, and what to change.
+        OptionError: If the joint cannot be re-anchored; the message gives the reason and the remedy.
     """
     body = system.bodies[k - 1]
     if obstacle := _obstacle(system, body):
@@ -69,7 +69,7 @@ def require_free_frame(system: System, k: int) -> None:
 
 
 def _obstacle(system: System, body: Body) -> str:
-    """Return the reason against re-anchoring a joint and what to change; "" if there is none."""
+    """Return the reason against re-anchoring a joint and the remedy; "" if there is none."""
     joint = body.joint
     translations, parameters = joint.free[3:], orientation_parameters(joint)
     if not joint.has_free_orientation:

@@ -28,7 +28,7 @@ from kanegen.model.saving import system_table, toml_text
 
 @dataclass(frozen=True)
 class System(SystemDescription):
-    """A tree of rigid bodies with gravity, force elements, and the selection of what outputs contain.
+    """A tree of rigid bodies with gravity, force elements, and the selection of rows of outputs.
 
     Attributes:
         name: A C identifier; prefix of everything in the generated code.
@@ -185,7 +185,8 @@ class System(SystemDescription):
         """Return the same system with further force elements.
 
         Raises:
-            ModelError: If a name in an element is unknown, or an element cannot act on what it names.
+            ModelError: If a name in an element is unknown, or an element cannot act on the named freedom or
+                points.
 
         Example:
             system.with_force_elements(kg.JointSpring("elbow.theta3", stiffness=40.0))

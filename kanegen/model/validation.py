@@ -1,4 +1,4 @@
-"""The rules that a model must satisfy, each with a message that says what to change."""
+"""The rules that a model must satisfy, each with an error message that names the remedy."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class Builder:
         """Append a number.
 
         Raises:
-            ModelError: If it is not finite: the numbers of the model leave the range of double precision.
+            ModelError: If `number` is not finite: numbers of the model leave the range of double precision.
         """
         if not math.isfinite(number):
             raise ModelError("a constant leaves the range of double precision; choose units nearer to 1.")

@@ -1,8 +1,8 @@
-"""Numbers that are known before any state: constant angles, and the arithmetic of folded constants.
+"""Numbers that do not depend on the state: constant angles, and the arithmetic of folded constants.
 
-What is rational in a model stays rational until it is lowered to instructions. Sines, square roots and folded
-products are not. Where C computes in double or single precision, doubles are exact enough for them; where C
-computes in more digits, they are computed in 320 bits and rounded once, when C is printed.
+Rational numbers of a model stay rational until they are lowered to instructions; sines, square roots and
+folded products are rounded. Where C computes in double or single precision, doubles are accurate enough for
+these; where C computes in more digits, they are computed in 320 bits and rounded once, when C is printed.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Constants:
         """Return a rational number as a constant of a program.
 
         Raises:
-            ModelError: If it leaves the range of double precision.
+            ModelError: If the number leaves the range of double precision.
         """
         try:
             if self.is_wide:

@@ -18,7 +18,7 @@ LONGEST_PART = 2000
 """Instructions of a part: about where gcc's time leaves the straight line, and the code is no slower."""
 
 _SOURCES = (Op.INPUT, Op.CONSTANT)
-"""Operations that are repeated in every part that needs their values."""
+"""Operations that every part repeats where it needs their values."""
 
 
 def cut(program: Program, longest: int = LONGEST_PART) -> tuple[Program, ...]:
@@ -152,7 +152,7 @@ class _Part:
         return check(Program(inputs, tuple(self._instructions), filled))
 
     def _output(self, output: Output, is_last: bool) -> Output:
-        """Return what this part fills of an output; numbers and inputs are filled by the first part."""
+        """Return the elements of an output that this part fills; the first part fills numbers and inputs."""
         own = [(k, i) for k, i in output.elements() if self._part_of.get(i, 0) == self._number]
         values = tuple(self._value(i) for _, i in own)
         existence, accuracy = (

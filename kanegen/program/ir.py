@@ -85,7 +85,7 @@ class Condition:
 
     Attributes:
         quantity: Name of the quantity in a sentence, such as "pivot of [A]".
-        failure: Clause that says what is the case where the quantity is not positive.
+        failure: Clause on the state where the quantity is not positive, such as "[A] is singular".
     """
 
     quantity: str
@@ -104,7 +104,7 @@ class Array:
         name: Name in C, such as `x`.
         shape: Lengths, row-major; () for a scalar, which C stores in an array of one element.
         unit: SI unit or units.
-        doc: One line that says what the array holds, with its equation.
+        doc: Content of the array in one line, with its equation.
         condition: When an output exists that does not exist in every state.
     """
 

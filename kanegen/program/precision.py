@@ -81,7 +81,7 @@ class Precision:
             name: Name of the number, used in the error message.
 
         Raises:
-            ModelError: If it is beyond the largest number of this precision.
+            ModelError: If `number` is beyond the largest number of this precision.
         """
         with np.errstate(over="ignore", under="ignore"):
             nearest = float(self.dtype.type(float(number)))
@@ -227,7 +227,7 @@ def precision_named(name: str) -> Precision:
     """Return the precision of that name.
 
     Raises:
-        OptionError: If there is none.
+        OptionError: If there is no precision of that name.
     """
     require_one("precision", name, PRECISIONS)
     return PRECISIONS[name]

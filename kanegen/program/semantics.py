@@ -1,4 +1,4 @@
-"""What a compiler may do to floating-point arithmetic, by names each of which stands for compiler flags.
+"""Floating-point semantics that a compiler may be allowed, by name, with the compiler flags of each.
 
 Strict semantics mean that every operation of the program is rounded as IEEE 754 says, in the order of the
 program: the same bits from every compiler at every level of optimisation. Every relaxation has a name.
@@ -84,7 +84,7 @@ OPTIMISATIONS = (0, 1, 2, 3)
 """Levels of optimisation of a compiler; with strict semantics no bit of a result depends on them."""
 
 _FLAGS_WHEN_LINKING = {"-ffast-math": (), "-funsafe-math-optimizations": (), "-Ofast": ("-O3",)}
-"""Flags at which gcc links code that flushes subnormal numbers in the whole process; what replaces them."""
+"""Replacements of the flags at which gcc links code that flushes subnormal numbers in the whole process."""
 
 
 def checked_semantics(semantics: Iterable[str] | str) -> tuple[str, ...]:

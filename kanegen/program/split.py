@@ -1,7 +1,7 @@
 """Split one program for all outputs into the functions of a C file.
 
-What depends on parameters alone goes into the function `prepare`, which runs once for a set of parameters;
-the other functions read its results from the array `PREPARED`.
+Values that depend on parameters alone are computed by the function `prepare`, which runs once for a set of
+parameters; the other functions read its results from the array `PREPARED`.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def _restrict_to(program: Program, signature: Signature) -> Program:
 def hoist(programs: Mapping[str, Program]) -> Module:
     """Return the functions of a module, with the function `prepare` where they read parameters.
 
-    What several functions need of the parameters alone is computed once, and all read it as the one array
+    Values that depend on parameters alone are computed once, and all functions read them from the array
     `PREPARED`.
 
     Args:
@@ -95,7 +95,7 @@ def hoist(programs: Mapping[str, Program]) -> Module:
 
 
 def select_functions(module: Module, names: Collection[str]) -> Module:
-    """Return the functions of these names, with a `prepare` that computes no more than they read.
+    """Return the module of the functions `names`, with a `prepare` that computes no more than these read.
 
     Args:
         module: The functions of a C file.
@@ -120,7 +120,7 @@ def select_functions(module: Module, names: Collection[str]) -> Module:
 
 
 def _reads(program: Program, array: Array, places: Mapping[int, int]) -> Program:
-    """Return a function that reads its prepared constants at other places.
+    """Return a function that reads its prepared constants at other places of the array.
 
     Args:
         program: The function.

@@ -33,7 +33,7 @@ def load(
     Raises:
         ReadError: If the file cannot be read or does not describe a usable system; the message begins with
             the file and, where known, the line.
-        OptionError: If `floating_base` is asked of a TOML file, or `right_angles` makes no sense.
+        OptionError: If `floating_base` is set for a TOML file, or `right_angles` is out of range.
 
     Example:
         system = kg.load("robot.urdf", floating_base=True)

@@ -1,4 +1,4 @@
-"""The seam for file formats: suffix, root element of an XML format, and the function that reads a file."""
+"""The interface of a file format: suffix, root element of an XML format, and the reading function."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ModelFile:
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What a caller of `load` chooses.
+    """Options of `load`.
 
     Attributes:
         floating_base: Whether the root link of a robot file moves freely.

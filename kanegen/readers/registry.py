@@ -1,4 +1,4 @@
-"""The file formats that kanegen reads, and which of them a file is in.
+"""The file formats that kanegen reads, and the choice of the reader for a file.
 
 A further format is one module with a `Reader`, and one entry in `READERS`. Formats may share a suffix if they
 are XML and differ in their root elements.

@@ -55,7 +55,7 @@ def parse_toml(text: str, where: str | Path) -> Table:
         where: Start of error messages, such as the name of a file.
 
     Raises:
-        ReadError: If the text is not TOML; names the line where that is known.
+        ReadError: If the text is not TOML; the message names the line where that is known.
     """
     try:
         return tomllib.loads(text)

@@ -1,4 +1,4 @@
-"""Tables of a TOML model file: which keys they may have, and strings that stand for run-time parameters."""
+"""Tables of a TOML model file: their keys, and the strings in them that stand for run-time parameters."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Parameters:
         """Return the parameters of a table `name = default`.
 
         Raises:
-            ModelError: If it is no table, a name is no C identifier, or a default is no finite number.
+            ModelError: If `table` is no table, a name is no C identifier, or a default is no finite number.
         """
         if not isinstance(table, Mapping):
             raise ModelError("parameters: write a table, [parameters], with lines 'name = default'.")

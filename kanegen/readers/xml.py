@@ -1,4 +1,4 @@
-"""Reads XML into elements that know their line.
+"""Reads XML into elements with the number of their line.
 
 Namespaces are not resolved, so that a prefix may stay unbound, as in real robot files. A document type
 declaration is refused, and with it every entity beyond XML's own five and every reference to another file.

@@ -1,9 +1,9 @@
-"""What the names in generated code mean.
+"""The legend of the names in generated code: patterns of names with their meanings.
 
-A name is made of a quantity and of what it belongs to, such as `hc_2a3_x`: the first moment `hc` of a
-composite body, seen below the turn by angle 3 of body 2, component x. `NAMES` lists the names that
-derivations give to their intermediates, `PLACES` and `FREEDOMS` what stands in them for `P` and `L`. Braces
-enclose what a name varies in; a legend shows the pattern without them.
+A name consists of a quantity and an object, such as `hc_2a3_x`: the first moment `hc` of a composite body,
+below the turn by angle 3 of body 2, component x. `NAMES` lists the names that derivations give to their
+intermediates, `PLACES` and `FREEDOMS` the values of the placeholders `P` and `L`. Braces enclose
+placeholders; a legend shows the pattern without braces.
 """
 
 from __future__ import annotations
@@ -249,7 +249,7 @@ MARKS = (
     ("_s", "at the end of a name: the value at the solution {ydot}"),
     ("_", "at the end of a name: another value of the same kind"),
 )
-"""What the end of a name says."""
+"""Meanings of the endings of names."""
 
 _TURNED = ("Ic_{P}", "Ic_{K}r{P}", "SI_{P}", "SM_{P}")
 """Symmetric matrices that pass turns."""
@@ -332,12 +332,12 @@ class Entry:
 
 @dataclass(frozen=True)
 class Legend:
-    """What the names in some code mean; every line applies to at least one of them.
+    """The meanings of the names in some code; every line applies to at least one name.
 
     Attributes:
         names: Patterns of names and meanings.
-        places: Patterns of what P stands for, and meanings.
-        freedoms: Patterns of what L stands for, and meanings.
+        places: Patterns of the values of P, and meanings.
+        freedoms: Patterns of the values of L, and meanings.
         unknown: Names that no pattern fits.
     """
 

@@ -139,8 +139,8 @@ def prescribed_efforts(
     """Return the (p,) or (B, p) generalized forces that the prescribed motion requires.
 
     They are the negative rows of Eq. (44) that the prescribed freedoms would have if they were free, {ydot}
-    among the accelerations. `ydot` is (n,) or (B, n) accelerations; the other arguments are those of
-    `forcing`.
+    among the accelerations. `ydot` is (n,) or (B, n) generalized accelerations; the other arguments are those
+    of `forcing`.
     """
     system = arrays_of(system)
     passed = arguments(system, x, y, force, torque, prescribed, **loads)

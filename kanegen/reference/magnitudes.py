@@ -196,10 +196,9 @@ def rounding_bound(bodies: int, precision: Precision = DOUBLE, storage: Precisio
 
     Every rotation, cross product and sum along the tree adds a few roundings, so errors grow at most
     linearly with N; the term 8 in brackets stands for sines, products and inertias within a body. The
-    factor 8 in front
-    is a product: 2, because both programs round, times 2 x 2, because a program that sums inward may have
-    partial sums twice as large as the magnitudes here, which are taken outward, in both factors of a product.
-    docs/accuracy.md says how the bound was tested.
+    factor 8 in front is a product: 2, because both programs round, times 2 x 2, because a program that sums
+    inward may have partial sums twice as large as the magnitudes here, which are taken outward, in both
+    factors of a product. docs/accuracy.md says how the bound was tested.
 
     Args:
         bodies: Number of bodies N.

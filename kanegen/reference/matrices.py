@@ -19,7 +19,7 @@ from kanegen.model.arrays import Floats
 
 @dataclass(frozen=True)
 class Renaming:
-    """How a sequence of axes follows from 1-2-3.
+    """The map from the sequence of axes 1-2-3 to another sequence.
 
     With {phi} = `sign` {theta}, and a quarter turn more for phi_2 where `is_proper_euler`, the rotation of
     the sequence is [after] [R_123(phi)] [before], and its angle-rate matrix is [after] [P_123(phi)].
@@ -38,7 +38,7 @@ class Renaming:
 
 
 def renaming(axes: tuple[int, ...]) -> Renaming:
-    """Return how the sequence about `axes`, indices from 0, follows from 1-2-3."""
+    """Return the map from the sequence 1-2-3 to the sequence about `axes`, indices from 0."""
     first, second, last = axes
     third = 3 - first - second
     names: Floats = np.eye(3)[[first, second, third]]

@@ -7,8 +7,8 @@ columns does not change it either.
 
 [A] is singular where some motion moves neither mass nor inertia, that is where the columns of these rows
 depend on each other. They are orthogonalised from the outermost freedom inward, so the first column that
-vanishes belongs to a freedom whose motion can be undone by freedoms further out. A column vanishes if what
-is left of it is below the rounding error of the velocities that were subtracted; the largest part of this
+vanishes belongs to a freedom whose motion can be undone by freedoms further out. A column vanishes if its
+remainder is below the rounding error of the velocities that were subtracted; the largest part of this
 error comes from the model's own rotations, which are accepted when they are orthogonal to `ORTHOGONALITY`.
 One random state decides, because almost all states have the same rank.
 """

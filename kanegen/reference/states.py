@@ -1,9 +1,8 @@
 """Random states in which every term of [A] and {f} counts.
 
 A wrong term shows only where it is not much smaller than the others. So translations, speeds and loads have
-the
-scale of the model: each body has a length, and gravity turns the length into a time and a force. The same
-seed gives the same states, whatever else is computed.
+the scale of the model: each body has a length, and gravity turns the length into a time and a force. The same
+seed always gives the same states.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ class States:
         x: (B, m) coordinates (rad, m, 1).
         y: (B, n) generalized speeds (rad/s, m/s).
         force: (B, N, 3) forces on the bodies (N), zero where a body takes no loads; None if no body does.
-        torque: (B, N, 3) torques on the bodies (N m), likewise.
+        torque: (B, N, 3) torques on the bodies (N m), zero where a body takes no loads; None if no body does.
         inputs: Further inputs that only some systems have, by name: "point_force" and "point_moment" (B, P,
             3) (N, N m), the time "t" (B,) (s), and "prescribed" (B, 3, p), the values, rates and second
             derivatives of the prescribed freedoms.
@@ -94,7 +93,7 @@ class Ranges:
         size: (n,) large changes of the freedoms: a radian, or the length of the body (m).
         y: (n,) generalized speeds (rad/s, m/s).
         force: (N, 3) forces on the bodies (N); 0 where a body takes no loads.
-        torque: (N, 3) torques on the bodies (N m), likewise.
+        torque: (N, 3) torques on the bodies (N m); 0 where a body takes no loads.
         inputs: Further inputs by name, as in `States` without B.
     """
 

@@ -5,8 +5,8 @@ a small tree; `printing` writes it as text, Markdown, LaTeX or Python. `Equation
 
 Three modules are shared with the recursive derivation in `kanegen.recursion`: `symbols` makes all SymPy
 symbols, `definitions` names intermediate results, and `expressions` translates the expressions of force
-elements. They hold notation and no mechanics, so the two derivations stay independent. Nothing else may be
-shared: mechanics belongs to `literal`, and only what reads its matrices may enter beside it.
+elements. These hold notation and no mechanics, so the two derivations stay independent. Nothing else may be
+shared: mechanics belongs to `literal`, and other modules here only read its matrices.
 """
 
 from kanegen.symbolic.closed.form import ClosedForm

@@ -60,15 +60,17 @@ class ExpressionTranslator:
         """Return an expression in SymPy.
 
         Raises:
-            ModelError: If it divides by zero, or takes the root of a negative number, in every state.
+            ModelError: If the expression divides by zero, or takes the root of a negative number, in every
+                state.
         """
         return _finite(self._value(expression.root), expression)
 
     def gradient(self, energy: Expression) -> dict[Place, Expr]:
-        """Return by place the derivatives of an energy with respect to its coordinates, locked ones too.
+        """Return the derivatives of an energy by its coordinates, also locked ones, by place (body, kind).
 
         Raises:
-            ModelError: If one divides by zero, or takes the root of a negative number, in every state.
+            ModelError: If a derivative divides by zero, or takes the root of a negative number, in every
+                state.
         """
         places = {name: self._places[name] for name in energy.variables}
         locked = {coordinate(*place): self._coordinate(place) for place in places.values()}

@@ -3,7 +3,7 @@
 `theta_K_i`, `s_K_i`, `epsilon_K_i` are coordinates, `thetadot_K_i`, `sdot_K_i`, `epsilondot_K_i` their rates,
 `omegahat_K_i` components of relative angular velocities, `thetaddot_K_i`, `sddot_K_i`, `omegahatdot_K_i` the
 rates of speeds, `F_K_i`, `M_K_i` loads; bodies K and components i count from 1, those of epsilon from 0. A
-parameter is the symbol of its own name. Every symbol is real.
+parameter is the symbol of the same name. Every symbol is real.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from kanegen.model.coordinates import COORDINATE_KINDS, SPEED_KINDS, Rotation
 from kanegen.model.numbers import Number, Parameter
 from kanegen.model.system import System
 
-WHOLE = 2**31
+EXACT_INTEGER_LIMIT = 2**31
 """Whole numbers below this size become exact integers; larger ones stay binary floating-point numbers."""
 
 
@@ -114,12 +114,12 @@ def parameter(value: Parameter) -> Symbol:
 def expression(value: Number) -> Expr:
     """Return a number of a model in SymPy without rounding.
 
-    A parameter is its symbol. A whole number below `WHOLE` is an `Integer`, so that zeros and ones vanish
-    from products; every other float is a `Float` of the same 53 bits.
+    A parameter is its symbol. A whole number below `EXACT_INTEGER_LIMIT` is an `Integer`, so that zeros and
+    ones vanish from products; every other float is a `Float` of the same 53 bits.
     """
     if isinstance(value, Parameter):
         return parameter(value)
-    if value.is_integer() and abs(value) < WHOLE:
+    if value.is_integer() and abs(value) < EXACT_INTEGER_LIMIT:
         return Integer(int(value))
     return Float(value, precision=53)
 

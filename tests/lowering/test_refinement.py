@@ -14,7 +14,7 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.library import Library
 from kanegen.library.native import cache
-from kanegen.lowering.conditioning import PROMISED
+from kanegen.lowering.conditioning import LARGEST_ACCEPTED_ERROR
 from kanegen.measure.truth import truth
 from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, FLOAT, Precision, precision_named
@@ -78,7 +78,7 @@ def errors_and_messages(
 def test_growing_masses_are_accurate_or_reported(ratio: float, precision: str) -> None:
     system = rods(ratio)
     found = errors_and_messages(built(system, precision=precision), system, 60)
-    limit = PROMISED * precision_named(precision).roundoff
+    limit = LARGEST_ACCEPTED_ERROR * precision_named(precision).roundoff
     assert all(error <= limit for error, message in found if not message)
     assert any(not message for _, message in found) or (ratio, precision) == (1000.0, "float")
     if precision == "double":
@@ -96,7 +96,7 @@ def test_a_factorisation_reports_where_it_fails(ratio: float, precision: str) ->
     found = errors_and_messages(
         built(rods(ratio), precision=precision, solver="factorisation", refinement=1), rods(ratio), 40
     )
-    limit = PROMISED * precision_named(precision).roundoff
+    limit = LARGEST_ACCEPTED_ERROR * precision_named(precision).roundoff
     assert all(error <= limit for error, message in found if not message)
     said = [message for error, message in found if error > limit]
     assert said

@@ -83,7 +83,7 @@ def test_joints_carry_every_body_where_the_reference_has_it(seed: int) -> None:
         index, axis = KINDS.index(joint.kind), np.eye(3)[KINDS.index(joint.kind) % 3]
         moved = screw(axis, np.zeros(3), x[joint.columns[0]], index < 3)
         places.append(places[joint.parent] * joint.placement * moved)
-        parts.append(carried(joint.body.mass, joint.body.centre, joint.body.central_inertia, places[-1]))
+        parts.append(carried(joint.body.mass, joint.body.center, joint.body.central_inertia, places[-1]))
     assert_same(total(parts), moments(system, x))
 
 

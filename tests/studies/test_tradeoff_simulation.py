@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 import kanegen as kg
 from kanegen.measure.timing import OBJECTIVES
-from kanegen.measure.truth.errors import GATE
+from kanegen.measure.truth.errors import LARGEST_BACKWARD_ERROR
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.options import STRICT, Variant
 from kanegen.reference import equations as reference
@@ -132,7 +132,7 @@ def test_every_precision_is_measured_and_timed(variant: Variant) -> None:
     for objective in OBJECTIVES:
         errors = ExactResults(system).errors(built.library, sample, objective)
         assert not errors.wrong.any()
-        assert errors.backward.max() < GATE / 2
+        assert errors.backward.max() < LARGEST_BACKWARD_ERROR / 2
         assert 1e-3 < errors.median / unit_roundoff(variant) < 50
         values = compute_accelerations(built.library, sample, objective)
         nearest = values[..., 0] if values.ndim > 2 else values.astype(np.float64)

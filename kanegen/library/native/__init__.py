@@ -1,7 +1,7 @@
 """Compiled code on the machine: compilers, commands, the cache, and calls from Python.
 
-`compilers` finds a compiler, `commands` runs it with a time limit, `selftest` tries what it does to
-floating-point arithmetic, `build` makes shared libraries and programs, and `cache` keeps them. `calls` loads
+`compilers` finds a compiler, `commands` runs it with a time limit, `selftest` tests its floating-point
+arithmetic, `build` makes shared libraries and programs, and `cache` keeps them. `calls` loads
 a library and calls its functions with NumPy arrays, `status` reports what they return, and `floating_point`
 protects the process. Every other package that compiles or runs a program does it through these modules.
 """

@@ -104,7 +104,7 @@ def build(
         link_arguments=("-lm",),
         fingerprints=(found.fingerprint,),
     )
-    return made(product)
+    return compiled_product(product)
 
 
 def program(
@@ -144,11 +144,11 @@ def program(
         fingerprints=(c.fingerprint, cpp.fingerprint),
         seconds=seconds,
     )
-    return made(product)
+    return compiled_product(product)
 
 
-def made(product: Product) -> Path:
-    """Return the path of `product` in the cache, where it is compiled if it is missing.
+def compiled_product(product: Product) -> Path:
+    """Return the path of `product` in the cache; a product that is missing is compiled.
 
     Its source files are compiled at the same time.
 
@@ -195,7 +195,7 @@ def _require_long_double(source: Source) -> None:
     """Make sure that `long double`, where the code uses it, is wider than double.
 
     Raises:
-        BuildError: If it has no more bits than double on this platform.
+        BuildError: If `long double` has no more bits than double on this platform.
     """
     for name in (source.precision, source.storage):
         precision = precisions.precision_named(name)
@@ -226,7 +226,7 @@ def _split(flags: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def _machine(flags: Sequence[str]) -> tuple[str, ...]:
-    """Return what the code is compiled for: system and processor, and for native code this one machine.
+    """Return the target of the code: system and processor and, for native code, this one machine.
 
     A home folder may be shared by machines whose processors have different instructions.
     """

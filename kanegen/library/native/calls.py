@@ -62,7 +62,7 @@ class NativeLibrary:
         """Load the shared library `path` that was compiled from `source`.
 
         Raises:
-            BuildError: If it cannot be loaded, or loading it changes the arithmetic of the process.
+            BuildError: If the library cannot be loaded, or changes the arithmetic of the process.
         """
         self.source = source
         self.path = path
@@ -94,7 +94,7 @@ class NativeLibrary:
             ) from error
 
     def constants(self, parameters: Mapping[str, float]) -> Pointers:
-        """Return the first argument of every `Call`: what `prepare` computes from the run-time parameters.
+        """Return the first argument of every `Call`: the results of `prepare` for some run-time parameters.
 
         Args:
             parameters: Values by name, in the order of the C array.
@@ -213,7 +213,7 @@ class Call:
         return results
 
     def _general(self, constants: Pointers, values: Values) -> list[Floats]:
-        """Do the same after conversion of the values and with every check."""
+        """Call the C function after conversion of the values, with every check."""
         arrays, batch = self._converted(values)
         results = [np.empty((*batch, *shape), self._result_dtype) for shape in self._outputs]
         pointers = [*constants, *map(self._pointer, arrays), *map(self._result_pointer, results)]
@@ -249,7 +249,7 @@ class Call:
 
 
 def _meaning_of_named_inputs(model: ModelDescription) -> dict[str, str]:
-    """Return for each input that is passed by name what it is, for error messages."""
+    """Return a description of each input that is passed by name, for error messages."""
     names = model.prescribed_names
     words = {"count": len(names), "prescribed": ", ".join(names)}
     return {name: meaning.format(**words) for name, meaning in MODEL_DEPENDENT.items()}

@@ -39,7 +39,7 @@ class Compiler:
 
     Attributes:
         command: Program and first arguments, such as `("/usr/bin/gcc",)`.
-        fingerprint: The command and, from the second line on, what `--version` prints. Compilers of the
+        fingerprint: The command and, from the second line on, the output of `--version`. Compilers with the
             same fingerprint make the same code.
     """
 

@@ -1,8 +1,8 @@
 """The floating-point environment of the process, which loading a library must leave as it is.
 
 gcc before 13 links code into shared libraries made with -ffast-math that switches subnormal numbers off for
-the whole process. `kanegen.library.native.build` links without that code; what somebody else has linked is
-found here.
+the whole process. `kanegen.library.native.build` links without that code; this module finds libraries that
+others have linked with it.
 """
 
 from __future__ import annotations

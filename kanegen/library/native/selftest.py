@@ -1,8 +1,8 @@
-"""What a compiler makes of floating-point arithmetic with given flags, found out by running a small program.
+"""The test of a compiler's floating-point arithmetic with some flags, by a small program that is run.
 
 Some compilers drop the rounding to float of two neighbouring stores (gcc 12 from -O2 on), compile tests for
-NaN away, or switch subnormal numbers off. A library is built only where everything that its variant promises
-holds.
+NaN away, or switch subnormal numbers off. A library is built only where every property that its variant
+promises holds.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from kanegen.library.native import cache, commands, compilers
 from kanegen.program.semantics import NARROWING, guaranteed_properties
 
 REMEDIES: dict[str, tuple[str, ...]] = {NARROWING: ("-fno-tree-slp-vectorize",)}
-"""For some properties the compiler flags that restore them where they are missing."""
+"""Compiler flags that restore a property of arithmetic, by property."""
 
 _PROGRAM = "selftest"
 """Name of the program."""
 
 _RESULT = "properties"
-"""File of the cache entry that holds what the program printed."""
+"""File of the cache entry that holds the output of the program."""
 
 _TIME_LIMIT = 60.0
 """Time limit of the program, s."""
 
 
 def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]:
-    """Return compiler flags with which `compiler` keeps what the variant of `source` promises.
+    """Return compiler flags with which `compiler` keeps the properties that the variant of `source` promises.
 
     Raises:
-        BuildError: If there are none.
+        BuildError: If there are no such flags.
     """
     flags = source.variant.flags
     wanted = set(guaranteed_properties(source.variant.semantics))
@@ -57,7 +57,7 @@ def require(compiler: compilers.Compiler, flags: tuple[str, ...], wanted: frozen
     """Make sure that `compiler` keeps the properties `wanted` with `flags`.
 
     Raises:
-        BuildError: If it does not.
+        BuildError: If a property is missing.
     """
     missing = wanted - properties(compiler, flags) if wanted else None
     if missing:
@@ -89,10 +89,10 @@ def properties(compiler: compilers.Compiler, flags: tuple[str, ...]) -> frozense
 
 
 def _printed(program: Path, compiler: compilers.Compiler) -> str:
-    """Return what the program prints.
+    """Return the output of the program.
 
     Raises:
-        BuildError: If it does not run, fails or takes too long.
+        BuildError: If the program does not run, fails or takes too long.
     """
     try:
         return commands.output([program], seconds=_TIME_LIMIT)

@@ -16,15 +16,15 @@ from kanegen.model.arguments import Floats
 
 @dataclass(frozen=True)
 class Status:
-    """What the statuses of one C function mean.
+    """The meanings of the statuses of one C function.
 
     Attributes:
         name: Name of the function.
         freedoms: For each freedom its name, and the name of the speed where the speed is no rate.
         bodies: For each freedom the name of its body.
         quantity: Name of the quantity that is positive where a result exists.
-        failure: What is the matter with the state where the quantity is not positive.
-        may_fail: Place among the outputs of one that is NaN where it does not exist.
+        failure: Clause on the state where the quantity is not positive, such as "[A] is singular".
+        may_fail: Index of an output that is NaN where it does not exist.
         may_be_inaccurate: Whether a result that exists can be inaccurate.
     """
 
@@ -38,7 +38,7 @@ class Status:
 
     @classmethod
     def of(cls, function: Function, model: ModelDescription) -> Status:
-        """Return what the statuses of `function` mean."""
+        """Return the meanings of the statuses of `function`."""
         pairs = zip(model.freedom_names, model.speeds, strict=True)
         outputs = [array.name for array in function.outputs]
         return cls(

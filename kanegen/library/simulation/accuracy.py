@@ -1,4 +1,4 @@
-"""Accuracy of a trajectory: correct digits against a reference, and drift of what should be constant."""
+"""Accuracy of a trajectory: correct digits against a reference, and drift of conserved quantities."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Drift:
 
     Attributes:
         largest: Largest distance from the first value, over `scale`.
-        slope: Slope of the line of best fit, 1/s, over `scale`: what grows in the long run.
+        slope: Slope of the line of best fit, 1/s, over `scale`: the growth in the long run.
         oscillation: Largest distance from that line, over `scale`.
         scale: The value that counts as one, in the unit of the quantity.
     """
@@ -40,7 +40,7 @@ def drift(times: Floats, values: Floats, scale: float) -> Drift:
         OptionError: If `scale` is not a positive number.
     """
     if not (np.isfinite(scale) and scale > 0):
-        raise OptionError(f"scale of a drift: {scale!r} is not a positive number. Say what counts as one.")
+        raise OptionError(f"scale of a drift: {scale!r} is not a positive number. Give a positive scale.")
     change = (np.reshape(values, (len(times), -1)) - np.reshape(values[0], (1, -1))) / scale
     middle = times - times.mean()
     slope = middle @ change / max(float(middle @ middle), np.finfo(np.float64).tiny)

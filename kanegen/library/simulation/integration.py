@@ -17,7 +17,7 @@ EXTRA = "study"
 """The extra that installs SciPy."""
 
 _SLACK = 1e-9
-"""Share by which a step may be longer than asked for, so that rounding does not add one to an interval."""
+"""Relative excess of a step over the largest step that is ignored, so that rounding adds no step."""
 
 Step = Callable[[Motion, float, float, Floats], Floats]
 """Function that returns the change of a state in one step, from motion, time (s), step (s) and state."""

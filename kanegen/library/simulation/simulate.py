@@ -194,7 +194,7 @@ def _first_state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, 
     """Return the coordinates and speeds at the first time in the precision of the library's arrays.
 
     Raises:
-        ArrayError: If they have the wrong shape or type, or are not finite.
+        ArrayError: If `x` or `y` has the wrong shape or type, or is not finite.
     """
     dtype = precisions.precision_named(library.storage).dtype
     first = arguments.state("x", x, (len(library.coordinate_names),), dtype)

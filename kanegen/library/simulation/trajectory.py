@@ -1,4 +1,4 @@
-"""The result of a simulation: states over time, and how accurate the method was that computed them."""
+"""The result of a simulation: states over time, and the accuracy of the integration."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ class Trajectory:
 
         Raises:
             ArrayError: If the trajectories have different shapes.
-            OptionError: If they have different times.
+            OptionError: If the trajectories have different times.
 
         Example:
             digits = coarse.mescd(fine)

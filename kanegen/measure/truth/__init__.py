@@ -8,8 +8,7 @@
 
 The package needs the extra `truth` (python-flint). Exact results share nothing with the derivations that
 become C, nor with the NumPy reference; the two algorithms share nothing with each other beyond ball
-arithmetic and the reading of the model. Only conditioning and bounds, use magnitudes
-of the reference.
+arithmetic and the reading of the model. Only conditioning and bounds use magnitudes of the reference.
 """
 
 from kanegen.measure.truth.bounds import Fit, bound, fit

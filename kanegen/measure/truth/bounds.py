@@ -57,7 +57,7 @@ def bound(
 
 @dataclass(frozen=True)
 class Fit:
-    """The ratios of errors to bounds without their factor, over many states: what `FACTOR` has to cover.
+    """The ratios of errors to bounds without their factor, over many states; `FACTOR` has to cover them.
 
     Attributes:
         count: Number of states in which the bound holds.

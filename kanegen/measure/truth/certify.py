@@ -25,13 +25,13 @@ from kanegen.model.description import require_unprescribed
 from kanegen.model.system import System
 
 EXACT = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
-"""Outputs with exact results: [A], {f}, and what follows from both."""
+"""Outputs with exact results: [A], {f}, and the two that follow from them."""
 
 WIDTH = 2.0**-20
 """Largest radius of an enclosure, relative to the unit roundoff."""
 
 LIMIT = 2**14
-"""Largest working precision in bits; what is not narrow then is zero, but not by exact arithmetic."""
+"""Largest working precision in bits; a result that is not narrow then is zero, but not exactly computed."""
 
 
 class DisagreementError(KanegenError):
@@ -88,7 +88,7 @@ def truth(
         parameters: Values of run-time parameters by name; the others stand at their defaults.
         outputs: Names among "mass_matrix", "forcing", "inverse_dynamics" and "forward_dynamics".
         unit_roundoff: Unit roundoff of the program to evaluate: 2^-53 for double, 2^-24 for float.
-        ydot: (n,) accelerations (rad/s^2, m/s^2), needed for inverse dynamics.
+        ydot: (n,) generalized accelerations (rad/s^2, m/s^2), needed for inverse dynamics.
 
     Raises:
         ArrayError: If an array has the wrong shape or is not finite.

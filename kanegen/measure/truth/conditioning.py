@@ -6,10 +6,10 @@
   speeds and {tau} would each accelerate the tree by themselves, and chi is the sum of the norms of these
   accelerations over the norm of their sum. Near an equilibrium it has no limit. For an output that is a sum
   itself it is the norm of the magnitudes of its terms over the norm of the output.
-- formation: cancellation inside [A] and {f}. A program rounds the terms that it sums their entries from, and
-  these may be larger than what is left: a heavy body folds back onto an axis, or slides across its weight.
-  It is the larger of two ratios of the terms to what is left, in the 2-norm and scaled as for kappa_s: that
-  of [A], and that of the parts that chi adds.
+- formation: cancellation inside [A] and {f}. A program rounds the terms whose sums are the entries, and the
+  terms may be larger than the sums: a heavy body folds back onto an axis, or slides across its weight.
+  Formation is the larger of two ratios of terms to sums, in the 2-norm and scaled as for kappa_s: the ratio
+  of [A], and the ratio of the parts that chi adds.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@
   the largest. An entry that is not finite has lost all bits of its type. In more than double precision the
   error in units of the last place stands for the number of floats.
 - backward: the largest row of [A]{ydot} - {f} - {tau}, each over the magnitudes of its terms, in units of
-  N u. No rounding explains a value above `GATE`.
+  N u. No rounding explains a value above `LARGEST_BACKWARD_ERROR`.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from kanegen.model.arrays import Flags, Floats
 from kanegen.model.system import System
 from kanegen.program.precision import DOUBLE, Precision
 
-GATE = 10.0
-"""Largest backward error of a right program, in units of N u; a larger one means a wrong program."""
+LARGEST_BACKWARD_ERROR = 10.0
+"""Largest backward error of a correct program, in units of N u; a larger one means a wrong program."""
 
 Wide = NDArray[np.longdouble]
 """Numbers with more digits than a double, where the platform has them."""
 
 _RESOLUTION = 6 * float(np.finfo(np.longdouble).eps)
-"""Least unit roundoff of a backward error: what long doubles resolve for a body of six freedoms."""
+"""Least unit roundoff of a backward error: the resolution of long doubles for a body of six freedoms."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The errors of a compiled library against exact results, state by state, beside what bounds them."""
+"""The errors of a compiled library against exact results, state by state, with conditioning and bounds."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from kanegen.measure.truth.bounds import FACTOR, Fit, bound, fit
 from kanegen.measure.truth.certify import EXACT, Truth, exact_outputs, truth
 from kanegen.measure.truth.conditioning import Conditioning, cancellation, conditioning, term_magnitudes
 from kanegen.measure.truth.enclosure import Enclosure, enclosure
-from kanegen.measure.truth.errors import GATE, Residual, Wide, errors
+from kanegen.measure.truth.errors import LARGEST_BACKWARD_ERROR, Residual, Wide, errors
 from kanegen.model.arrays import Flags, Floats
 from kanegen.model.system import System
 from kanegen.program.precision import Precision, precision_named
@@ -26,7 +26,7 @@ from kanegen.reference.states import States
 
 @dataclass(frozen=True)
 class Measurement(Errors):
-    """Errors of one output in B states, and what bounds them; every field is (B,).
+    """Errors of one output in B states, with conditioning and bounds; every field is (B,).
 
     Attributes:
         bits: Mean number of bits lost; see `errors`.
@@ -69,7 +69,7 @@ class Measurement(Errors):
     @property
     def wrong(self) -> Flags:
         """(B,) flags of the states whose result does not solve the equations, rounding included."""
-        wrong: Flags = ~self.failed & ~(self.backward <= GATE)
+        wrong: Flags = ~self.failed & ~(self.backward <= LARGEST_BACKWARD_ERROR)
         return wrong
 
     @property
@@ -104,7 +104,7 @@ class ExactState:
 
     @classmethod
     def of(cls, exact: Truth) -> Self:
-        """Return what a truth says about results of its state."""
+        """Return the exact outputs, scales and conditioning from a `Truth`."""
         return cls(
             outputs=exact.outputs,
             scales={name: exact.units.of(name) for name in exact.outputs},
@@ -176,7 +176,7 @@ class MeasuredLibrary(Protocol):
     def forward_dynamics(
         self, x: Floats, y: Floats, tau: Any = None, force: Any = None, torque: Any = None
     ) -> NDArray[Any]:
-        """Return (B, n) accelerations, NaN where [A] is singular, from (B, n) tau and those arguments."""
+        """Return (B, n) accelerations, NaN where [A] is singular, from tau and the arguments of `forcing`."""
 
 
 def measure(
@@ -197,7 +197,7 @@ def measure(
         library: The library that is measured.
         states: B states.
         tau: (B, n) generalized forces (N m, N); default none.
-        ydot: (B, n) accelerations (rad/s^2, m/s^2); without them inverse dynamics is left out.
+        ydot: (B, n) generalized accelerations (rad/s^2, m/s^2); without them inverse dynamics is left out.
         outputs: Names among the outputs of the library; default all that have an exact result.
 
     Raises:
@@ -266,7 +266,7 @@ def _rounded_rows(value: ArrayLike | None, y: Floats, precision: Precision, labe
     """Return `value` (B, n) as numbers that `precision` can hold; zeros for None.
 
     Raises:
-        ArrayError: If it does not have the shape of `y`; `label` names it in the message.
+        ArrayError: If `value` does not have the shape of `y`; the message calls it `label`.
     """
     array = np.zeros(y.shape) if value is None else np.asarray(value)
     if array.shape != y.shape:

@@ -51,7 +51,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Renaming:
-    """How a sequence of axes follows from 1-2-3.
+    """The map from the sequence of axes 1-2-3 to another sequence.
 
     Axes a-b-c are 1-2-3 in a frame whose basis vectors have other names; where this frame is left-handed, the
     angles count the other way round. A sequence a-b-a ends with a turn about a, which is a turn about the

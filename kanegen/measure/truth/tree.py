@@ -40,7 +40,7 @@ class State:
         force: (N, 3) forces F'_K at G_K, in K (N).
         torque: (N, 3) torques M'_K, in K (N m).
         tau: (n,) generalized forces beside loads and gravity.
-        ydot: (n,) accelerations, for inverse dynamics.
+        ydot: (n,) generalized accelerations, for inverse dynamics.
     """
 
     x: Floats
@@ -101,7 +101,7 @@ class Tree:
         gravity: (3, 1) gravity, in inertial components.
         speeds: (n, 1) generalized speeds {y}.
         tau: (n, 1) generalized forces beside loads and gravity.
-        ydot: (n, 1) accelerations {ydot}, for inverse dynamics.
+        ydot: (n, 1) generalized accelerations {ydot}, for inverse dynamics.
     """
 
     links: tuple[Link, ...]

@@ -85,7 +85,7 @@ def _quoted(text: str) -> str:
 
 
 class _Reader:
-    """Converts Python's syntax tree to an expression and refuses what the grammar does not have."""
+    """Converts Python's syntax tree to an expression and refuses everything outside the grammar."""
 
     def __init__(self, text: str, parameters: dict[str, Parameter]) -> None:
         self._text = text

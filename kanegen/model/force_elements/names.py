@@ -18,7 +18,7 @@ from kanegen.model.force_elements.elements import KINDS, Drive, JointSpring, Poi
 from kanegen.model.force_elements.expression import TIME
 
 Place = tuple[int, int]
-"""Number of a body, from 1, and a place in `COORDINATE_KINDS` (coordinate) or in `FREEDOMS` (speed)."""
+"""Number of a body, from 1, and an index in `COORDINATE_KINDS` (coordinate) or in `FREEDOMS` (speed)."""
 
 
 def coordinate_places(bodies: Sequence[Body]) -> dict[str, Place]:

@@ -1,8 +1,7 @@
 """Passes: each takes a program and returns one with the same outputs and fewer operations.
 
 A pass is one function in a module of its own, named by its verb; `PASSES` lists them in the order in which
-they run. `run` applies them and records the operations left after each, so that what each pass saves is
-known.
+they run. `run` applies them and records the operations left after each, which gives the saving of every pass.
 """
 
 from __future__ import annotations

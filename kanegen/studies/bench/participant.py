@@ -108,7 +108,7 @@ class Participant:
         return {task: float(value) for task, value in pairs}
 
     def _run(self, driver: str, mode: str, last: str, loads: tuple[Path, ...]) -> str:
-        """Run the driver and return what it prints."""
+        """Run the driver and return its output."""
         between = (mode, str(self.states), last, *map(str, loads))
         command = [driver, *self.command[1:], *between, *self.arguments]
         done = commands.run(command)

@@ -29,7 +29,7 @@ def read_states(path: Path) -> ActuatedStates:
 
 
 def without_loads_and_parameters(system: System) -> tuple[System, tuple[str, ...]]:
-    """Return the system without loads, force elements and run-time parameters, and notes on what was changed.
+    """Return the system without loads, force elements and run-time parameters, and notes on the changes.
 
     Not every peer takes loads, and none takes run-time parameters as kanegen does.
     """

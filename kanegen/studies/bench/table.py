@@ -1,4 +1,4 @@
-"""The texts of a comparison: head and rows of its tables, notes, and the programs that were left out."""
+"""A comparison as text: head and rows of its tables, notes, and the programs that were left out."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ TITLES = {EQUATIONS: "A + f", DYNAMICS: "forward dynamics", DERIVATIVES: "its de
 _METHODS = {"aba": "aba", "cholesky": "Cholesky"}
 """Names of methods by name of the task, where a driver has several methods for a quantity."""
 
-TEXTS = 3
+TEXT_COLUMNS = 3
 """Number of the first columns, which hold text; the others hold numbers."""
 
 

@@ -1,4 +1,4 @@
-"""The certificate beside the C: the request, what was found, and all that is needed to find it again.
+"""The certificate beside the C: the request, its result, and all that is needed to reproduce the result.
 
 A certificate is a JSON file. Its first line has the provenance of a generated file (`c.folder`), so that
 an edited file is recognised. `Certificate` is the content of a file; `CertificateFields` are the parts that a

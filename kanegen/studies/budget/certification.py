@@ -1,4 +1,4 @@
-"""From a request to C with its certificate: find the variant, then write down what was found."""
+"""From a request to C with its certificate: the search for the variant, and the record of its result."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class CertifiedSource:
         source: The C, with the certificate among its files.
         certificate: The certificate as data.
         request: The request of the user.
-        choice: The chosen variant and what was measured of it.
+        choice: The chosen variant with its measurements.
     """
 
     source: Source
@@ -77,9 +77,9 @@ def certify_variant(
         progress: Function that is called with the name of each stage.
 
     Raises:
-        BudgetError: If no variant keeps the budget; says which comes nearest to it.
+        BudgetError: If no variant keeps the budget; the message names the nearest candidate.
         BuildError: If there is no C compiler.
-        OptionError: If [A] is singular somewhere in the region; names the range to exclude.
+        OptionError: If [A] is singular somewhere in the region; the message names the range to exclude.
 
     Example:
         >>> region = read_region("x.angles = [-1, 1]", system)

@@ -1,4 +1,4 @@
-"""What errors in a random sample prove about the states that are not in the sample.
+"""Confidence limits: statements on a whole domain of states from the errors in a random sample.
 
 The share of a domain in which an error exceeds a claim cannot be counted, so it is estimated: k of n
 independent states exceed the claim. The upper limit on the probability of exceeding it is that of Clopper and
@@ -96,7 +96,7 @@ def quantile_level(quantile: float | str) -> float:
     """Return a quantile as a number strictly between 0 and 1, or 1.0 for "max".
 
     Raises:
-        OptionError: If it is neither.
+        OptionError: If `quantile` is neither.
     """
     if isinstance(quantile, str) and quantile.strip().lower() == "max":
         return 1.0
@@ -109,7 +109,7 @@ def probability(value: float | str, name: str, alternative: str = "") -> float:
     Args:
         value: The number, or its text.
         name: Name of the number in the error message.
-        alternative: What the error message names beside a number.
+        alternative: Alternative to a number, for the error message.
 
     Raises:
         OptionError: If the value is no such number.

@@ -37,7 +37,7 @@ _REMEDIES = {
     ),
     "formation": "There terms of [A] or {{f}} cancel, {0:.1e}: exclude it by narrower ranges in the domain.",
 }
-"""What makes a state hard and how to exclude it, by the condition number that is large there."""
+"""Sentence on why a state is hard and how to exclude it, by the condition number that is large there."""
 
 
 def search_counterexample(
@@ -75,7 +75,7 @@ def search_counterexample(
 
 
 def explain_difficulty(exact: ExactResults, worst: Sample, ordinary: Sample) -> str:
-    """Return a sentence on what makes a state harder than ordinary ones and how to exclude it.
+    """Return a sentence on why a state is harder than ordinary states and how to exclude it.
 
     Args:
         exact: Exact results of the system.

@@ -1,7 +1,7 @@
-"""What the selection of a variant needs to know about candidates, from an evaluator that can measure them.
+"""The interface between the selection of a variant and the evaluator that measures candidates.
 
 The selection (`budget.selection`) knows neither C nor bodies; it calls an `Evaluator`. Each measurement names
-the sample of states to use, so the code of the selection shows which states serve for what.
+the sample of states to use, so the code of the selection shows the purpose of every sample.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class SearchResult:
         error: The largest error that was found; infinite where a result was not finite.
         evaluations: Number of states that were tried.
         state: The state of this error, in the form of `sampling.state_table`.
-        explanation: A sentence on what makes this state hard and how to exclude it from the domain.
+        explanation: A sentence on why this state is hard and how to exclude it from the domain.
     """
 
     error: float

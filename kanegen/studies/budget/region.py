@@ -3,7 +3,7 @@
 A region is a box of states without the states that the user excludes. Its table has the form of a TOML file:
 
     [x]                             # coordinates, rad and m
-    angles = [-3.0, 3.0]            # all angles; "translations" and "quaternions" likewise
+    angles = [-3.0, 3.0]            # all angles; there are also "translations" and "quaternions"
     elbow = [0.1, 2.5]              # one freedom, by its name; a single number fixes it
     [y]                             # generalized speeds, rad/s and m/s
     [tau]                           # generalized forces, N m and N
@@ -98,7 +98,7 @@ def read_region(text: str | None, system: System) -> Region:
         system: The system whose states the region holds.
 
     Raises:
-        OptionError: If the text describes no region of this system; names the file and the key.
+        OptionError: If the text describes no region of this system; the message names the file and the key.
         ReadError: If the file does not exist, or the text is not valid TOML.
     """
     if text is None:
@@ -117,7 +117,7 @@ def region_from_table(system: System, table: Mapping[str, Any], where: str = "do
         where: Beginning of error messages, such as the name of a file.
 
     Raises:
-        OptionError: If a name is unknown or a value is no range; names the key.
+        OptionError: If a name is unknown or a value is no range; the message names the key.
     """
     _require_known_keys(where, table, TABLES)
     tables = {name: _require_table(where, name, table.get(name, {})) for name in TABLES}
@@ -152,13 +152,13 @@ def require_no_gimbal_lock(region: Region) -> None:
     rates of angles are singular there.
 
     Raises:
-        OptionError: If the region holds states at gimbal lock where [A] is singular; names the range to
-            exclude.
+        OptionError: If the region holds states at gimbal lock where [A] is singular; the message names the
+            range to exclude.
     """
     domain, system = region.domain, region.system
     if domain.clearance > 0:
         return
-    for place, lock in domain.locking.items():
+    for place, lock in domain.gimbal_lock_angles.items():
         body = system.bodies[system.coordinates[place].body - 1]
         if body.joint.speeds_are_rates and _range_meets(lock, domain.low[place], domain.high[place]):
             name = system.coordinate_names[place]
@@ -201,7 +201,7 @@ def _set_ranges(
         units: Unit of every element, by its name.
         table: Ranges by the name of an element or of a kind.
         low: Lower ends of the box from the first element on; changed in place.
-        high: Upper ends of the box, likewise.
+        high: Upper ends of the box from the first element on; changed in place.
 
     Raises:
         OptionError: If a key is unknown or a value is no range.
@@ -238,7 +238,7 @@ def _require_table(where: str, name: str, value: Any) -> Mapping[str, Any]:
     """Return `value` if it is a table.
 
     Raises:
-        OptionError: If it is anything else.
+        OptionError: If `value` is no table.
     """
     if not isinstance(value, Mapping):
         raise OptionError(f"{where}: {name}: write a table [{name}], or keys such as {name}.angles.")
@@ -249,7 +249,7 @@ def _require_known_keys(where: str, table: Mapping[str, Any], known: tuple[str, 
     """Require that every key of a table is known.
 
     Raises:
-        OptionError: If a key is unknown; names the key and the most similar known one.
+        OptionError: If a key is unknown; the message names the key and the most similar known one.
     """
     for key in table:
         if key not in known:

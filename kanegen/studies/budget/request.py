@@ -27,8 +27,8 @@ class Effort:
 
     Attributes:
         select: Number of states by which a candidate is chosen.
-        validate: Number of fresh states by which the chosen candidate is validated; None for the smallest
-            number that can show what the request asks.
+        validate: Number of fresh states by which the chosen candidate is validated; None for
+            `Request.least_fresh_states`.
         search: Number of states that each of the two searches for a counterexample tries.
         rounds: Number of rounds in which the candidates take turns to be timed.
         seconds: Duration of the timing of one candidate in one round (s).
@@ -120,7 +120,7 @@ class Request:
 
     @property
     def least_fresh_states(self) -> int:
-        """Smallest number of fresh states that can show what the request asks."""
+        """Smallest number of fresh states that can show that the budget is kept with the confidence."""
         return states_needed(self.share, self.alpha)
 
     @property

@@ -1,6 +1,6 @@
 """Random samples of a region, and single states as plain data.
 
-Each sample has a stream of random numbers of its own, so that no two samples share a state.
+Each sample has a separate stream of random numbers, so that no two samples share a state.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from kanegen.studies.tradeoff.domain import Domain, Sample, joined
 from kanegen.studies.tradeoff.exact_results import ExactResults
 
 PURPOSES = ("select", "validate", "verify", "search", "bits", "time")
-"""The purposes of samples; the place of a purpose is part of the seed, so no two purposes share a stream."""
+"""The purposes of samples; the index of a purpose is part of the seed, so no two purposes share a stream."""
 
 _LEAST_SHARE = 0.01
 """Smallest share of a box that may be left by the exclusions, so that rejection sampling ends."""

@@ -22,7 +22,7 @@ SAME_ACCURACY = 2.0
 
 @dataclass
 class Screening(Generic[C]):
-    """What is known of the candidates so far.
+    """The measurements of candidates so far.
 
     Attributes:
         evaluator: The evaluator that measures the candidates.
@@ -31,7 +31,7 @@ class Screening(Generic[C]):
         errors: Errors in the sample for selection, at the quantile of the request.
         times: Times of the candidates that may be chosen and of those with the accuracy of the default.
         final_times: Times of the finalists and the reference, measured once more; they decide.
-        verdicts: What became of every candidate, in words, by label.
+        verdicts: Outcome for every candidate, in words, by label.
         deferred: Candidates with more digits than the sample needs; they are built only if all others fail.
     """
 
@@ -63,7 +63,7 @@ class Screening(Generic[C]):
         """Build, measure and time the candidates; return those that keep the budget so far.
 
         Raises:
-            BudgetError: If no candidate keeps it.
+            BudgetError: If no candidate keeps the budget.
         """
         self._measure_all()
         accurate = self._accurate(self.errors)
@@ -97,9 +97,9 @@ class Screening(Generic[C]):
     def take_best(self, remaining: list[C]) -> C | None:
         """Remove the best candidate from `remaining` and return it; None if none is fast enough.
 
-        The finalists are timed once more, in rounds of their own: the first of many candidates on a noisy
-        machine owes its place partly to luck, which the second times do not share. Finalists that turn out
-        too slow are removed as well.
+        The finalists are timed once more, in separate rounds: the rank of the first of many candidates on a
+        noisy machine is partly luck, which the second times do not share. Finalists that turn out too slow
+        are removed as well.
         """
         while remaining:
             finalists = sorted(remaining, key=self._rank)[:FINALISTS]

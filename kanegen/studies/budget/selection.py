@@ -6,7 +6,7 @@
 2. The error of a candidate must stay below the budget by a factor, its time below a budget of time. Times are
    measured on this machine, and all candidates take turns.
 3. The best candidates are timed once more, and one of them is chosen. A search for a counterexample tries to
-   refute it; this search may use what is known of the sample.
+   refute it; this search may use the errors in the sample.
 4. A candidate that is not refuted is validated once, in fresh states, and searched again from the worst of
    them.
 5. A candidate that fails is dropped, and the next one gets a new sample. The number of such attempts is fixed
@@ -35,7 +35,7 @@ SHOWN = 3
 
 @dataclass(frozen=True)
 class Choice(Generic[C]):
-    """The chosen candidate and what was measured of it.
+    """The chosen candidate with its measurements.
 
     Attributes:
         candidate: The chosen candidate.
@@ -47,7 +47,7 @@ class Choice(Generic[C]):
         reference: The fastest candidate that is as accurate as `standard`.
         gain: How many times as fast the candidate is as `reference`; None where the difference is not
             certain.
-        verdicts: What became of every candidate, by label, in the order of the candidates.
+        verdicts: Outcome for every candidate, by label, in the order of the candidates.
     """
 
     candidate: C
@@ -65,7 +65,7 @@ def choose(evaluator: Evaluator[C], request: Request) -> Choice[C]:
     """Return the candidate that a request asks for.
 
     Raises:
-        BudgetError: If no candidate keeps the budget; says which comes nearest to it.
+        BudgetError: If no candidate keeps the budget; the message names the nearest candidate.
     """
     return _Selection(Screening(evaluator, request)).run()
 

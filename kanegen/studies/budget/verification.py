@@ -1,4 +1,4 @@
-"""Whether a certificate still holds: everything in it but the times is made and measured anew.
+"""The verification of a certificate: everything in it but the times is generated and measured anew.
 
 A certificate that was edited, or that belongs to another model or version, is an error. A statement of the
 certificate that can be checked and turns out different is a finding that does not hold.
@@ -41,7 +41,7 @@ from kanegen.studies.tradeoff.domain import Sample
 from kanegen.studies.tradeoff.exact_results import ExactResults, unit_roundoff
 
 MACHINE = ("processor", "compiler", "libc")
-"""What the times depend on and, for a variant that is not reproducible, the results."""
+"""Properties of a machine on which times depend and, for a variant that is not reproducible, results too."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def verify(
     seed: int = 1,
     progress: Progress = quiet,
 ) -> Verification:
-    """Check a certificate: make the C anew and measure again what the certificate says.
+    """Check a certificate: generate the C anew and repeat the measurements.
 
     Args:
         path: The certificate file. C files that lie beside it are checked as well.
@@ -133,9 +133,9 @@ class _Checks:
 
     Args:
         folder: Folder of the certificate file.
-        fields: What the certificate says.
-        region: The states for which it claims an error.
-        library: Its variant, generated and built anew.
+        fields: Fields of the certificate.
+        region: The states for which the certificate claims an error.
+        library: The variant of the certificate, generated and built anew.
         reproducible: Whether the variant has the same bits from every compiler and on every machine.
     """
 
@@ -164,7 +164,7 @@ class _Checks:
 
     @cached_property
     def _differences(self) -> str:
-        """What differs between this machine and that of the certificate, in words; empty if nothing does."""
+        """Differences between this machine and that of the certificate, in words; "" if there are none."""
         now, then = built_with(self._library.source), self._fields.built_with
         return ", ".join(f"another {name}" for name in MACHINE if now[name] != then.get(name))
 
@@ -225,7 +225,7 @@ class _Checks:
         return Finding("error", holds, f"{found} {errors.max():.3g}")
 
     def _times(self) -> Finding:
-        """Return what the times of the certificate are worth on this machine; they are not measured again."""
+        """Return whether the times of the certificate apply to this machine; they are not measured again."""
         claim = f"{self._fields.time:.4g} ns for {self._fields.objective}"
         if self._differences:
             return Finding("times", None, f"{claim} says nothing here: {self._differences}")

@@ -95,7 +95,7 @@ def steps(system: System) -> Iterator[tuple[str, System]]:
     coordinates there.
 
     Yields:
-        The name of what the system does without, and the system.
+        The name of the generality that the system leaves out, and the system.
     """
     loaded = with_loads(system)
     yield "nothing", with_numbers_as_parameters(with_all_freedoms(loaded))

@@ -32,10 +32,10 @@ _BODY = re.compile(r"(?:Derivatives\. )?Body (\d+) ")
 
 @dataclass(frozen=True)
 class Step:
-    """A program on the way from the general program to that of the scene.
+    """One of the programs from the general program to that of the scene.
 
     Attributes:
-        without: What this program does without, beside everything that the programs before it do without.
+        without: Generality that this program leaves out, beyond the programs before it.
         freedoms: Number of freedoms n.
         parameters: Number of run-time parameters.
         inputs: Number of numbers that one evaluation reads: coordinates, speeds, loads and the like.

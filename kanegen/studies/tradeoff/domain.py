@@ -152,7 +152,7 @@ class Domain:
         return {"x": dict(zip(system.coordinate_names, units, strict=True)), "y": own, "tau": own}
 
     @cached_property
-    def locking(self) -> dict[int, float]:
+    def gimbal_lock_angles(self) -> dict[int, float]:
         """Angle of gimbal lock (rad), up to half turns, by the index of the angle theta2 in x."""
         joints = [body.joint for body in self.system.bodies]
         return {
@@ -172,7 +172,7 @@ class Domain:
             OptionError: If almost nothing of the box has the distance `clearance` from gimbal lock.
         """
         rows = rounded(rng.uniform(self.low, self.high, (count, self.size)))
-        for place, lock in self.locking.items():
+        for place, lock in self.gimbal_lock_angles.items():
             for _ in range(_ATTEMPTS):
                 close = np.abs(np.sin(rows[:, place] - lock)) < self.clearance
                 if not close.any():
@@ -199,8 +199,8 @@ class Domain:
 
     def contains(self, sample: Sample) -> bool:
         """Return whether all states of a sample lie in the domain."""
-        rows, locks = sample.flat(), np.array(list(self.locking.values()))
-        distance = np.abs(np.sin(sample.x[:, list(self.locking)] - locks))
+        rows, locks = sample.flat(), np.array(list(self.gimbal_lock_angles.values()))
+        distance = np.abs(np.sin(sample.x[:, list(self.gimbal_lock_angles)] - locks))
         inside = (rows >= self.low) & (rows <= self.high)
         return bool(inside.all() and (distance >= self.clearance).all())
 

@@ -1,6 +1,6 @@
 """The evaluator of all studies of variants: it builds them, measures their errors, and times them.
 
-The times are those of the very libraries whose errors were measured. Variants with other generalized speeds
+Times and errors are measured on the same libraries. Variants with other generalized speeds
 or coordinates get the same physical states.
 """
 
@@ -61,7 +61,7 @@ class VariantEvaluator:
         return self._exact_results(self.system)
 
     def build(self, candidates: Iterable[Candidate]) -> tuple[list[CompiledVariant], list[Refusal]]:
-        """Compile candidates for this machine; return the compiled ones and why the others are refused."""
+        """Compile candidates for this machine; return the compiled ones and the refusals of the others."""
         return compile_variants(self.system, candidates, self._progress)
 
     def errors(self, variant: CompiledVariant, sample: Sample, objective: str) -> Measurement:
@@ -114,7 +114,7 @@ class VariantEvaluator:
 def time_variants(
     samples: Mapping[CompiledVariant, Sample], rounds: Rounds, progress: Progress
 ) -> dict[CompiledVariant, dict[str, Times]]:
-    """Return the times of variants by objective; all take turns, each in a process of its own.
+    """Return the times of variants by objective; all take turns, each in a separate process.
 
     Args:
         samples: The states that each variant computes, without loads.
@@ -140,7 +140,7 @@ def time_variants(
 def accelerations_of_driver(variant: CompiledVariant, sample: Sample) -> dict[str, Floats]:
     """Return the (B, n) accelerations {ydot} that the timing driver computes, by objective.
 
-    Tests compare them with those of the library, so that what is timed is what is measured.
+    Tests compare them with those of the library, to make sure that the timed code is the measured code.
     """
     with tempfile.TemporaryDirectory() as folder:
         results = _participant(variant, sample, Path(folder) / "states").results(sample.tau.shape[1])

@@ -1,8 +1,8 @@
-"""States where arithmetic is hardest: made on purpose, and found by a search.
+"""States in which errors are large: constructed near singular states, or found by a search.
 
-A uniform sample hardly ever meets such states. `hard_states` makes them: it changes some numbers of uniform
-rows, so that the other numbers of a state stay ordinary, brings the rows back into the box, and drops those
-that come too near to gimbal lock. `climb` finds them: it changes one state step by step, so that an error
+A uniform sample hardly ever contains such states. `hard_states` constructs them: it changes some numbers of
+uniform rows, leaves the other numbers of a state ordinary, brings the rows back into the box, and drops rows
+too near to gimbal lock. `climb` searches for them: it changes one state step by step, so that the error
 grows. A search counts evaluations, not seconds, so that the same seed finds the same state on every machine.
 """
 
@@ -86,10 +86,10 @@ def climb(
 
 def _next_to_gimbal_lock(domain: Domain, rows: Floats, rng: np.random.Generator) -> Floats:
     """Put about half of the second angles of joints at a small distance from gimbal lock."""
-    if not domain.locking:
+    if not domain.gimbal_lock_angles:
         return rows[:0]
-    shape = (len(rows), len(domain.locking))
-    places, locks = list(domain.locking), np.array(list(domain.locking.values()))
+    shape = (len(rows), len(domain.gimbal_lock_angles))
+    places, locks = list(domain.gimbal_lock_angles), np.array(list(domain.gimbal_lock_angles.values()))
     angles = locks - rng.choice([0.0, 1.0], shape) * np.pi + _small(rng, shape)
     near = rng.random(shape) < 0.5
     near[np.arange(len(rows)), rng.integers(0, shape[1], len(rows))] = True

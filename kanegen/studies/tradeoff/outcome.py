@@ -43,7 +43,7 @@ class StudyOptions:
 
 @dataclass(frozen=True)
 class VariantResult:
-    """A variant and what was measured of it.
+    """A variant with its measurements.
 
     Attributes:
         candidate: The variant.
@@ -78,7 +78,7 @@ class VariantResult:
         return int(self.errors[objective].failed.sum())
 
     def point(self, objective: str, share: float) -> Point[VariantResult] | None:
-        """Return its median time and the error that a share of the states keeps; None if it is not timed."""
+        """Return the median time and the error that a share of the states keeps; None if not timed."""
         if self.times is None:
             return None
         return Point(self, self.times[objective].median, self.errors[objective].quantile(share))
@@ -127,7 +127,7 @@ class SimulationRun:
 
     @property
     def work(self) -> float:
-        """Time of all evaluations (s), without what the integrator does beside them."""
+        """Time of all evaluations (s), without the other operations of the integrator."""
         return 1e-9 * self.evaluations * self.nanoseconds
 
 
@@ -138,7 +138,7 @@ class Study:
     Attributes:
         model: Name of the model.
         n: Number of freedoms.
-        notes: What was changed in the model so that variants can be timed.
+        notes: Changes of the model that let variants be timed.
         domain: The states of the study.
         options: Options of the study.
         results: Results of all variants that could be built.

@@ -15,7 +15,7 @@ TIE = 0.02
 """Relative difference up to which two times count as equal; the more accurate point then stands for both."""
 
 FLAT = 2.0
-"""Ratio of errors below which a front has no trade-off: nobody would give up speed for so little."""
+"""Ratio of errors below which a front has no trade-off: so small a gain is worth no loss of speed."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def _without_ties(points: Sequence[Point[T]]) -> list[Point[T]]:
 
 
 def verdict(front: Sequence[Point[T]], label: Callable[[T], str], every: Sequence[Point[T]]) -> str:
-    """Return in words what a trade-off costs and brings, or that there is none.
+    """Return in words the speed and the error of the ends of a trade-off, or that there is none.
 
     Args:
         front: The points on the Pareto front, the fastest first.

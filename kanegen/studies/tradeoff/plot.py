@@ -29,7 +29,7 @@ def tradeoff_svg(study: Study) -> str:
     """Return the picture of a study as SVG: error against time of every variant, a column for each objective.
 
     The upper row has the errors, from the median to the quantile by which variants are ranked. The lower row
-    has the largest errors divided by what the conditioning of the problem explains.
+    has the largest errors divided by their bound without its factor.
 
     Raises:
         MissingError: If matplotlib is not installed.

@@ -14,7 +14,7 @@ from kanegen import __version__
 from kanegen.measure.machine import Machine
 from kanegen.measure.timing import OBJECTIVES, Times
 from kanegen.measure.truth.bounds import FACTOR
-from kanegen.measure.truth.errors import GATE
+from kanegen.measure.truth.errors import LARGEST_BACKWARD_ERROR
 from kanegen.measure.truth.measurement import Measurement
 from kanegen.studies.markdown import markdown_table
 from kanegen.studies.tradeoff import tables
@@ -157,7 +157,7 @@ def _method(study: Study) -> str:
         clearance=f" that keeps the distance {distance:g} from gimbal lock" if distance else "",
         hard=f"The columns {columns} each hold" if len(kinds) > 1 else f"The column {columns} holds",
         factor=FACTOR,
-        gate=GATE,
+        gate=LARGEST_BACKWARD_ERROR,
         ranked_by=_RANKED_BY[study.options.quantile],
         tie=100 * TIE,
     )

@@ -83,7 +83,7 @@ _UNNAMED = {**dict(STRICT.choices()), "solver": "", "refinement": "0"}
 """Values of choices that a label leaves out."""
 
 _ORDER = {field.name: place for place, field in enumerate(fields(Variant))}
-"""Places of the choices in a label."""
+"""Index of each choice in a label."""
 
 _SHORT = {
     "speeds": {"angular_velocity": "angular velocity"},
@@ -134,7 +134,7 @@ class Refusal:
 
     Attributes:
         label: The choices of the variant in a few words.
-        reason: Why it cannot be built.
+        reason: Reason why the variant cannot be built.
     """
 
     label: str

@@ -2,5 +2,5 @@
 
 `expanding` writes every entry as a polynomial (`polynomials`) in which equal parts are identical,
 `angle_sums` shortens its trigonometric factors, `collecting` takes common factors out, and `form` puts the
-steps together. What belongs here makes an expression shorter and keeps its value.
+steps together. Only transformations that shorten an expression and keep its value belong here.
 """

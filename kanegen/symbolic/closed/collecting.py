@@ -94,7 +94,7 @@ def _factored(polynomial: Polynomial) -> Expr:
 
 
 def _collect(polynomial: Polynomial) -> Expr:
-    """Take out what all terms have in common, then nest by the commonest factor."""
+    """Take out the common factors of all terms, then nest by the commonest factor."""
     content, common, rest = _without_common(polynomial)
     return _product(content, common, _by_commonest_factor(rest))
 

@@ -21,9 +21,8 @@ class Expander:
     """Expands expressions that share many parts, each part once.
 
     Attributes:
-        sums: By angle of a hinge that is parallel to the hinges below it, the sum of their angles. Sines and
-            cosines of such angles are expanded in those of sums, in which the terms of parallel hinges stay
-            few.
+        sums: Sum of the angles of the parallel hinges inward of a hinge, by the angle of this hinge. Sines
+            and cosines of such angles are expanded in those of sums, which keeps the number of terms small.
     """
 
     sums: Mapping[Expr, Expr]
@@ -33,7 +32,7 @@ class Expander:
         """Return `expr` as a polynomial without squares of sines.
 
         Raises:
-            OptionError: If it has more than `polynomials.MOST_TERMS` terms.
+            OptionError: If the polynomial has more than `polynomials.MOST_TERMS` terms.
         """
         found = self._known.get(expr)
         if found is None:
@@ -64,7 +63,7 @@ def _of_difference(function: type[Expr], a: Expr, b: Expr) -> Polynomial:
 
 
 def parallel_sums(bodies: tuple[BodyEquations, ...]) -> dict[Expr, Expr]:
-    """Return `Expander.sums` for a tree: by angle of a parallel hinge, the sum of the angles below it."""
+    """Return `Expander.sums` of a tree."""
     hinges = [_hinge(body) for body in bodies]
     totals: list[Expr] = []
     sums: dict[Expr, Expr] = {}
@@ -82,7 +81,7 @@ def parallel_sums(bodies: tuple[BodyEquations, ...]) -> dict[Expr, Expr]:
 
 
 def _hinge(body: BodyEquations) -> tuple[int, Expr] | None:
-    """Return axis and angle of a body that turns about one basis vector of its own and of its lower body."""
+    """Return axis and angle of a body whose axis is the same basis vector of the body and its lower body."""
     turning = [index for index in range(ANGLES) if body.body.joint.moving[index]]
     if len(turning) != 1:
         return None

@@ -67,7 +67,7 @@ class Simplifier:
     """Simplifies expressions that share many parts.
 
     Args:
-        sums: By angle of a parallel hinge the sum of the angles below it, see `Expander.sums`.
+        sums: Sum of the angles of parallel hinges inward of a hinge, by its angle; see `Expander.sums`.
         motion: Speeds, loads and prescribed motion.
         rounded: Whether coefficients within rounding of a short decimal number are replaced by it.
     """

@@ -1,8 +1,8 @@
-"""How a body turns: orientation, angular velocity and angular acceleration, Eqs. (2)-(20).
+"""Orientation, angular velocity and angular acceleration of a body, Eqs. (2)-(20).
 
 Columns are resolved in body K. Where some freedoms are prescribed, the angular velocity is
-[omega_y]{y} + {omega_t}; the remainder {omega_t}, which no generalized speed has a part in, passes outward as
-the columns of the partial angular velocity do. Without prescribed freedoms it is zero.
+[omega_y]{y} + {omega_t}; the remainder {omega_t}, which does not depend on {y}, passes outward as the columns
+of the partial angular velocity do. Without prescribed freedoms the remainder is zero.
 """
 
 from __future__ import annotations

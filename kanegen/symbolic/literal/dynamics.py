@@ -1,4 +1,4 @@
-"""What a body contributes to the equations of motion, Eqs. (36)-(44)."""
+"""The contribution of a body to the equations of motion, Eqs. (36)-(44)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What force elements and loads on points contribute to {F_y}, by partial velocities of points, Eq. (37)."""
+"""The contribution of force elements and loads on points to {F_y}, by partial velocities, Eq. (37)."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ class ElementForces:
 
     @cached_property
     def _points(self) -> dict[str, tuple[int, BodyEquations, ImmutableMatrix]]:
-        """By name of a point its number, the equations of its body and its place there, (3, 1) (m)."""
+        """Number, equations of the body, and (3, 1) position in the body (m) of each point, by its name."""
         return {
             point.name: (number, self.bodies[k - 1], column(point.position))
             for number, (k, point) in enumerate(self.system.points, start=1)

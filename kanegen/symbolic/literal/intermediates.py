@@ -1,7 +1,7 @@
-"""Symbols for intermediate quantities of the literal derivation, so that big trees stay readable.
+"""Symbols for intermediate quantities of the literal derivation, so that large trees stay readable.
 
 Each quantity of a body is a matrix. Where intermediates are wanted, every entry that is more than a number or
-a symbol is replaced by a symbol of its own; the replaced expression becomes a `Definition`.
+a symbol is replaced by a new symbol, and the expression becomes a `Definition`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How the origin and the mass centre of a body move and accelerate, Eqs. (21)-(35).
+"""Position, velocity and acceleration of the origin and the mass centre of a body, Eqs. (21)-(35).
 
 Columns of the origin O_K are resolved in the lower body J, columns of the mass centre G_K in body K. Where
 some freedoms are prescribed, velocities are [v_y]{y} + {v_t}; the remainders {v_t} pass outward as the

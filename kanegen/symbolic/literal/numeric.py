@@ -1,4 +1,4 @@
-"""The literal equations as NumPy functions, made by SymPy's own `lambdify`: slow, to look and to check."""
+"""The literal equations as NumPy functions, made by SymPy's `lambdify`: slow, for small tasks and checks."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class Linked(Protocol):
-    """An object with a predecessor of its own kind, as a body has its lower body."""
+    """An object with a predecessor of the same kind, as a body has its lower body."""
 
     @property
     def lower(self) -> Linked | None:

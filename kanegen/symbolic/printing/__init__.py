@@ -1,9 +1,9 @@
 """The equations for readers: as plain text, Markdown, LaTeX or a Python module.
 
-`document` puts together what is to be said about a system in `statements`, which print expressions by
-`printers`; `formats` writes a document in one format, and `python_module` writes code. `blocks` writes the
+`document` composes the document on a system from `statements`, which print expressions by `printers`;
+`formats` writes a document in one format, and `python_module` writes code. `blocks` writes the
 equations of a body in 3 x 3 blocks, as the notes print their example, by the symbolic products and sums of
-`block_terms`. Only what turns finished equations into characters belongs here.
+`block_terms`. Only the conversion of finished equations to text belongs here.
 """
 
 from kanegen.symbolic.printing.blocks import Blocks

@@ -145,7 +145,7 @@ class Sum:
 
 
 Term = Factor | Product | Row | Sum
-"""Whatever can be printed as a part of an equation in blocks."""
+"""A part of an equation in blocks."""
 
 
 def product(*factors: Term) -> Term:

@@ -1,4 +1,4 @@
-"""What is said about a system's equations, section by section, before it is written in a format."""
+"""The document on the equations of a system, section by section, before it is written in a format."""
 
 from __future__ import annotations
 

@@ -61,14 +61,14 @@ class Mass:
         return Mass(self.mass + other.mass, self.moment + other.moment, self.inertia + other.inertia)
 
     @property
-    def centre(self) -> Floats:
+    def center(self) -> Floats:
         """The (3,) mass centre (m); the origin if there is no mass."""
         return self.moment / self.mass if self.mass else np.zeros(3)
 
     @property
     def central_inertia(self) -> Floats:
         """The (3, 3) inertia about the mass centre (kg m^2)."""
-        return self.inertia - _shift(self.mass, self.centre)
+        return self.inertia - _shift(self.mass, self.center)
 
 
 @dataclass
@@ -179,10 +179,10 @@ def _locked(index: int, value: float) -> Placement:
 
 def _mass(arrays: SystemArrays, k: int, placement: Placement) -> Mass:
     mass, turn = float(arrays.mass[k]), placement.rotation
-    centre = placement.position + turn @ arrays.mass_center[k]
-    return Mass(mass, mass * centre, turn @ arrays.inertia[k] @ turn.T + _shift(mass, centre))
+    center = placement.position + turn @ arrays.mass_center[k]
+    return Mass(mass, mass * center, turn @ arrays.inertia[k] @ turn.T + _shift(mass, center))
 
 
-def _shift(mass: float, centre: Floats) -> Floats:
-    """Return the (3, 3) inertia of a point mass at `centre` about the origin (kg m^2)."""
-    return mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+def _shift(mass: float, center: Floats) -> Floats:
+    """Return the (3, 3) inertia of a point mass at `center` about the origin (kg m^2)."""
+    return mass * (center @ center * np.eye(3) - np.outer(center, center))

@@ -113,8 +113,8 @@ def _body(parent: xml.Element, link: Link) -> xml.Element:
     element = xml.SubElement(parent, "body", pos=_words(frame.position), xyaxes=_axes(frame.rotation))
     inertia = body.central_inertia
     full = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-    centre = _words(body.centre)
-    xml.SubElement(element, "inertial", pos=centre, mass=repr(float(body.mass)), fullinertia=_words(full))
+    center = _words(body.center)
+    xml.SubElement(element, "inertial", pos=center, mass=repr(float(body.mass)), fullinertia=_words(full))
     for joint, beyond in zip(link.joints, inner[1:], strict=True):
         _joint(element, joint, beyond.inverse)
     return element

@@ -77,7 +77,7 @@ def _table(system: System, tree: Sequence[Joint]) -> str:
 def _line(joint: Joint) -> str:
     placement, body = joint.placement, joint.body
     mass = np.array(body.mass)
-    numbers = [placement.rotation, placement.position, mass, body.centre, body.central_inertia]
+    numbers = [placement.rotation, placement.position, mass, body.center, body.central_inertia]
     columns = " ".join(map(str, joint.columns))
     return f"{joint.parent} {joint.kind} {columns} {' '.join(_words(part) for part in numbers)}"
 

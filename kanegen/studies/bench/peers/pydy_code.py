@@ -84,12 +84,12 @@ def _body(
     number: int,
     ground: mechanics.ReferenceFrame,
 ) -> mechanics.RigidBody:
-    centre = origin.locatenew(f"G{number}", _vector(mass.centre, frame))
-    centre.v2pt_theory(origin, ground, frame)
+    center = origin.locatenew(f"G{number}", _vector(mass.center, frame))
+    center.v2pt_theory(origin, ground, frame)
     entries = _matrix(mass.central_inertia)
     order = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
     inertia = mechanics.inertia(frame, *(entries[pair] for pair in order))
-    return mechanics.RigidBody(f"body{number}", centre, frame, _number(mass.mass), (inertia, centre))
+    return mechanics.RigidBody(f"body{number}", center, frame, _number(mass.mass), (inertia, center))
 
 
 def _vector(values: Floats, frame: mechanics.ReferenceFrame) -> mechanics.Vector:
