@@ -15,7 +15,7 @@ demo: $(VENV)/.kanegen
 test: lint
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-# What takes too long for every change.
+# Run the tests that take too long for every change.
 slow: $(VENV)/.tests
 	$(BIN)/python -m pytest -n auto --dist worksteal -m slow
 
@@ -44,7 +44,7 @@ extremes: $(VENV)/.tests $(VENV)/.bench
 tradeoff: $(VENV)/.bench
 	$(BIN)/python -m benchmarks.tradeoff
 
-# What five scenes do without; rewrites docs/scenes.md in a few minutes.
+# Measure what five scenes save against the general programs of their trees; rewrites docs/scenes.md in a few minutes.
 scenes: $(VENV)/.bench
 	$(BIN)/python -m benchmarks.scenes
 
@@ -63,7 +63,7 @@ $(VENV)/.kanegen: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable .
 	touch $@
 
-# Most of what is installed is never imported: it is compiled when it is.
+# Most installed modules are never imported, so pip compiles none of them to bytecode beforehand.
 $(VENV)/.tests: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --no-compile --editable ".[test]"
 	touch $@ $(VENV)/.kanegen
