@@ -64,4 +64,5 @@ def headers(distribution: str, header: str) -> Path:
 
 
 def _missing(package: str, extra: str) -> MissingError:
+    """Return the error that a package is not installed."""
     return MissingError(f"the Python package {package} is not installed (pip install 'kanegen[{extra}]')")

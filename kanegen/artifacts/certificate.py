@@ -17,7 +17,7 @@ SUFFIX = "_certificate.json"
 
 
 def certificate(source: Source) -> dict[str, str]:
-    """Return `<model>_certificate.json`."""
+    """Return the text of `<model>_certificate.json`, by its name."""
     return {f"{source.model.name}{SUFFIX}": json_text(source.certificate)}
 
 

@@ -16,7 +16,7 @@ from kanegen.program.precision import DOUBLE, Precision
 
 
 def example(source: Source) -> dict[str, str]:
-    """Return the example, `main.c`."""
+    """Return the text of the example `main.c`, by its name."""
     functions, model_formats = source.functions, formats(source.variant)
     printed = [array for function in functions for array in function.outputs]
     text = fill(

@@ -130,5 +130,6 @@ def has_budget(context: typer.Context) -> bool:
 
 
 def _is_typed(context: typer.Context, name: str) -> bool:
+    """Return whether an option was typed on the command line."""
     source = context.get_parameter_source(name)
     return source is not None and source.name == "COMMANDLINE"

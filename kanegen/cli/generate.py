@@ -132,6 +132,7 @@ def _within_budget(system: System, context: typer.Context, folder: Path, force: 
 
 
 def _show(system: System, source: Source, folder: Path) -> None:
+    """Print the size of the system, the operations and the files."""
     cost = ", ".join(f"{kind} {number}" for kind, number in source.operations.items())
     screen.print(f"{system.name}: {len(system.freedoms)} freedoms, {' and '.join(source.outputs)}")
     screen.print(f"operations: {cost}")

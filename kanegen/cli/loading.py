@@ -56,9 +56,11 @@ def with_selection(
 
 
 def _require_output(option: str, output: str, outputs: Sequence[str]) -> None:
+    """Make sure that the output to which an option applies is computed."""
     if output not in outputs:
         raise OptionError(f"{option}: only with --output {output}. Add that, or leave {option} out.")
 
 
 def _names(text: str) -> list[str]:
+    """Return the names in a text, separated by commas."""
     return [name for word in text.split(",") if (name := word.strip())]

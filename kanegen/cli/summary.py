@@ -121,6 +121,7 @@ def _contents(system: System) -> dict[str, Any]:
 
 
 def _bodies(system: System) -> list[dict[str, Any]]:
+    """Return the bodies as plain data for JSON."""
     return [
         {
             "number": k,

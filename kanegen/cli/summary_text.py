@@ -66,6 +66,7 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
 
 
 def _tree(system: System) -> Tree:
+    """Return the tree of bodies, each with its freedoms and its mass."""
     tree = Tree("ground")
     branches = [tree]
     for k, body in enumerate(system.bodies, start=1):
@@ -81,6 +82,7 @@ def _tree(system: System) -> Tree:
 
 
 def _freedoms(system: System) -> Columns:
+    """Return the freedoms in columns, with their units and speeds."""
     pairs = zip(system.freedom_names, system.speed_names, strict=True)
     speeds = [f", {escape(speed)}" if speed != name else "" for name, speed in pairs]
     return _columns(system.freedom_names, [freedom.unit for freedom in system.freedoms], speeds)
@@ -94,6 +96,7 @@ def _columns(names: Sequence[str], units: Sequence[str], remarks: Sequence[str] 
 
 
 def _parameters(system: System) -> Table:
+    """Return the table of run-time parameters."""
     table = Table("name", "default", box=box.SIMPLE_HEAD)
     for parameter in system.parameters:
         table.add_row(parameter.name, repr(parameter.value))
@@ -101,6 +104,7 @@ def _parameters(system: System) -> Table:
 
 
 def _costs(summary: Summary) -> Table:
+    """Return the table of operation counts."""
     kinds = list(summary.operations[TOGETHER])
     table = Table("", *kinds, box=box.SIMPLE_HEAD)
     for column in table.columns[1:]:
@@ -133,9 +137,11 @@ def _show_right_angles(changes: RightAngleChanges, console: Console) -> None:
 
 
 def _moving(body: Body) -> str:
+    """Return the free and prescribed freedoms of a body in words."""
     kinds = (("", body.joint.free), ("prescribed ", body.joint.prescribed))
     return ", ".join(word + " ".join(selected_freedoms(flags)) for word, flags in kinds if any(flags))
 
 
 def _text(value: Number) -> str:
+    """Return a number, or a parameter with its default."""
     return f"{value.name} = {value.value:g}" if isinstance(value, Parameter) else f"{value:g}"

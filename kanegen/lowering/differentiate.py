@@ -148,5 +148,6 @@ class _Differentiation:
         return Elimination(self._builder, matrix, self._carriers, self._one)
 
     def _is_zero(self, value: int) -> bool:
+        """Return whether a value is the number 0."""
         instruction = self._program.instructions[value]
         return instruction.op is Op.CONSTANT and instruction.number == 0

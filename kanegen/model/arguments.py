@@ -176,4 +176,5 @@ def load(
 
 
 def _kind(value: object, array: NDArray[np.generic]) -> str:
+    """Return the description of a wrong argument for an error message."""
     return "None" if value is None else f"an array of {array.dtype}"

@@ -96,6 +96,7 @@ def system_arrays(system: SystemDescription) -> SystemArrays:
 
 
 def _force_arrays(system: SystemDescription) -> ForceArrays:
+    """Return the force elements and points of a system as numbers."""
     points = {point.name: (k, _floats(map_numbers(point.position, value_of))) for k, point in system.points}
     return ForceArrays(
         elements=tuple(element.map_numbers(value_of) for element in system.force_elements),
@@ -106,6 +107,7 @@ def _force_arrays(system: SystemDescription) -> ForceArrays:
 
 
 def _floats(values: Any) -> Floats:
+    """Return nested tuples of numbers as doubles, parameters at their defaults."""
     return np.array(values, dtype=np.float64)
 
 

@@ -202,6 +202,7 @@ class SystemDescription:
         return tuple(self._freedom_name(freedom) for freedom in self.prescribed)
 
     def _freedom_name(self, freedom: Freedom) -> str:
+        """Return the name of a freedom: that of its joint, or `<body>.<freedom>`."""
         body = self.bodies[freedom.body - 1]
         if body.joint.name and body.joint.moving[freedom.index] and sum(body.joint.moving) == 1:
             return body.joint.name

@@ -102,6 +102,7 @@ class Joint:
         self._check_speeds()
 
     def _check_prescribed(self) -> None:
+        """Make sure that no prescribed freedom is free or locked at a value."""
         for name, *choice in zip(FREEDOMS, self.prescribed, self.free, self.locked, strict=True):
             is_prescribed, is_free, value = choice
             if is_prescribed and is_free:
@@ -113,6 +114,7 @@ class Joint:
                 )
 
     def _check_coordinates(self) -> None:
+        """Make sure that the coordinates exist and fit the free angles and the sequence."""
         if self.coordinates not in ORIENTATIONS:
             hint = did_you_mean(self.coordinates, ORIENTATIONS)
             raise ModelError(f"joint coordinates: {self.coordinates!r} is unknown. {hint}")
@@ -131,6 +133,7 @@ class Joint:
         validation.store(self, speeds=SPEEDS[1])
 
     def _check_speeds(self) -> None:
+        """Make sure that the speeds exist and fit the free angles."""
         if self.speeds not in SPEEDS:
             raise ModelError(f"joint speeds: {self.speeds!r} is unknown. {did_you_mean(self.speeds, SPEEDS)}")
         if self.speeds != SPEEDS[0] and not self.has_free_orientation:

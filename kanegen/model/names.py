@@ -65,10 +65,12 @@ def usable_identifier(name: str) -> str:
 
 
 def _without_keyword(name: str) -> str:
+    """Return `name`, with an underscore at its end if it is a keyword."""
     return f"{name}_" if name in KEYWORDS else name
 
 
 def _check(name: object, label: str, pattern: re.Pattern[str], rule: str) -> str:
+    """Return `name` if it is a string that fits `pattern`, no keyword and not too long."""
     if not isinstance(name, str):
         raise ModelError(f"{label}: {name!r} is not a string.")
     if not name:

@@ -99,6 +99,7 @@ def numbers(value: Any, shape: tuple[int, ...], label: str) -> Any:
 
 
 def _describe(shape: tuple[int, ...]) -> str:
+    """Return a shape in words."""
     kind = "numbers" if len(shape) == 1 else "table of numbers"
     return f"{' x '.join(str(length) for length in shape)} {kind}"
 

@@ -95,6 +95,7 @@ def _reason(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
 
 
 def _require_once(names: Sequence[str], label: str) -> None:
+    """Raise a `ModelError` if a name occurs twice."""
     for i, name in enumerate(names):
         if name in names[:i]:
             raise ModelError(f"{label}: {name!r} is named twice. Name it once.")

@@ -215,6 +215,7 @@ def _with_orientation(system: System, k: int, matrix: Square) -> tuple[System, S
 
 
 def _with_joint(system: System, k: int, joint: Joint) -> System:
+    """Return the system with another joint at body `k`."""
     bodies = list(system.bodies)
     bodies[k - 1] = replace(bodies[k - 1], joint=joint)
     return replace(system, bodies=tuple(bodies))
@@ -228,8 +229,10 @@ def _orientation(joint: Joint) -> Square:
 
 
 def _scaled(factor: float, a: Triple) -> Triple:
+    """Return a vector times a factor."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
 def _sum(a: Triple, b: Triple) -> Triple:
+    """Return the sum of two vectors."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]

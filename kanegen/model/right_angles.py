@@ -79,4 +79,5 @@ def rotation(m: Square, tolerance: float) -> Square:
 
 
 def _misses(v: Triple, tolerance: float) -> bool:
+    """Return whether a component is within `tolerance` of zero but not zero."""
     return any(0 < abs(x) <= tolerance for x in v)

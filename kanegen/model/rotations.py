@@ -139,6 +139,8 @@ def rotation_to_axis(v: Triple) -> tuple[int, Square]:
 
 
 def _with_entries(entries: dict[tuple[int, int], float]) -> Square:
+    """Return the matrix with some entries, the others zero."""
+
     def row(i: int) -> Triple:
         return entries.get((i, 0), 0.0), entries.get((i, 1), 0.0), entries.get((i, 2), 0.0)
 

@@ -58,10 +58,12 @@ def _lines(table: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
 
 
 def _key(key: str) -> str:
+    """Return a key of TOML, quoted if necessary."""
     return key if _BARE_KEY.fullmatch(key) else json.dumps(key)
 
 
 def _value(value: Any) -> str:
+    """Return the text of a value in TOML."""
     if not isinstance(value, tuple):
         return json.dumps(value)
     if value and isinstance(value[0], tuple):

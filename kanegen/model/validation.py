@@ -127,10 +127,13 @@ def _power_of_two(size: float) -> float:
 
 
 def _differ(a: Number, b: Number) -> bool:
+    """Return whether two numbers, one of them a parameter, are different."""
     return (isinstance(a, Parameter) or isinstance(b, Parameter)) and a != b
 
 
 def _symmetric(value: Matrix) -> Matrix:
+    """Return a matrix with the mean of opposite entries on both sides of the diagonal."""
+
     def entry(i: int, j: int) -> Number:
         a, b = value[i][j], value[j][i]
         return a if isinstance(a, Parameter) or isinstance(b, Parameter) else a / 2 + b / 2

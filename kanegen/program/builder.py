@@ -79,6 +79,7 @@ class Builder:
         return self._value(Instruction(op, (a,)))
 
     def _value(self, instruction: Instruction) -> int:
+        """Append an instruction and return the number of its value."""
         self._instructions.append(instruction)
         if instruction.name:
             self._names.add(instruction.name)

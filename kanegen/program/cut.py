@@ -172,5 +172,6 @@ class _Part:
         return self._moved[i]
 
     def _append(self, i: int, instruction: Instruction) -> None:
+        """Append an instruction to the part and record the number of its value."""
         self._moved[i] = len(self._instructions)
         self._instructions.append(instruction)

@@ -71,6 +71,7 @@ def parse_toml(text: str, where: str | Path) -> Table:
 
 
 def _system(table: Table, path: Path, tolerance: float) -> System:
+    """Return the system of a table; `path` is for warnings."""
     check_keys(table, KEYS)
     parameters = Parameters.read(table.get("parameters", {}))
     bodies = read_bodies(table.get("body", []), parameters, tolerance)

@@ -58,6 +58,7 @@ def read_bodies(tables: Any, parameters: Parameters, tolerance: float) -> tuple[
 def _body(
     table: Table, k: int, numbers_of: Mapping[str, int], parameters: Parameters, tolerance: float
 ) -> Body:
+    """Return body `k` from its table."""
     name = table.get("name", f"body{k}")
     try:
         check_keys(table, KEYS, required=("connection", "mass"))
@@ -73,12 +74,14 @@ def _body(
 
 
 def _points(table: Any, parameters: Parameters) -> tuple[Point, ...]:
+    """Return the points of a body from its table of points."""
     if not isinstance(table, Mapping):
         raise ModelError("points: write a table such as {tool = [0, 0, 0.1]}.")
     return tuple(_point(name, value, parameters) for name, value in table.items())
 
 
 def _point(name: str, value: Any, parameters: Parameters) -> Point:
+    """Return a point from its position or its table."""
     label = f"point {name!r}"
     table = value if isinstance(value, Mapping) else {"position": value}
     check_keys(table, POINT_KEYS, required=POINT_KEYS[:1], label=f"{label}: ")
@@ -113,6 +116,7 @@ def _inertia(value: Any, parameters: Parameters) -> Any:
 
 
 def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
+    """Return the joint of a body from its table."""
     if not isinstance(table, Mapping):
         raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
     check_keys(table, JOINT_KEYS, label="joint: ")

@@ -43,6 +43,7 @@ def read_force_elements(table: Table, parameters: Parameters) -> tuple[ForceElem
 
 
 def _element(kind: type[ForceElement], table: Table, parameters: Parameters) -> ForceElement:
+    """Return a force element from its table."""
     known = fields(kind)
     required = [field.name for field in known if field.default is MISSING]
     check_keys(table, tuple(field.name for field in known), required)

@@ -85,6 +85,7 @@ def _body_frame(joint: RobotJoint) -> _BodyFrame:
 
 
 def _bodies(moving: Sequence[MovingLink], frames: Sequence[_BodyFrame]) -> Iterator[Body]:
+    """Yield the bodies of the moving links, each in its frame."""
     for link, frame in zip(moving, frames, strict=True):
         below = UNIT if link.lower == GROUND else frames[link.lower - 1].matrix
         where = link.parts[0][0].where
@@ -110,12 +111,14 @@ def _body(link: MovingLink, below: Square, frame: _BodyFrame) -> Body:
 
 
 def _warn_of_mimic(robot: Robot, path: Path) -> None:
+    """Warn of joints with `mimic`, which is ignored."""
     mimics = [joint.name for joint in robot.joints.values() if joint.mimic and joint.kind != "fixed"]
     if mimics:
         _warn(f"{path}: <mimic> is not kept: these joints move on their own: {', '.join(mimics)}.")
 
 
 def _warn_of_names(moving: Sequence[MovingLink], path: Path) -> None:
+    """Warn of names that are changed because kanegen cannot use them."""
     names = [name for link in moving for name in (link.joint.name, link.joint.child) if name]
     changed = [f"{name!r} is called {usable_label(name)!r}" for name in names if usable_label(name) != name]
     if changed:
@@ -123,4 +126,5 @@ def _warn_of_names(moving: Sequence[MovingLink], path: Path) -> None:
 
 
 def _warn(message: str) -> None:
+    """Issue a `KanegenWarning` with a message about a file."""
     warnings.warn(message, KanegenWarning, stacklevel=5)

@@ -111,6 +111,7 @@ _Item = TypeVar("_Item", Link, RobotJoint)
 
 
 def _unique(items: Sequence[_Item], kind: str) -> dict[str, _Item]:
+    """Return items by name; a name that occurs twice is an error."""
     found: dict[str, _Item] = {}
     for item in items:
         if item.name in found:
@@ -121,12 +122,14 @@ def _unique(items: Sequence[_Item], kind: str) -> dict[str, _Item]:
 
 
 def _link(element: Element, tolerance: float) -> Link:
+    """Return the link of an element."""
     name = element.text("name")
     inertial = element.optional("inertial")
     return Link(name, _rigid(inertial, tolerance) if inertial else Rigid(), element.where)
 
 
 def _rigid(inertial: Element, tolerance: float) -> Rigid:
+    """Return the mass properties of an `<inertial>` element in the frame of the link."""
     mass = inertial.child("mass")
     kilograms = mass.number("value")
     if kilograms < 0:
@@ -141,6 +144,7 @@ def _rigid(inertial: Element, tolerance: float) -> Rigid:
 
 
 def _joint(element: Element, tolerance: float) -> RobotJoint:
+    """Return the joint of an element."""
     name, kind = element.text("name"), element.text("type")
     if kind not in JOINT_TYPES:
         hint = did_you_mean(kind, JOINT_TYPES)
@@ -158,6 +162,7 @@ def _joint(element: Element, tolerance: float) -> RobotJoint:
 
 
 def _origin(element: Element, tolerance: float) -> Frame:
+    """Return the frame that the `<origin>` of an element describes."""
     origin = element.optional("origin")
     if origin is None:
         return Frame()
@@ -173,6 +178,7 @@ def _origin(element: Element, tolerance: float) -> Frame:
 
 
 def _axis(element: Element, tolerance: float) -> Triple:
+    """Return the unit vector of a joint's axis, +x by default."""
     axis = element.optional("axis")
     if axis is None:
         return DEFAULT_AXIS

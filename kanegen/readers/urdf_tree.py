@@ -55,10 +55,12 @@ def moving_links(robot: Robot, floating_base: bool) -> list[MovingLink]:
 
 
 def _base_joint(root: Link, kind: str) -> RobotJoint:
+    """Return a joint of some kind between the ground and the root link."""
     return RobotJoint("", kind, "", root.name, Frame(), (1.0, 0.0, 0.0), False, root.where)
 
 
 def _joints_by_parent(robot: Robot) -> dict[str, list[RobotJoint]]:
+    """Return the joints by name of their lower link."""
     joints_on: dict[str, list[RobotJoint]] = {name: [] for name in robot.links}
     for joint in robot.joints.values():
         joints_on[joint.parent].append(joint)

@@ -80,6 +80,7 @@ def _parallel_axis(mass: float, d: Triple) -> Square:
 
 
 def _total(tensors: Sequence[Square]) -> Square:
+    """Return the sum of tensors."""
     total: Square = (ZERO, ZERO, ZERO)
     for tensor in tensors:
         total = _sum(total[0], tensor[0]), _sum(total[1], tensor[1]), _sum(total[2], tensor[2])
@@ -87,8 +88,10 @@ def _total(tensors: Sequence[Square]) -> Square:
 
 
 def _sum(a: Triple, b: Triple) -> Triple:
+    """Return the sum of two vectors."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def _difference(a: Triple, b: Triple) -> Triple:
+    """Return the difference of two vectors."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]

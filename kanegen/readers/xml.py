@@ -81,6 +81,7 @@ class Element:
         return x, y, z
 
     def _number(self, word: str, name: str) -> float:
+        """Return a word of an attribute as a finite number."""
         if "${" in word:
             raise self.error(
                 f"<{self.tag} {name}>: {word!r} is a xacro expression. Run xacro on the file first."

@@ -186,4 +186,5 @@ def _from_matrix(matrix: list[list[Expr]]) -> ArticulatedInertia:
 
 
 def _rows(rows: list[Vector]) -> Rows:
+    """Return three rows as a matrix."""
     return rows[0], rows[1], rows[2]

@@ -245,6 +245,7 @@ def combine_forces(columns: Sequence[Column], joint: JointMotion, definitions: D
 def _combine_force(
     column: Column, forces: Mapping[int, Vector], joint: JointMotion, definitions: Definitions
 ) -> Column:
+    """Return a column with its force combined from those of translations, if this is cheaper."""
     if not isinstance(column, RotationColumn) or not column.shares:
         return column
     if _combination_cost(len(column.shares)) >= joint.turn_cost:

@@ -131,6 +131,7 @@ class AngleRates:
 
     @property
     def _reciprocal(self) -> Expr:
+        """The symbol of 1 over `across`, which gives the first rate."""
         return self.definitions.define(f"Ci_{self.second.frame}", 1 / self.across)
 
 

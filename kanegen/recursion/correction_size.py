@@ -70,6 +70,7 @@ class CorrectionSize:
         return self._squares(self.solution, "yy")
 
     def _squares(self, values: Sequence[Expr], name: str) -> list[Expr]:
+        """Return weighted squares of values by freedom."""
         self.tree.definitions.about("size of the solution and of its first correction")
         squares = [self._define(f"{name}_{i}", value * value) for i, value in enumerate(values)]
         pairs = zip(self._weights, squares, strict=True)
@@ -91,4 +92,5 @@ class CorrectionSize:
         return [square if is_angle else S.One for is_angle in angles]
 
     def _define(self, name: str, value: Expr) -> Expr:
+        """Return a symbol for a value."""
         return self.tree.definitions.define(name, value)

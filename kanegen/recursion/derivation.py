@@ -63,6 +63,7 @@ def methods(system: System, outputs: Sequence[str], solver: str = "cheapest") ->
 
 
 def _solvers(system: System, solver: str) -> tuple[str, ...]:
+    """Return the names of the solvers to try."""
     if solver in SOLVERS:
         return (solver,)
     every = tuple(SOLVERS)

@@ -168,9 +168,11 @@ class AttachedSpring:
         return HALF * stiffness * stretch**2
 
     def _squared_length(self, definitions: Definitions) -> Expr:
+        """Return the squared distance of the two ends (m^2)."""
         return definitions.define(f"kq_{self.number}", dot(self.separation, self.separation))
 
     def _length(self, definitions: Definitions) -> Expr:
+        """Return the distance of the two ends (m)."""
         return definitions.define(f"kl_{self.number}", sympy.sqrt(self._squared_length(definitions)))
 
 

@@ -136,6 +136,7 @@ class Solution:
         return self._solver.solve(_with_free_components(self._solver, self._bias, components), "dy")
 
     def _define(self, name: str, value: Expr) -> Expr:
+        """Return a symbol for a value."""
         return self._tree.definitions.define(name, value)
 
 

@@ -16,8 +16,8 @@ from sympy import Expr, S
 from kanegen.model.system import System
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.recursion.inertia import NO_INERTIA, Inertia, body_inertia
+from kanegen.recursion.joint_builder import joint_motion
 from kanegen.recursion.joint_motion import JointMotion
-from kanegen.recursion.joints import joint_motion
 from kanegen.recursion.vectors import ZERO, entry, scale, unit
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 

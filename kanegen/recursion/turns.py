@@ -81,6 +81,7 @@ class PlanarTurn:
         return self._turn(v, -self.sine)
 
     def _turn(self, v: Vector, s: Expr) -> Vector:
+        """Return a vector turned by the angle with the sine `s` and the cosine of this turn."""
         _, j, k = self._axes
         c = self.cosine
         result = list(v)
@@ -90,6 +91,7 @@ class PlanarTurn:
 
     @property
     def _axes(self) -> tuple[int, int, int]:
+        """The axis of the turn and the two axes after it in cyclic order."""
         return self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3
 
     def down_symmetric(self, definitions: Definitions, name: str, m: Symmetric) -> Symmetric:
@@ -130,6 +132,7 @@ class MatrixTurn:
 
     @property
     def _transpose(self) -> tuple[Vector, ...]:
+        """The rows of the transposed matrix."""
         return tuple(Vector(*(row[j] for row in self.matrix)) for j in range(3))
 
     def up(self, v: Vector) -> Vector:

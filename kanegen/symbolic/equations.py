@@ -125,6 +125,7 @@ class Equations:
 
     @cached_property
     def _elements(self) -> ElementForces:
+        """The generalized forces of force elements and loads on points."""
         taken = [parameter.name for parameter in self.system.parameters]
         return ElementForces(self.system, self.bodies, Definitions(taken) if self.intermediates else None)
 

@@ -144,4 +144,5 @@ def _kill(process: subprocess.Popen[str], has_group: bool) -> None:
 
 
 def _joined(command: Sequence[str | Path]) -> str:
+    """Return a command as one line of a shell."""
     return shlex.join(map(str, command))

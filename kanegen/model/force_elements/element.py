@@ -111,6 +111,7 @@ def _toml_value(value: str | Number | Expression) -> str | float:
 
 
 def _line(value: Any) -> str:
+    """Return a value of a table as text in one line."""
     if isinstance(value, tuple):
         return f"({', '.join(map(_line, value))})"
     return value if isinstance(value, str) else repr(value)

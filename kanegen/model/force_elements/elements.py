@@ -176,6 +176,7 @@ KINDS: tuple[type[ForceElement], ...] = (JointSpring, Spring, Drive, PointLoad, 
 
 
 def _check_spring(spring: JointSpring | Spring, rest: str) -> None:
+    """Check and store the numbers of a spring; `rest` is the field of its rest position."""
     for name in ("stiffness", rest, "damping"):
         validation.store(spring, **{name: number(getattr(spring, name), f"{spring.KEY} {name}")})
     if spring.stiffness == 0 and spring.damping == 0:
@@ -183,6 +184,7 @@ def _check_spring(spring: JointSpring | Spring, rest: str) -> None:
 
 
 def _name(value: object, label: str) -> str:
+    """Return `value` if it is a string that names a freedom or a point."""
     if not isinstance(value, str):
         raise ModelError(f"{label}: {value!r} is not a name.")
     return value

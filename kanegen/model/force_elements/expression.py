@@ -123,6 +123,7 @@ def _mapped(node: Node, function: Callable[[Leaf], Leaf]) -> Node:
 
 
 def _leaves(node: Node) -> Iterator[Leaf]:
+    """Yield the numbers and variables of a tree, from the left."""
     match node:
         case Operation(_, operands):
             for operand in operands:
@@ -134,6 +135,7 @@ def _leaves(node: Node) -> Iterator[Leaf]:
 
 
 def _text(node: Node) -> str:
+    """Return the text of a tree."""
     match node:
         case Constant(value):
             number = toml_number(value)
@@ -153,11 +155,13 @@ def _text(node: Node) -> str:
 
 
 def _within(node: Node, level: int) -> str:
+    """Return the text of a tree, in brackets if it binds more loosely than `level`."""
     text = _text(node)
     return text if _level(node) >= level else f"({text})"
 
 
 def _level(node: Node) -> int:
+    """Return how tightly the outermost operator of a tree binds, as in `_LEVELS`."""
     match node:
         case Constant(float(value)) if value < 0:
             return _LEVELS["negate"]

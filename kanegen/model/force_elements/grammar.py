@@ -81,6 +81,7 @@ def _tree(text: str) -> ast.expr:
 
 
 def _quoted(text: str) -> str:
+    """Return the text of an expression in quotes for an error message, shortened if it is long."""
     return f"expression {text if len(text) <= 80 else f'{text[:77]}...'!r}"
 
 
@@ -120,6 +121,7 @@ class _Reader:
         raise self._refused(found, "only numbers, names, + - * / **, brackets and functions are possible.")
 
     def _named(self, found: ast.expr, name: str) -> Node:
+        """Return the time or the parameter of a name."""
         if name in VECTORS:
             raise self._refused(found, f"one element is needed, such as {name}.arm.theta1.")
         parameter = self._parameters.get(name)
@@ -139,6 +141,7 @@ class _Reader:
         raise self._refused(found, "only x and y have elements: x.<coordinate>, y.<speed>.")
 
     def _exponent(self, found: ast.expr, power: int) -> int:
+        """Return an exponent, an integer; `power` is the product of the exponents around it."""
         sign, digits = 1, found
         match found:
             case ast.UnaryOp(op=ast.UAdd(), operand=digits):
@@ -152,6 +155,7 @@ class _Reader:
         return sign * digits.value
 
     def _call(self, found: ast.Call, depth: int, power: int) -> Node:
+        """Return the operation of a call of one of `FUNCTIONS`."""
         if not isinstance(found.func, ast.Name) or found.func.id not in FUNCTIONS:
             name = ast.unparse(found.func)
             known = f"There are {', '.join(FUNCTIONS)}."
@@ -163,6 +167,7 @@ class _Reader:
         return Operation(found.func.id, (self.node(found.args[0], depth + 1, power),))
 
     def _refused(self, found: ast.expr, why: str) -> ModelError:
+        """Return the error that refuses a part of the expression, with the reason."""
         part = ast.get_source_segment(self._text.strip(), found) or ""
         where = f" in {_quoted(self._text)}" if part != self._text.strip() else ""
         return ModelError(f"{_quoted(part)}{where}: {why}")

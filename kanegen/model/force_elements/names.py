@@ -90,12 +90,14 @@ class _Names:
 
     @classmethod
     def of(cls, kind: str, places: Mapping[str, Place]) -> _Names:
+        """Return the names in `places`; the first name of a place is the permanent one."""
         first: dict[Place, str] = {}
         for name, place in places.items():
             first.setdefault(place, name)
         return cls(kind, {name: first[place] for name, place in places.items()})
 
     def named(self, name: str, label: str) -> str:
+        """Return the permanent name of a coordinate or speed; an unknown name is an error."""
         if name not in self.known:
             raise ModelError(f"{label}: there is no {self.kind} {name!r}. {did_you_mean(name, self.known)}")
         return self.known[name]
@@ -112,6 +114,7 @@ class _Resolver:
         self._points = {point.name: k for k, body in enumerate(bodies, start=1) for point in body.points}
 
     def resolved(self, element: ForceElement) -> ForceElement:
+        """Return an element with permanent names, after a check that it can act."""
         element = element.with_variables_renamed(lambda name: self._variable(name, element.KEY))
         match element:
             case JointSpring():
@@ -130,6 +133,7 @@ class _Resolver:
         return element
 
     def _variable(self, name: str, label: str) -> str:
+        """Return a variable of an expression with its permanent name."""
         for vector, names in (("x", self._coordinates), ("y", self._speeds)):
             if name.startswith(f"{vector}."):
                 return f"{vector}.{names.named(name[2:], label)}"
@@ -151,6 +155,7 @@ class _Resolver:
             )
 
     def _check_ends(self, spring: Spring) -> None:
+        """Raise a `ModelError` if both ends of a spring are on one body."""
         first, second = (self._body(end, spring.KEY) if isinstance(end, str) else 0 for end in spring.between)
         if first == second:
             one, two = (repr(end) if isinstance(end, str) else "the ground" for end in spring.between)

@@ -38,6 +38,7 @@ class FoldingBuilder(Builder):
         return self.name(value, instruction.name, instruction.note)
 
     def _copied(self, instruction: Instruction, operands: Sequence[int]) -> int:
+        """Append an instruction of another program by the method for its operation."""
         match instruction.op:
             case Op.CONSTANT:
                 return self.constant(instruction.number)

@@ -158,6 +158,7 @@ def json_record(comparisons: Sequence[Comparison], options: BenchOptions) -> str
 
 
 def _entry_as_dict(entry: Entry) -> dict[str, Any]:
+    """Return an entry as plain data for JSON."""
     return {
         "contestant": entry.participant,
         "setting": entry.setting.name,

@@ -73,6 +73,7 @@ def svg(comparisons: Sequence[Comparison]) -> str:
 
 
 def _panel(panel: Any, comparisons: Sequence[Comparison], quantity: str) -> None:
+    """Draw the panel of one quantity."""
     present = [
         series
         for series in SERIES
@@ -106,4 +107,5 @@ def _panel(panel: Any, comparisons: Sequence[Comparison], quantity: str) -> None
 
 
 def _share(entry: Entry, standard: Entry | None) -> str:
+    """Return the ratio of a time to that of the standard; "" for the standard itself."""
     return "" if entry is standard else ratio(entry, standard)

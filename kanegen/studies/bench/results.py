@@ -87,5 +87,6 @@ def _size(values: Floats) -> Floats:
 
 
 def _relative(ours: Floats, theirs: Floats, size: Floats) -> float:
+    """Return the largest difference relative to the size in the same state."""
     worst = float((_size(ours - theirs) / size).max())
     return np.inf if np.isnan(worst) else worst

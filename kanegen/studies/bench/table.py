@@ -69,6 +69,7 @@ def ratio(part: Entry | None, whole: Entry | None) -> str:
 
 
 def _row(comparison: Comparison, entry: Entry) -> list[str]:
+    """Return the row of one task."""
     task = entry.task
     method = "batch" if task.batch else _METHODS.get(task.name, "")
     row = [entry.participant, method, entry.setting.name]

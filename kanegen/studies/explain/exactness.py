@@ -104,6 +104,7 @@ def exactness(
 
 
 def _operations(system: System, names: tuple[str, ...], progress: Progress) -> int:
+    """Return the number of operations of one evaluation."""
     operations = compiler.compile_module(system, names, progress).operations
     return sum(operations.values()) - operations["prepare"]
 

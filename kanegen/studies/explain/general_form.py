@@ -105,4 +105,5 @@ def steps(system: System) -> Iterator[tuple[str, System]]:
 
 
 def _changed(system: System, change: Callable[[Body], Body]) -> System:
+    """Return the system with `change` applied to every body."""
     return replace(system, bodies=tuple(change(body) for body in system.bodies))

@@ -167,6 +167,7 @@ def seconds_to_compile(source: Source) -> float:
 
 
 def _step(without: str, system: System, compiled: Compiled, timed: bool) -> Step:
+    """Return the step of a compiled program."""
     module = compiled.module
     source: Source = render(description(system), module, compiled.operations, STRICT, {})
     return Step(

@@ -63,6 +63,7 @@ def markdown(report: CostReport, paragraphs: Sequence[str] = ()) -> str:
 
 
 def _row(step: Step, width: int) -> list[str]:
+    """Return the row of one step, with `width` cells."""
     numbers = (step.total, step.operations["prepare"], step.freedoms, step.parameters, step.inputs)
     size = f"{step.bytes / 1024:.1f}"
     time = "" if step.seconds is None else f"{step.seconds:.2f}"

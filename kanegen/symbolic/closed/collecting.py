@@ -51,6 +51,7 @@ def collected(polynomial: Polynomial, motion: Collection[Expr] = ()) -> Expr:
 
 
 def _operations(expr: Expr) -> int:
+    """Return the number of operations of an expression."""
     return int(expr.count_ops())
 
 
@@ -149,12 +150,15 @@ def _divisor(values: list[Fraction]) -> Fraction:
 
 
 def _is_small(multiple: Fraction) -> bool:
+    """Return whether a multiple is a short fraction that is easy to read."""
     return abs(multiple.numerator) <= LARGEST_MULTIPLE and multiple.denominator <= LARGEST_DENOMINATOR
 
 
 def _product(content: Fraction, common: Monomial, rest: Expr) -> Expr:
+    """Return the product of a coefficient, a monomial and an expression."""
     return Mul(expression(content), _powers(common), rest)
 
 
 def _powers(term: Monomial) -> Expr:
+    """Return a monomial as an expression."""
     return Mul(*(Pow(factor, power) for factor, power in term))

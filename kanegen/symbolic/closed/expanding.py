@@ -40,6 +40,7 @@ class Expander:
         return found
 
     def _expand(self, expr: Expr) -> Polynomial:
+        """Return a sum, product, power or factor as a polynomial."""
         if expr.is_Number:
             return {(): fraction(expr)} if expr else {}
         if expr.is_Add:

@@ -61,6 +61,7 @@ class ElementForces:
 
     @cached_property
     def _derived(self) -> tuple[ImmutableMatrix, tuple[Definition, ...]]:
+        """The generalized forces, and the definitions of their intermediates."""
         none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
         forces = total([none, *self._joint_forces(), *self._spring_forces(), *self._point_loads()])
         return forces, () if self.intermediates is None else self.intermediates.listed()
@@ -142,6 +143,7 @@ class ElementForces:
 
     @cached_property
     def _translator(self) -> ExpressionTranslator:
+        """The translation of expressions to SymPy."""
         return ExpressionTranslator(self.system, expression)
 
     @cached_property
@@ -153,10 +155,12 @@ class ElementForces:
         }
 
     def _named_matrix(self, name: str, value: ImmutableMatrix) -> ImmutableMatrix:
+        """Return a matrix with its longer entries named, where intermediates are wanted."""
         rows, columns = value.shape
         places = ((i, j) for i in range(rows) for j in range(columns))
         entries = [self._named(f"{name}_{i + 1}_{j + 1}", value[i, j]) for i, j in places]
         return ImmutableMatrix(rows, columns, entries)
 
     def _named(self, name: str, value: Expr) -> Expr:
+        """Return a symbol for an expression, where intermediates are wanted."""
         return value if self.intermediates is None else self.intermediates.define(name, value)

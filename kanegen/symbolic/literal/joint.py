@@ -111,6 +111,7 @@ class JointEquations:
 
     @property
     def _orientation(self) -> Angles | Quaternion:
+        """The rotation of the joint, with its matrices."""
         match self.body.joint.rotation:
             case AxisRotations(axes):
                 return Angles(axes, list(self.sines), list(self.cosines))
@@ -125,6 +126,7 @@ class JointEquations:
         return [self._sine_cosine(index) for index in angles]
 
     def _sine_cosine(self, index: int) -> tuple[Expr, Expr]:
+        """Return (sin, cos) of angle `index`, numbers where the angle is locked."""
         joint = self.body.joint
         if not joint.moving[index]:
             return constant_sine_cosine(joint.locked[index])
@@ -159,10 +161,12 @@ class JointEquations:
 
     @property
     def _y(self) -> ImmutableMatrix:
+        """The column {y} of generalized speeds, (n, 1)."""
         return ImmutableMatrix(speeds(self.system))
 
     @property
     def _ydot(self) -> ImmutableMatrix:
+        """The column {ydot} of their derivatives, (n, 1)."""
         return ImmutableMatrix(accelerations(self.system))
 
     def _columns(self, block: ImmutableMatrix, first: int) -> ImmutableMatrix:
@@ -176,6 +180,7 @@ class JointEquations:
         return ImmutableMatrix.hstack(*columns)
 
     def _named(self, quantity: str, value: ImmutableMatrix) -> ImmutableMatrix:
+        """Return the matrix of a quantity with its longer entries named, where that is wanted."""
         return self.intermediates.named(quantity, ImmutableMatrix(value))
 
 

@@ -102,6 +102,7 @@ class Row:
         return rf"\left[{', '.join(self._parts('latex'))}\right]"
 
     def _parts(self, form: str) -> list[str]:
+        """Return the printed blocks; `form` is "text" or "latex"."""
         halves = (self.blocks[: self.bodies], self.blocks[self.bodies :])
         parts: list[str] = []
         for half in halves:
@@ -137,6 +138,7 @@ class Sum:
         return [printed[0].removeprefix("+ "), *printed[1:]] if printed else ["0"]
 
     def _joined(self, terms: list[str]) -> str:
+        """Return printed terms with their signs in one line."""
         if not terms:
             return "0"
         signs = ["" if sign > 0 else "-" for sign, _ in self.terms[:1]]

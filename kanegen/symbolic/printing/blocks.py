@@ -126,9 +126,11 @@ class Blocks:
         return _both_halves(total(carried, turned, swung))
 
     def _factor(self, kind: Kind, k: int) -> Factor:
+        """Return the factor of a kind for body k."""
         return Factor(kind, k, self._lower(k))
 
     def _rotation(self, k: int) -> Factor:
+        """Return [^J R_K], or [R_K] for a body on the ground."""
         return self._factor(Kind.ROTATION_FROM_GROUND if self._lower(k) == GROUND else Kind.ROTATION, k)
 
     def _turning(self, k: int, terms: Sum) -> Sum:
@@ -183,6 +185,7 @@ class Blocks:
         return total(Row(tuple(blocks), count))
 
     def _lower(self, k: int) -> int:
+        """Return the number of the lower body of body k."""
         return self.system.connection[k - 1]
 
     def _path(self, k: int) -> Iterator[int]:
@@ -200,6 +203,7 @@ class Blocks:
         return any(self.system.bodies[k - 1].joint.free[:FIRST_TRANSLATION])
 
     def _has_angular_velocity_speeds(self, k: int) -> bool:
+        """Return whether the speeds of body k are its relative angular velocity."""
         return not self.system.bodies[k - 1].joint.speeds_are_rates
 
     def _slides(self, k: int) -> bool:

@@ -66,6 +66,7 @@ def kinematic_relation(system: System) -> str:
 
 
 def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Iterator[Section]:
+    """Yield the sections of the document on [A] and {f}."""
     system, definitions = equations.system, equations.definitions
     names = latex_names(equations)
     yield _state(equations, names)
@@ -184,6 +185,7 @@ def _loads(system: System) -> Iterator[Section]:
 
 
 def _numbered(names: Iterable[tuple[int, str]]) -> str:
+    """Return names with their numbers, separated by commas."""
     return ", ".join(f"{number} ({name})" for number, name in names)
 
 
@@ -216,4 +218,5 @@ def _entries(name: str, value: ImmutableMatrix, names: SymbolLatex) -> Iterator[
 
 
 def _latex_label(name: str, unit: str) -> str:
+    """Return name and unit as text in LaTeX."""
     return rf"\text{{{escaped(name)} ({unit})}}"

@@ -54,6 +54,7 @@ def _closed_form(equations: Equations, closed: bool | None) -> ClosedForm | None
 
 
 def _text(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+    """Return the document as plain text."""
     described = document(equations, A, f)
     parts = [f"{described.title}\n{described.note}"]
     for section in described.sections:
@@ -64,6 +65,7 @@ def _text(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
 
 
 def _markdown(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+    """Return the document in Markdown."""
     described = document(equations, A, f)
     parts = [f"# {described.title}", described.note]
     for section in described.sections:
@@ -84,6 +86,7 @@ def _markdown_lines(statement: Statement) -> str:
 
 
 def _latex(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+    """Return the document in LaTeX."""
     described = document(equations, A, f)
     parts = [
         r"\documentclass{article}",

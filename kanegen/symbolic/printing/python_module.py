@@ -73,6 +73,7 @@ def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
 
 
 def _docstring(equations: Equations) -> str:
+    """Return the docstring of the module."""
     system = equations.system
     relation = kinematic_relation(system)
     lines = [
@@ -100,11 +101,13 @@ def _docstring(equations: Equations) -> str:
 
 
 def _parameters(equations: Equations) -> str:
+    """Return the assignment of `PARAMETERS`."""
     items = [f'    "{p.name}": {p.value!r},' for p in equations.system.parameters]
     return "\n".join(["PARAMETERS = {", *items, "}"]) if items else "PARAMETERS = {}"
 
 
 def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
+    """Return the function `mass_matrix`."""
     n = len(equations.y)
     prescribed = _prescribed_argument(equations)
     entries = {(i, j): A[i, j] for i in range(n) for j in range(i, n) if A[i, j]}
@@ -123,6 +126,7 @@ def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, S
 
 
 def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbol]) -> str:
+    """Return the function `forcing`."""
     m, n, bodies = len(equations.x), len(equations.y), len(equations.bodies)
     system = equations.system
     prescribed = _prescribed_argument(equations)
@@ -143,6 +147,7 @@ def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbo
 
 
 def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
+    """Return the function `coordinate_rates`."""
     lines = [
         "def coordinate_rates(x, y):",
         f'    """{{xdot}} of Eqs. (9), (45), ({len(equations.x)},), at coordinates x and speeds y."""',
@@ -155,6 +160,7 @@ def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
 
 
 def _prescribed_argument(equations: Equations) -> str:
+    """Return the argument `prescribed` with a comma before it; "" if nothing is prescribed."""
     return ", prescribed" if equations.system.prescribed else ""
 
 

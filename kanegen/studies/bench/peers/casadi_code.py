@@ -45,10 +45,12 @@ def code(system: System, derives: bool = False) -> dict[str, str]:
 
 
 def _cheapest(functions: list[casadi.Function]) -> casadi.Function:
+    """Return the function with the fewest instructions."""
     return min(functions, key=lambda function: function.n_instructions())
 
 
 def _text(function: casadi.Function) -> str:
+    """Return the C code of a CasADi function."""
     generator = casadi.CodeGenerator(f"{function.name()}.c")
     generator.add(function)
     text: str = generator.dump()

@@ -113,6 +113,7 @@ def _alone(at: Moved, velocity: SX) -> Articulated:
 
 
 def _pivot(at: Moved, body: Articulated, tau: SX) -> Pivot:
+    """Return the equation of motion of the freedom of a joint."""
     if at.angle:
         moment, force = body.rotational @ at.axis, body.mixed.T @ at.axis
     else:

@@ -88,6 +88,7 @@ def below(tree: Tree, at: Moved) -> Iterator[Moved]:
 
 
 def _moved(joint: Joint, value: SX) -> Moved:
+    """Return a joint with one freedom at a value of its coordinate."""
     index = KINDS.index(joint.kind)
     axis, placement, body = np.eye(3)[index % 3], joint.placement, joint.body
     angle = index < 3
@@ -107,10 +108,12 @@ def _moved(joint: Joint, value: SX) -> Moved:
 
 
 def _sparse(values: Floats | SX) -> SX:
+    """Return values as an expression in which zeros are structural."""
     return casadi.sparsify(SX(values))
 
 
 def _turn(axis: int, angle: SX) -> SX:
+    """Return the rotation by an angle about basis vector `axis`."""
     sine, cosine = casadi.sin(angle), casadi.cos(angle)
     one, two = (axis + 1) % 3, (axis + 2) % 3
     turn = SX(3, 3)

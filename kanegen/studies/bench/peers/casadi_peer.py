@@ -19,6 +19,7 @@ def builders(problem: Problem) -> Builders:
 
 
 def _build(problem: Problem) -> list[Participant]:
+    """Build the participants of all compiler settings."""
     module("casadi")
     files = module("kanegen.studies.bench.peers.casadi_code").code(problem.system, problem.has_derivatives)
     texts = {"casadi.c": driver("casadi.c"), **files}
@@ -26,6 +27,7 @@ def _build(problem: Problem) -> list[Participant]:
 
 
 def _participant(problem: Problem, texts: dict[str, str], setting: Setting) -> Participant:
+    """Return the participant of one compiler setting."""
     wanted = ("-DDERIVATIVES",) if problem.has_derivatives else ()
     program = compiled("casadi", texts, (*setting.flags, *wanted))
     return Participant(CASADI, setting, (str(program),), problem.states_file, problem.single_state_tasks)

@@ -116,16 +116,19 @@ def floating_joints(system: System) -> list[Joint]:
 
 
 def _single(free: Sequence[bool]) -> list[tuple[int, ...]]:
+    """Return one group for each free freedom."""
     return [(index,) for index in ORDER if free[index]]
 
 
 def _together(several: tuple[int, ...], free: Sequence[bool]) -> list[tuple[int, ...]]:
+    """Return one group for the freedoms `several` if all are free, and one for each other free freedom."""
     if not all(free[index] for index in several):
         return _single(free)
     return [several, *((index,) for index in ORDER if free[index] and index not in several)]
 
 
 def _joints(system: System, groups: Groups) -> list[Joint]:
+    """Return the joints of a system, with the freedoms of each body in groups."""
     arrays = system.values()
     columns = {(f.body - 1, f.index): i for i, f in enumerate(system.freedoms)}
     found: list[Joint] = []
@@ -162,6 +165,7 @@ def _depth_first(connection: list[int]) -> list[int]:
 
 
 def _kind(group: Sequence[int]) -> str:
+    """Return the kind of a joint with a group of freedoms."""
     if len(group) == 1:
         return KINDS[group[0]]
     return "translation" if len(group) == 3 else "free-flyer"
@@ -178,6 +182,7 @@ def _locked(index: int, value: float) -> Placement:
 
 
 def _mass(arrays: SystemArrays, k: int, placement: Placement) -> Mass:
+    """Return body `k`, from 0, in the frame of its joint."""
     mass, turn = float(arrays.mass[k]), placement.rotation
     center = placement.position + turn @ arrays.mass_center[k]
     return Mass(mass, mass * center, turn @ arrays.inertia[k] @ turn.T + _shift(mass, center))

@@ -43,6 +43,7 @@ def _files(sources: Mapping[str, Source]) -> dict[str, str]:
 
 
 def _participant(problem: Problem, files: Mapping[str, str], setting: Setting) -> list[Participant]:
+    """Return the participant of one compiler setting."""
     flags = [*setting.flags, f"-DMODEL={problem.system.name}"]
     tasks = [*SINGLE_STATE_TASKS, *BATCH_TASKS]
     if problem.has_derivatives:
@@ -53,6 +54,7 @@ def _participant(problem: Problem, files: Mapping[str, str], setting: Setting) -
 
 
 def _from_python(problem: Problem, sources: Mapping[str, Source]) -> list[Participant]:
+    """Return the participant that calls the compiled functions from Python."""
     path = problem.folder / "libraries"
     path.write_bytes(pickle.dumps({quantity: load(source) for quantity, source in sources.items()}))
     command = (sys.executable, "-m", "kanegen.studies.bench.python_driver")

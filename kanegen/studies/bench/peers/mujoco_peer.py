@@ -34,6 +34,7 @@ def builders(problem: Problem) -> Builders:
 
 
 def _build(problem: Problem) -> list[Participant]:
+    """Build the only participant, ready to run."""
     folder = require("mujoco")
     library = _library(folder)
     flags = (*AS_SHIPPED.flags, f"-I{folder / 'include'}")
@@ -46,6 +47,7 @@ def _build(problem: Problem) -> list[Participant]:
 
 
 def _library(folder: Path) -> Path:
+    """Return the path of MuJoCo's shared library in the package folder."""
     found = sorted([*folder.glob("libmujoco.so*"), *folder.glob("libmujoco*.dylib")])
     if not found:
         raise MissingError(f"the Python package mujoco has no libmujoco in {folder}")
@@ -106,6 +108,7 @@ def links(joints: Sequence[Joint]) -> list[Link]:
 
 
 def _body(parent: xml.Element, link: Link) -> xml.Element:
+    """Add a body with its joints below `parent` and return its element."""
     inner = [HERE]  # the frame of the body in the frame beyond each joint
     for joint in reversed(link.joints):
         inner.insert(0, joint.placement * inner[0])
@@ -134,8 +137,10 @@ def _joint(element: xml.Element, joint: Joint, place: Placement) -> None:
 
 
 def _axes(rotation: Floats) -> str:
+    """Return the first two columns of a rotation as MuJoCo's `xyaxes`."""
     return f"{_words(rotation[:, 0])} {_words(rotation[:, 1])}"
 
 
 def _words(values: Floats | list[float]) -> str:
+    """Return numbers separated by spaces."""
     return " ".join(repr(float(value)) for value in np.ravel(values))

@@ -45,6 +45,7 @@ def builders(problem: Problem) -> Builders:
 
 
 def _with_same_coordinates(problem: Problem) -> list[Participant]:
+    """Build the participant in the coordinates of kanegen."""
     arguments = [problem.write("joints", _table(problem.system, joints(problem.system)))]
     tasks: tuple[Task, ...] = TASKS
     if problem.has_derivatives:
@@ -53,6 +54,7 @@ def _with_same_coordinates(problem: Problem) -> list[Participant]:
 
 
 def _with_free_flyers(problem: Problem) -> list[Participant]:
+    """Build the participant with free-flyers."""
     tree = floating_joints(problem.system)
     way = FreeFlyer(tree)
     table = problem.write("free-flyer-joints", _table(problem.system, tree))
@@ -75,6 +77,7 @@ def _table(system: System, tree: Sequence[Joint]) -> str:
 
 
 def _line(joint: Joint) -> str:
+    """Return the line of a joint in the format of the driver."""
     placement, body = joint.placement, joint.body
     mass = np.array(body.mass)
     numbers = [placement.rotation, placement.position, mass, body.center, body.central_inertia]
@@ -83,4 +86,5 @@ def _line(joint: Joint) -> str:
 
 
 def _words(values: Floats) -> str:
+    """Return numbers separated by spaces."""
     return " ".join(repr(float(value)) for value in np.ravel(values))

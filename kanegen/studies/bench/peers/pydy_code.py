@@ -84,6 +84,7 @@ def _body(
     number: int,
     ground: mechanics.ReferenceFrame,
 ) -> mechanics.RigidBody:
+    """Return the rigid body beyond a joint."""
     center = origin.locatenew(f"G{number}", _vector(mass.center, frame))
     center.v2pt_theory(origin, ground, frame)
     entries = _matrix(mass.central_inertia)
@@ -93,11 +94,13 @@ def _body(
 
 
 def _vector(values: Floats, frame: mechanics.ReferenceFrame) -> mechanics.Vector:
+    """Return a vector with components in `frame`."""
     x, y, z = (_number(value) for value in values)
     return x * frame.x + y * frame.y + z * frame.z
 
 
 def _matrix(values: Floats) -> sympy.Matrix:
+    """Return a matrix of SymPy numbers."""
     return sympy.Matrix(3, 3, [_number(value) for value in values.ravel()])
 
 

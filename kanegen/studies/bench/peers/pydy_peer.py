@@ -28,6 +28,7 @@ def builders(problem: Problem) -> Builders:
 
 
 def _build(problem: Problem) -> list[Participant]:
+    """Build the only participant, ready to run."""
     n = len(problem.system.freedoms)
     require("pydy")
     if n > MOST_FREEDOMS:
