@@ -28,9 +28,12 @@ if TYPE_CHECKING:
     from kanegen.compiler import derive as derive
     from kanegen.compiler import generate as generate
     from kanegen.errors import ArrayError as ArrayError
+    from kanegen.errors import BudgetError as BudgetError
     from kanegen.errors import BuildError as BuildError
+    from kanegen.errors import CertificateError as CertificateError
     from kanegen.errors import KanegenError as KanegenError
     from kanegen.errors import KanegenWarning as KanegenWarning
+    from kanegen.errors import MissingError as MissingError
     from kanegen.errors import ModelError as ModelError
     from kanegen.errors import OptionError as OptionError
     from kanegen.errors import ReadError as ReadError
@@ -62,9 +65,12 @@ _MODULES = {
     "compiler": ("build", "compare", "derive", "generate"),
     "errors": (
         "ArrayError",
+        "BudgetError",
         "BuildError",
+        "CertificateError",
         "KanegenError",
         "KanegenWarning",
+        "MissingError",
         "ModelError",
         "OptionError",
         "ReadError",

@@ -78,6 +78,11 @@ class ModelDescription:
         return self.coordinate_names != self.freedom_names
 
     @property
+    def speeds_are_rates(self) -> bool:
+        """Whether {xdot} = {y}: every speed is the rate of the coordinate at its place."""
+        return not self.has_other_coordinates and not any(self.speeds)
+
+    @property
     def speeds(self) -> tuple[str, ...]:
         """For every place in {y} the name of a velocity component, or "" where it is the rate of {x}."""
         if not self.speed_names:

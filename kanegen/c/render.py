@@ -13,7 +13,9 @@ from kanegen.c.target import RenderInput, Target
 from kanegen.choices import require_one, several
 from kanegen.errors import OptionError
 from kanegen.options import NO_DECISIONS, STRICT, Variant
+from kanegen.program import count
 from kanegen.program.ir import Module
+from kanegen.program.split import select_functions
 
 TARGETS: dict[str, Target] = {target.name: target for target in (C99_TARGET,)}
 """The targets that users can name."""
@@ -33,7 +35,8 @@ def render(
     Args:
         model: Names and sizes that the code and its documentation mention.
         module: The programs.
-        operations: Operation counts, for the documentation and `Source.operations`.
+        operations: Operation counts of all functions, for the documentation and `Source.operations`; those of
+            chosen functions are counted anew.
         variant: The choices that shape the code; the programs follow theirs already.
         decided: How choices that were left to kanegen were decided, as text by name of the choice.
         target: The language, a name of `TARGETS` or a target of one's own.
@@ -45,8 +48,10 @@ def render(
     """
     target = target_named(target)
     target.require_name(model.name)
-    options = target.longest_part, _chosen(functions, tuple(module.functions))
-    render_input = RenderInput(model, module, operations, variant, decided, *options)
+    chosen = _chosen(functions, tuple(module.functions))
+    if chosen is not None:
+        operations = count.operations(select_functions(module, chosen))
+    render_input = RenderInput(model, module, operations, variant, decided, target.longest_part, chosen)
     require_range(model, render_input.programs, render_input.formats)
     printed = target.printed(render_input)
     return Source(

@@ -20,7 +20,7 @@ class Source:
 
     Attributes:
         model: Names and sizes of the model.
-        outputs: Names of the outputs that were asked for, such as `("mass_matrix", "forcing")`.
+        outputs: Names of the outputs that the functions fill, such as `("mass_matrix", "forcing")`.
         functions: Every generated function; each but `prepare` has a batch form, too.
         operations: What one evaluation of all outputs costs: "add", "multiply", "divide", "sqrt", "sincos",
             and "prepare", the operations of the parameter-only step.

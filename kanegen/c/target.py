@@ -20,7 +20,7 @@ from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
 from kanegen.options import Variant
 from kanegen.program.cut import LONGEST_PART
-from kanegen.program.ir import PARAMETERS, PREPARED, Module, Program
+from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED, Module, Program
 from kanegen.program.precision import Precision
 from kanegen.program.split import select_functions
 
@@ -32,7 +32,7 @@ class RenderInput:
     Attributes:
         model: Names and sizes that the code and its documentation mention.
         module: The programs.
-        operations: Operation counts of one evaluation of all outputs.
+        operations: Operation counts of one evaluation of all outputs that the printed functions fill.
         variant: The choices that shape the code; the programs follow theirs already.
         decided: How choices that were left to kanegen were decided, as text by name of the choice.
         longest_part: Instructions of a function from which it is cut into parts.
@@ -73,8 +73,10 @@ class RenderInput:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs that were asked for."""
-        return requested(self.module)
+        """Names of the outputs that the printed functions fill."""
+        if self.chosen is None or EVALUATE in self.chosen:
+            return requested(self.module)
+        return self.chosen
 
     @property
     def formats(self) -> Formats:

@@ -85,7 +85,9 @@ def _freedoms(system: System) -> Columns:
     """Return the freedoms in columns, with their units and speeds."""
     pairs = zip(system.freedom_names, system.speed_names, strict=True)
     speeds = [f", {escape(speed)}" if speed != name else "" for name, speed in pairs]
-    return _columns(system.freedom_names, [freedom.unit for freedom in system.freedoms], speeds)
+    per_second = "/s" if system.coordinate_names != system.freedom_names else ""
+    units = [f"{freedom.unit}{per_second}" for freedom in system.freedoms]
+    return _columns(system.freedom_names, units, speeds)
 
 
 def _columns(names: Sequence[str], units: Sequence[str], remarks: Sequence[str] | None = None) -> Columns:

@@ -57,22 +57,25 @@ def text_table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1
     return table
 
 
-def show_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
-    """Print a warning as one line; this replaces `warnings.showwarning` and has its signature."""
-    errors.print(f"[yellow]warning:[/] {escape(str(message))}")
-
-
 def show_warnings() -> None:
-    """Print every warning of kanegen, also one that was printed before."""
+    """Print every warning of kanegen as one line, each text once, however often a command meets it."""
+    shown: set[str] = set()
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        """Print a warning; this replaces `warnings.showwarning` and has its signature."""
+        if str(message) not in shown:
+            shown.add(str(message))
+            errors.print(f"[yellow]warning:[/] {escape(str(message))}")
+
     warnings.simplefilter("always", KanegenWarning)
-    warnings.showwarning = show_warning
+    warnings.showwarning = show
 
 
 @contextmanager

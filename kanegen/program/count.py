@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from kanegen.program.ir import Module, Op, Program
+from kanegen.program.ir import EVALUATE, Module, Op, Program
 
 COUNTED = {
     Op.ADD: "add",
@@ -25,6 +25,12 @@ def count(program: Program) -> dict[str, int]:
 
 
 def operations(module: Module) -> dict[str, int]:
-    """Count the operations of one evaluation of all outputs by kind; "prepare" is the total of `prepare`."""
+    """Count the operations of one evaluation of all outputs by kind; "prepare" is the total of `prepare`.
+
+    Outputs are evaluated by the function for all of them if there is one, and otherwise by all functions.
+    """
+    has_all = EVALUATE in module.functions
+    programs = [module.functions[EVALUATE]] if has_all else list(module.functions.values())
+    counts = [count(program) for program in programs]
     prepare = sum(count(module.prepare).values()) if module.prepare else 0
-    return {**count(module.together), "prepare": prepare}
+    return {kind: sum(one[kind] for one in counts) for kind in counts[0]} | {"prepare": prepare}

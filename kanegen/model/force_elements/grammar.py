@@ -14,7 +14,6 @@ import ast
 import warnings
 from collections.abc import Iterable
 
-from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError
 from kanegen.model.force_elements.expression import (
     FUNCTIONS,
@@ -159,9 +158,7 @@ class _Reader:
         if not isinstance(found.func, ast.Name) or found.func.id not in FUNCTIONS:
             name = ast.unparse(found.func)
             known = f"There are {', '.join(FUNCTIONS)}."
-            raise self._refused(
-                found, f"there is no function {name!r}. {did_you_mean(name, FUNCTIONS)} {known}"
-            )
+            raise self._refused(found, f"there is no function {name!r}. {known}")
         if found.keywords or len(found.args) != 1:
             raise self._refused(found, f"{found.func.id} takes one number.")
         return Operation(found.func.id, (self.node(found.args[0], depth + 1, power),))
