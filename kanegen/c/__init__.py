@@ -1,8 +1,8 @@
-"""From programs to code: the seam for target languages, and the target C99.
+"""From programs to code: the interface of target languages, and the target C99.
 
-`render` turns the programs of a module into a `Source`, the text of every file of code. What may enter here
-are expressions, statements, declarations, headers and whatever else code consists of; a file that stands
-beside the code for the sake of one kind of user is an artifact and belongs to `kanegen.artifacts`.
+`render` turns the programs of a module into a `Source`, the text of every file of code. Expressions,
+statements, declarations and headers belong here; an optional file for one kind of user is an artifact and
+belongs to `kanegen.artifacts`.
 """
 
 from kanegen.c.description import ModelDescription, description

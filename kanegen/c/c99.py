@@ -1,8 +1,7 @@
 """The target C99: a header and sources for one state and for batches, in every precision.
 
-Its variants come from `Variant`: double, single, long double and double-double arithmetic, arrays of another
-precision than the arithmetic, and, where the precision has SIMD vectors, batches of several states side by
-side.
+The variants of the code follow from `Variant`: double, single, long double and double-double arithmetic,
+arrays of another precision than the arithmetic, and batches in SIMD vectors where the precision has them.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ FILES = {
 """Template of every file of code by the name of the file; {f} is the suffix of the precision, "" or "f"."""
 
 _NEEDED = {"kanegen_simd.h": "simd", "kanegen_sincos.h": "sincos", "kanegen_double_double.h": "double_double"}
-"""The variable, by template, without which a file is left out."""
+"""Name of the context variable by template; a file is left out where this variable is empty."""
 
 _RESERVED_NAMES = frozenset(
     """
@@ -46,7 +45,8 @@ _RESERVED_NAMES = frozenset(
     strings tgmath threads time uchar unistd wchar wctype
     """.split()
 )
-"""Names of models whose header would hide one of the C library, or whose source the example."""
+"""Names of models whose header would hide a header of the C library, or whose source would hide the
+example."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class C99:
     """Portable C99, which C++ programs can include.
 
     Attributes:
-        name: What users call the target.
+        name: Name of the target, as users write it.
         longest_part: Instructions of a function from which it is cut into parts.
     """
 
@@ -65,7 +65,7 @@ class C99:
         """Refuse the name of a header of the C library, or of the example.
 
         Raises:
-            ModelError: If `name` is one.
+            ModelError: If `name` is reserved.
         """
         if name.lower() in _RESERVED_NAMES:
             raise ModelError(
@@ -117,7 +117,7 @@ class C99:
 
 
 def _choices(render_input: RenderInput, printed: Sequence[PrintedFunction]) -> list[tuple[str, str]]:
-    """Return the choices that shaped the code, and how each was made."""
+    """Return the name of every choice that shaped the code, with the value and its reason."""
     solved = [
         OUTPUTS[name] for name in prerequisites([name for name in render_input.outputs if name in OUTPUTS])
     ]

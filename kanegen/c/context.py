@@ -1,6 +1,6 @@
-"""The variables that headers, sources and documentation share: whatever has to be computed for a template.
+"""The variables that the templates of headers, sources and documentation share.
 
-Templates hold C and prose. A table, a sentence with a condition or a number is made here.
+Templates hold C and prose. Tables, numbers and sentences that depend on the model are computed here.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ OPERATIONS = {
     "sincos": "sines and cosines",
     "prepare": "operations of the parameter-only step",
 }
-"""What the counts of `Source.operations` count."""
+"""Descriptions of the kinds of operations in `Source.operations`."""
 
 _NAMES = (
     "The functions have the names of those in double precision, so a program can use only one of the two."
@@ -55,7 +55,7 @@ def context(
     operations: Mapping[str, int],
     variant: Variant,
 ) -> Context:
-    """Return the variables that depend on what is computed and how, but not on the code itself.
+    """Return the variables that depend on the functions and the variant, but not on printed code.
 
     Args:
         model: Names and sizes of the model.
@@ -81,7 +81,7 @@ def context(
 
 
 def _arithmetic(model: ModelDescription, variant: Variant, model_formats: Formats) -> Context:
-    """Return precisions, sine and cosine, and what the compiler may do."""
+    """Return the variables of precisions, of sine and cosine, and of compiler semantics."""
     sincos = sincos_named(variant.sincos, model_formats.arithmetic)
     return {
         "precision": model_formats.arithmetic,
@@ -98,7 +98,7 @@ def _arithmetic(model: ModelDescription, variant: Variant, model_formats: Format
 
 
 def _status(model: ModelDescription, functions: Sequence[Function]) -> Context:
-    """Return which functions return a status, and the conditions that it is about."""
+    """Return the variables of statuses: the functions that return one, and the conditions."""
     name = model.name
     return {
         "may_fail": [f"`{name}_{f.name}`" for f in functions if f.may_fail],
@@ -108,7 +108,7 @@ def _status(model: ModelDescription, functions: Sequence[Function]) -> Context:
 
 
 def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
-    """Return what stands at which place of every array."""
+    """Return the variables of the tables of elements, one for every array."""
     freedoms = zip(model.freedom_names, model.freedom_units, model.speeds, strict=True)
     coordinates = zip(model.coordinate_names, model.coordinate_units, strict=True)
     points = [name for name, _ in model.points]
@@ -142,7 +142,7 @@ def _force_elements(model: ModelDescription) -> list[str]:
 
 
 def _about_arithmetic(model_formats: Formats, has_parameters: bool) -> str:
-    """Return what a user has to know of the precisions; "" where all is double."""
+    """Return the sentences on the precisions for users; "" where all is double."""
     if model_formats == uniform(FLOAT):
         prepared = ", by _prepare too" if has_parameters else ""
         return (
@@ -157,7 +157,7 @@ def _about_arithmetic(model_formats: Formats, has_parameters: bool) -> str:
 
 
 def _about_sines(sincos: Sincos | None, arithmetic: Precision) -> str:
-    """Return where sine and cosine come from, and their errors."""
+    """Return the sentences on the implementation of sine and cosine and on its errors."""
     if sincos is None:
         where = "kanegen_double_double.h" if arithmetic is DOUBLE_DOUBLE else "the C library"
         return f"Sine and cosine are those of {where}, for one state and in batches."

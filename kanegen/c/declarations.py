@@ -1,4 +1,4 @@
-"""What the header declares: prototypes, documentation of arguments, and enumerations of sizes and places."""
+"""Declarations of the header: prototypes, documentation of arguments, enumerations of sizes and places."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def argument_list(function: Function) -> list[str]:
 
 
 def batch_notes(function: Function) -> list[str]:
-    """Return Doxygen lines for what the batch form does otherwise."""
+    """Return Doxygen lines on the differences of the batch form from the form for one state."""
     lines = [f"All states have the one array `{name}` in common." for name in function.shared]
     if function.may_fail:
         names = " and ".join(function.may_fail)
@@ -173,7 +173,7 @@ def _enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
     """Return the lines between the braces of an enum; C++98 allows no comma after the last.
 
     Args:
-        rows: Name, value and meaning of each enumerator; "" for a name that says all.
+        rows: Name, value and meaning of each enumerator; the meaning is "" where the name is enough.
     """
     last = len(rows) - 1
     return columns(
@@ -186,12 +186,12 @@ def _enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
 
 
 def poses(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str]]:
-    """Return row and body of `body_poses` if it is computed, and not of all bodies in their order."""
+    """Return row and body of `body_poses` if this output is computed for a selection of bodies, else []."""
     some = "body_poses" in outputs and model.poses != model.body_names
     return list(enumerate(model.poses)) if some else []
 
 
 def reactions(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str, str]]:
-    """Return place, locked direction and unit of every reaction load, if they are computed."""
+    """Return index, locked direction and unit of every reaction load, if the output is computed."""
     asked = "reaction_loads" in outputs
     return [(place, *names) for place, names in enumerate(model.reactions)] if asked else []

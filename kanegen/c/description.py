@@ -1,4 +1,4 @@
-"""What generated files say about a system beside its programs: names, units and sizes as plain data."""
+"""`ModelDescription`: names, units and sizes of a system as plain data, for generated files and libraries."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class ModelDescription:
         loaded: For each body whether it takes a force and a torque.
         parameters: Name and default of each run-time parameter, in the order of the C array.
         freedom_bodies: n names of the bodies that the freedoms belong to.
-        planar: For each joint whose three axes of angles can come to lie in a plane, the place in {x} of its
-            middle angle and the function of that angle that is then 0, "cos" or "sin".
+        planar: For each joint that can reach gimbal lock, the place in {x} of its middle angle and the
+            function of this angle, "cos" or "sin", that is 0 there.
         sequences: Name and sequence of each body whose angles do not turn about the axes 1-2-3.
         speed_names: n names in the order of {y}; a speed that is the rate of a coordinate has its name.
         points: Name of each point and name of its body.
@@ -62,7 +62,7 @@ class ModelDescription:
         return tuple(name for name, _ in self.prescribed)
 
     def unloaded(self, kind: str) -> dict[int, str]:
-        """Return the rows of bodies or points that take no loads, each with what stands there.
+        """Return the rows of bodies or points that take no loads, each with the name of its body or point.
 
         Args:
             kind: "body" or "point".
@@ -133,7 +133,7 @@ def _sequences(system: System) -> tuple[tuple[str, str], ...]:
 
 
 def _planar(system: System) -> tuple[tuple[int, str], ...]:
-    """Return what is 0 at gimbal lock: cos(theta2) of three different axes, else sin(theta2)."""
+    """Return `ModelDescription.planar`: cos(theta2) for three different axes, else sin(theta2)."""
     found: list[tuple[int, str]] = []
     for k, body in enumerate(system.bodies, start=1):
         if body.joint.mass_matrix_singularity:

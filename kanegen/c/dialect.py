@@ -1,7 +1,7 @@
-"""How the statements of a function are written: for one state, or for several states in SIMD lanes.
+"""Dialects: the notation of the statements of a function, for one state or for several in SIMD lanes.
 
-A function body consists of the same operations in every dialect. What differs is here: types, literals, names
-of functions, how a local is declared, and how a value that must be positive is watched.
+A function body consists of the same operations in every dialect. Dialects differ in types, literals, names of
+functions, declarations of locals, and the test of values that must be positive.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Dialect:
 
     @property
     def notation(self) -> Notation:
-        """How operations are written."""
+        """The notation of operations on numbers of the arithmetic."""
         return notation(self.arithmetic)
 
     @property
@@ -102,7 +102,7 @@ class Dialect:
         return self.arithmetic.c_function(op.value)
 
     def sincos(self, angle: str, sine: str, cosine: str) -> str:
-        """Return the call that sets the locals `sine` and `cosine` to those of the local `angle`."""
+        """Return the call that sets the locals `sine` and `cosine` from the local `angle`."""
         if self.kanegen_sincos:
             return f"kanegen_sincos{self.arithmetic.libm_suffix}({angle}, &{sine}, &{cosine});"
         return f"{self.arithmetic.c_function('sincos')}(&{angle}, &{sine}, &{cosine});"
@@ -132,11 +132,11 @@ class Dialect:
         return text
 
     def condition(self, text: str, place: int) -> str:
-        """Return the statement that watches a value; the first that is not positive sets the status."""
+        """Return the statement that tests a value; the first value that is not positive sets the status."""
         return f"if (!failed && !({self.notation.positive(text)})) failed = {place};"
 
     def margin(self, value: Expression, place: int) -> str:
-        """Return the statement that watches a value that accuracy needs positive; the least decides."""
+        """Return the statement that tests a value required positive for accuracy; the least counts."""
         rounded = converted(value, self.arithmetic, self.arithmetic if self._is_ordered else DOUBLE)
         return (
             f"if (!({rounded} > least_margin) && least_margin == least_margin) "
@@ -149,10 +149,10 @@ class Dialect:
         return type(self.notation) is Notation
 
     def opening(self, has_margins: bool) -> list[str]:
-        """Return the first lines of a function that watches values.
+        """Return the first lines of a function that tests values.
 
         Args:
-            has_margins: Whether it also watches values that accuracy needs positive.
+            has_margins: Whether the function also tests values required positive for accuracy.
         """
         if not has_margins:
             return ["    int failed = 0;"]
@@ -163,7 +163,7 @@ class Dialect:
         ]
 
     def closing(self, may_fail: Sequence[Array], has_margins: bool) -> list[str]:
-        """Return the last lines of a function that watches values: NaN where it failed, and the status.
+        """Return the last lines of a function that tests values: NaN on failure, and the status.
 
         Args:
             may_fail: Outputs that hold NaN where a condition fails.
@@ -227,20 +227,20 @@ class SimdDialect(Dialect):
         return f"simd_of({text})"
 
     def condition(self, text: str, place: int) -> str:
-        """Return the statement that watches a value in every lane."""
+        """Return the statement that tests a value in every lane."""
         return f"valid &= simd_positive({text});"
 
     def margin(self, value: Expression, place: int) -> str:
-        """Return the statement that watches a value that accuracy needs positive in every lane."""
+        """Return the statement that tests a value required positive for accuracy in every lane."""
         return f"within_margin &= simd_positive({value});"
 
     def opening(self, has_margins: bool) -> list[str]:
-        """Return the first lines of a function that watches values."""
+        """Return the first lines of a function that tests values."""
         lines = ["    simd_bits valid = ~(simd_bits){0};"]
         return [*lines, "    simd_bits within_margin = ~(simd_bits){0};"] if has_margins else lines
 
     def closing(self, may_fail: Sequence[Array], has_margins: bool) -> list[str]:
-        """Return the last lines of a function that watches values; its caller writes NaN."""
+        """Return the last lines of a function that tests values; its caller writes NaN."""
         return [*(["    *accurate = within_margin;"] if has_margins else []), "    return valid;"]
 
 

@@ -3,10 +3,10 @@
 A double-double number is the exact sum of two doubles. Its sine and cosine need pi/2 in parts and power
 series.
 
-The parts of pi/2 before the last have 33 bits, so that n times them is exact for n of 20 bits, which is
-what angles up to 1e6 rad need. With seven parts, n pi/2 is known to 2^-230, which leaves 100 bits of the
-smallest difference between a double-double number below 1e6 and a multiple of pi/2. The series go so far that
-what is left out is below 2^-118 for angles up to pi/4; terms below 2^-58 of the sum are kept as doubles.
+The parts of pi/2 before the last have 33 bits, so that n times a part is exact for n of 20 bits, enough for
+angles up to 1e6 rad. With seven parts, n pi/2 is known to 2^-230, which leaves 100 bits of the smallest
+difference between a double-double number below 1e6 and a multiple of pi/2. The truncation error of the series
+is below 2^-118 for angles up to pi/4; terms below 2^-58 of the sum are stored as doubles.
 """
 
 from __future__ import annotations
@@ -99,4 +99,4 @@ class DoubleDoubleHeader:
 
 
 DOUBLE_DOUBLE_HEADER = DoubleDoubleHeader()
-"""What the header of double-double arithmetic says."""
+"""The constants of the header of double-double arithmetic."""

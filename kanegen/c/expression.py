@@ -1,8 +1,8 @@
-"""Expressions that compute exactly the operations they are made of, in the same order.
+"""C expressions that compute exactly the operations of a program, in the same order.
 
 C groups `a + b - c` and `a*b/c` from the left, so only other groupings get brackets. A sign is kept apart
-until it is printed: it passes outward through products and quotients, and into the operator of a sum. In
-IEEE arithmetic that changes no bit, because `a + (-b)` is `a - b` and `(-a) b` is `-(a b)`.
+until the expression is printed: it passes outward through products and quotients, and into the operator of a
+sum. In IEEE arithmetic that changes no bit, because `a + (-b)` is `a - b` and `(-a) b` is `-(a b)`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, Precision
 
 
 class Level(IntEnum):
-    """How tightly the outermost operator of an expression binds."""
+    """The precedence of the outermost operator of an expression."""
 
     SUM = 1
     PRODUCT = 2
@@ -32,7 +32,7 @@ class Expression:
 
     Attributes:
         text: The expression without its sign.
-        level: How tightly its outermost operator binds.
+        level: Precedence of the outermost operator.
         negative: Whether a minus belongs in front of the text.
         operations: Number of operations in the text; a sign is none.
     """
@@ -144,7 +144,7 @@ class DoubleDoubleNotation(Notation):
 
 @functools.cache
 def notation(precision: Precision) -> Notation:
-    """Return how operations in `precision` are written."""
+    """Return the notation of operations in `precision`."""
     return DoubleDoubleNotation(precision) if precision is DOUBLE_DOUBLE else Notation(precision)
 
 
@@ -157,7 +157,7 @@ def apply(
         op: The operation, any but an input or a constant.
         operands: Its operands, as many as `ARITY` says.
         function: Name of the C function for the operation, where it is a call.
-        written: How operations are written; by default with the operators of double precision.
+        written: Notation of operations; by default that of double precision.
     """
     written = written or notation(DOUBLE)
     match op, operands:

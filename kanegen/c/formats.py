@@ -1,12 +1,12 @@
-"""The precision of every array, and whether it can hold the numbers of a model.
+"""The precision of every array, and the check that it can hold the numbers of a model.
 
-States, loads and results have the precision that was chosen for storage. Numbers of the model have others:
-parameters have the own storage type of the arithmetic, and what is prepared from them, or left by one part of
-a function for the next, keeps the precision of the arithmetic and is not rounded.
+States, loads and results have the precision that was chosen for storage. Parameters have the default storage
+precision of the arithmetic. Prepared constants and the workspace have the precision of the arithmetic and are
+not rounded.
 
 Constants are folded in double precision or more and rounded once. A constant that is too large is refused.
-One that is too small becomes 0 or loses digits, which is harmless in a sum: `cos(pi/2)` leaves such constants
-in a model of ordinary numbers. But 0 is refused as a divisor, and where a value must be positive.
+A constant that is too small becomes 0 or loses digits, which is harmless in a sum: `cos(pi/2)` leaves such
+constants in a model of ordinary numbers. But 0 is refused as a divisor, and where a value must be positive.
 """
 
 from __future__ import annotations
@@ -91,26 +91,26 @@ def require_range(
             _require_results(part, formats.storage, f"system {model.name!r}: a result")
 
 
-def _require_constants(program: Program, precision: Precision, what: str) -> None:
+def _require_constants(program: Program, precision: Precision, label: str) -> None:
     vanished = set()
     for i, instruction in enumerate(program.instructions):
         if instruction.op is Op.CONSTANT:
             number = float(instruction.number)
-            if precision.rounded(number, what) == 0.0 and number != 0.0:
+            if precision.rounded(number, label) == 0.0 and number != 0.0:
                 vanished.add(i)
     refused = vanished.intersection(_not_zero(program))
     if refused:
         number = float(program.instructions[min(refused)].number)
         raise ModelError(
-            f"{what}: {number!r} is 0 in {precision.label} precision, "
+            f"{label}: {number!r} is 0 in {precision.label} precision, "
             "but something is divided by it; choose units nearer to 1, or double precision."
         )
 
 
-def _require_results(program: Program, precision: Precision, what: str) -> None:
+def _require_results(program: Program, precision: Precision, label: str) -> None:
     for value in program.results():
         if program.instructions[value].op is Op.CONSTANT:
-            precision.rounded(program.instructions[value].number, what)
+            precision.rounded(program.instructions[value].number, label)
 
 
 def _not_zero(program: Program) -> Iterator[int]:

@@ -1,8 +1,8 @@
-"""From a program to the statements of a function.
+"""The statements of a function body, printed from a program.
 
-Named inputs are loaded first. Every other value is computed where its instruction stands: a named value, or
-one used more than once, into a const local; a value used once inside the expression that uses it. An output
-is stored as soon as its value is known, so that few values have to be kept.
+Named inputs are loaded first. Every other value is computed at the place of its instruction: a named value,
+or a value used more than once, into a const local; a value used once, inside the expression that uses it. An
+output is stored as soon as its value is known, so that few values are live at a time.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def body(program: Program, dialect: Dialect = SCALAR, shared: Collection[str] = 
 
     Args:
         program: The program to print.
-        dialect: How statements are written.
+        dialect: Notation of the statements.
         shared: Names of inputs that all states have in common.
     """
     printer = _Printer(program, dialect, shared)
@@ -97,7 +97,7 @@ class _Printer:
         for i in self._live:
             if i not in self._expressions:
                 self._define(i)
-            self._watch(i)
+            self._test(i)
             self._store(i)
         if may_fail:
             self._lines += self._dialect.closing(may_fail, bool(self._margins))
@@ -189,8 +189,8 @@ class _Printer:
             return expression
         return Expression(self._dialect.everywhere(str(expression)))
 
-    def _watch(self, i: int) -> None:
-        """Watch value i if results hold, or are accurate, only where it is positive."""
+    def _test(self, i: int) -> None:
+        """Test value i if results exist, or are accurate, only where it is positive."""
         if i in self._conditions:
             text = self._dialect.notation.text(self._result(i))
             self._lines += wrap(self._dialect.condition(text, self._conditions[i]))

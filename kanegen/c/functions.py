@@ -1,7 +1,7 @@
 """The functions of a model as lines of text: documentation, prototypes and bodies, ready for the templates.
 
 A compiler needs more than twice the time for twice the statements, so a long function consists of parts,
-functions of their own that it calls one after the other. What one part leaves for later parts is in an array
+separate functions that it calls one after the other. Parts leave values for later parts in a workspace array
 of the caller.
 """
 
@@ -40,7 +40,7 @@ class Code:
         vector_sincos: Most angles whose sines and cosines one part computes in SIMD lanes.
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
-        takes_sines: Whether it computes a sine or a cosine, by whatever function.
+        takes_sines: Whether it computes a sine or a cosine by any function.
     """
 
     body: list[str]
@@ -62,7 +62,7 @@ class PrintedFunction:
         prototype: Prototype of the form for one state.
         code: Body of the form for one state.
         batch_prototype: Prototype of the batch form.
-        batch_notes: Documentation of what the batch form does otherwise.
+        batch_notes: Documentation of the differences of the batch form.
         simd_prototype: Prototype of the SIMD form, which the batch form calls.
         simd_code: Body of the SIMD form; empty without one.
         simd_call: Call of the SIMD form.
@@ -134,12 +134,12 @@ def code(
     """Return the body of a function.
 
     Args:
-        name: Name of the function, with which the names of its parts begin.
-        function: What it reads and fills.
-        programs: What it computes: one program, or several parts one after the other.
-        dialect: How statements are written.
-        flushes: Whether subnormal numbers count as zero meanwhile. All arithmetic is then in parts, before
-            and after which a compiler cannot move it.
+        name: Name of the function, prefix of the names of its parts.
+        function: Arrays and status of the function.
+        programs: The program of the function, or several parts in order.
+        dialect: Notation of the statements.
+        flushes: Whether subnormal numbers count as zero in the function. All arithmetic is then in parts, so
+            that a compiler cannot move it across the changes of mode.
     """
     found = [vector_sincos(part) for part in programs] if dialect.has_vector_sincos else []
     takes_sines = any(map(usage.has_sines, programs))
@@ -178,8 +178,8 @@ class _Part:
 
     Attributes:
         name: Name of the part.
-        program: What it computes.
-        dialect: How statements are written.
+        program: Program of the part.
+        dialect: Notation of the statements.
         shared: Names of inputs that all states have in common.
     """
 
@@ -216,6 +216,6 @@ class _Part:
         return wrap(f"{head}({f',{BREAK}'.join(self._arguments.values())})", indent="", hanging="    ")
 
     def call(self, flushes: bool) -> list[str]:
-        """Return the lines of the call; a status is returned, or kept until the mode is put back."""
+        """Return the lines of the call; a status is returned, or stored until the mode is restored."""
         kept = f"const {self.dialect.status} result = " if flushes else "return "
         return wrap(f"{kept if self._may_fail else ''}{self.name}({f',{BREAK}'.join(self._arguments)});")

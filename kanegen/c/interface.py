@@ -1,4 +1,4 @@
-"""The functions that generated code offers, as plain data: what each reads, fills and returns."""
+"""The interface of generated functions as plain data: arrays, conditions and batch form of each function."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Function:
         may_fail: Names of outputs that exist only where some values are positive; such a function returns a
             status.
         workspace: Numbers that one part of the function leaves for later parts, 0 if it has one part.
-        may_be_inaccurate: Names of outputs that may exist without being accurate, which the status says.
+        may_be_inaccurate: Names of outputs that may exist without being accurate; the status reports this.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Function:
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
-        """What must be positive for the outputs in `may_fail` to exist, each condition once."""
+        """The conditions under which the outputs in `may_fail` exist, each once."""
         return tuple(dict.fromkeys(array.condition for array in self.outputs if array.name in self.may_fail))
 
     @property
@@ -58,7 +58,7 @@ class Function:
 
     @property
     def numbers(self) -> int:
-        """How many numbers the function reads, fills and keeps between its parts for one state."""
+        """Number of numbers that the function reads, fills and stores between its parts for one state."""
         arrays = (*self.inputs, *self.outputs)
         return self.workspace + sum(array.size for array in arrays if array.name not in self.shared)
 
@@ -105,7 +105,7 @@ def prepared_names(functions: Mapping[Function, Sequence[Program]]) -> tuple[str
 
 
 def requested(module: Module) -> tuple[str, ...]:
-    """Return the names of the outputs that were asked for; each is a function of its own."""
+    """Return the names of the requested outputs, each of which has a function."""
     return tuple(name for name in module.functions if name != EVALUATE)
 
 

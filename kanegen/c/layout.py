@@ -9,19 +9,19 @@ WIDTH = 110
 """Columns of a generated line."""
 
 BREAK = "\t"
-"""In a text for `wrap`: a space, or the end of a line."""
+"""Character in a text for `wrap` that becomes a space or the end of a line."""
 
 HINGE = "\v"
-"""In a text for `wrap`: nothing, or the end of a line where no `BREAK` helps."""
+"""Character in a text for `wrap` that becomes nothing, or the end of a line where no `BREAK` is near."""
 
 
 def wrap(text: str, indent: str = "    ", hanging: str = "        ") -> list[str]:
-    """Lines of at most `WIDTH` columns where `text` has enough places to break it.
+    """Return lines of at most `WIDTH` columns, if `text` has enough places to break it.
 
     Args:
         text: With `BREAK` and `HINGE` where it may be broken.
-        indent: What the first line begins with.
-        hanging: What the other lines begin with.
+        indent: Indentation of the first line.
+        hanging: Indentation of the other lines.
     """
     lines: list[str] = []
     line, separator = indent, ""
@@ -36,7 +36,7 @@ def wrap(text: str, indent: str = "    ", hanging: str = "        ") -> list[str
 
 
 def _fragments(text: str, room: int) -> Iterator[tuple[str, str]]:
-    """What must stay together, each with what stands before it on the same line."""
+    """Yield the unbreakable fragments of a text, each with its separator from the fragment before it."""
     for chunk in text.split(BREAK):
         parts = chunk.split(HINGE)
         if len(chunk) - len(parts) + 1 <= room:
@@ -47,7 +47,7 @@ def _fragments(text: str, room: int) -> Iterator[tuple[str, str]]:
 
 
 def comment(text: str, indent: str = "    ") -> list[str]:
-    """`text` as a comment of C; whatever it says, it cannot end the comment."""
+    """Return `text` as lines of a C comment, in which no part of the text can end the comment."""
     inner = text.replace("*/", "* /")
     lines = textwrap.wrap(inner, WIDTH - len(indent) - len("/*  */"), break_long_words=False) or [""]
     lines[1:] = [f"{indent}   {line}" for line in lines[1:]]
@@ -57,7 +57,7 @@ def comment(text: str, indent: str = "    ") -> list[str]:
 
 
 def columns(rows: Sequence[Sequence[str]], width: int = WIDTH, gap: str = "  ") -> list[str]:
-    """`rows` as lines whose columns are aligned, the last one wrapped; an empty table has no line."""
+    """Return a table as lines with aligned columns, the last column wrapped; [] for an empty table."""
     if not rows:
         return []
     widths = [max(map(len, column)) for column in list(zip(*rows, strict=True))[:-1]]

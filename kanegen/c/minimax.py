@@ -22,7 +22,7 @@ GRID = 200
 """Number of grid points at which errors are evaluated."""
 
 ROUNDS = 20
-"""Most exchanges of grid points; the points of largest error stop moving after a few."""
+"""Largest number of exchanges of grid points; the points of largest error stop moving after a few."""
 
 _CONTEXT = mpmath.mp.clone()
 _CONTEXT.dps = 40

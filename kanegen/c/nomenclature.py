@@ -1,4 +1,4 @@
-"""The list of names at the head of the generated code: exactly those that occur there, and what they mean."""
+"""The list of names at the head of the generated code: exactly the names that occur, with their meanings."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class Nomenclature:
 
     Attributes:
         names: Lines about names.
-        places: Lines about what stands in names for P.
-        freedoms: Lines about what stands in names for L.
+        places: Lines about the values of the placeholder P in names.
+        freedoms: Lines about the values of the placeholder L in names.
     """
 
     names: list[str]

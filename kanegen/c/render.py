@@ -1,4 +1,4 @@
-"""From the programs of a module to the code of a target."""
+"""Rendering: the programs of a module become the code of a target."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def render(
         operations: Operation counts of all functions, for the documentation and `Source.operations`; those of
             chosen functions are counted anew.
         variant: The choices that shape the code; the programs follow theirs already.
-        decided: How choices that were left to kanegen were decided, as text by name of the choice.
-        target: The language, a name of `TARGETS` or a target of one's own.
+        decided: Values and reasons of choices that were left to kanegen, as text by name of the choice.
+        target: The language, a name of `TARGETS` or another target.
         functions: Names of the functions to print, by default all; `prepare` is always printed.
 
     Raises:
@@ -77,10 +77,10 @@ def _chosen(functions: Iterable[str] | None, known: tuple[str, ...]) -> tuple[st
 
 
 def target_named(target: Target | str) -> Target:
-    """Return a target, or the one of that name.
+    """Return a target from itself or from its name.
 
     Raises:
-        OptionError: If there is none.
+        OptionError: If there is no target of that name.
     """
     if not isinstance(target, str):
         return target

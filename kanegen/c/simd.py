@@ -1,6 +1,6 @@
 """SIMD vectors of one precision: their widths, the bit patterns of their numbers, and transposes of blocks.
 
-The header kanegen_simd.h is made of these.
+The template of the header kanegen_simd.h reads them.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Sine and cosine in C: kanegen's own, polynomials of a chosen degree, or those of the C library.
+"""Sine and cosine in C: accurate shared ones, polynomials of a chosen degree, or those of the C library.
 
 An angle up to `limit` is reduced by n pi/2 with pi/2 in parts. Parts before the last have so few bits that n
-times them is exact: 37 bits for n of 16 bits in double precision, 11 bits for n of 13 bits in single
-precision. What the last difference rounds off is kept. Larger angles are reduced with integers: the digits of
-2/pi that matter, times the bits of the angle.
+times a part is exact: 37 bits for n of 16 bits in double precision, 11 bits for n of 13 bits in single
+precision. The rounding error of the last difference is kept as a second number. Larger angles are reduced
+with integers: the digits of 2/pi that matter, times the bits of the angle.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from kanegen.c.minimax import Minimax, minimax
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
 
 AHEAD = 64
-"""Zero bits before 2/pi in the table of its bits, so that small exponents need no case of their own."""
+"""Zero bits before 2/pi in the table of its bits, so that small exponents need no special case."""
 
 SHORT = 3
 """Number of terms of a polynomial up to which Horner's scheme, which loses less, is as fast as any."""
@@ -31,7 +31,7 @@ DIGITS = 6
 
 @dataclass(frozen=True)
 class Sincos:
-    """How sine and cosine are computed in one precision.
+    """The computation of sine and cosine in one precision.
 
     Attributes:
         name: Name in `options.SINCOS`.
@@ -179,7 +179,7 @@ def sincos_named(name: str, precision: Precision) -> Sincos | None:
 
 @functools.cache
 def _polynomials(degree: int, shared: Sincos) -> Sincos:
-    """Return polynomials of this degree, whose errors exceed what a second number for r would save."""
+    """Return polynomials of this degree, too inaccurate to gain by a second number for r."""
     found = minimax(degree, shared.precision)
     *exact, last, rest = shared.parts
     return Sincos(

@@ -22,8 +22,8 @@ class Source:
         model: Names and sizes of the model.
         outputs: Names of the outputs that the functions fill, such as `("mass_matrix", "forcing")`.
         functions: Every generated function; each but `prepare` has a batch form, too.
-        operations: What one evaluation of all outputs costs: "add", "multiply", "divide", "sqrt", "sincos",
-            and "prepare", the operations of the parameter-only step.
+        operations: Operation counts of one evaluation of all outputs: "add", "multiply", "divide", "sqrt",
+            "sincos", and "prepare", the operations of the parameter-only step.
         files: Text of every file by its name: header, source, example, build files, README.
         cdef: The declarations of the header, as cffi reads them.
         variant: The choices that shaped the code.
@@ -66,7 +66,7 @@ class Source:
         at all.
 
         Args:
-            folder: Where to write.
+            folder: The folder to write into.
             force: Also write beside files of another origin, and over files of the same names.
 
         Returns:

@@ -1,8 +1,8 @@
-"""The seam for target languages: what a target prints from, and what it must provide.
+"""The interface of target languages: the input of a target, and the members that a target must have.
 
 A target prints the programs of a module. Programs, names and documentation are the same for all targets; a
-target decides how statements are written (its dialects), what is declared, how long functions are cut into
-parts, and which files there are. `c99` is the first target; its variants are the precisions and SIMD batches.
+target defines the notation of statements (its dialects), the declarations, the longest part of a function,
+and the files. `c99` is the first target; its variants are the precisions and SIMD batches.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from kanegen.program.split import select_functions
 
 @dataclass(frozen=True)
 class RenderInput:
-    """Everything that a target prints a model from.
+    """The input of a target: a model, its programs and the choices for the code.
 
     Attributes:
         model: Names and sizes that the code and its documentation mention.
         module: The programs.
         operations: Operation counts of one evaluation of all outputs that the printed functions fill.
         variant: The choices that shape the code; the programs follow theirs already.
-        decided: How choices that were left to kanegen were decided, as text by name of the choice.
+        decided: Values and reasons of choices that were left to kanegen, as text by name of the choice.
         longest_part: Instructions of a function from which it is cut into parts.
         chosen: Names of the functions to print besides `prepare`, None for all.
     """
@@ -105,7 +105,7 @@ class Printed:
 
     Attributes:
         files: Text of every file of code by its name, without the line of provenance.
-        declarations: What callers may use, as cffi reads it: enumerations and prototypes in plain C.
+        declarations: Enumerations and prototypes for callers in plain C, as cffi reads them.
     """
 
     files: Mapping[str, str]
@@ -117,7 +117,7 @@ class Target(Protocol):
 
     @property
     def name(self) -> str:
-        """What users call the target."""
+        """Name of the target, as users write it."""
         ...
 
     @property
@@ -134,7 +134,7 @@ class Target(Protocol):
         ...
 
     def dialect(self, render_input: RenderInput, function: Function) -> Dialect:
-        """Return how the statements of a function for one state, or of `prepare`, are written."""
+        """Return the notation of the statements of a function for one state, or of `prepare`."""
         ...
 
     def printed(self, render_input: RenderInput) -> Printed:

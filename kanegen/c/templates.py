@@ -1,4 +1,4 @@
-"""Where the Jinja templates are, and how they are filled."""
+"""Loading and filling of the Jinja templates."""
 
 from __future__ import annotations
 
@@ -28,5 +28,5 @@ _ENVIRONMENT = jinja2.Environment(
 
 
 def fill(template: str, **context: Any) -> str:
-    """The text of `template`, a file name without `.jinja`; every variable it uses must be given."""
+    """Return the filled text of `template`, a file name without `.jinja`; a missing variable is an error."""
     return _ENVIRONMENT.get_template(f"{template}.jinja").render(**context)

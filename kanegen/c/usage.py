@@ -98,9 +98,9 @@ def _is_zero(program: Program, value: int) -> bool:
 
 
 def conditions(program: Program) -> dict[int, int]:
-    """Return for every value that must be positive its place, from 1; the first of several.
+    """Return the place, from 1, of every value that must be positive; the first of several places.
 
-    A positive constant needs no watching and is left out.
+    A positive constant needs no test and is left out.
     """
     found: dict[int, int] = {}
     for output in program.outputs:
@@ -111,7 +111,7 @@ def conditions(program: Program) -> dict[int, int]:
 
 
 def margins(program: Program) -> dict[int, int]:
-    """Return for every value that accuracy needs positive its place, from 1; the first of several."""
+    """Return the place, from 1, of every value required positive for accuracy; the first of several."""
     found: dict[int, int] = {}
     for output in program.outputs:
         for place, value in enumerate(output.accurate_if_positive, start=1):

@@ -1,7 +1,8 @@
 """Sines and cosines of many coordinates of one state, computed in SIMD lanes.
 
 Where a function needs sine and cosine of many elements of one array, it computes them side by side before
-anything else. One by one they cost as much as a good part of the equations; few of them gain nothing.
+anything else. Computed one by one they would be a large part of the cost of the equations; below `FEWEST`
+angles there is no gain.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ class VectorSincos:
         return self.stop - self.start
 
     def lines(self, number: str) -> list[str]:
-        """Return the statements that compute all of them, with elements of type `number`."""
+        """Return the statements that compute all sines and cosines, with elements of type `number`."""
         angles = f"{self.array} + {self.start}" if self.start else self.array
         sines, cosines = NAMES.values()
         return [
@@ -67,7 +68,7 @@ class VectorSincos:
 
 
 def vector_sincos(program: Program) -> VectorSincos | None:
-    """Return the sines and cosines that are worth computing at once, None if there are too few."""
+    """Return the sines and cosines to compute at once; None if there are fewer than `FEWEST`."""
     angles: dict[str, set[int]] = {}
     for i in live(program):
         instruction = program.instructions[i]
