@@ -215,5 +215,5 @@ def test_the_architecture_draws_the_order_of_imports() -> None:
 
 def test_the_architecture_lists_the_files_of_a_joint_kind() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    seam = text.partition("**Joint**")[2].partition("**Output**")[0]
-    assert re.findall(r"^\| `kanegen/([\w./]+)` \|", seam, flags=re.MULTILINE) == list(JOINT_KINDS)
+    section = text.partition("**Joint**")[2].partition("**Output**")[0]
+    assert re.findall(r"^\| `kanegen/([\w./]+)` \|", section, flags=re.MULTILINE) == list(JOINT_KINDS)

@@ -44,7 +44,7 @@ def random_inertia(rng: np.random.Generator, mass: float = 1.0, size: float = 1.
 
 
 def random_connection(rng: np.random.Generator, bodies: int) -> tuple[int, ...]:
-    """A tree of any shape; a later body hangs on the ground now and then."""
+    """Return a random tree; a later body is on the ground now and then."""
     return (0, *(int(rng.integers(0, k)) for k in range(2, bodies + 1)))
 
 

@@ -1,4 +1,4 @@
-"""The joint seam: one description of a joint, which a few modules turn into mathematics.
+"""The joint as an extension point: one description, which a few modules turn into mathematics.
 
 A new kind of joint is a class beside `AxisRotations` and `QuaternionRotation`, the coordinates that it adds
 to `COORDINATE_KINDS`, and one formula in each independent derivation. All other modules read tables.
