@@ -1,7 +1,7 @@
-"""The cost report of a scene: its specialised program beside the general program of the same tree.
+"""The cost report of a model: its specialised program beside the general program of the same tree.
 
-`general_form` makes the general program and the steps from it to the scene, `report` counts their operations,
-`tables` and `page` show the result. `exactness` compares a scene with the same scene whose right angles are
+`general_form` makes the general program and the steps from it to the model, `report` counts their operations,
+`tables` and `page` show the result. `exactness` compares a model with the same model whose right angles are
 exact.
 """
 

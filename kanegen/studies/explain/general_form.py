@@ -1,6 +1,6 @@
-"""The general form of a scene: all freedoms free, every number a run-time parameter, loads on every body.
+"""The general form of a model: all freedoms free, every number a run-time parameter, loads on every body.
 
-Freedoms that the scene prescribes stay prescribed in its general form.
+Freedoms that the model prescribes stay prescribed in its general form.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def with_all_freedoms(system: System) -> System:
 
 
 def equivalent_outputs(system: System, outputs: Sequence[str]) -> tuple[str, ...]:
-    """Return the outputs of a general form that contain the values of `outputs` of the scene.
+    """Return the outputs of a general form that contain the values of `outputs` of the model.
 
     Where all freedoms are free, reaction loads are among the generalized forces of inverse dynamics.
     """
@@ -89,9 +89,9 @@ def with_numbers_as_parameters(system: System) -> System:
 
 
 def steps(system: System) -> Iterator[tuple[str, System]]:
-    """Yield the systems from the general form of a scene to the scene, one choice after the other.
+    """Yield the systems from the general form of a model to the model, one choice after the other.
 
-    The first system has the tree of the scene and nothing else of it; freedoms that the scene locks are
+    The first system has the tree of the model and nothing else of it; freedoms that the model locks are
     coordinates there.
 
     Yields:

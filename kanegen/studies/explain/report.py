@@ -1,4 +1,4 @@
-"""The cost report of a scene: the operations that each of its choices saves, and those that are left."""
+"""The cost report of a model: the operations that each of its choices saves, and those that are left."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _BODY = re.compile(r"(?:Derivatives\. )?Body (\d+) ")
 
 @dataclass(frozen=True)
 class Step:
-    """One of the programs from the general program to that of the scene.
+    """One of the programs from the general program to that of the model.
 
     Attributes:
         without: Generality that this program leaves out, beyond the programs before it.
@@ -60,13 +60,13 @@ class Step:
 
 @dataclass(frozen=True)
 class CostReport:
-    """The costs of a scene beside those of the general program of its tree.
+    """The costs of a model beside those of the general program of its tree.
 
     Attributes:
-        system: The scene.
+        system: The model.
         outputs: Names of the outputs that are computed.
-        steps: The programs from the general one, which is first, to that of the scene, which is last.
-        bodies: Operations of the scene by number of the body; `ALL_BODIES` for those of no single body.
+        steps: The programs from the general one, which is first, to that of the model, which is last.
+        bodies: Operations of the model by number of the body; `ALL_BODIES` for those of no single body.
         alone: Operations of each output by itself.
     """
 
@@ -78,7 +78,7 @@ class CostReport:
 
     @property
     def ratio(self) -> float:
-        """The operations of the general program over those of the scene."""
+        """The operations of the general program over those of the model."""
         return self.steps[0].total / max(self.steps[-1].total, 1)
 
     def as_dict(self) -> dict[str, Any]:
@@ -100,10 +100,10 @@ def cost_report(
     timed: bool = False,
     progress: Progress = quiet,
 ) -> CostReport:
-    """Compare the program of a scene with the general program of its tree, step by step.
+    """Compare the program of a model with the general program of its tree, step by step.
 
     Args:
-        system: The scene.
+        system: The model.
         outputs: Names of the outputs to compute.
         timed: Whether to compile the general and the specialised C and report the time that this takes.
         progress: Function that receives the name of each stage.
@@ -111,7 +111,7 @@ def cost_report(
     Raises:
         BuildError: If times are asked for and there is no compiler.
         OptionError: If an output is unknown.
-        SingularError: If [A] of the scene is singular in every state.
+        SingularError: If [A] of the model is singular in every state.
     """
     names = chosen(outputs)
     if timed:

@@ -36,11 +36,11 @@ def outputs(report: CostReport) -> list[tuple[str, str]]:
 
 
 def markdown(report: CostReport, paragraphs: Sequence[str] = ()) -> str:
-    """Return the page; the same scene gives the same bytes unless its C was compiled and timed.
+    """Return the page; the same model gives the same bytes unless its C was compiled and timed.
 
     Args:
         report: The cost report.
-        paragraphs: Paragraphs about the scene, in Markdown, below the title.
+        paragraphs: Paragraphs about the model, in Markdown, below the title.
     """
     system, first, last = report.system, report.steps[0], report.steps[-1]
     freedoms = ", ".join(f"`{name}`" for name in system.freedom_names)
