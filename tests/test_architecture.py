@@ -189,6 +189,25 @@ def test_every_package_says_what_lives_there() -> None:
         assert text, package
 
 
+def test_no_test_module_imports_another_one() -> None:
+    """What several test modules need stands in `tests.support`."""
+    imported = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for path in (ROOT / "tests").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for name in _imported_names(node)
+        if re.match(r"tests\.(\w+\.)*test_", name)
+    ]
+    assert not imported
+
+
+def _imported_names(node: ast.AST) -> list[str]:
+    """Return the dotted names that an import statement names, none for other nodes."""
+    if isinstance(node, ast.ImportFrom):
+        return [f"{node.module}.{alias.name}" for alias in node.names]
+    return [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+
+
 DOCUMENTS = ["README.md", "CONTRIBUTING.md", "docs/architecture.md"]
 
 

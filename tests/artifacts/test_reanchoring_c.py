@@ -13,8 +13,8 @@ import pytest
 import kanegen as kg
 from kanegen.errors import OptionError
 from kanegen.library.native import compilers
-from tests.c.test_c_compilers import WARNINGS
 from tests.support import systems
+from tests.support.c_compilers import WARNINGS
 from tests.support.command import kanegen
 from tests.support.reanchoring import near_gimbal_lock, with_orientation_parameters
 

@@ -19,6 +19,7 @@ from kanegen.options import Variant
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from tests.support.handmade import Listing, array, bits, description, evaluate
+from tests.support.random_programs import programs
 
 IN, OUT = array("x", 3), array("f", 1)
 
@@ -193,30 +194,6 @@ def test_a_model_must_not_hide_a_header(name):
 
 
 SPECIAL = [0.0, -0.0, 1.0, -2.5, 1e300, -1e-300, 5e-324, math.inf, -math.inf, math.nan]
-BINARY = [Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.DIVIDE]
-UNARY = [Op.NEGATE, Op.SQRT, Op.SIN, Op.COS]
-NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
-
-
-@st.composite
-def programs(draw, unary=UNARY, numbers=NUMBERS):
-    """Draw random programs with repeats, names, notes, constants and several outputs."""
-    code = Listing()
-    for i in range(3):
-        code.read("x", i, draw(st.sampled_from(["", f"theta_{i}"])))
-    constants = {code.number(draw(numbers)) for _ in range(draw(st.integers(0, 3)))}
-    for i in range(draw(st.integers(1, 60))):
-        size = len(code.instructions)
-        recent = st.one_of(st.integers(max(0, size - 4), size - 1), st.integers(0, size - 1))
-        op = draw(st.sampled_from(BINARY * 3 + unary))
-        operands = [draw(recent) for _ in range(1 + (op in BINARY))]
-        if all(j in constants for j in operands):
-            operands[0] = 0  # a compiler may round sin(0.5) better than libm does
-        name = f"v_{i}" if draw(st.integers(0, 3)) == 0 else ""
-        code(op, *operands, name=name, note=draw(st.sampled_from(["", "Body 1: a", "Body 2: b"])))
-    last = len(code.instructions) - 1
-    results = [last, *draw(st.lists(st.integers(0, last), min_size=8, max_size=8))]
-    return check(code.program([IN], {array("f", 9): results}))
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

@@ -1,9 +1,6 @@
 """What C and C++ compilers, sanitizers, CMake and pkg-config say about the generated files."""
 
-import os
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from functools import cache
 
@@ -12,39 +9,19 @@ import pytest
 
 import kanegen as kg
 from kanegen.recursion.outputs import DERIVATIVES, available
+from tests.support.c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
 from tests.support.handmade import bits, evaluate, module, source
 from tests.support.paths import GENERATED, MODELS
 
-WARNINGS = """-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Wmissing-prototypes
--Wstrict-prototypes -Werror""".split()
-ZIG = (sys.executable, "-m", "ziglang")
-"""clang as a package; stands in where the machine has none of its own."""
-
 GENERATED_FOLDERS = sorted(GENERATED.iterdir())
-SANITIZERS = "-g -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all".split()
-C = {"gcc": ("gcc",), "clang": ("clang",) if shutil.which("clang") else (*ZIG, "cc")}
 WARNING_LEVELS = {"gcc": "-O1", "clang": "-O0"}
 """The least optimisation at which a compiler gives all its warnings: gcc has to follow values for some."""
-CPP = {"g++": ("g++",), "clang++": ("clang++",) if shutil.which("clang++") else (*ZIG, "c++")}
 VARIANTS = {
     "all": {},
     "plain": {"parameters": False, "loads": False},
     "mass_matrix": {"outputs": ("mass_matrix",), "loads": False},
     "forcing": {"outputs": ("forcing",), "parameters": False},
 }
-
-
-def run(*command, folder, **environment):
-    result = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, env={**os.environ, **environment}, check=False
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
-    return result.stdout
-
-
-def code(name):
-    """Return the files and libraries that are compiled and linked with a program."""
-    return f"{name}.c", f"{name}_batch.c", "-lm"
 
 
 @pytest.fixture(params=VARIANTS)
@@ -129,18 +106,6 @@ def test_the_header_is_cpp(compiler, standard, variant, tmp_path):
     flags = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
     run(*CPP[compiler], f"-std={standard}", *flags, "user.cpp", "-o", "user", folder=folder.parent)
     run("./user", folder=folder.parent)
-
-
-def printed(text):
-    """The numbers that the example prints, by function and array."""
-    found = {}
-    for line in text.splitlines():
-        if "=" not in line:
-            function = line
-            continue
-        target, value = line.split(" = ")
-        found.setdefault((function, target.split("[")[0]), []).append(float(value))
-    return found
 
 
 def test_the_example_runs_under_sanitizers_and_prints_the_right_numbers(variant, tmp_path):

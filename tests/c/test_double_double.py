@@ -12,7 +12,7 @@ from kanegen.measure.truth import measure, truth
 from kanegen.options import TIERS, Variant
 from kanegen.program.precision import DOUBLE_DOUBLE
 from kanegen.reference.states import random_states
-from tests.c.test_c_compilers import CPP, SANITIZERS, WARNINGS, C, code, run
+from tests.support.c_compilers import CPP, SANITIZERS, WARNINGS, C, code, run
 from tests.support.command import kanegen
 from tests.support.handmade import bits, source
 from tests.support.paths import PENDULUM

@@ -10,7 +10,7 @@ import pytest
 
 from kanegen.c.double_double import DOUBLE_DOUBLE_HEADER
 from kanegen.c.templates import fill
-from tests.c.test_c_compilers import CPP, C, run
+from tests.support.c_compilers import CPP, C, run
 
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror".split()
 UNIT = mpmath.mpf(2) ** -53

@@ -20,11 +20,11 @@ from kanegen.options import TIERS
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT
-from tests.c.test_c import programs
-from tests.c.test_simd import FLAGS, sine_and_cosine, wide
-from tests.c.test_status import BAD, GOOD, forward
 from tests.support.handmade import Listing, array, bits, description, evaluate, module, source
+from tests.support.pivot_programs import BAD, GOOD, forward
+from tests.support.random_programs import programs
 from tests.support.robots import robot_file
+from tests.support.simd import FLAGS, sine_and_cosine, wide
 from tests.support.systems import chain, random_system, systems
 
 WIDTHS = (1, 2, 4, 8, 16)

@@ -14,12 +14,12 @@ from kanegen.library.native import cache
 from kanegen.options import TIERS
 from kanegen.program.ir import Module
 from kanegen.program.precision import DOUBLE, FLOAT
-from tests.c.test_c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
-from tests.c.test_simd import FLAGS, wide
-from tests.c.test_status import forward, inverse
+from tests.support.c_compilers import CPP, SANITIZERS, WARNINGS, C, code, printed, run
 from tests.support.command import kanegen
 from tests.support.handmade import bits, description, evaluate, module, source
 from tests.support.paths import PENDULUM
+from tests.support.pivot_programs import forward, inverse
+from tests.support.simd import FLAGS, wide
 from tests.support.systems import random_system
 
 ALL = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")

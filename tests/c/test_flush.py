@@ -8,7 +8,8 @@ import pytest
 import kanegen as kg
 from kanegen.errors import OptionError
 from kanegen.options import Variant
-from tests.c.test_c_compilers import MODELS, WARNINGS, C, run
+from tests.support.c_compilers import WARNINGS, C, run
+from tests.support.paths import MODELS
 from tests.support.systems import chain, eight_body
 
 TINY = sys.float_info.min

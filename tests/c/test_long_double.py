@@ -13,7 +13,7 @@ from kanegen.measure.truth import measure
 from kanegen.options import Variant
 from kanegen.program.precision import LONG_DOUBLE
 from kanegen.reference.states import random_states
-from tests.c.test_c_compilers import SANITIZERS, WARNINGS, C, code, printed, run
+from tests.support.c_compilers import SANITIZERS, WARNINGS, C, code, printed, run
 from tests.support.command import kanegen
 from tests.support.handmade import evaluate, module, source
 from tests.support.paths import PENDULUM

@@ -14,11 +14,11 @@ from kanegen.measure.truth import measure
 from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, FLOAT, LONG_DOUBLE
 from kanegen.reference.states import random_states
-from tests.c.test_c_compilers import WARNINGS, C, code, run
-from tests.c.test_simd import FLAGS, wide
+from tests.support.c_compilers import WARNINGS, C, code, run
 from tests.support.command import kanegen
 from tests.support.handmade import bits, source
 from tests.support.paths import PENDULUM
+from tests.support.simd import FLAGS, wide
 from tests.support.systems import random_system
 
 OUTPUTS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")

@@ -11,13 +11,12 @@ from kanegen.c.dialect import SIMD
 from kanegen.c.function_body import statements
 from kanegen.library import load
 from kanegen.library.native import cache
-from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
-from tests.c.test_c import programs
-from tests.c.test_c_compilers import C
+from tests.support.c_compilers import C
 from tests.support.handmade import Listing, array, bits, description, evaluate, source
+from tests.support.random_programs import programs
+from tests.support.simd import FLAGS, sine_and_cosine, wide
 
-FLAGS = ("-O1", "-ffp-contract=off")
 WIDTHS = (1, 2, 4, 8)
 IN, OUT, SHARED = array("x", 3), array("f", 2), array("prepared", 2)
 
@@ -29,21 +28,10 @@ def folder(tmp_path_factory):
         yield
 
 
-def wide(width, *flags):
-    return [*(flags or FLAGS), f"-DKANEGEN_LANES={width}"]
-
-
 def of_one(program, width, compiler=None, flags=()):
     """Compile `program` and return its function of x."""
     made = render(description(parameters=False, loads=False), Module(None, {"mass_matrix": program}), {})
     return load(made, compiler, wide(width, *flags)).mass_matrix
-
-
-def sine_and_cosine():
-    code = Listing()
-    angle = code.read("x", 0)
-    results = [code(Op.SIN, angle), code(Op.COS, angle)]
-    return check(code.program([array("x", 2)], {OUT: results}))
 
 
 def body(make):

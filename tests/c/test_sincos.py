@@ -18,7 +18,7 @@ from kanegen.options import SINCOS, Variant
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT
-from tests.c.test_c_compilers import C, run
+from tests.support.c_compilers import C, run
 from tests.support.command import kanegen
 from tests.support.handmade import Listing, array, bits, description, evaluate
 from tests.support.paths import PENDULUM

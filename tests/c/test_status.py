@@ -5,19 +5,21 @@ import warnings
 import numpy as np
 import pytest
 
-from kanegen.artifacts import with_artifacts
-from kanegen.c import interface, render
+from kanegen.c import interface
 from kanegen.c.function_body import statements
 from kanegen.errors import ArrayError, KanegenWarning, SingularError
 from kanegen.library import load
 from kanegen.library.native import cache
-from kanegen.program.check import check
-from kanegen.program.ir import Module, Op, Output, Program
-from tests.c.test_c_compilers import SANITIZERS, WARNINGS, C, code, run
-from tests.support.handmade import Listing, X, Y, array, bits, description, evaluate
-
-TAU, YDOT = array("tau", 2), array("ydot", 2)
-ACCELERATION, GENERALIZED = array("acceleration", 2), array("generalized_force", 2)
+from kanegen.program.ir import Op, Output, Program
+from tests.support.c_compilers import SANITIZERS, WARNINGS, C, code, run
+from tests.support.handmade import Listing, Y, bits, evaluate
+from tests.support.pivot_programs import (
+    ACCELERATION,
+    BAD,
+    GOOD,
+    forward,
+    source_with_pivots,
+)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -27,49 +29,12 @@ def folder(tmp_path_factory):
         yield
 
 
-def forward():
-    """Return a program with pivots (x_1, x_0 - 1/x_1) and accelerations (y + tau)/pivot."""
-    k = Listing()
-    x, y, tau = ([k.read(name, i) for i in range(2)] for name in ("x", "y", "tau"))
-    outer = k(Op.MULTIPLY, x[1], k.number(1.0), name="D_2")
-    inner = k(Op.SUBTRACT, x[0], k(Op.DIVIDE, k.number(1.0), outer))
-    ydot = [k(Op.DIVIDE, k(Op.ADD, a, b), d) for a, b, d in zip(y, tau, (inner, outer), strict=True)]
-    output = Output(ACCELERATION, tuple(ydot), (inner, outer))
-    return check(Program((X, Y, TAU), tuple(k.instructions), (output,)))
-
-
-def inverse():
-    k = Listing()
-    values = [k(Op.MULTIPLY, k.read("x", i), k.read("ydot", i)) for i in range(2)]
-    values[0] = k(Op.ADD, values[0], k.read("y", 0))
-    return check(k.program([X, Y, YDOT], {GENERALIZED: values}))
-
-
-def source():
-    functions = {"inverse_dynamics": inverse(), "forward_dynamics": forward()}
-    return with_artifacts(render(description(parameters=False, loads=False), Module(None, functions), {}))
-
-
 @pytest.fixture(scope="module", params=["in SIMD lanes", "one by one"])
 def library(request):
     with pytest.MonkeyPatch.context() as patch:
         if request.param == "one by one":
             patch.setattr(interface, "LARGEST_BATCH_ROW", 1)
-        return load(source())
-
-
-GOOD = np.array([[2.0, 3.0], [1.0, 4.0], [0.5, 2.5], [1001.0, 1e-3], [5.0, 5.0]])
-BAD = [
-    ("elbow", [1.0, 0.0]),
-    ("elbow", [1.0, -0.0]),
-    ("elbow", [-1.0, -1.0]),
-    ("elbow", [1.0, np.nan]),
-    ("elbow", [0.0, -np.inf]),
-    ("arm.theta1", [0.5, 2.0]),
-    ("arm.theta1", [-1.0, 1.0]),
-    ("arm.theta1", [np.nan, 1.0]),
-]
-"""The freedom whose pivot is the first to be computed that is not positive, and x."""
+        return load(source_with_pivots())
 
 
 def test_states_that_are_regular(library):
@@ -137,7 +102,7 @@ def test_inverse_dynamics_needs_no_pivot(library):
 
 def test_what_c_says(tmp_path):
     """Return status, count and NaN as documented, without a warning of any compiler."""
-    made = source()
+    made = source_with_pivots()
     for text in (
         "int handmade_forward_dynamics(const double x[2], const double y[2], const double tau[2],",
         "size_t handmade_forward_dynamics_batch(size_t count, const double *x,",

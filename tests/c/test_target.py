@@ -13,7 +13,7 @@ from kanegen.c.functions import printed_functions
 from kanegen.c.target import Printed
 from kanegen.errors import ModelError, OptionError
 from kanegen.options import Variant
-from tests.c.test_c_compilers import CPP, WARNINGS
+from tests.support.c_compilers import CPP, WARNINGS
 from tests.support.paths import MODELS
 
 STATES = 5

@@ -11,9 +11,9 @@ import pytest
 from kanegen.errors import KanegenWarning
 from kanegen.library import load
 from kanegen.library.native import cache, compilers
-from tests.c.test_status import source as with_status
 from tests.support.handmade import bits, many_states, source
 from tests.support.paths import ROOT
+from tests.support.pivot_programs import source_with_pivots
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -58,7 +58,7 @@ def test_the_number_of_threads_changes_no_bit():
 
 def test_failed_states_are_counted_across_threads():
     x, y = many_states()
-    library = load(with_status(), gcc(), threads=True)
+    library = load(source_with_pivots(), gcc(), threads=True)
     singular = np.flatnonzero(~((x[:, 1] > 0) & (x[:, 0] - 1 / x[:, 1] > 0)))
     with pytest.warns(KanegenWarning, match=f"in {len(singular)} of {len(x)} states"):
         found = library.forward_dynamics(x, y)

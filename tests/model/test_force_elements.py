@@ -27,9 +27,9 @@ from kanegen.recursion.outputs import available
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
 from kanegen.symbolic import derive
-from tests.c.test_c_compilers import CPP, WARNINGS, C, run
 from tests.support import systems
 from tests.support.acting import acted_on, pointed
+from tests.support.c_compilers import CPP, WARNINGS, C, run
 from tests.support.cases import slow_except
 from tests.support.command import kanegen
 from tests.support.general_programs import require_equal
