@@ -194,7 +194,7 @@ class _Part:
 
     @property
     def _arguments(self) -> dict[str, str]:
-        """By name the declaration of every array that the part reads or fills."""
+        """Declarations of the arrays that the part reads or fills, by name."""
         # Results that do not exist become NaN where the lanes of a batch are stored as rows, not here.
         outputs = self.program.outputs
         filled = [output.array.name for output in outputs if output.values or self.dialect.is_scalar]

@@ -193,7 +193,7 @@ class CompiledModel:
 
         Args:
             name: Name of the output, or `EVALUATE` for all.
-            values: Its arguments in the order of the table of outputs, None where one is left out.
+            values: Arguments of the function in the order of the table of outputs, None for an absent one.
             inputs: The inputs that only some systems have, by name.
 
         Returns:

@@ -110,7 +110,7 @@ def _condition_number(system: System, states: States) -> float:
 
 
 def _inputs(system: System, program: Program, states: States) -> dict[str, list[Floats]]:
-    """Return by input array of the program its elements, each of shape (B,) over the states."""
+    """Return the elements of each input array of the program, (B,) over the states, by name of the array."""
     count = len(states)
     values = {array.name: np.zeros((array.size, count)) for array in program.inputs}
     for parameter, row in zip(system.parameters, values.get("parameters", ()), strict=True):
@@ -121,7 +121,7 @@ def _inputs(system: System, program: Program, states: States) -> dict[str, list[
 
 
 def _accelerations(system: System) -> tuple[float, ...]:
-    """Return by freedom the acceleration that gravity causes (rad/s^2, m/s^2)."""
+    """Return the acceleration that gravity causes, by freedom (rad/s^2, m/s^2)."""
     largest = ranges(system)
     weight = system.values().gravity
     share = 1.0 if weight.any() else WEIGHTLESS

@@ -31,8 +31,8 @@ class ForceArrays:
     Attributes:
         elements: Force elements, parameters at their defaults.
         variables: Body and freedom or coordinate of each variable of expressions, by name.
-        points: By name of the point the number of its body, from 1, and its (3,) position from the origin of
-            the body, in body components (m).
+        points: Number of the body, from 1, and (3,) position from the origin of the body, in body components
+            (m), by name of the point.
         loaded: (P,) which points take a force and a moment.
     """
 

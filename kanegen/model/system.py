@@ -165,8 +165,8 @@ class System(SystemDescription):
         """Return the same system with further points.
 
         Args:
-            points: By name of the point its body, name or number from 1, and its (3,) position from the
-                origin of the body, in body components (m).
+            points: Body, name or number from 1, and (3,) position from the origin of the body, in body
+                components (m), by name of the point.
 
         Raises:
             ModelError: If there is no such body, a name is taken or unusable, or a position is not three

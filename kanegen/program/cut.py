@@ -111,8 +111,8 @@ class _Part:
 
     Args:
         program: The whole program.
-        part_of: By instruction the number of its part.
-        slots: By value its slot in the workspace.
+        part_of: Number of the part of each instruction.
+        slots: Slot in the workspace of each value that needs one.
         workspace: The array of the workspace.
         number: The number of this part, from 0.
     """

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from kanegen.program.builder import Builder
 
 Column = dict[int, int]
-"""By row the number of a value; rows in which it is zero are absent."""
+"""Numbers of the values of a column by row; rows with a zero are absent."""
 
 
 class Elimination:
@@ -20,7 +20,7 @@ class Elimination:
     Args:
         builder: The builder to which instructions are appended.
         matrix: Entries that are not zero, by pair of rows, the larger first.
-        changed_rows: By row, in the order of elimination, the rows that its elimination may change.
+        changed_rows: Rows that the elimination of a row may change, by row, in the order of elimination.
         one: The value of the number 1.
     """
 

@@ -125,7 +125,7 @@ def _reads(program: Program, array: Array, places: Mapping[int, int]) -> Program
     Args:
         program: The function.
         array: The array of prepared constants.
-        places: By old place the new one.
+        places: New places by old place.
     """
     inputs = tuple(array if old.name == PREPARED else old for old in program.inputs)
     instructions = tuple(
@@ -169,7 +169,7 @@ def _with_prepared(program: Program, early: Sequence[bool], read: Mapping[int, i
     Args:
         program: The function.
         early: Which of its instructions depend on parameters alone.
-        read: By instruction of the frontier its place in `array`.
+        read: Place in `array` of each instruction of the frontier.
         array: The array that `prepare` fills.
     """
     rest = Builder((array, *(a for a in program.inputs if a.name != PARAMETERS)))

@@ -15,7 +15,7 @@ from kanegen.program.ir import Instruction, Op, Program
 from kanegen.program.selection import dependencies
 
 Tangent = dict[int, int]
-"""By direction, the number of the value that is the derivative; directions in which it is zero are absent."""
+"""Number of the value that is the derivative, by direction; directions with a zero derivative are absent."""
 
 
 def tangents(
@@ -31,8 +31,8 @@ def tangents(
     Args:
         builder: The builder; it holds the instructions of the program already.
         program: The program to differentiate.
-        moved: By instruction of the program its value in the builder.
-        directions: By instruction of the program the direction in which its derivative is 1.
+        moved: Value in the builder of each instruction of the program.
+        directions: Direction in which the derivative of an instruction is 1, by instruction of the program.
         wanted: Instructions of the program whose derivatives are asked for.
         constants: The arithmetic of constants.
 
@@ -81,9 +81,9 @@ class _Rules:
 
         Args:
             op: The operation.
-            value: Its result.
-            operands: Its operands.
-            inner: The derivatives of its operands.
+            value: Value of the operation.
+            operands: Operands of the operation.
+            inner: Derivatives of the operands.
         """
         make = self._builder
         a, *more = operands

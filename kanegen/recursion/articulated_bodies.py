@@ -41,7 +41,7 @@ class ArticulatedBodies:
     Attributes:
         tree: The tree.
         paths: Path through the joint of each body, with the free components that are solved for, by body.
-        pivots: By freedom the divisor of its elimination.
+        pivots: Divisor of the elimination of each freedom.
     """
 
     def __init__(self, tree: Tree) -> None:

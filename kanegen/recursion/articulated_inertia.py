@@ -33,7 +33,7 @@ class Elimination:
     Attributes:
         index: The component, 0-2 for rotation and 3-5 for translation.
         name: Suffix of the names of intermediates.
-        pivot: Its diagonal entry of [S]; positive, or [A] is singular.
+        pivot: Diagonal entry of [S] of the component; positive, or [A] is singular.
         inverse: Reciprocal of the pivot.
         gains: Entries of its row of [S] over the pivot, by index of the other component.
     """

@@ -46,11 +46,11 @@ class CorrectionSize:
         return self._squares(self.correction, "dd")
 
     def margins(self, limit: float, floor: Sequence[float]) -> list[Expr]:
-        """Return by freedom a margin, positive where the correction is within its limit; NaN on overflow.
+        """Return margins by freedom, positive where the correction is within its limit; NaN on overflow.
 
         Args:
             limit: Largest ratio of correction and solution.
-            floor: By freedom an acceleration that counts as part of the solution; empty for zeros.
+            floor: Acceleration by freedom that is added to the size of the solution; empty for zeros.
         """
         define, square = self._define, Rational(limit) ** 2
         pairs = zip(self._weights, floor or (0.0,) * len(self.solution), strict=True)

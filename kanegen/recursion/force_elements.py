@@ -55,7 +55,7 @@ def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
 
 
 def applied_wrenches(tree: Tree) -> dict[int, Wrench]:
-    """Return by body the force and moment of springs and of loads on points."""
+    """Return the force and moment of springs and of loads on points, by body."""
     found: dict[int, Wrench] = {}
     for k, load in chain(_spring_wrenches(tree), _point_loads(tree)):
         both = found.get(k, Wrench())

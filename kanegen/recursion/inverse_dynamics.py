@@ -245,7 +245,7 @@ def carried_wrenches(tree: Tree, wrenches: Sequence[Wrench]) -> Iterator[Carried
 
 
 def required_efforts(tree: Tree, wrenches: Sequence[Wrench]) -> list[Expr]:
-    """Return by freedom the generalized force for the required wrenches, less that of force elements."""
+    """Return the generalized forces for the required wrenches, less those of force elements, by freedom."""
     found = _all_required_efforts(tree, wrenches)
     return [found[i] for i in range(len(tree.system.freedoms))]
 

@@ -239,7 +239,7 @@ def rotation_rates(body: int, rotation: Rotation, omega: Vector) -> tuple[Expr, 
 
     Args:
         body: Number of body K.
-        rotation: Its rotation in the joint frame.
+        rotation: Rotation of body K in the joint frame.
         omega: Relative angular velocity, in K (rad/s).
 
     Raises:

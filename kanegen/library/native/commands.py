@@ -95,9 +95,9 @@ def output(command: Sequence[str | Path], folder: Path | None = None, seconds: f
     """Return the standard output of a command that must succeed.
 
     Args:
-        command: As in `run`.
-        folder: As in `run`.
-        seconds: As in `run`.
+        command: Program and arguments.
+        folder: Working directory; by default that of this process.
+        seconds: Time limit, s; by default there is none.
 
     Raises:
         CommandError: If the command cannot be started or its status is not 0.
@@ -118,7 +118,7 @@ def make(command: Sequence[str], file: str, folder: Path, seconds: float | None 
     Args:
         command: Compiler and arguments.
         file: The file that it makes, relative to `folder`.
-        folder: Its working directory.
+        folder: Working directory of the compiler.
         seconds: Time limit, s; by default there is none.
 
     Raises:

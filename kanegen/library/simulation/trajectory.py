@@ -134,7 +134,7 @@ class Trajectory:
 
         Args:
             output: The method.
-            arrays: Its arguments, (T, k) or (T, B, k).
+            arrays: Arguments of the method, (T, k) or (T, B, k).
         """
         lead = arrays[0].shape[:-1]
         flat = [np.ascontiguousarray(array.reshape(-1, array.shape[-1])) for array in arrays]

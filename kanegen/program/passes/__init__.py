@@ -79,7 +79,7 @@ def run(program: Program, passes: Sequence[Pass] = PASSES) -> tuple[Program, tup
 
 
 def savings(stages: Sequence[Stage]) -> dict[str, int]:
-    """Return by name of pass how many operations it has saved, over all its runs."""
+    """Return the number of operations that each pass has saved over all its runs, by name of the pass."""
     saved: Counter[str] = Counter()
     for before, after in pairwise(stages):
         saved[after.name] += sum(before.operations.values()) - sum(after.operations.values())

@@ -39,9 +39,9 @@ class Choice(Generic[C]):
 
     Attributes:
         candidate: The chosen candidate.
-        error: Its error in the sample for selection, at the quantile of the request.
-        times: Its times, measured together with those of the other finalists.
-        validation: Its errors in fresh states.
+        error: Error in the sample for selection, at the quantile of the request.
+        times: Times of the candidate, measured together with those of the other finalists.
+        validation: Errors in fresh states.
         searches: The searches for a counterexample before and after the validation.
         standard: The first of all candidates, with whose accuracy the others are compared.
         reference: The fastest candidate that is as accurate as `standard`.

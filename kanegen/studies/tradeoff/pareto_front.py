@@ -24,8 +24,8 @@ class Point(Generic[T]):
 
     Attributes:
         item: The object that the point stands for.
-        time: Its time (ns).
-        error: Its error.
+        time: Time of the object (ns).
+        error: Error of the object.
     """
 
     item: T

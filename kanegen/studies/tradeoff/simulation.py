@@ -49,7 +49,7 @@ class Integration:
 
     Attributes:
         method: Name of the method.
-        setting: Its step or tolerance, in words.
+        setting: Step or tolerance of the method, in words.
         motion: Function that integrates the motion with a library.
     """
 

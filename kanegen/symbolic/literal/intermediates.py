@@ -171,7 +171,7 @@ class Intermediates:
 
         Args:
             name: Name of the quantity in `QUANTITIES`.
-            matrix: Its value.
+            matrix: Value of the quantity.
         """
         if not self.wanted:
             return matrix

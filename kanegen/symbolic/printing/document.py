@@ -124,8 +124,8 @@ def _elements(
 
     Args:
         array: Name of the array, "x" or "y".
-        symbols: Its elements.
-        labels: Names and units of its elements.
+        symbols: Elements of the array.
+        labels: Names and units of the elements.
         names: LaTeX of symbols.
     """
     for i, (symbol, (name, unit)) in enumerate(zip(symbols, labels, strict=True), start=1):

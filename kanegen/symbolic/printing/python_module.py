@@ -60,7 +60,7 @@ def _roots(equations: Equations, f: ImmutableMatrix) -> Iterable[str]:
 
 
 def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
-    """Return by symbol of a parameter its symbol in the module, with another name where its own is taken."""
+    """Return the symbol in the module of each parameter, with another name where the name is taken."""
     used = TAKEN.union(parameters)
     names: dict[Symbol, Symbol] = {}
     for name in parameters:

@@ -19,8 +19,8 @@ class PrintedStatement:
 
     Attributes:
         text: The statement in plain text, one line or several.
-        left: Its left side in LaTeX.
-        right: The lines of its right side in LaTeX.
+        left: Left side in LaTeX.
+        right: Lines of the right side in LaTeX.
     """
 
     text: str
@@ -36,7 +36,7 @@ class Equation:
         name: Left side in plain text.
         left: Left side in LaTeX.
         value: Right side.
-        names: LaTeX of its symbols.
+        names: LaTeX of the symbols in it.
     """
 
     name: str

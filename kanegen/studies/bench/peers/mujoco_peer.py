@@ -64,7 +64,7 @@ class Link:
 
     Attributes:
         parent: Number of the link that carries it, from 1; 0 is the ground.
-        joints: Its joints from the ground outwards.
+        joints: Joints of the body from the ground outwards.
     """
 
     parent: int
