@@ -114,7 +114,7 @@ def has_budget(context: typer.Context) -> bool:
     typed = {name for name in context.params if _is_typed(context, name)}
     budgets = [f"--{name}" for name in BUDGETS if name in typed]
     if len(budgets) > 1:
-        raise OptionError("--error and --budget: give one of them. The variant is chosen to minimise the other.")
+        raise OptionError("--error and --budget: give one of them. The search minimises the other.")
     if not budgets:
         idle = [f"--{name}" for name in BUDGET_OPTIONS if name in typed]
         if idle:
