@@ -15,6 +15,7 @@ from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, FLOAT, LONG_DOUBLE
 from kanegen.reference.states import random_states
 from tests.support.c_compilers import WARNINGS, C, code, run
+from tests.support.cases import slow_except
 from tests.support.command import kanegen
 from tests.support.handmade import bits, source
 from tests.support.paths import PENDULUM
@@ -40,7 +41,11 @@ def inputs(system, seed=2, count=13):
 
 
 @pytest.mark.parametrize(
-    ("arithmetic", "storage"), [*itertools.permutations(["double", "float", "long double"], 2)]
+    ("arithmetic", "storage"),
+    [
+        pytest.param(*both, marks=[pytest.mark.slow] * ("long double" in both))
+        for both in itertools.permutations(["double", "float", "long double"], 2)
+    ],
 )
 def test_results_are_those_of_the_arithmetic_rounded_once(arithmetic, storage):
     """For one state and in batches, only loading and storing differ from plain double precision."""
@@ -59,7 +64,7 @@ def test_results_are_those_of_the_arithmetic_rounded_once(arithmetic, storage):
             np.testing.assert_array_equal(value, exact.astype(dtype), err_msg=output)
 
 
-@pytest.mark.parametrize("width", [1, 2, 4, 8])
+@pytest.mark.parametrize("width", slow_except([1, 2, 4, 8], 1, 4))
 def test_widths_and_places_do_not_matter(width):
     system = tree(4, 2)
     library = kg.build(system, OUTPUTS, flags=wide(width), tier=MIXED)

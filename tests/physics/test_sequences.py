@@ -24,6 +24,7 @@ from kanegen.reference.kinematics import kinematics
 from kanegen.symbolic import derive
 from kanegen.symbolic.literal.joint import Angles
 from tests.support import moving_bodies, systems
+from tests.support.cases import slow_except
 
 U = 2.0**-53
 DYNAMICS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
@@ -79,7 +80,7 @@ def test_against_truth_and_the_reference(sequence: str) -> None:
         assert found[name] == pytest.approx(np.ravel(expected), rel=1e-12, abs=1e-13 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("sequence", SEQUENCES)
+@pytest.mark.parametrize("sequence", slow_except(SEQUENCES, "1-2-3", "2-1-3", "3-1-3", "2-3-2"))
 def test_literal_equations(sequence: str) -> None:
     """The notes' equations in SymPy equal the reference, with locked angles too."""
     system = tree(sequence, 5, JOINTS[:2])
