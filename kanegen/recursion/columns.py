@@ -198,7 +198,7 @@ class ForceBasis:
 
     Attributes:
         freedoms: Places of the three freedoms in {y}, by axis.
-        mass: Size of the forces for unit speed (kg).
+        mass: Force for unit acceleration (kg).
     """
 
     freedoms: tuple[int, int, int]

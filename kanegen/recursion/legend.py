@@ -32,7 +32,7 @@ FREEDOMS = (
     ("{K}s{n}", "the translation of body K at place n of {y}"),
     ("{K}w{i}", "component i of the relative angular velocity of body K"),
 )
-"""Freedoms whose unit speed is meant, for the placeholder L."""
+"""Freedoms whose unit acceleration is meant, for the placeholder L."""
 
 NAMES = (
     # Arguments
@@ -113,13 +113,13 @@ NAMES = (
     ("c_{0}h_{x}", "mass centre of all bodies from the origin of the first (m)"),
     ("c_{K}_{x}", "mass centre of body K and all that it carries, from the origin of J, in J (m)"),
     ("c_{K}_{P}_{x}", "the same mass centre in P (m)"),
-    ("F_{L}_{x}", "force for unit speed of L (kg)"),
-    ("F_{L}_{P}_{x}", "force for unit speed of L, in P (kg, kg m)"),
-    ("F_{L}_{K}h_{x}", "force for unit speed of L, in the fixed frame"),
-    ("F_{L}_{K}q_{x}", "force for unit speed of L, combined from those of three translations"),
-    ("M_{L}_{P}_{x}", "moment for unit speed of L, in P (kg m, kg m^2)"),
-    ("M_{L}_{K}h_{x}", "moment for unit speed of L about the origin of K, in the fixed frame"),
-    ("M_{L}_{n}_{i}", "component i, from 0, of the moment for unit speed of L"),
+    ("F_{L}_{x}", "force for unit acceleration of L (kg)"),
+    ("F_{L}_{P}_{x}", "force for unit acceleration of L, in P (kg, kg m)"),
+    ("F_{L}_{K}h_{x}", "force for unit acceleration of L, in the fixed frame"),
+    ("F_{L}_{K}q_{x}", "force for unit acceleration of L, combined from those of three translations"),
+    ("M_{L}_{P}_{x}", "moment for unit acceleration of L, in P (kg m, kg m^2)"),
+    ("M_{L}_{K}h_{x}", "moment for unit acceleration of L about the origin of K, in the fixed frame"),
+    ("M_{L}_{n}_{i}", "component i, from 0, of the moment for unit acceleration of L"),
     ("Q_{L}_{x}", "shares of the forces of three translations in the force of L"),
     ("E_{P}_{i}_{x}", "basis vector i of the fixed frame, in P"),
     ("A_{n}_{m}", "entry of [A]"),
