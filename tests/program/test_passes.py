@@ -238,7 +238,7 @@ def values(system: kg.System, without: tuple[str, ...]) -> dict[str, list[Any]]:
     return evaluate(program, inputs, mpmath, mpmath.mpf)
 
 
-CRANE, TREE, LARGER_TREE = trees()
+CRANE, LARGER_TREE, TREE = trees()
 
 
 @pytest.mark.parametrize(
