@@ -16,6 +16,7 @@ Example:
 from __future__ import annotations
 
 import importlib
+import importlib.util
 from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
@@ -107,8 +108,10 @@ __all__ = ["__version__", *_DEFINED_IN]  # noqa: PLE0604 - one table holds the n
 
 
 def __getattr__(name: str) -> object:
-    """Return the public name `name`, imported from the module that defines it."""
+    """Return the public name `name` from the module that defines it, or the package or module `name`."""
     if name not in _DEFINED_IN:
+        if not name.startswith("_") and importlib.util.find_spec(f"kanegen.{name}") is not None:
+            return importlib.import_module(f"kanegen.{name}")
         raise AttributeError(f"module 'kanegen' has no attribute {name!r}")
     value = getattr(importlib.import_module(f"kanegen.{_DEFINED_IN[name]}"), name)
     globals()[name] = value

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from functools import cache
 from itertools import pairwise
@@ -175,6 +177,13 @@ def _docstrings() -> Iterator[tuple[str, str]]:
                 text = ast.get_docstring(node)
                 if text:
                     yield f"{name}.{getattr(node, 'name', '')}", text
+
+
+@pytest.mark.parametrize("name", ["library", "compiler", "errors", "readers"])
+def test_packages_are_attributes_without_an_import(name: str) -> None:
+    code = f"import kanegen; print(kanegen.{name}.__name__, hasattr(kanegen, 'bogus'))"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert printed.split() == [f"kanegen.{name}", "False"]
 
 
 def test_docstrings_are_sentences() -> None:
