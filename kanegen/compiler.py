@@ -27,10 +27,11 @@ from collections.abc import Iterable, Sequence
 
 from kanegen import library as libraries
 from kanegen import recursion, symbolic
-from kanegen.artifacts import with_artifacts
+from kanegen.artifacts import ARTIFACTS, with_artifacts
 from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
+from kanegen.choices import several
 from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
@@ -113,7 +114,7 @@ def generate(
     reanchoring: bool = False,
     coordinates: str | None = None,
     functions: Iterable[str] | None = None,
-    artifacts: Iterable[str] = (),
+    artifacts: Iterable[str] | str = (),
     target: Target | str = C99_TARGET,
 ) -> Source:
     """Generate C for `outputs`, specialised to `system`.
@@ -147,7 +148,8 @@ def generate(
     decided = {"refinement": compiled.refinement}
     model = description(system)
     source = render(model, compiled.module, compiled.operations, variant, decided, target, functions)
-    return with_artifacts(source, [*artifacts, *(["reanchoring"] if reanchoring else [])])
+    asked = several("artifacts", "artifact", artifacts, ARTIFACTS)
+    return with_artifacts(source, [*asked, *(["reanchoring"] if reanchoring else [])])
 
 
 def build(

@@ -20,7 +20,7 @@ from kanegen.artifacts.reanchoring import refusal as reanchoring_refusal
 from kanegen.artifacts.selftest import selftest
 from kanegen.c.folder import with_provenance
 from kanegen.c.source import Source
-from kanegen.choices import require_one
+from kanegen.choices import several
 from kanegen.errors import OptionError
 
 __all__ = ["ARTIFACTS", "Artifact", "with_artifacts"]
@@ -45,12 +45,12 @@ ARTIFACTS: dict[str, Artifact] = {
 """Every artifact by its name, in the order of `Source.files`."""
 
 
-def with_artifacts(source: Source, names: Iterable[str] = ()) -> Source:
+def with_artifacts(source: Source, names: Iterable[str] | str = ()) -> Source:
     """Return `source` with the default artifacts and the artifacts `names` among its files.
 
     Args:
         source: The code; artifacts that it has already stay or are made anew.
-        names: Names of `ARTIFACTS`.
+        names: Names of `ARTIFACTS`, or a single one.
 
     Raises:
         OptionError: If an artifact is unknown, or `source` cannot have it.
@@ -58,9 +58,7 @@ def with_artifacts(source: Source, names: Iterable[str] = ()) -> Source:
     Example:
         >>> with_artifacts(source, ["self-test"]).files["selftest.c"]
     """
-    asked = tuple(names)
-    for name in asked:
-        require_one("artifact", name, ARTIFACTS)
+    asked = several("artifacts", "artifact", names, ARTIFACTS)
     possible = {name: artifact for name, artifact in ARTIFACTS.items() if not artifact.refusal(source)}
     for name in asked:
         if name not in possible:

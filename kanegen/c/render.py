@@ -80,9 +80,9 @@ def target_named(target: Target | str) -> Target:
     """Return a target from itself or from its name.
 
     Raises:
-        OptionError: If there is no target of that name.
+        OptionError: If there is no target of that name, or `target` is neither a target nor a name.
     """
-    if not isinstance(target, str):
+    if isinstance(target, Target):
         return target
     require_one("target", target, TARGETS)
     return TARGETS[target]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from kanegen.c.description import ModelDescription
 from kanegen.c.dialect import Dialect
@@ -112,6 +112,7 @@ class Printed:
     declarations: str
 
 
+@runtime_checkable
 class Target(Protocol):
     """A language, or a way to use one, in which the functions of a model are printed."""
 

@@ -50,3 +50,14 @@ def test_artifacts_stay_when_others_are_added(source):
 def test_what_cannot_stand_beside_a_source(source, name, message):
     with pytest.raises(OptionError, match=message):
         with_artifacts(source, [name])
+
+
+def test_a_single_artifact_may_be_a_string(source):
+    system = kg.load(MODELS / "planar_pendulum.toml")
+    assert set(kg.generate(system, artifacts="self-test").files) == {*source.files, "selftest.c"}
+
+
+@pytest.mark.parametrize("artifacts", [None, 3])
+def test_artifacts_that_are_no_names_are_refused(artifacts):
+    with pytest.raises(OptionError, match="artifacts: expected names"):
+        kg.generate(kg.load(MODELS / "planar_pendulum.toml"), artifacts=artifacts)

@@ -182,3 +182,9 @@ def test_a_library_has_the_chosen_functions():
 def test_functions_that_there_are_not(names, message):
     with pytest.raises(OptionError, match=message):
         kg.generate(kg.load(MODELS / "planar_pendulum.toml"), ["forcing"], functions=names)
+
+
+@pytest.mark.parametrize("target", [None, 3, b"c99"])
+def test_a_target_that_is_none_is_refused(target):
+    with pytest.raises(OptionError, match="unknown target"):
+        kg.generate(kg.load(MODELS / "planar_pendulum.toml"), target=target)
