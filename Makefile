@@ -65,7 +65,7 @@ $(VENV)/.kanegen: $(VENV)/bin/python pyproject.toml
 
 # Most installed modules are never imported, so pip compiles none of them to bytecode beforehand.
 $(VENV)/.tests: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --no-compile --editable ".[test]"
+	$(BIN)/python -m pip install --quiet --editable ".[test]"
 	touch $@ $(VENV)/.kanegen
 
 $(VENV)/.bench: $(VENV)/bin/python pyproject.toml

@@ -57,8 +57,8 @@ def _generated(system, outputs, precision):
 @pytest.mark.parametrize(
     ("precision", "compiler"),
     [
-        ("double", "clang"),
         ("float", "gcc"),
+        pytest.param("double", "clang", marks=pytest.mark.slow),
         pytest.param("double", "gcc", marks=pytest.mark.slow),
         pytest.param("float", "clang", marks=pytest.mark.slow),
     ],
