@@ -63,7 +63,6 @@ $(VENV)/.kanegen: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable .
 	touch $@
 
-# Most installed modules are never imported, so pip compiles none of them to bytecode beforehand.
 $(VENV)/.tests: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable ".[test]"
 	touch $@ $(VENV)/.kanegen
