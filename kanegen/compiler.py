@@ -129,7 +129,8 @@ def generate(
         speeds: Generalized speeds, as for `System.with_speeds`; by default those of the system.
         reanchoring: Whether to add `<model>_reanchor.h`, which does in C what `kanegen.reanchored` does.
         coordinates: Coordinates of orientations, as for `System.with_coordinates`.
-        functions: Functions to print, by default all: one for each output, and "evaluate" for all together.
+        functions: Functions to print, by default all: one for each output, and "evaluate" for all together,
+            which is the function of the output where there is only one.
         artifacts: Names of further files beside the source; `Source.artifacts` says which there can be.
         target: Language of the code, by default C99.
 

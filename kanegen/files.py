@@ -1,25 +1,81 @@
-"""Files that are written as a whole or not at all, so that no reader ever sees half of one."""
+"""Files that are written whole or not at all, also several together, by way of temporary folders beside them.
+
+A temporary folder is locked by the process that made it. The operating system releases the lock when the
+process ends, however it ends, so that a later process recognises the folders of killed processes and removes
+them, and never touches those of processes that still write.
+"""
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import os
-from collections.abc import Iterator
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from kanegen.errors import WriteError
 
+if sys.platform != "win32":
+    import fcntl
+
+PREFIX = ".kanegen-"
+"""Start of the names of temporary folders."""
+
+_LOCK = "lock"
+"""File of a temporary folder that its process keeps locked."""
+
+_DAY = 24 * 3600.0
+"""Age in s beyond which a temporary folder counts as abandoned on a file system without locks."""
+
+_ATTEMPTS = 100
+"""Temporary folders that are made at most until one is not taken for an abandoned one meanwhile."""
+
+_LONGEST_WAIT = 30.0
+"""Time in s for which a process waits while another one renames its files in the same folder."""
+
+_NOT_LOCKED = -1
+"""Descriptor of the lock of a folder on a file system that has no locks."""
+
 
 def write_whole(path: Path, text: str) -> None:
-    """Write `text` to the file `path`, by way of a temporary file beside it.
+    """Write `text` to the file `path`, as `write_all` does it.
 
     Raises:
         WriteError: If the file cannot be written; an existing one then stays as it is.
     """
-    with _temporary(path) as temporary:
-        temporary.write_bytes(text.encode())
-        os.replace(temporary, path)
+    write_all({path: text})
+
+
+def write_all(texts: Mapping[Path, str]) -> None:
+    """Write files, all of them or none.
+
+    All are written to temporary folders first and then renamed. If one cannot be renamed, those before it get
+    their old content back. A link is followed. Only if the process is killed between two renames may some
+    files be new and others old, each of them whole.
+
+    Args:
+        texts: Text of every file by its path.
+
+    Raises:
+        WriteError: If a file cannot be written; all files then stay as they are.
+    """
+    targets = {path: _writable_target(path) for path in texts}
+    with ExitStack() as stack:
+        staged: dict[Path, Path] = {}
+        folders: dict[Path, Path] = {}
+        for number, (path, text) in enumerate(texts.items()):
+            with _reported(path):
+                parent = targets[path].parent
+                if parent not in folders:
+                    folders[parent] = stack.enter_context(temporary_folder(parent))
+                staged[path] = folders[parent] / f"{number}.new"
+                staged[path].write_bytes(text.encode())
+        stack.enter_context(_one_writer_at_a_time(sorted(folders)))
+        _replace([(path, staged[path], targets[path]) for path in texts])
 
 
 def make_folder(path: Path) -> None:
@@ -30,12 +86,12 @@ def make_folder(path: Path) -> None:
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise WriteError(f"{path}: the folder cannot be made: {error.strerror}.") from None
+    except (OSError, ValueError) as error:
+        raise WriteError(f"{path}: the folder cannot be made: {reason(error)}.") from None
 
 
 def require_writable(*paths: Path | None) -> None:
-    """Make sure that `write_whole` can write files, before long work whose results go there.
+    """Make sure that `write_all` can write files, before long work whose results go there.
 
     Args:
         paths: Paths of files that may or may not exist; None is ignored.
@@ -45,22 +101,194 @@ def require_writable(*paths: Path | None) -> None:
     """
     for path in paths:
         if path is not None:
-            with _temporary(path) as temporary:
-                temporary.write_bytes(b"")
-                temporary.unlink()
-                if path.is_dir():
-                    raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            target = _writable_target(path)
+            with _reported(path), temporary_folder(target.parent) as folder:
+                (folder / "0.new").write_bytes(b"")
 
 
-@contextlib.contextmanager
-def _temporary(path: Path) -> Iterator[Path]:
-    """Yield the path of a temporary file beside `path`; failures become a `WriteError` about `path`."""
-    temporary = path
+@contextmanager
+def temporary_folder(parent: Path) -> Iterator[Path]:
+    """Yield a new folder in `parent`, on the same file system, and remove it at the end.
+
+    The folders that killed processes have left in `parent` are removed first. The folder holds a file `lock`.
+
+    Raises:
+        OSError: If the folder cannot be made.
+    """
+    _remove_abandoned(parent)
+    folder, lock = _new_locked_folder(parent)
     try:
-        temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-        yield temporary
+        yield folder
+    finally:
+        try:
+            shutil.rmtree(folder, ignore_errors=True)
+        finally:
+            _close(lock)
+
+
+def reason(error: OSError | ValueError) -> str:
+    """Return the words of the operating system for an error, or those of Python for a path that cannot be."""
+    return getattr(error, "strerror", None) or str(error)
+
+
+def _writable_target(path: Path) -> Path:
+    """Return the path of the file that `path` is or links to, which exists or can be made.
+
+    Raises:
+        WriteError: If there is something that is no file, or a link to nothing.
+    """
+    with _reported(path):
+        if path.is_symlink() and not path.exists():
+            raise OSError(errno.ENOENT, f"it is a link to {os.readlink(path)}, which does not exist")
+        target = path.resolve()
+        if target.is_dir():
+            raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if target.exists() and not target.is_file():
+            raise OSError(errno.EINVAL, "it is a device or a pipe, not a file")
+        if not target.parent.is_dir():
+            code = errno.ENOTDIR if target.parent.exists() else errno.ENOENT
+            raise OSError(code, os.strerror(code))
+    return target
+
+
+def _replace(moves: Sequence[tuple[Path, Path, Path]]) -> None:
+    """Rename new files to their targets; at a failure those before it get their old content back.
+
+    Args:
+        moves: The path that the caller named, the new file, and the target, for each file.
+
+    Raises:
+        WriteError: If a file cannot be renamed.
+    """
+    replaced: list[tuple[Path, Path]] = []
+    try:
+        for path, new, target in moves:
+            with _reported(path):
+                old = new.with_suffix(".old")
+                if target.exists():
+                    _copy(target, old)
+                replaced.append((old, target))
+                os.replace(new, target)
+    except BaseException:
+        for old, target in reversed(replaced):
+            with suppress(OSError):
+                if old.exists():
+                    os.replace(old, target)
+                else:
+                    target.unlink(missing_ok=True)
+        raise
+
+
+@contextmanager
+def _one_writer_at_a_time(folders: Sequence[Path]) -> Iterator[None]:
+    """Let processes that write into the same folders rename their files one process after the other.
+
+    Raises:
+        WriteError: If another process takes longer than `_LONGEST_WAIT`.
+    """
+    with ExitStack() as stack:
+        if sys.platform != "win32":
+            for folder in folders:
+                descriptor = os.open(folder, os.O_RDONLY)
+                stack.callback(os.close, descriptor)
+                _wait_for_lock(descriptor, folder)
+        yield
+
+
+def _wait_for_lock(descriptor: int, folder: Path) -> None:
+    """Lock an open folder as soon as no other process has locked it, where the file system has locks."""
+    deadline = time.monotonic() + _LONGEST_WAIT
+    while sys.platform != "win32":
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                raise WriteError(f"{folder}: another process keeps writing there. Try again.") from None
+            time.sleep(0.01)
+        except OSError:  # the file system has no locks
+            return
+        else:
+            return
+
+
+def _copy(file: Path, other: Path) -> None:
+    """Give a file a second name, or copy it on a file system without hard links."""
+    try:
+        os.link(file, other)
+    except OSError:
+        shutil.copy2(file, other)
+
+
+@contextmanager
+def _reported(path: Path) -> Iterator[None]:
+    """Turn an error of the operating system, or an impossible path, into a `WriteError` about `path`."""
+    try:
+        yield
     except (OSError, ValueError) as error:
-        with contextlib.suppress(OSError, ValueError):
-            if temporary != path:
-                temporary.unlink()
-        raise WriteError(f"{path}: cannot be written: {getattr(error, 'strerror', None) or error}.") from None
+        if isinstance(error, WriteError):
+            raise
+        raise WriteError(f"{path}: cannot be written: {reason(error)}.") from None
+
+
+def _new_locked_folder(parent: Path) -> tuple[Path, int]:
+    """Return a new folder in `parent`, and the descriptor of its lock.
+
+    Another process may take the folder for an abandoned one before it is locked; then there is another.
+    """
+    for _ in range(_ATTEMPTS):
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
+        with suppress(BlockingIOError, FileNotFoundError):
+            return folder, _locked(folder)
+    raise OSError(errno.EBUSY, f"{parent} holds temporary folders that cannot be locked")
+
+
+def _locked(folder: Path) -> int:
+    """Lock a temporary folder and return the descriptor of the lock, `_NOT_LOCKED` where there are no locks.
+
+    Raises:
+        BlockingIOError: If another process has locked it.
+        FileNotFoundError: If another process has removed it.
+    """
+    if sys.platform == "win32":
+        return _NOT_LOCKED
+    path = folder / _LOCK
+    lock = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        os.stat(path)  # which fails if the process that held the lock has removed the folder
+    except (BlockingIOError, FileNotFoundError):
+        os.close(lock)
+        raise
+    except OSError:  # the file system has no locks
+        os.close(lock)
+        return _NOT_LOCKED
+    return lock
+
+
+def _close(lock: int) -> None:
+    """Release the lock of a temporary folder."""
+    if lock != _NOT_LOCKED:
+        os.close(lock)
+
+
+def _remove_abandoned(parent: Path) -> None:
+    """Remove the temporary folders in `parent` whose processes have ended."""
+    with suppress(OSError):
+        for entry in os.scandir(parent):
+            if entry.name.startswith(PREFIX) and entry.is_dir(follow_symlinks=False):
+                with suppress(OSError):
+                    _remove_if_abandoned(Path(entry.path))
+
+
+def _remove_if_abandoned(folder: Path) -> None:
+    """Remove a temporary folder, unless a process has locked it or, without locks, may still use it.
+
+    It is renamed first, so that the process that made it, if it has not locked it yet, finds it missing.
+    """
+    lock = _locked(folder)
+    try:
+        if lock != _NOT_LOCKED or time.time() - folder.stat().st_mtime > _DAY:
+            abandoned = folder.with_name(PREFIX + "abandoned-" + folder.name.removeprefix(PREFIX))
+            shutil.rmtree(folder.rename(abandoned), ignore_errors=True)
+    finally:
+        _close(lock)

@@ -14,7 +14,7 @@ from kanegen.choices import require_one, several
 from kanegen.errors import OptionError
 from kanegen.options import NO_DECISIONS, STRICT, Variant
 from kanegen.program import count
-from kanegen.program.ir import Module
+from kanegen.program.ir import EVALUATE, Module
 from kanegen.program.split import select_functions
 
 TARGETS: dict[str, Target] = {target.name: target for target in (C99_TARGET,)}
@@ -40,7 +40,8 @@ def render(
         variant: The choices that shape the code; the programs follow theirs already.
         decided: Values and reasons of choices that were left to kanegen, as text by name of the choice.
         target: The language, a name of `TARGETS` or another target.
-        functions: Names of the functions to print, by default all; `prepare` is always printed.
+        functions: Names of the functions to print, by default all; `prepare` is always printed. "evaluate" is
+            the function of all outputs together, also where there is only one output.
 
     Raises:
         ModelError: If the target cannot use the name of the model, or the precision cannot hold a number.
@@ -67,13 +68,17 @@ def render(
 
 
 def _chosen(functions: Iterable[str] | None, known: tuple[str, ...]) -> tuple[str, ...] | None:
-    """Return the names of functions, checked, in the order of the module; None for all."""
+    """Return the names of functions, checked, in the order of the module; None for all.
+
+    `EVALUATE` is the function of all outputs together, also where there is only one output.
+    """
     if functions is None:
         return None
-    chosen = several("functions", "function", functions, known)
+    together = EVALUATE if EVALUATE in known else known[0]
+    chosen = several("functions", "function", functions, dict.fromkeys((*known, EVALUATE)))
     if not chosen:
         raise OptionError(f"functions: name one at least. There are {', '.join(known)}.")
-    return chosen
+    return tuple(dict.fromkeys(together if name == EVALUATE else name for name in chosen))
 
 
 def target_named(target: Target | str) -> Target:

@@ -62,8 +62,8 @@ class Source:
     def write(self, folder: str | Path, force: bool = False) -> Path:
         """Write every file into `folder`, which is made where it is missing.
 
-        Files that kanegen wrote there before, unchanged since, are replaced. Each file appears whole or not
-        at all.
+        Files that kanegen wrote there before, unchanged since, are replaced. Either all files appear, each of
+        them whole, or none.
 
         Args:
             folder: The folder to write into.

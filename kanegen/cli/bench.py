@@ -8,7 +8,7 @@ import typer
 
 from kanegen.cli.options import AS_WRITTEN, FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
 from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
-from kanegen.files import require_writable, write_whole
+from kanegen.files import require_writable, write_all
 
 if TYPE_CHECKING:
     from kanegen.studies.bench import BenchOptions, Comparison
@@ -55,10 +55,12 @@ def bench(
     with progress() as report:
         comparison = compare(system, options, report, peer)
     _show(comparison, options)
+    texts = {}
     if json_ is not None:
-        write_whole(json_, json_record([comparison], options))
+        texts[json_] = json_record([comparison], options)
     if plot is not None:
-        write_whole(plot, svg([comparison]))
+        texts[plot] = svg([comparison])
+    write_all(texts)
     if not comparison.agrees:
         raise typer.Exit(FAILED)
 

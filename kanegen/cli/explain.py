@@ -25,7 +25,7 @@ from kanegen.cli.options import (
 )
 from kanegen.cli.terminal import progress, screen, text_table
 from kanegen.errors import OptionError
-from kanegen.files import require_writable, write_whole
+from kanegen.files import require_writable, write_all
 
 if TYPE_CHECKING:
     from kanegen.studies.explain import CostReport
@@ -73,10 +73,12 @@ def explain(
         typer.echo(json.dumps(found.as_dict(), indent=2))
     else:
         _show(found)
+    texts = {}
     if html is not None:
-        write_whole(html, page.html(found))
+        texts[html] = page.html(found)
     if markdown is not None:
-        write_whole(markdown, tables.markdown(found))
+        texts[markdown] = tables.markdown(found)
+    write_all(texts)
 
 
 def _show(report: CostReport) -> None:

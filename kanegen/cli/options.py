@@ -54,7 +54,7 @@ Functions = Annotated[
         "--function",
         metavar="NAME",
         help="Print only this function (repeatable): the name of an output, or evaluate for all outputs "
-        "together. By default all of them are printed.",
+        "together, which is the same where there is one. By default all of them are printed.",
         show_default=False,
     ),
 ]

@@ -14,7 +14,7 @@ from kanegen.choices import require_one
 from kanegen.cli.options import AS_WRITTEN, FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
 from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
 from kanegen.extras import require
-from kanegen.files import make_folder, require_writable, write_whole
+from kanegen.files import make_folder, require_writable, write_all
 from kanegen.studies.tradeoff import EXTRA, NEEDS
 
 if TYPE_CHECKING:
@@ -119,8 +119,7 @@ class _Files:
 
     def write(self, found: Study) -> None:
         """Write the study into every file."""
-        for path, text in self.writers.items():
-            write_whole(path, text(found))
+        write_all({path: text(found) for path, text in self.writers.items()})
 
 
 def _show(found: Study, objectives: Sequence[str]) -> None:

@@ -170,11 +170,21 @@ def test_a_library_has_the_chosen_functions():
         one.mass_matrix([0.1, 0.2])
 
 
+@pytest.mark.parametrize("names", ["evaluate", ["evaluate", "forcing"], "forcing"])
+def test_the_function_of_all_outputs_is_that_of_the_only_one(names):
+    """`Library.evaluate` and `functions="evaluate"` follow one rule, also for a single output."""
+    system = kg.load(MODELS / "planar_pendulum.toml")
+    source = kg.generate(system, ["forcing"], functions=names)
+    assert source.files == kg.generate(system, ["forcing"]).files
+    library = kg.build(system, ["forcing"], functions=names)
+    (f,) = library.evaluate([0.1, 0.2], [0.3, 0.4])
+    assert (f == library.forcing([0.1, 0.2], [0.3, 0.4])).all()
+
+
 @pytest.mark.parametrize(
     ("names", "message"),
     [
         (["forcin"], "unknown function 'forcin'. Did you mean 'forcing'\\?"),
-        (["evaluate"], "unknown function 'evaluate'"),
         ([], "functions: name one at least. There are forcing"),
         (7, "functions: expected names, got 7"),
     ],

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from kanegen.c.folder import is_unchanged, with_provenance
+from kanegen.c.folder import is_unchanged, require_room, with_provenance
 from kanegen.errors import WriteError
 from tests.support.handmade import source
 from tests.support.paths import ROOT
@@ -168,21 +168,52 @@ def test_nothing_half_written_stays(generated, tmp_path, monkeypatch, exists):
     if exists:
         source(parameters=False).write(folder)
     before = contents(folder) if exists else {}
-    write_text = Path.write_text
+    write_bytes = Path.write_bytes
 
-    def full(path, *args, **kwargs):
-        if path.name == "CMakeLists.txt":
+    def full(path, data):
+        if b"cmake_minimum_required" in data:
             raise OSError(28, "No space left on device")
-        return write_text(path, *args, **kwargs)
+        return write_bytes(path, data)
 
-    monkeypatch.setattr(Path, "write_text", full)
-    with pytest.raises(WriteError, match=r"out: cannot be written: No space left on device"):
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(WriteError, match=r"out.*: cannot be written: No space left on device"):
         generated.write(folder)
     assert (contents(folder) if folder.exists() else {}) == before
     assert [path.name for path in tmp_path.iterdir()] == (["out"] if exists else [])
 
 
-def test_what_a_killed_write_left_is_no_obstacle(generated, tmp_path):
+def test_what_a_killed_write_left_is_removed(generated, tmp_path):
     (tmp_path / ".kanegen-killed").mkdir()
+    (tmp_path / ".kanegen-killed" / "0.new").touch()
     generated.write(tmp_path)
-    assert (tmp_path / "handmade.c").read_text() == generated.files["handmade.c"]
+    assert contents(tmp_path) == generated.files
+
+
+@pytest.mark.parametrize("kind", ["folder", "dangling link", "pipe"])
+def test_what_is_no_file_stops_a_write_before_it_begins(generated, tmp_path, kind):
+    """The last file cannot be written, and none is; reading a pipe would wait for ever."""
+    source(parameters=False).write(tmp_path)
+    last = tmp_path / "README.md"
+    last.unlink()
+    before = contents(tmp_path)
+    if kind == "folder":
+        last.mkdir()
+    elif kind == "pipe":
+        os.mkfifo(last)
+    else:
+        last.symlink_to(tmp_path / "nothing")
+    with pytest.raises(WriteError, match=r": holds README.md, which are not this model's files"):
+        generated.write(tmp_path)
+    with pytest.raises(WriteError, match=r"README.md: cannot be written: "):
+        generated.write(tmp_path, force=True)
+    with pytest.raises(WriteError, match=r"README.md: cannot be written: "):
+        require_room(generated.files, tmp_path, force=True)
+    assert {path.name for path in tmp_path.iterdir()} == {*before, "README.md"}
+    assert {name: (tmp_path / name).read_bytes().decode() for name in before} == before
+
+
+@pytest.mark.parametrize("folder", ["nul\0byte", "deep/nul\0byte/er", "lone\udc80/x\ud800"])
+def test_a_path_that_cannot_be(generated, tmp_path, folder):
+    for attempt in (generated.write, lambda path: require_room(generated.files, path)):
+        with pytest.raises(WriteError, match=r": cannot be written: .*Choose another folder"):
+            attempt(Path(tmp_path) / folder)
