@@ -31,7 +31,7 @@ from kanegen.artifacts import ARTIFACTS, with_artifacts
 from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
-from kanegen.choices import several
+from kanegen.choices import flag, several
 from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
@@ -150,7 +150,7 @@ def generate(
     model = description(system)
     source = render(model, compiled.module, compiled.operations, variant, decided, target, functions)
     asked = several("artifacts", "artifact", artifacts, ARTIFACTS)
-    return with_artifacts(source, [*asked, *(["reanchoring"] if reanchoring else [])])
+    return with_artifacts(source, [*asked, *(["reanchoring"] if flag("reanchoring", reanchoring) else [])])
 
 
 def build(

@@ -1,12 +1,92 @@
 """The errors that kanegen raises, one class for each kind of mistake that a user can make.
 
 Every class is a `KanegenError`, which is a `ValueError`, so one `except` catches them all. A message says
-the mistake, its place and its remedy.
+the mistake, its place and its remedy, in one line of bounded length whatever a file or a program holds:
+`quoted` shows the beginning and the end of a long value, and control characters as escapes.
 """
+
+from __future__ import annotations
+
+import reprlib
+from typing import Any
+
+QUOTED = 120
+"""Largest number of characters of one quoted value in a message."""
+
+LONGEST_MESSAGE = 4000
+"""Largest number of characters of a message; what a program that failed has written may be longer."""
+
+LONGEST_OUTPUT = 40_000
+"""Largest number of characters of a message that holds the output of another program."""
+
+
+def quoted(value: object) -> str:
+    """Return the `repr` of a value for a message, in one line of at most about `QUOTED` characters.
+
+    Example:
+        quoted("a" * 10**7)  # 'aaaa...aaaa', 120 characters
+    """
+    return excerpt(_QUOTATION.repr(value), QUOTED)
+
+
+def counted(number: int, noun: str, plural: str = "") -> str:
+    """Return a number with its noun, whose plural has an s at its end unless it is given.
+
+    Example:
+        counted(1, "body", "bodies")  # "1 body"
+    """
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"
+
+
+def excerpt(text: str, longest: int, lines: bool = False) -> str:
+    """Return the beginning and the end of a text, with control characters as escapes.
+
+    Args:
+        text: The text.
+        longest: Number of characters beyond which the middle is left out.
+        lines: Whether the text may have several lines.
+    """
+    if len(text) > longest:
+        half = (longest - len(_LEFT_OUT)) // 2
+        text = f"{text[:half]}{_LEFT_OUT}{text[-half:]}"
+    if text.isprintable():
+        return text
+    kept = " \n" if lines else " "
+    return "".join(c if c in kept or c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+_LEFT_OUT = "..."
+
+
+class _Quotation(reprlib.Repr):
+    """`repr` of values of any size in bounded time and length."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxstring = self.maxother = QUOTED
+        self.maxlist = self.maxtuple = self.maxdict = self.maxset = self.maxarray = 12
+
+    def repr_int(self, value: int, level: int) -> str:
+        """Return the digits of an integer; of a long one, about how many there are."""
+        digits = int(value.bit_length() * 0.30103) + 1
+        return repr(value) if digits < self.maxlong else f"<an integer of about {digits} digits>"
+
+    def repr_instance(self, value: Any, level: int) -> str:
+        """Return the `repr` of any other value in one line."""
+        return " ".join(super().repr_instance(value, level).split())
+
+
+_QUOTATION = _Quotation()
 
 
 class KanegenError(ValueError):
     """Base class of all errors that kanegen raises on purpose."""
+
+    _longest = LONGEST_MESSAGE
+    _lines = False
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(excerpt(str(message), self._longest, self._lines))
 
 
 class ModelError(KanegenError):
@@ -36,6 +116,9 @@ class WriteError(KanegenError):
 class BuildError(KanegenError):
     """There is no C compiler, or it failed; the message holds its command and its output."""
 
+    _longest = LONGEST_OUTPUT
+    _lines = True
+
 
 class MissingError(KanegenError):
     """An optional package is not installed, or another program lacks a feature that is needed."""
@@ -51,3 +134,6 @@ class CertificateError(KanegenError):
 
 class KanegenWarning(UserWarning):
     """Kanegen accepts something unusual, such as moments of inertia that violate the triangle inequality."""
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(excerpt(str(message), LONGEST_MESSAGE))

@@ -9,9 +9,7 @@ from kanegen.c.templates import fill
 def reanchoring(source: Source) -> dict[str, str]:
     """Return the text of the header `<model>_reanchor.h`, by its name."""
     model = source.model
-    text = fill(
-        "artifacts/model_reanchor.h", model=model, prefix=model.name.upper(), joints=model.reanchorable
-    )
+    text = fill("artifacts/model_reanchor.h", model=model, prefix=model.prefix, joints=model.reanchorable)
     return {f"{model.name}_reanchor.h": text}
 
 

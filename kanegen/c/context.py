@@ -68,7 +68,7 @@ def context(
     return {
         "version": __version__,
         "model": model,
-        "prefix": model.name.upper(),
+        "prefix": model.prefix,
         "outputs": outputs,
         "operations": _operations(operations),
         **_arithmetic(model, variant, model_formats),

@@ -118,7 +118,7 @@ def _prototype(kind: str, name: str, arguments: list[str]) -> list[str]:
 
 def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
     """Return the lines of the enumeration of array sizes."""
-    prefix = model.name.upper()
+    prefix = model.prefix
     rows = [
         (f"{prefix}_COORDINATES", len(model.coordinate_names), "elements of x"),
         (f"{prefix}_FREEDOMS", len(model.freedom_names), "n, elements of y"),
@@ -144,7 +144,7 @@ def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
 
 def parameter_places(model: ModelDescription) -> list[str]:
     """Return the lines of the enumeration of places in the array of parameters."""
-    prefix = model.name.upper()
+    prefix = model.prefix
     return _enumeration(
         [
             (f"{prefix}_P_{name}", index, f"default {default!r}")
@@ -160,7 +160,7 @@ def prepared_places(model: ModelDescription, names: Sequence[str]) -> list[str]:
         model: Names of the model.
         names: Name of each constant, in the order of the array.
     """
-    prefix = model.name.upper()
+    prefix = model.prefix
     parameters = {f"p_{name}" for name, _ in model.parameters}
     rows = []
     for index, name in enumerate(names):

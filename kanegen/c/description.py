@@ -57,6 +57,15 @@ class ModelDescription:
     reanchorable: tuple[ReanchorableJoint, ...] = ()
 
     @property
+    def prefix(self) -> str:
+        """The first part of the names of constants and include guards: the name in capitals.
+
+        A name that has capitals itself stays as it is behind a k. So models whose names differ in case only,
+        such as arm and Arm, share no name and can be in one program.
+        """
+        return self.name.upper() if self.name == self.name.lower() else f"k{self.name}"
+
+    @property
     def prescribed_names(self) -> tuple[str, ...]:
         """The p names of the freedoms whose motion is an input."""
         return tuple(name for name, _ in self.prescribed)

@@ -122,7 +122,15 @@ def _require_absent(folder: Path) -> None:
 
 
 def _refuse_foreign(folder: Path, files: Collection[str], force: bool) -> None:
-    """Raise unless every file in `folder` may be replaced."""
+    """Raise unless every file in `folder` may be replaced, also on a disk that ignores the case of names."""
+    folded = {name.casefold(): name for name in files}
+    for path in folder.iterdir():
+        same = folded.get(path.name.casefold(), path.name)
+        if same != path.name:
+            raise WriteError(
+                f"{folder}: holds {path.name}, which is the same file as {same} on disks that ignore "
+                "the case of names. Choose another folder or another name of the model."
+            )
     foreign = sorted(path.name for path in folder.iterdir() if not _is_replaceable(path, files))
     if foreign and not force:
         raise WriteError(

@@ -66,7 +66,7 @@ class RenderInput:
     @property
     def places(self) -> dict[str, tuple[str, ...]]:
         """Enumerators of the places of parameters and of prepared constants, by name of the array."""
-        prefix = self.model.name.upper()
+        prefix = self.model.prefix
         parameters = tuple(f"{prefix}_P_{name}" for name, _ in self.model.parameters)
         prepared = tuple(f"{prefix}_C_{name}" for name in self.prepared)
         return {PARAMETERS: parameters, PREPARED: prepared}

@@ -8,6 +8,7 @@ import typer
 
 from kanegen.cli.options import AS_WRITTEN, FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
 from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
+from kanegen.errors import counted
 from kanegen.files import require_writable, write_all
 
 if TYPE_CHECKING:
@@ -71,7 +72,8 @@ def _show(comparison: Comparison, options: BenchOptions) -> None:
     from kanegen.studies.bench.results import QUANTITIES
 
     screen.print(
-        f"[bold]{comparison.model}[/]: {comparison.n} freedoms, {options.states} random states, "
+        f"[bold]{comparison.model}[/]: {counted(comparison.n, 'freedom')}, "
+        f"{counted(options.states, 'random state')}, "
         f"{options.rounds} x {options.seconds:g} s a task\n",
         soft_wrap=True,
     )

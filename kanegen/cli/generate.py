@@ -42,6 +42,7 @@ from kanegen.cli.options import (
     Without,
 )
 from kanegen.cli.terminal import progress, screen
+from kanegen.errors import counted
 from kanegen.extras import require
 from kanegen.studies.tradeoff import EXTRA, NEEDS
 
@@ -134,6 +135,7 @@ def _within_budget(system: System, context: typer.Context, folder: Path, force: 
 def _show(system: System, source: Source, folder: Path) -> None:
     """Print the size of the system, the operations and the files."""
     cost = ", ".join(f"{kind} {number}" for kind, number in source.operations.items())
-    screen.print(f"{system.name}: {len(system.freedoms)} freedoms, {' and '.join(source.outputs)}")
+    freedoms = counted(len(system.freedoms), "freedom")
+    screen.print(f"{system.name}: {freedoms}, {' and '.join(source.outputs)}")
     screen.print(f"operations: {cost}")
     screen.print(f"wrote {', '.join(source.files)} to {folder}", soft_wrap=True)

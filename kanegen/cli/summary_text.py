@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.tree import Tree
 
 from kanegen.cli.summary import TOGETHER, RightAngleChanges, Summary
+from kanegen.errors import counted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, selected_freedoms
 from kanegen.model.numbers import Number, Parameter
@@ -30,9 +31,10 @@ SYMBOLS = {"mass_matrix": "[A]", "forcing": "{f}", "ydot": "{ydot}"}
 def show(summary: Summary, console: Console) -> None:
     """Print a summary: the tree, its sections, and the changes of exact right angles."""
     system = summary.system
-    n, bodies = len(system.freedoms), system.number_of_bodies
+    bodies = counted(system.number_of_bodies, "body", "bodies")
+    freedoms = counted(len(system.freedoms), "freedom")
     gravity = ", ".join(_text(value) for value in system.gravity)
-    console.print(f"[bold]{system.name}[/]: {bodies} bodies, {n} freedoms, gravity ({gravity}) m/s^2\n")
+    console.print(f"[bold]{system.name}[/]: {bodies}, {freedoms}, gravity ({gravity}) m/s^2\n")
     drawing = console.render(_tree(system), console.options.update_width(WIDEST))
     console.print(Segments(drawing), soft_wrap=True)
     for title, remark, content in _sections(summary):

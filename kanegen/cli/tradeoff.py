@@ -13,6 +13,7 @@ from rich.markup import escape
 from kanegen.choices import require_one
 from kanegen.cli.options import AS_WRITTEN, FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
 from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
+from kanegen.errors import counted
 from kanegen.extras import require
 from kanegen.files import make_folder, require_writable, write_all
 from kanegen.studies.tradeoff import EXTRA, NEEDS
@@ -128,7 +129,8 @@ def _show(found: Study, objectives: Sequence[str]) -> None:
 
     terms = found.options
     screen.print(
-        f"[bold]{escape(found.model)}[/]: {found.n} freedoms, {len(found.results)} variants, "
+        f"[bold]{escape(found.model)}[/]: {counted(found.n, 'freedom')}, "
+        f"{counted(len(found.results), 'variant')}, "
         f"{terms.states} random states, {terms.rounds} x {terms.seconds:g} s\n",
         soft_wrap=True,
     )

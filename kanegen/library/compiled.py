@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 from kanegen.c import Source
 from kanegen.c.interface import PREPARE
 from kanegen.choices import did_you_mean
-from kanegen.errors import ArrayError, ModelError, OptionError
+from kanegen.errors import ArrayError, ModelError, OptionError, counted, quoted
 from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.results import Evaluation
+from kanegen.model import validation
 from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT, Floats, NamedInputs, Values
 from kanegen.model.numbers import finite
 from kanegen.program.ir import EVALUATE
@@ -36,7 +37,8 @@ class CompiledModel:
         self._named_inputs = native.named_inputs
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.name}: {self.n} freedoms, {', '.join(self.outputs)}>"
+        freedoms = counted(self.n, "freedom")
+        return f"<{type(self).__name__} {self.name}: {freedoms}, {', '.join(self.outputs)}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return how `pickle` makes the library anew: it loads the same file with the same parameters."""
@@ -142,12 +144,12 @@ class CompiledModel:
         Example:
             heavy = library.with_parameters({"m1": 3.0})
         """
-        for name in values:
+        for name in validation.table(values, "parameters", '{"payload": 2.5}'):
             if name not in self._parameters:
-                raise ModelError(f"unknown parameter {name!r}. {did_you_mean(name, self._parameters)}")
-        checked = {name: finite(value, f"parameter {name!r}") for name, value in values.items()}
+                raise ModelError(f"unknown parameter {quoted(name)}. {did_you_mean(name, self._parameters)}")
+        checked = {name: finite(value, f"parameter {quoted(name)}") for name, value in values.items()}
         for name, value in checked.items():
-            precision_named(self.precision).rounded(value, f"parameter {name!r}")
+            precision_named(self.precision).rounded(value, f"parameter {quoted(name)}")
         return type(self)(self._native, {**self._parameters, **checked})
 
     def evaluate(
@@ -216,11 +218,11 @@ class CompiledModel:
         if name in (*self.outputs, EVALUATE):
             functions = ", ".join(function for function in self._calls if function != PREPARE)
             return OptionError(
-                f"system {self.name!r} was built without the function {name!r}. It has {functions}; "
-                "ask for more with functions=(...)."
+                f"system {quoted(self.name)} was built without the function {quoted(name)}. It has "
+                f"{functions}; ask for more with functions=(...)."
             )
         return OptionError(
-            f"system {self.name!r} was built without the output {name!r}. It has "
+            f"system {quoted(self.name)} was built without the output {quoted(name)}. It has "
             f"{', '.join(self.outputs)}; ask for more with outputs=(...)."
         )
 
@@ -234,7 +236,9 @@ class CompiledModel:
             if name not in MODEL_DEPENDENT:
                 raise ArrayError(f"{name}: there is no such argument. {did_you_mean(name, ARGUMENTS)}")
             if name not in self._named_inputs:
-                raise ArrayError(f"{name}: no output of system {self.name!r} depends on it. Leave it out.")
+                raise ArrayError(
+                    f"{name}: no output of system {quoted(self.name)} depends on it. Leave it out."
+                )
         return tuple(map(inputs.get, self._named_inputs))
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.c import ModelDescription
+from kanegen.errors import counted
 from kanegen.model.arguments import Floats
 
 _FUNCTIONS: dict[str, Callable[[Floats], Floats]] = {"cos": np.cos, "sin": np.sin}
@@ -88,7 +89,7 @@ class Diagnosis:
     singularity: Finding | None
 
     def __str__(self) -> str:
-        lines = [f"{self.states} states, {self.singular} of them singular"]
+        lines = [f"{counted(self.states, 'state')}, {self.singular} of them singular"]
         if self.estimate:
             lines.append(f"largest relative error before refinement: {self.estimate}")
         lines.append(f"smallest pivot, relative to its inertia: {self.pivot}")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.lowering.compilation import Request
 from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
+from kanegen.model.description import require_system
 from kanegen.model.system import System
 from kanegen.options import Variant
 from kanegen.recursion.outputs import chosen, require_available
@@ -47,6 +49,9 @@ def reformulated(system: System, speeds: str | None = None, coordinates: str | N
         OptionError: If the speeds or coordinates are unknown, or do not go together.
     """
     require_system(system)
+    for label, asked, known in (("speeds", speeds, SPEEDS), ("coordinates", coordinates, ORIENTATIONS)):
+        if asked is not None:
+            require_one(label, asked, known)
     if speeds == SPEEDS[0] and coordinates in ORIENTATIONS[1:]:
         raise OptionError(
             f'speeds "{speeds}" are for angles, and coordinates "{coordinates}" leave none. Leave out one.'
@@ -54,13 +59,3 @@ def reformulated(system: System, speeds: str | None = None, coordinates: str | N
     if coordinates is not None:
         system = system.with_coordinates(coordinates)
     return system if speeds is None else system.with_speeds(speeds)
-
-
-def require_system(system: object) -> None:
-    """Make sure that an object is a `System`.
-
-    Raises:
-        OptionError: If `system` is no `System`.
-    """
-    if not isinstance(system, System):
-        raise OptionError(f"{system!r} is no System. Make one with kg.load or kg.System.from_arrays.")

@@ -19,7 +19,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from kanegen.errors import ArrayError, OptionError
+from kanegen.errors import ArrayError, OptionError, quoted
 from kanegen.measure.errors import Errors, quotient, scaled_norm
 from kanegen.measure.report import Accuracy, Evaluation, Report
 from kanegen.model.arrays import Flags, Floats, SystemArrays
@@ -46,6 +46,12 @@ BOUND_REASON = (
 
 OUTPUTS = ("mass_matrix", "forcing")
 """Outputs that the reference computes."""
+
+MOST_STATES = 10**8
+"""Largest number of random states of a comparison."""
+
+LARGEST_SEED = 2**128 - 1
+"""Largest seed of random states."""
 
 BATCH_NUMBERS = 2**24
 """Largest number of floats that the arrays of one batch of states may hold."""
@@ -106,12 +112,13 @@ def compare(
             coarser of both.
 
     Raises:
-        OptionError: If there is no state, the seed is negative, or no output has a reference.
+        OptionError: If the number of states or the seed is out of range, or no output has a reference.
         ArrayError: If an output has the wrong shape.
     """
-    for name, value, least in (("states", states, 1), ("seed", seed, 0)):
-        if not isinstance(value, int | np.integer) or value < least:
-            raise OptionError(f"{name} is {value!r}; it must be a whole number, at least {least}.")
+    for name, value, least, most in (("states", states, 1, MOST_STATES), ("seed", seed, 0, LARGEST_SEED)):
+        is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+        if not is_whole or not least <= value <= most:
+            raise OptionError(f"{name} is {quoted(value)}; it must be a whole number from {least} to {most}.")
     outputs = [name for name in OUTPUTS if name in library.outputs]
     if not outputs:
         raise OptionError(f"the library has none of the outputs {', '.join(OUTPUTS)}: nothing to compare.")

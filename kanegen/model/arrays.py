@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.body import Body
 from kanegen.model.coordinates import Rotation, rotation_of
@@ -174,7 +174,7 @@ def _integers(value: Any, label: str) -> tuple[int, ...]:
     """Return `value` as a tuple of integers."""
     items = listed(value)
     if items is None:
-        raise ModelError(f"{label}: expected a sequence of integers, got {value!r}.")
+        raise ModelError(f"{label}: expected a sequence of integers, got {quoted(value)}.")
     return tuple(validation.integer(item, f"{label}[{i}]") for i, item in enumerate(items))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.joint import Joint
 from kanegen.model.names import check_label
@@ -35,7 +35,7 @@ class Point:
 
     def __post_init__(self) -> None:
         check_label(self.name, "point name")
-        label = f"point {self.name!r}"
+        label = f"point {quoted(self.name)}"
         position = numbers(self.position, (3,), label)
         validation.store(self, position=position, loads=validation.flags((self.loads,), 1, label)[0])
 
@@ -98,10 +98,10 @@ class Body:
                 mass_center=numbers(self.mass_center, (3,), "mass centre"),
                 joint=validation.instances((self.joint,), Joint, "joint")[0],
                 loads=validation.flags((self.loads,), 1, "loads")[0],
-                points=validation.instances(self.points, Point, "points") if self.points else (),
+                points=validation.instances(self.points, Point, "points"),
             )
         except ModelError as error:
-            raise ModelError(f"body {self.name!r}: {error}") from None
+            raise ModelError(f"body {quoted(self.name)}: {error}") from None
 
     def map_numbers(self, change: Callable[[Number], Number]) -> Body:
         """Return the same body with `change` applied to every number of it, its points and its joint.

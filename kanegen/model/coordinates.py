@@ -18,7 +18,7 @@ from itertools import product
 from typing import ClassVar, Literal
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 
 FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
 """Names of the six relative freedoms of a body, in the order of `Joint.free`: angles (rad), then translations
@@ -257,4 +257,6 @@ def check_sequence(name: object) -> None:
         ModelError: If `name` is none of them.
     """
     if not isinstance(name, str) or name not in SEQUENCES:
-        raise ModelError(f"joint sequence: {name!r} is none of the twelve. {did_you_mean(name, SEQUENCES)}")
+        raise ModelError(
+            f"joint sequence: {quoted(name)} is none of the twelve. {did_you_mean(name, SEQUENCES)}"
+        )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
-from kanegen.errors import ModelError, OptionError
+from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.model import output_rows
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import FREEDOMS, Coordinate, Freedom, Speed
@@ -143,8 +143,8 @@ class SystemDescription:
         def collect(value: Number) -> None:
             if isinstance(value, Parameter) and found.setdefault(value.name, value) != value:
                 raise ModelError(
-                    f"parameter {value.name!r} has two values, {found[value.name].value!r} and "
-                    f"{value.value!r}. One name, one value."
+                    f"parameter {quoted(value.name)} has two values, {quoted(found[value.name].value)} and "
+                    f"{quoted(value.value)}. One name, one value."
                 )
 
         map_numbers(self.gravity, collect)
@@ -260,6 +260,16 @@ def require_unprescribed(system: HasPrescribedNames, label: str) -> None:
     """
     if names := tuple(system.prescribed_names):
         raise OptionError(
-            f"{label}: system {system.name!r} has prescribed freedoms ({', '.join(names)}), "
+            f"{label}: system {quoted(system.name)} has prescribed freedoms ({', '.join(names)}), "
             "whose motion cannot be passed here. Free them or lock them."
         )
+
+
+def require_system(system: object) -> None:
+    """Make sure that an object is a `System`.
+
+    Raises:
+        OptionError: If `system` is no `System`.
+    """
+    if not isinstance(system, SystemDescription):
+        raise OptionError(f"{quoted(system)} is no System. Make one with kg.load or kg.System.from_arrays.")

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
-from kanegen.choices import did_you_mean
-from kanegen.errors import ModelError
+from kanegen.choices import did_you_mean, is_among
+from kanegen.errors import ModelError, quoted
 from kanegen.model import right_angles, validation
 from kanegen.model.coordinates import (
     ANGLES,
@@ -87,7 +87,7 @@ class Joint:
     prescribed: tuple[bool, ...] = (False,) * 6
 
     def __post_init__(self) -> None:
-        if self.name != "":
+        if not isinstance(self.name, str) or self.name:
             check_label(self.name, "joint name")
         position = numbers(self.position, (3,), "joint position")
         free = validation.flags(self.free, 6, "free")
@@ -106,18 +106,20 @@ class Joint:
         for name, *choice in zip(FREEDOMS, self.prescribed, self.free, self.locked, strict=True):
             is_prescribed, is_free, value = choice
             if is_prescribed and is_free:
-                raise ModelError(f"prescribed: {name!r} is free as well. A freedom is one or the other.")
+                raise ModelError(
+                    f"prescribed: {quoted(name)} is free as well. A freedom is one or the other."
+                )
             if is_prescribed and value != 0:
                 raise ModelError(
-                    f"prescribed: {name!r} is locked at {toml_number(value)!r}. Leave one out: a prescribed "
-                    "freedom gets its values at run time."
+                    f"prescribed: {quoted(name)} is locked at {quoted(toml_number(value))}. Leave one out: "
+                    "a prescribed freedom gets its values at run time."
                 )
 
     def _check_coordinates(self) -> None:
         """Make sure that the coordinates exist and fit the free angles and the sequence."""
-        if self.coordinates not in ORIENTATIONS:
+        if not is_among(self.coordinates, ORIENTATIONS):
             hint = did_you_mean(self.coordinates, ORIENTATIONS)
-            raise ModelError(f"joint coordinates: {self.coordinates!r} is unknown. {hint}")
+            raise ModelError(f"joint coordinates: {quoted(self.coordinates)} is unknown. {hint}")
         if self.coordinates == ORIENTATIONS[0]:
             return
         if not self.has_free_orientation:
@@ -127,15 +129,17 @@ class Joint:
             )
         if self.sequence != NOTES:
             raise ModelError(
-                f"joint sequence: a {self.coordinates} turns about no sequence of axes, so {self.sequence!r} "
-                'says nothing. Leave it out, or keep the coordinates "angles".'
+                f"joint sequence: a {self.coordinates} turns about no sequence of axes, so "
+                f"{quoted(self.sequence)} says nothing. Leave it out, or keep the coordinates 'angles'."
             )
         validation.store(self, speeds=SPEEDS[1])
 
     def _check_speeds(self) -> None:
         """Make sure that the speeds exist and fit the free angles."""
-        if self.speeds not in SPEEDS:
-            raise ModelError(f"joint speeds: {self.speeds!r} is unknown. {did_you_mean(self.speeds, SPEEDS)}")
+        if not is_among(self.speeds, SPEEDS):
+            raise ModelError(
+                f"joint speeds: {quoted(self.speeds)} is unknown. {did_you_mean(self.speeds, SPEEDS)}"
+            )
         if self.speeds != SPEEDS[0] and not self.has_free_orientation:
             raise ModelError(
                 'joint speeds: "angular_velocity" needs three free angles, because with fewer its components '
@@ -222,17 +226,21 @@ class Joint:
     def with_right_angles(self, tolerance: float) -> Joint:
         """Return the same joint, with constant angles within `tolerance` (rad) of a right angle made exact.
 
+        Raises:
+            OptionError: If `tolerance` is out of range, see `right_angles.checked_tolerance`.
+
         Example:
             exact = joint.with_right_angles(5e-5)  # 1.5708 becomes pi/2
         """
+        limit = right_angles.checked_tolerance(tolerance)
 
         def exact(value: Number) -> Number:
-            return value if isinstance(value, Parameter) else right_angles.angle(value, tolerance)
+            return value if isinstance(value, Parameter) else right_angles.angle(value, limit)
 
         orientation = self.orientation
         if isinstance(orientation[0], tuple):
             plain = map_numbers(orientation, value_of)
-            orientation = right_angles.rotation(plain, tolerance) if plain == orientation else orientation
+            orientation = right_angles.rotation(plain, limit) if plain == orientation else orientation
         else:
             orientation = map_numbers(orientation, exact)
         return replace(self, orientation=orientation, locked=(*map(exact, self.locked[:3]), *self.locked[3:]))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 
 MAX_LENGTH = 63
 """Significant characters of an internal identifier in C99, section 5.2.4.1."""
@@ -72,13 +72,13 @@ def _without_keyword(name: str) -> str:
 def _check(name: object, label: str, pattern: re.Pattern[str], rule: str) -> str:
     """Return `name` if it is a string that fits `pattern`, no keyword and not too long."""
     if not isinstance(name, str):
-        raise ModelError(f"{label}: {name!r} is not a string.")
+        raise ModelError(f"{label}: {quoted(name)} is not a string.")
     if not name:
         raise ModelError(f"{label} is empty. {rule}")
     if not pattern.fullmatch(name):
-        raise ModelError(f"{label}: {name!r} cannot be used. {rule}")
+        raise ModelError(f"{label}: {quoted(name)} cannot be used. {rule}")
     if name in KEYWORDS:
-        raise ModelError(f"{label}: {name!r} is a keyword of C or C++. Choose another name.")
+        raise ModelError(f"{label}: {quoted(name)} is a keyword of C or C++. Choose another name.")
     if len(name) > MAX_LENGTH:
-        raise ModelError(f"{label}: {name!r} is longer than {MAX_LENGTH} characters.")
+        raise ModelError(f"{label}: {quoted(name)} is longer than {MAX_LENGTH} characters.")
     return name

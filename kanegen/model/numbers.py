@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, counted, quoted
 from kanegen.model.names import check_identifier
 
 
@@ -33,7 +33,7 @@ class Parameter:
 
     def __post_init__(self) -> None:
         check_identifier(self.name, "parameter name")
-        object.__setattr__(self, "value", finite(self.value, f"parameter {self.name!r}"))
+        object.__setattr__(self, "value", finite(self.value, f"parameter {quoted(self.name)}"))
 
 
 Number = float | Parameter
@@ -53,13 +53,13 @@ def finite(value: Any, label: str) -> float:
         ModelError: If `value` is not a real number, or is NaN or infinite.
     """
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
-        raise ModelError(f"{label}: {value!r} is not a number.")
+        raise ModelError(f"{label}: {quoted(value)} is not a number.")
     try:
         result = float(value)
     except OverflowError:
         result = math.inf
     if not math.isfinite(result):
-        raise ModelError(f"{label}: {result!r} is not finite.")
+        raise ModelError(f"{label}: {quoted(result)} is not finite.")
     return result + 0.0  # -0.0 + 0.0 is 0.0: the sign of a zero in a model has no meaning
 
 
@@ -92,9 +92,11 @@ def numbers(value: Any, shape: tuple[int, ...], label: str) -> Any:
         return number(value, label)
     items = listed(value)
     if items is None:
-        raise ModelError(f"{label}: expected {_describe(shape)}, got {value!r}.")
+        raise ModelError(f"{label}: expected {_describe(shape)}, got {quoted(value)}.")
     if len(items) != shape[0]:
-        raise ModelError(f"{label}: expected {_describe(shape)}, got {len(items)} entries.")
+        raise ModelError(
+            f"{label}: expected {_describe(shape)}, got {counted(len(items), 'entry', 'entries')}."
+        )
     return tuple(numbers(item, shape[1:], f"{label}[{i}]") for i, item in enumerate(items))
 
 

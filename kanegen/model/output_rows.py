@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from kanegen.choices import did_you_mean
-from kanegen.errors import ModelError
+from kanegen import choices
+from kanegen.choices import did_you_mean, is_among
+from kanegen.errors import ModelError, quoted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, FREEDOMS, TRANSLATIONS
 
@@ -28,10 +29,10 @@ def body_number(bodies: Sequence[Body], body: Any, label: str) -> int:
         ModelError: If there is no such body.
     """
     names = [one.name for one in bodies]
-    if body in names:
+    if isinstance(body, str) and body in names:
         return names.index(body) + 1
-    if isinstance(body, bool) or body not in range(1, len(names) + 1):
-        raise ModelError(f"{label}: there is no body {body!r}. {did_you_mean(body, names)}")
+    if isinstance(body, bool) or not is_among(body, range(1, len(names) + 1)):
+        raise ModelError(f"{label}: there is no body {quoted(body)}. {did_you_mean(body, names)}")
     return int(body)
 
 
@@ -83,27 +84,30 @@ def _reason(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
     """Return the reason why a name is no locked direction, and the remedy."""
     for body in bodies:
         for index, freedom in enumerate(FREEDOMS):
-            if name == f"{body.name}.{freedom}":
+            if is_among(name, [f"{body.name}.{freedom}"]):
                 is_free = body.joint.free[index]
                 moves, output = (
                     ("free", "inverse_dynamics") if is_free else ("prescribed", "prescribed_efforts")
                 )
-                return f"{name!r} is {moves}; its effort is what {output} gives. Lock it, or leave it out."
+                return (
+                    f"{quoted(name)} is {moves}; its effort is what {output} gives. Lock it, or leave it out."
+                )
     if not known:
         return "no direction of a joint is locked. Lock one, or take inverse_dynamics."
-    return f"there is no locked direction {name!r}. {did_you_mean(name, known)}"
+    return f"there is no locked direction {quoted(name)}. {did_you_mean(name, known)}"
 
 
 def _require_once(names: Sequence[str], label: str) -> None:
     """Raise a `ModelError` if a name occurs twice."""
     for i, name in enumerate(names):
-        if name in names[:i]:
-            raise ModelError(f"{label}: {name!r} is named twice. Name it once.")
+        if is_among(name, names[:i]):
+            raise ModelError(f"{label}: {quoted(name)} is named twice. Name it once.")
 
 
 def _listed(chosen: Any, label: str) -> tuple[Any, ...]:
     """Return one or several chosen items as a tuple."""
-    items = tuple(chosen) if isinstance(chosen, Iterable) and not isinstance(chosen, str) else (chosen,)
+    items = choices.chosen(chosen)
+    items = (chosen,) if items is None else items
     if not items:
         raise ModelError(f"{label}: none is chosen. Name one, or leave the choice out for all.")
     return items

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from kanegen.errors import OptionError
+from kanegen.errors import OptionError, quoted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, TRANSLATIONS, AxisRotations, Freedom
 from kanegen.model.force_elements.names import referenced_variables
@@ -65,7 +65,7 @@ def require_free_frame(system: System, k: int) -> None:
     """
     body = system.bodies[k - 1]
     if obstacle := _obstacle(system, body):
-        raise OptionError(f"body {body.name!r} cannot be re-anchored: {obstacle}.")
+        raise OptionError(f"body {quoted(body.name)} cannot be re-anchored: {obstacle}.")
 
 
 def _obstacle(system: System, body: Body) -> str:

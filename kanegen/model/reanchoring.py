@@ -16,11 +16,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen.choices import did_you_mean
-from kanegen.errors import ArrayError, OptionError
+from kanegen.choices import chosen, did_you_mean, is_among
+from kanegen.errors import ArrayError, OptionError, quoted
 from kanegen.model.arguments import floats
 from kanegen.model.arrays import Floats
 from kanegen.model.coordinates import ANGLES, TRANSLATIONS, AxisRotations, Freedom
+from kanegen.model.description import require_system
 from kanegen.model.joint import Joint
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.reanchorable import orientation_parameters, require_free_frame
@@ -86,12 +87,13 @@ def reanchored(
 
     Raises:
         ArrayError: If `x` or `y` has the wrong shape or is not finite.
-        OptionError: If there is no such body, its joint does not have three free angles, or other freedoms or
-            parameters refer to its joint frame.
+        OptionError: If `system` is no System, there is no such body, its joint does not have three free
+            angles, or other freedoms or parameters refer to its joint frame.
 
     Example:
         system, x, y = kg.reanchored(system, x, y)
     """
+    require_system(system)
     coordinates = _copied(x, len(system.coordinates), "x")
     speeds = _copied(y, len(system.freedoms), "y")
     chosen = _near_gimbal_lock(system, coordinates, margin) if bodies is None else _numbers(system, bodies)
@@ -113,7 +115,7 @@ def _copied(value: ArrayLike, n: int, label: str) -> Floats:
 def _near_gimbal_lock(system: System, x: Floats, margin: float) -> list[int]:
     """Return the numbers of the bodies whose three free angles are near gimbal lock."""
     if not isinstance(margin, int | float) or not 0 <= margin <= 1:
-        raise OptionError(f"margin is {margin!r}; it must lie between 0 and 1.")
+        raise OptionError(f"margin is {quoted(margin)}; it must lie between 0 and 1.")
     found = []
     for k, body in enumerate(system.bodies, start=1):
         if body.joint.gimbal_lock:
@@ -128,9 +130,10 @@ def _numbers(system: System, bodies: str | int | Iterable[str | int]) -> list[in
     """Return the numbers of bodies that are chosen by name or number, each once."""
     names = [body.name for body in system.bodies]
     found: dict[int, None] = {}
-    for body in bodies if isinstance(bodies, Iterable) and not isinstance(bodies, str) else [bodies]:
-        if body not in names and body not in range(1, len(names) + 1):
-            raise OptionError(f"there is no body {body!r}. {did_you_mean(body, names)}")
+    several = chosen(bodies)
+    for body in (bodies,) if several is None else several:
+        if not is_among(body, [*names, *range(1, len(names) + 1)]):
+            raise OptionError(f"there is no body {quoted(body)}. {did_you_mean(body, names)}")
         found[names.index(body) + 1 if isinstance(body, str) else int(body)] = None
     return list(found)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from kanegen.errors import ModelError, OptionError
+from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.model.numbers import finite
 from kanegen.model.rotations import Square, Triple, cross, normalized
 from kanegen.program.constants import MOST_QUARTER_TURNS
@@ -39,7 +39,7 @@ def checked_tolerance(tolerance: Any) -> float:
         value = math.nan
     if not 0 <= value <= MAX_TOLERANCE:
         raise OptionError(
-            f"right_angles is {tolerance!r}; it must be a number from 0, the model as written, to "
+            f"right_angles is {quoted(tolerance)}; it must be a number from 0, the model as written, to "
             f"{MAX_TOLERANCE} rad. {FOUR_DECIMALS:g} takes what was typed with four decimals or more."
         )
     return value

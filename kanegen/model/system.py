@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from kanegen.choices import did_you_mean, require_one
-from kanegen.errors import ModelError, WriteError
+from kanegen.errors import ModelError, WriteError, quoted
 from kanegen.files import write_whole
 from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
@@ -58,13 +58,13 @@ class System(SystemDescription):
         validation.store(self, reactions=output_rows.reactions(self.bodies, self.reactions))
         if not self.freedoms:
             state = "locked or prescribed" if self.prescribed else "locked"
-            raise ModelError(f"system {self.name!r} has no free freedom: every joint is {state}.")
+            raise ModelError(f"system {quoted(self.name)} has no free freedom: every joint is {state}.")
         validation.unique("freedom name", (*self.freedom_names, *self.prescribed_names))
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
         validation.unique("point name", self.point_names)
         validation.store(self, force_elements=with_resolved_names(elements, self.bodies))
-        validation.parameter_names(self.parameters, self.number_of_bodies)
+        validation.parameter_names(self.parameters, self.number_of_bodies, len(self.points))
         if self.depends_on_time and any(parameter.name == TIME for parameter in self.parameters):
             raise ModelError(f"parameter name {TIME!r} is the time in expressions. Choose another name.")
 
@@ -176,8 +176,10 @@ class System(SystemDescription):
             system.with_points({"tip": ("hand", (0, 0, 0.1))})
         """
         bodies = list(self.bodies)
-        for name, (body, position) in points.items():
-            k = output_rows.body_number(bodies, body, f"point {name!r}") - 1
+        example = '{"tip": ("hand", (0, 0, 0.1))}'
+        for name, value in validation.table(points, "points", example).items():
+            body, position = validation.sequence(value, 2, f"point {quoted(name)}")
+            k = output_rows.body_number(bodies, body, f"point {quoted(name)}") - 1
             bodies[k] = replace(bodies[k], points=(*bodies[k].points, Point(name, position)))
         return replace(self, bodies=tuple(bodies))
 
@@ -236,17 +238,19 @@ class System(SystemDescription):
         """
         every = {self._freedom_name(freedom): freedom for freedom in self._ordered(lambda joint: (True,) * 6)}
         bodies = list(self.bodies)
-        for name in (names,) if isinstance(names, str) else names:
-            if name not in every:
+        for name in (names,) if isinstance(names, str) else validation.sequence(names, None, "prescribed"):
+            if not isinstance(name, str) or name not in every:
                 free = [known for known, freedom in every.items() if freedom in self.places]
-                raise ModelError(f"prescribed: there is no freedom {name!r}. {did_you_mean(name, free)}")
+                raise ModelError(
+                    f"prescribed: there is no freedom {quoted(name)}. {did_you_mean(name, free)}"
+                )
             k, index = every[name].body - 1, every[name].index
             if not bodies[k].joint.moving[index]:
-                raise ModelError(f"prescribed: {name!r} is locked; free it, then prescribe it.")
+                raise ModelError(f"prescribed: {quoted(name)} is locked; free it, then prescribe it.")
             try:
                 bodies[k] = replace(bodies[k], joint=bodies[k].joint.with_prescribed(index))
             except ModelError as error:
-                raise ModelError(f"prescribed: {name!r}: {error}") from None
+                raise ModelError(f"prescribed: {quoted(name)}: {error}") from None
         return replace(self, bodies=tuple(bodies))
 
     def with_speeds(self, speeds: str) -> Self:
@@ -328,9 +332,9 @@ class System(SystemDescription):
             system.with_parameters({"payload": 2.5})
         """
         known = [parameter.name for parameter in self.parameters]
-        for name in values:
+        for name in validation.table(values, "parameters", '{"payload": 2.5}'):
             if name not in known:
-                raise ModelError(f"unknown parameter {name!r}. {did_you_mean(name, known)}")
+                raise ModelError(f"unknown parameter {quoted(name)}. {did_you_mean(name, known)}")
 
         def change(value: Number) -> Number:
             if isinstance(value, Parameter) and value.name in values:

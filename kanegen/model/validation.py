@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
-from kanegen.errors import KanegenWarning, ModelError
+from kanegen.errors import KanegenWarning, ModelError, counted, quoted
+from kanegen.model.coordinates import COORDINATE_KINDS, SPEED_KINDS
 from kanegen.model.numbers import Matrix, Number, Parameter, Vector, listed, map_numbers, numbers, value_of
 from kanegen.model.rotations import nearest_rotation, rotation_123
 
@@ -31,28 +32,36 @@ INERTIA_ROUNDING = 1e-12
 def integer(value: Any, label: str) -> int:
     """Return `value` as an int; bools and floats are refused."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
-        raise ModelError(f"{label}: {value!r} is not an integer.")
+        raise ModelError(f"{label}: {quoted(value)} is not an integer.")
     return int(value)
 
 
-def sequence(value: Any, length: int, label: str) -> Sequence[Any]:
-    """Return `value` as a list of exactly `length` items."""
+def sequence(value: Any, length: int | None, label: str) -> Sequence[Any]:
+    """Return `value` as a list of exactly `length` items; None for any number."""
     items = listed(value)
     if items is None:
-        raise ModelError(f"{label}: expected {length} entries, got {value!r}.")
-    if len(items) != length:
-        raise ModelError(f"{label}: expected {length} entries, got {len(items)}.")
+        entries = "a sequence" if length is None else counted(length, "entry", "entries")
+        raise ModelError(f"{label}: expected {entries}, got {quoted(value)}.")
+    if length is not None and len(items) != length:
+        raise ModelError(f"{label}: expected {counted(length, 'entry', 'entries')}, got {len(items)}.")
     return items
+
+
+def table(value: Any, label: str, example: str) -> Mapping[str, Any]:
+    """Return `value` if it is a table by name; the message calls it `label` and shows an example."""
+    if not isinstance(value, Mapping):
+        raise ModelError(f"{label}: expected a table such as {example}, got {quoted(value)}.")
+    return value
 
 
 def instances(values: Any, kind: type[_T], label: str) -> tuple[_T, ...]:
     """Return `values` as a tuple of objects of the class `kind`."""
     items = listed(values)
     if items is None:
-        raise ModelError(f"{label}: expected a sequence of {kind.__name__} objects, got {values!r}.")
+        raise ModelError(f"{label}: expected a sequence of {kind.__name__} objects, got {quoted(values)}.")
     for item in items:
         if not isinstance(item, kind):
-            raise ModelError(f"{label}: {item!r} is no {kind.__name__}.")
+            raise ModelError(f"{label}: {quoted(item)} is no {kind.__name__}.")
     return tuple(items)
 
 
@@ -61,7 +70,7 @@ def flags(value: Any, length: int, label: str) -> tuple[bool, ...]:
     items = sequence(value, length, label)
     for item in items:
         if not isinstance(item, bool | np.bool_):
-            raise ModelError(f"{label}: {item!r} is not true or false.")
+            raise ModelError(f"{label}: {quoted(item)} is not true or false.")
     return tuple(bool(item) for item in items)
 
 
@@ -87,7 +96,7 @@ def connection(lower: Sequence[int]) -> tuple[int, ...]:
 def mass(value: Number) -> Number:
     """Return a mass (kg), which must not be negative."""
     if value_of(value) < 0:
-        raise ModelError(f"mass {value_of(value)!r} kg is negative.")
+        raise ModelError(f"mass {quoted(value_of(value))} kg is negative.")
     return value
 
 
@@ -113,7 +122,7 @@ def inertia(value: Matrix, body: str) -> Matrix:
         )
     if moments[2] > (moments[0] + moments[1]) * (1 + INERTIA_ROUNDING) + INERTIA_ROUNDING * size:
         warnings.warn(
-            f"body {body!r}: principal moments {(moments * unit).tolist()} kg m^2 violate the triangle "
+            f"body {quoted(body)}: principal moments {(moments * unit).tolist()} kg m^2 violate the triangle "
             "inequality; no real body has them.",
             KanegenWarning,
             stacklevel=2,
@@ -172,22 +181,37 @@ def unique(label: str, names: Sequence[str]) -> None:
     seen: set[str] = set()
     for name in names:
         if name in seen:
-            raise ModelError(f"{label} {name!r} is used twice. Give every one its own.")
+            raise ModelError(f"{label} {quoted(name)} is used twice. Give every one its own.")
         seen.add(name)
 
 
-_SYMBOL = re.compile(r"(?:theta|thetadot|thetaddot|omegahat|omegahatdot|s|sdot|sddot|F|M|tau)_(\d+)_[1-6]")
+_OF_BODIES = {
+    *(kind.symbol for kind in COORDINATE_KINDS),
+    *(f"{kind.symbol}dot" for kind in COORDINATE_KINDS),
+    *(symbol for kind in SPEED_KINDS for symbol in (kind.symbol, kind.derivative)),
+    *("F", "M", "tau"),
+}
+"""First parts of the symbols `<part>_K_<number>` of coordinates, speeds and loads of body K."""
+
+_OF_POINTS = {"FP", "MP"}
+"""First parts of the symbols of loads on points, which have the number of the point."""
+
+_SYMBOL = re.compile(r"([A-Za-z]+)_([1-9][0-9]*)_[0-6]")
 
 
-def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int) -> None:
+def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int, number_of_points: int) -> None:
     """Raise a `ModelError` if a parameter has the name of the symbol of a coordinate, a speed or a load."""
     for parameter in parameters:
         match = _SYMBOL.fullmatch(parameter.name)
-        if match and 1 <= int(match[1]) <= number_of_bodies:
-            raise ModelError(
-                f"parameter name {parameter.name!r} already names a coordinate, speed or load of body "
-                f"{match[1]}. Choose another name."
-            )
+        for kind, parts, number in (
+            ("body", _OF_BODIES, number_of_bodies),
+            ("point", _OF_POINTS, number_of_points),
+        ):
+            if match and match[1] in parts and int(match[2]) <= number:
+                raise ModelError(
+                    f"parameter name {quoted(parameter.name)} already names a coordinate, speed or load of "
+                    f"{kind} {match[2]}. Choose another name."
+                )
 
 
 def store(instance: object, **values: Any) -> None:

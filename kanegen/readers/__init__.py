@@ -10,7 +10,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from kanegen.errors import ReadError
+from kanegen.choices import flag
+from kanegen.errors import ReadError, quoted
 from kanegen.model.right_angles import AS_WRITTEN, checked_tolerance
 from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, ReadOptions
@@ -41,6 +42,6 @@ def load(
     try:
         file = ModelFile(Path(path))
     except TypeError:
-        raise ReadError(f"{path!r} is not the path of a file.") from None
-    options = ReadOptions(floating_base, checked_tolerance(right_angles))
+        raise ReadError(f"{quoted(path)} is not the path of a file.") from None
+    options = ReadOptions(flag("floating_base", floating_base), checked_tolerance(right_angles))
     return reader_of(file).read(file, options).with_right_angles(options.right_angles)

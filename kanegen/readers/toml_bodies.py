@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 from kanegen.model import right_angles, validation
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import FREEDOMS, NOTES, ORIENTATIONS, SPEEDS, selected_freedoms
@@ -69,7 +69,7 @@ def _body(
         joint = _joint(table.get("joint", {}), parameters, tolerance)
         points = _points(table.get("points", {}), parameters)
     except ModelError as error:
-        raise ModelError(f"body {name!r}: {error}") from None
+        raise ModelError(f"body {quoted(name)}: {error}") from None
     return Body(name, lower, mass, inertia, mass_center, joint, table.get("loads", False), points)
 
 
@@ -82,7 +82,7 @@ def _points(table: Any, parameters: Parameters) -> tuple[Point, ...]:
 
 def _point(name: str, value: Any, parameters: Parameters) -> Point:
     """Return a point from its position or its table."""
-    label = f"point {name!r}"
+    label = f"point {quoted(name)}"
     table = value if isinstance(value, Mapping) else {"position": value}
     check_keys(table, POINT_KEYS, required=POINT_KEYS[:1], label=f"{label}: ")
     position = numbers(parameters.resolve(table["position"], label), (3,), label)
@@ -97,7 +97,7 @@ def _lower(connection: Any, numbers_of: Mapping[str, int]) -> Any:
         return 0
     if connection not in numbers_of:
         hint = did_you_mean(connection, (GROUND, *numbers_of))
-        raise ModelError(f"connection: {connection!r} is no earlier body. {hint}")
+        raise ModelError(f"connection: {quoted(connection)} is no earlier body. {hint}")
     return numbers_of[connection]
 
 
@@ -153,10 +153,12 @@ def _flags(key: str, value: Any) -> tuple[bool, ...]:
     if value in ("all", "none"):
         return (value == "all",) * len(FREEDOMS)
     if not isinstance(value, list):
-        raise ModelError(f'{key}: {value!r} is neither "all" nor "none" nor a list such as ["theta3", "s1"].')
+        raise ModelError(
+            f'{key}: {quoted(value)} is neither "all" nor "none" nor a list such as ["theta3", "s1"].'
+        )
     for name in value:
         if name not in FREEDOMS:
-            raise ModelError(f"{key}: {name!r} is no freedom. {did_you_mean(name, FREEDOMS)}")
+            raise ModelError(f"{key}: {quoted(name)} is no freedom. {did_you_mean(name, FREEDOMS)}")
     validation.unique(f"{key}: freedom", value)
     return tuple(name in value for name in FREEDOMS)
 
@@ -169,5 +171,7 @@ def _locked(table: Any, moving: Mapping[str, tuple[bool, ...]], parameters: Para
     for key, flags in moving.items():
         for name in selected_freedoms(flags):
             if name in table:
-                raise ModelError(f"locked: {name!r} is {key}. Delete it here, or leave it out of {key}.")
+                raise ModelError(
+                    f"locked: {quoted(name)} is {key}. Delete it here, or leave it out of {key}."
+                )
     return tuple(parameters.resolve(table.get(name, 0), f"locked {name}") for name in FREEDOMS)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 from kanegen.model.force_elements.expression import Expression
 from kanegen.model.numbers import Parameter
 
@@ -25,7 +25,7 @@ def check_keys(table: Table, known: Sequence[str], required: Sequence[str] = (),
     """
     for key in table:
         if key not in known:
-            raise ModelError(f"{label}unknown key {key!r}. {did_you_mean(key, known)}")
+            raise ModelError(f"{label}unknown key {quoted(key)}. {did_you_mean(key, known)}")
     for key in required:
         if key not in table:
             raise ModelError(f"{label}{key} is missing.")
@@ -70,7 +70,9 @@ class Parameters:
             return value
         if value not in self.known:
             hint = did_you_mean(value, self.known)
-            raise ModelError(f"{label}: a string stands for a parameter, but there is no {value!r}. {hint}")
+            raise ModelError(
+                f"{label}: a string stands for a parameter, but there is no {quoted(value)}. {hint}"
+            )
         self.used.add(value)
         return self.known[value]
 

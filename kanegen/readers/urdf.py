@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kanegen.errors import KanegenWarning, ModelError, ReadError
+from kanegen.errors import KanegenWarning, ModelError, ReadError, quoted
 from kanegen.model.body import Body
 from kanegen.model.joint import Joint
 from kanegen.model.names import usable_identifier, usable_label
@@ -120,7 +120,11 @@ def _warn_of_mimic(robot: Robot, path: Path) -> None:
 def _warn_of_names(moving: Sequence[MovingLink], path: Path) -> None:
     """Warn of names that are changed because kanegen cannot use them."""
     names = [name for link in moving for name in (link.joint.name, link.joint.child) if name]
-    changed = [f"{name!r} is called {usable_label(name)!r}" for name in names if usable_label(name) != name]
+    changed = [
+        f"{quoted(name)} is called {quoted(usable_label(name))}"
+        for name in names
+        if usable_label(name) != name
+    ]
     if changed:
         _warn(f"{path}: names that kanegen cannot use are changed: {', '.join(changed)}.")
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import ReadError
+from kanegen.errors import ReadError, quoted
 from kanegen.model import right_angles
 from kanegen.model.rotations import ZERO, Triple, dot, normalized, rotation_quaternion, rotation_rpy
 from kanegen.readers.welding import Frame, Rigid
@@ -102,7 +102,7 @@ def read_robot(top: Element, tolerance: float) -> Robot:
         for role, name in (("parent", joint.parent), ("child", joint.child)):
             if name not in links:
                 hint = did_you_mean(name, links)
-                message = f"{role} link {name!r} of joint {joint.name!r} does not exist. {hint}"
+                message = f"{role} link {quoted(name)} of joint {quoted(joint.name)} does not exist. {hint}"
                 raise ReadError(f"{joint.where}: {message}")
     return Robot(top.attributes.get("name", ""), links, joints, top.where)
 
@@ -116,7 +116,9 @@ def _unique(items: Sequence[_Item], kind: str) -> dict[str, _Item]:
     for item in items:
         if item.name in found:
             first = found[item.name].where
-            raise ReadError(f"{item.where}: {kind} {item.name!r} exists already, at {first}. Rename one.")
+            raise ReadError(
+                f"{item.where}: {kind} {quoted(item.name)} exists already, at {first}. Rename one."
+            )
         found[item.name] = item
     return found
 
@@ -133,7 +135,7 @@ def _rigid(inertial: Element, tolerance: float) -> Rigid:
     mass = inertial.child("mass")
     kilograms = mass.number("value")
     if kilograms < 0:
-        raise mass.error(f"mass {kilograms!r} kg is negative.")
+        raise mass.error(f"mass {quoted(kilograms)} kg is negative.")
     entries = inertial.child("inertia")
     xx, yy, zz, xy, xz, yz = (entries.number(f"i{name}") for name in ("xx", "yy", "zz", "xy", "xz", "yz"))
     place = _origin(inertial, tolerance)
@@ -148,7 +150,7 @@ def _joint(element: Element, tolerance: float) -> RobotJoint:
     name, kind = element.text("name"), element.text("type")
     if kind not in JOINT_TYPES:
         hint = did_you_mean(kind, JOINT_TYPES)
-        raise element.error(f"joint {name!r} has the unknown type {kind!r}. {hint}")
+        raise element.error(f"joint {quoted(name)} has the unknown type {quoted(kind)}. {hint}")
     return RobotJoint(
         name=name,
         kind=kind,

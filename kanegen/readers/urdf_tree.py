@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from kanegen.errors import ReadError
+from kanegen.errors import ReadError, quoted
 from kanegen.readers.urdf_elements import Link, Robot, RobotJoint
 from kanegen.readers.welding import Frame
 
@@ -74,8 +74,8 @@ def _root(robot: Robot) -> str:
         first = below.setdefault(joint.child, joint)
         if first is not joint:
             raise ReadError(
-                f"{joint.where}: link {joint.child!r} has two parents, by the joints {first.name!r} and "
-                f"{joint.name!r}. kanegen takes trees only: cut the loop."
+                f"{joint.where}: link {quoted(joint.child)} has two parents, by the joints "
+                f"{quoted(first.name)} and {quoted(joint.name)}. kanegen takes trees only: cut the loop."
             )
     _refuse_loops(robot, below)
     roots = [name for name in robot.links if name not in below]

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from kanegen.errors import ReadError
+from kanegen.errors import ReadError, quoted
 from kanegen.model.rotations import Triple
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -84,11 +84,11 @@ class Element:
         """Return a word of an attribute as a finite number."""
         if "${" in word:
             raise self.error(
-                f"<{self.tag} {name}>: {word!r} is a xacro expression. Run xacro on the file first."
+                f"<{self.tag} {name}>: {quoted(word)} is a xacro expression. Run xacro on the file first."
             )
         value = float(word) if _NUMBER.fullmatch(word) else math.nan
         if not math.isfinite(value):
-            raise self.error(f"<{self.tag} {name}>: {word!r} is not a finite number.")
+            raise self.error(f"<{self.tag} {name}>: {quoted(word)} is not a finite number.")
         return value
 
 

@@ -19,7 +19,7 @@ from functools import cached_property
 import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
-from kanegen.errors import OptionError
+from kanegen.errors import OptionError, counted
 from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.system import System
 from kanegen.symbolic.closed.form import ClosedForm, close
@@ -61,7 +61,8 @@ class Equations:
 
     def __repr__(self) -> str:
         """The name of the system, its number of bodies and its number of freedoms."""
-        return f"<Equations of {self.system.name}: {len(self.bodies)} bodies, {len(self.y)} freedoms>"
+        bodies, freedoms = counted(len(self.bodies), "body", "bodies"), counted(len(self.y), "freedom")
+        return f"<Equations of {self.system.name}: {bodies}, {freedoms}>"
 
     @cached_property
     def x(self) -> ImmutableMatrix:

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from kanegen.c import Source
-from kanegen.errors import BuildError, KanegenWarning
+from kanegen.choices import chosen as several
+from kanegen.choices import flag
+from kanegen.errors import BuildError, KanegenWarning, quoted
 from kanegen.library.native import cache, commands, compilers, selftest
 from kanegen.program import precision as precisions
 from kanegen.program import semantics
@@ -92,7 +94,7 @@ def build(
     chosen = selftest.sound_flags(found, source) if flags is None else _split(flags)
     _require_long_double(source)
     selftest.require(found, chosen, precisions.precision_named(source.precision).required_properties)
-    if threads:
+    if flag("threads", threads):
         chosen += _openmp_flags(found)
     command = (*found.command, *_LIBRARY_FLAGS, *chosen)
     files = code(source)
@@ -222,7 +224,13 @@ def _openmp_flags(compiler: compilers.Compiler) -> tuple[str, ...]:
 
 def _split(flags: str | Sequence[str]) -> tuple[str, ...]:
     """Return flags one by one; one string is split as a shell does it."""
-    return tuple(shlex.split(flags) if isinstance(flags, str) else flags)
+    try:
+        found = tuple(shlex.split(flags)) if isinstance(flags, str) else several(flags)
+    except ValueError:  # a quotation mark that is not closed
+        found = None
+    if found is None or not all(isinstance(one, str) and "\0" not in one for one in found):
+        raise BuildError(f"flags: {quoted(flags)} are no flags. Give a string, or a sequence of strings.")
+    return found
 
 
 def _machine(flags: Sequence[str]) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from kanegen.errors import BuildError, MissingError
+from kanegen.errors import BuildError, MissingError, quoted
 from kanegen.extras import is_installed
 from kanegen.library.native import commands
 
@@ -107,10 +107,12 @@ def _named(command: str, origin: str) -> Compiler:
     try:
         program, *arguments = shlex.split(command)
     except (ValueError, AttributeError):
-        raise BuildError(f"{origin}: {command!r} is not a command.") from None
+        raise BuildError(f"{origin}: {quoted(command)} is not a command.") from None
     path = shutil.which(program)
     if path is None:
-        raise BuildError(f"{origin}: the C compiler {program!r} cannot be found. Install it or name another.")
+        raise BuildError(
+            f"{origin}: the C compiler {quoted(program)} cannot be found. Install it or name another."
+        )
     return _versioned((path, *arguments))
 
 

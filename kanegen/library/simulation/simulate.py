@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.choices import require_one
-from kanegen.errors import ArrayError, OptionError
+from kanegen.errors import ArrayError, ModelError, OptionError, quoted
 from kanegen.library import Library
 from kanegen.library.simulation.integration import (
     Leapfrog,
@@ -30,6 +30,7 @@ from kanegen.library.simulation.trajectory import Trajectory
 from kanegen.model import arguments
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
+from kanegen.model.numbers import finite
 from kanegen.program import precision as precisions
 
 ADAPTIVE = ("DOP853", "Radau")
@@ -133,16 +134,17 @@ def _check_method(
     elif tolerance is not None:
         raise OptionError(f"method {method!r} has fixed steps: give a step, not a tolerance.")
     elif step is None or not 0 < _number("step", step) < math.inf:
-        raise OptionError(f"step: method {method!r} needs a positive number of seconds, got {step!r}.")
+        raise OptionError(f"step: method {method!r} needs a positive number of seconds, got {quoted(step)}.")
     if effort is not None and not callable(effort):
         raise OptionError(f"effort: {effort!r} cannot be called. Give a function of t, x and y.")
 
 
 def _number(name: str, value: Any) -> float:
     """Return `value` as a float; `name` is that of the argument, for the error message."""
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-        raise OptionError(f"{name}: {value!r} is not a number.")
-    return float(value)
+    try:
+        return finite(value, name)
+    except ModelError as error:
+        raise OptionError(str(error)) from None
 
 
 def _check_library(library: Library, method: str) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import Expression
@@ -81,10 +81,12 @@ class Spring(ForceElement):
         ends = [end if isinstance(end, str) else numbers(end, (3,), "spring between") for end in ends]
         validation.store(self, between=tuple(ends))
         if ends[0] == ends[1]:
-            raise ModelError(f"spring between {ends[0]!r} and itself: it would do nothing. Name two points.")
+            raise ModelError(
+                f"spring between {quoted(ends[0])} and itself: it would do nothing. Name two points."
+            )
         _check_spring(self, "rest_length")
         if value_of(self.rest_length) < 0:
-            raise ModelError(f"spring rest_length: {value_of(self.rest_length)!r} m is negative.")
+            raise ModelError(f"spring rest_length: {quoted(value_of(self.rest_length))} m is negative.")
 
 
 @dataclass(frozen=True)
@@ -166,8 +168,8 @@ class Potential(ForceElement):
         for name in self.energy.variables:
             if not name.startswith("x."):
                 raise ModelError(
-                    f"potential energy {str(self.energy)!r} depends on {name!r}. It may depend on "
-                    "coordinates x and parameters; forces of anything else are drives and point loads."
+                    f"potential energy {quoted(str(self.energy))} depends on {quoted(name)}. It may depend "
+                    "on coordinates x and parameters; forces of anything else are drives and point loads."
                 )
 
 
@@ -186,5 +188,5 @@ def _check_spring(spring: JointSpring | Spring, rest: str) -> None:
 def _name(value: object, label: str) -> str:
     """Return `value` if it is a string that names a freedom or a point."""
     if not isinstance(value, str):
-        raise ModelError(f"{label}: {value!r} is not a name.")
+        raise ModelError(f"{label}: {quoted(value)} is not a name.")
     return value

@@ -11,12 +11,16 @@ Operators bind as in Python, whose parser makes the tree; everything else that P
 from __future__ import annotations
 
 import ast
+import keyword
+import re
 import warnings
 from collections.abc import Iterable
 
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
+from kanegen.model import validation
 from kanegen.model.force_elements.expression import (
     FUNCTIONS,
+    TIME,
     Constant,
     Expression,
     Node,
@@ -60,7 +64,8 @@ def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
         return Expression(Constant(finite(text, "expression")))
     if len(text) > MAX_CHARACTERS:
         raise ModelError(f"an expression has {len(text)} characters; at most {MAX_CHARACTERS} are read.")
-    reader = _Reader(text, {parameter.name: parameter for parameter in parameters})
+    known = validation.instances(parameters, Parameter, "parameters")
+    reader = _Reader(text, {parameter.name: parameter for parameter in known})
     try:
         return Expression(reader.node(_tree(text)))
     except RecursionError:
@@ -74,6 +79,9 @@ def _tree(text: str) -> ast.expr:
             return ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
         where = f" near column {error.offset}" if error.offset else ""
+        words = [word for word in re.findall(r"\w+", text) if keyword.iskeyword(word)]
+        if words:
+            raise ModelError(f"{_quoted(text)}: {words[0]!r} cannot be a name in an expression.") from None
         raise ModelError(f"{_quoted(text)}: no expression{where}.") from None
     except (ValueError, MemoryError):
         raise ModelError(f"{_quoted(text)}: no expression, or nested too deeply.") from None
@@ -120,10 +128,13 @@ class _Reader:
         raise self._refused(found, "only numbers, names, + - * / **, brackets and functions are possible.")
 
     def _named(self, found: ast.expr, name: str) -> Node:
-        """Return the time or the parameter of a name."""
-        if name in VECTORS:
-            raise self._refused(found, f"one element is needed, such as {name}.arm.theta1.")
+        """Return the time or the parameter of a name; a name must not be both."""
         parameter = self._parameters.get(name)
+        if name in VECTORS:
+            hint = " A parameter in an expression needs another name." if parameter else ""
+            raise self._refused(found, f"one element is needed, such as {name}.arm.theta1.{hint}")
+        if parameter and name == TIME:
+            raise self._refused(found, "this is the time, but a parameter has the same name. Rename it.")
         return Constant(parameter) if parameter else Variable(name)
 
     def _element(self, found: ast.expr) -> str:
@@ -158,7 +169,7 @@ class _Reader:
         if not isinstance(found.func, ast.Name) or found.func.id not in FUNCTIONS:
             name = ast.unparse(found.func)
             known = f"There are {', '.join(FUNCTIONS)}."
-            raise self._refused(found, f"there is no function {name!r}. {known}")
+            raise self._refused(found, f"there is no function {quoted(name)}. {known}")
         if found.keywords or len(found.args) != 1:
             raise self._refused(found, f"{found.func.id} takes one number.")
         return Operation(found.func.id, (self.node(found.args[0], depth + 1, power),))

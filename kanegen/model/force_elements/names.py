@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS, SPEED_KINDS
 from kanegen.model.force_elements.element import ForceElement
@@ -99,7 +99,9 @@ class _Names:
     def named(self, name: str, label: str) -> str:
         """Return the permanent name of a coordinate or speed; an unknown name is an error."""
         if name not in self.known:
-            raise ModelError(f"{label}: there is no {self.kind} {name!r}. {did_you_mean(name, self.known)}")
+            raise ModelError(
+                f"{label}: there is no {self.kind} {quoted(name)}. {did_you_mean(name, self.known)}"
+            )
         return self.known[name]
 
 
@@ -139,7 +141,7 @@ class _Resolver:
                 return f"{vector}.{names.named(name[2:], label)}"
         if name != TIME:
             raise ModelError(
-                f"{label}: {name!r} is not known. Write x.<coordinate>, y.<speed>, t or a parameter."
+                f"{label}: {quoted(name)} is not known. Write x.<coordinate>, y.<speed>, t or a parameter."
             )
         return name
 
@@ -149,8 +151,8 @@ class _Resolver:
         body = self._bodies[k - 1]
         if index >= len(FREEDOMS) or not SPEED_KINDS[body.joint.speed_kinds[index]].is_rate:
             raise ModelError(
-                f"{label}: the speeds of body {body.name!r} are its angular velocity, so none is the rate of "
-                f"{variable!r} alone. Keep angles and their rates there, or use a drive on "
+                f"{label}: the speeds of body {quoted(body.name)} are its angular velocity, so none is the "
+                f"rate of {quoted(variable)} alone. Keep angles and their rates there, or use a drive on "
                 f"'{body.name}.omega1' to 'omega3'."
             )
 
@@ -167,5 +169,7 @@ class _Resolver:
     def _body(self, point: str, label: str) -> int:
         """Return the number of the body of a point, which must exist."""
         if point not in self._points:
-            raise ModelError(f"{label}: there is no point {point!r}. {did_you_mean(point, self._points)}")
+            raise ModelError(
+                f"{label}: there is no point {quoted(point)}. {did_you_mean(point, self._points)}"
+            )
         return self._points[point]

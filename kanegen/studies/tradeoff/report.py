@@ -11,6 +11,7 @@ from dataclasses import asdict
 from typing import Any
 
 from kanegen import __version__
+from kanegen.errors import counted
 from kanegen.measure.machine import Machine
 from kanegen.measure.timing import OBJECTIVES, Times
 from kanegen.measure.truth.bounds import FACTOR
@@ -73,7 +74,8 @@ def markdown(study: Study) -> str:
     """Return the report of a study in Markdown."""
     parts = [
         f"# Speed against accuracy: {study.model}",
-        f"{study.n} freedoms, {len(study.results)} variants, {len(study.refusals)} refused.",
+        f"{counted(study.n, 'freedom')}, {counted(len(study.results), 'variant')}, "
+        f"{len(study.refusals)} refused.",
         "\n".join(f"- {line}" for line in statements(study)),
         "![Work and precision](tradeoff.svg)",
         "## How",

@@ -11,7 +11,7 @@ import sympy
 from numpy.typing import ArrayLike, NDArray
 from sympy import Dummy, Expr, ImmutableMatrix, Symbol
 
-from kanegen.errors import ArrayError
+from kanegen.errors import ArrayError, quoted
 from kanegen.model.system import System
 from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.symbols import (
@@ -194,7 +194,7 @@ def _array(value: ArrayLike, shape: tuple[int, ...], label: str) -> Floats:
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
-        raise ArrayError(f"{label}: expected real numbers of shape {shape}, got {value!r}.") from None
+        raise ArrayError(f"{label}: expected real numbers of shape {shape}, got {quoted(value)}.") from None
     if array.shape != shape:
         raise ArrayError(f"{label} has shape {array.shape}; expected {shape}.")
     return array

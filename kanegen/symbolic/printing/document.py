@@ -8,6 +8,7 @@ from itertools import accumulate, groupby
 
 from sympy import ImmutableMatrix, Symbol
 
+from kanegen.errors import counted
 from kanegen.model.system import System
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.printing.blocks import body_sections
@@ -51,8 +52,7 @@ def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Do
     """
     system = equations.system
     n, count = len(equations.y), system.number_of_bodies
-    bodies = "1 body" if count == 1 else f"{count} bodies"
-    freedoms = "1 freedom" if n == 1 else f"{n} freedoms"
+    bodies, freedoms = counted(count, "body", "bodies"), counted(n, "freedom")
     return Document(
         f"{system.name}: {bodies}, {freedoms}",
         f"Equations of motion [A]{{ydot}} = {{f}}, with {kinematic_relation(system)}. SI units.",
