@@ -24,7 +24,8 @@ HEAD = """# Certificates of error
 `make tradeoff` (`python -m benchmarks.tradeoff`) writes this page. `kanegen verify` generates the C of a
 certificate again and measures it in fresh states.
 
-A budget bounds the normwise relative error of {{ydot}} in forward dynamics. The domain is the default one
+A budget bounds the error of {{ydot}} in forward dynamics, relative to the accelerations that loads, gravity,
+speeds and tau would each cause by themselves ([budget.md](../budget.md)). The domain is the default one
 without the states next to gimbal lock (`exclude.clearance = {clearance}`), and no state that is tried may
 exceed the budget. *exceeded* counts the fresh states of the validation whose error is larger than the
 budget. *share* is the upper limit, with 95 % confidence, on the part of the domain in which the error is

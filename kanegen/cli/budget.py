@@ -22,7 +22,6 @@ from kanegen.studies.budget.certification import (
     CertifiedSource,
     certified_file_names,
     certify_variant,
-    claim_sentence,
 )
 from kanegen.studies.budget.confidence import quantile_level
 from kanegen.studies.budget.region import read_region
@@ -43,6 +42,7 @@ class BudgetOptions:
     budget: str | None
     domain: str | None
     objective: str
+    relative_to: str
     quantile: str
     confidence: float
     attempts: int
@@ -68,6 +68,7 @@ class BudgetOptions:
             error=None if self.error is None else error_budget(self.error),
             time=None if self.budget is None else time_budget(self.budget),
             objective=self.objective,
+            relative_to=self.relative_to,
             quantile=quantile_level(self.quantile),
             confidence=self.confidence,
             attempts=self.attempts,
@@ -102,7 +103,7 @@ def generate(
 def show(found: CertifiedSource) -> None:
     """Print the chosen variant, the claim of its certificate, and its time."""
     print_plain(f"variant: {found.choice.candidate.label}")
-    print_plain(claim_sentence(found.request, found.choice))
+    print_plain(found.certificate.section("claim")["words"])
     print_plain(_time(found))
 
 

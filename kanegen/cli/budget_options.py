@@ -44,6 +44,16 @@ Objective = Annotated[
         rich_help_panel=_PANEL,
     ),
 ]
+RelativeTo = Annotated[
+    str,
+    typer.Option(
+        "--relative-to",
+        metavar="NAME",
+        help="Yardstick of the error: the accelerations that loads, gravity, speeds and tau each cause "
+        "(terms), or their sum {ydot} (solution), which vanishes in equilibrium.",
+        rich_help_panel=_PANEL,
+    ),
+]
 Quantile = Annotated[
     str,
     typer.Option(
@@ -91,6 +101,7 @@ BUDGETS = ("error", "budget")
 BUDGET_OPTIONS = (
     "domain",
     "objective",
+    "relative_to",
     "quantile",
     "confidence",
     "attempts",
@@ -116,7 +127,7 @@ def has_budget(context: typer.Context) -> bool:
     if len(budgets) > 1:
         raise OptionError("--error and --budget: give one of them. The search minimises the other.")
     if not budgets:
-        idle = [f"--{name}" for name in BUDGET_OPTIONS if name in typed]
+        idle = [f"--{name.replace('_', '-')}" for name in BUDGET_OPTIONS if name in typed]
         if idle:
             raise OptionError(f"{', '.join(idle)}: only with a budget. Add --error 1e-9 or --budget 200ns.")
         return False

@@ -73,7 +73,7 @@ def test_bits(dtype: type) -> None:
 
 def test_a_result_that_is_not_finite_has_infinite_errors() -> None:
     found = truth.errors(np.array([1.0, np.nan]), exact(1.0, 1.0), np.ones(2), U)
-    assert found == truth.StateErrors(math.inf, math.inf, 32.0, 64.0)
+    assert found == truth.StateErrors(math.inf, math.inf, 32.0, 64.0, math.inf)
 
 
 def test_enclosures() -> None:
@@ -129,7 +129,7 @@ def test_cancellation_of_the_right_hand_side() -> None:
     loaded = truth.truth(rod(), x, still, tau=[-6.0], torque=[[0, 0, 2.0]])
     assert truth.conditioning(loaded).chi == pytest.approx((8 + 6 + 2) / 4)
     floating = truth.truth(rod(gravity=(0, 0, 0)), x, still)
-    assert truth.conditioning(floating) == truth.Conditioning(1.0, math.inf, 1.0)
+    assert truth.conditioning(floating) == truth.Conditioning(1.0, math.inf, 1.0, 0.0)
 
 
 def test_a_mass_that_folds_back_cancels_in_the_matrix() -> None:

@@ -22,12 +22,14 @@ CHEAP = (
 def test_generate_and_verify(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     said = kanegen("generate", PENDULUM, "-o", str(folder), "--error", "1e-2", *CHEAP).stdout
-    assert "error at most 0.01: exceeded in 0 of 22 fresh states, so in less than 9.9 % of the domain" in said
+    assert "error at most 0.01 relative to the terms: exceeded in 0 of 22 fresh states" in said
+    assert "so in less than 9.9 % of the domain with 90 % confidence" in said
     assert "ns for latency on this machine" in said
     file = folder / "double_pendulum_certificate.json"
     assert json.loads(file.read_text())["variant"]["precision"] == "float"
     held = kanegen("verify", str(file), "--model", PENDULUM).stdout
     assert "holds as far as it was looked at" in held
+    assert "candidates: open; not checked" in held
     (folder / "double_pendulum.h").write_text("edited")
     failed = kanegen("verify", str(file), "--states", "1", status=1).stdout
     assert "double_pendulum.h: does not hold" in failed
@@ -61,6 +63,8 @@ def test_generate_and_verify(tmp_path: Path) -> None:
         (("--error", "1e-9", "--attempts", "0"), "attempts is 0"),
         (("--error", "1e-9", "--states", "0"), "select is 0"),
         (("--error", "1e-9", "--objective", "speed"), "unknown objective 'speed'"),
+        (("--error", "1e-9", "--relative-to", "solutions"), "Did you mean 'solution'"),
+        (("--relative-to", "terms"), "--relative-to: only with a budget"),
         (("--error", "1e-9", "--domain", "nowhere.toml"), "nowhere.toml: there is no such file"),
         (("--error", "1e-9", "--domain", "x.q3 = 1"), "--domain: x: unknown key 'q3'"),
     ],

@@ -18,7 +18,15 @@ from kanegen.studies.tradeoff import variants
 from kanegen.studies.tradeoff.domain import UNIFORM, Domain, Sample, default_domain, joined, rounded
 from kanegen.studies.tradeoff.evaluator import convert_sample
 from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations
-from kanegen.studies.tradeoff.hard_states import EQUILIBRIUM, GIMBAL_LOCK, STRAIGHT, climb, hard_states
+from kanegen.studies.tradeoff.hard_states import (
+    BALANCED,
+    EQUILIBRIUM,
+    GIMBAL_LOCK,
+    NEARLY_SINGULAR,
+    STRAIGHT,
+    climb,
+    hard_states,
+)
 from kanegen.studies.tradeoff.pareto_front import TIE, Point, pareto_front, rank_correlation, verdict
 from tests.support import systems
 from tests.support.high_precision import true_values
@@ -156,18 +164,32 @@ def test_domains_that_cannot_be(changes: dict[str, object], message: str) -> Non
         replace(default_domain(FREE), **changes)
 
 
+def scaled_eigenvalues(sample: Sample) -> np.ndarray:
+    """Return the eigenvalues (B, n) of [A] after scaling to a diagonal of ones."""
+    matrix = mass_matrix(FREE, sample.x)
+    scale = 1 / np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
+    return np.linalg.eigvalsh(matrix * scale[:, :, None] * scale[:, None, :])
+
+
 def test_hard_states_are_what_they_are_called() -> None:
     domain = default_domain(FREE)
     hard = hard_states(domain, 20, 0)
     assert hard is not None
     assert domain.contains(hard)
-    assert dict.fromkeys(hard.kinds) == dict.fromkeys([GIMBAL_LOCK, STRAIGHT, EQUILIBRIUM])
+    assert dict.fromkeys(hard.kinds) == dict.fromkeys(
+        [GIMBAL_LOCK, STRAIGHT, EQUILIBRIUM, BALANCED, NEARLY_SINGULAR]
+    )
     states = hard
     assert np.abs(np.cos(states.x[hard.rows_of(GIMBAL_LOCK), 1])).max() < 0.11
     assert np.abs(np.sin(states.x[hard.rows_of(STRAIGHT), :3])).max() < 0.4
     left = forcing(FREE, states.x, states.y) + hard.tau
     size = np.abs(hard.tau).max(axis=1)
     assert (np.abs(left).max(axis=1) / size)[hard.rows_of(EQUILIBRIUM)].max() < 0.2
+    inside = np.abs(hard.tau) < domain.high[domain.first["tau"] :][: hard.tau.shape[1]]
+    balanced = (np.abs(left) / np.maximum(np.abs(hard.tau), 1e-6))[hard.rows_of(BALANCED)]
+    assert balanced[inside[hard.rows_of(BALANCED)]].max() < 2.0**-23
+    ordinary = np.median(scaled_eigenvalues(domain.sample(200, 0))[:, 0])
+    assert scaled_eigenvalues(hard)[hard.rows_of(NEARLY_SINGULAR), 0].max() < 0.1 * ordinary
     assert hard_states(default_domain(HINGES), 5, 0).rows_of(GIMBAL_LOCK) == []  # type: ignore[union-attr]
 
 

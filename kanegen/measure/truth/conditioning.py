@@ -15,6 +15,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,11 +37,14 @@ class Conditioning:
         kappa_s: Scaled condition number of [A]; infinite where [A] is singular.
         chi: Cancellation of the right-hand side; infinite where its parts sum to zero.
         formation: Cancellation inside [A] and {f}; infinite where [A] is singular.
+        terms: Sum of the norms of the accelerations that loads, gravity, speeds and {tau} would each cause by
+            themselves, after the units are taken away (m/s^2); chi is `terms` over the norm of {ydot}.
     """
 
     kappa_s: float
     chi: float
     formation: float
+    terms: float
 
 
 def conditioning(truth: Truth) -> Conditioning:
@@ -58,8 +62,9 @@ def conditioning(truth: Truth) -> Conditioning:
         kappa = scaled_condition_number(equations.A, inverted)
     scale = truth.units.acceleration[:, None]
     single, size = length(accelerations * scale, axis=0), float(length(total * scale, axis=0)[0])
-    chi = float(single.sum()) / size if size > 0 else math.inf
-    return Conditioning(kappa, chi, _formation(truth) if kappa < math.inf else math.inf)
+    terms = float(single.sum())
+    chi = terms / size if size > 0 else math.inf
+    return Conditioning(kappa, chi, _formation(truth) if kappa < math.inf else math.inf, terms)
 
 
 def scaled_condition_number(matrix: arb_mat, inverted: arb_mat) -> float:
@@ -83,16 +88,18 @@ def scaled_condition_number(matrix: arb_mat, inverted: arb_mat) -> float:
     return float(np.linalg.eigvalsh(scaled)[-1] * np.linalg.eigvalsh(back)[-1])
 
 
-def cancellation(truth: Truth) -> dict[str, float]:
-    """Return chi of every output of `truth` that is a sum; infinity where the output is zero."""
+def term_norms(truth: Truth) -> dict[str, float]:
+    """Return the norm of the magnitudes of the terms of every output that is a sum, without units."""
     magnitudes = term_magnitudes(truth)
-    found = {}
-    for name, output in truth.outputs.items():
-        if name in magnitudes:
-            scale = truth.units.of(name)
-            size, rest = _norm(magnitudes[name] * scale), _norm(output.value * scale)
-            found[name] = size / rest if rest > 0 else math.inf
-    return found
+    return {
+        name: _norm(magnitudes[name] * truth.units.of(name)) for name in truth.outputs if name in magnitudes
+    }
+
+
+def cancellation(truth: Truth, terms: Mapping[str, float]) -> dict[str, float]:
+    """Return chi of every output that is a sum, from its `term_norms`; infinity where the output is zero."""
+    sizes = {name: _norm(truth[name].value * truth.units.of(name)) for name in terms}
+    return {name: terms[name] / size if size > 0 else math.inf for name, size in sizes.items()}
 
 
 def term_magnitudes(truth: Truth) -> dict[str, Floats]:

@@ -1,6 +1,7 @@
 """Errors of floating-point results of one state against exact ones.
 
 - normwise: ||S (v - t)|| / ||S t|| with the factors S of `units`; Euclidean, or Frobenius for [A].
+- absolute: ||S (v - t)||, in the unit that the factors S leave: m/s^2 for accelerations.
 - componentwise: the largest |v_i - t_i| / |t_i|. An entry smaller than the unit roundoff times the largest
   one (after scaling) counts as that large, because an entry that is zero has no relative error.
 - bits: log2(1 + number of floats between v_i and the float nearest to t_i), the mean over the entries and
@@ -78,12 +79,14 @@ class StateErrors:
         componentwise: Componentwise error.
         bits: Mean number of bits lost.
         worst_bits: Largest number of bits lost.
+        absolute: Norm of the error after the units are taken away.
     """
 
     normwise: float
     componentwise: float
     bits: float
     worst_bits: float
+    absolute: float
 
 
 @dataclass(frozen=True)
@@ -142,12 +145,14 @@ def errors(value: NDArray[Any], truth: Enclosure, scale: Floats, unit_roundoff: 
     precision = precision_of(value, truth.shape)
     wide = precision.significand_bits > DOUBLE.significand_bits
     lost = places_lost(distance, truth.value, precision) if wide else bits_lost(value, truth.value)
-    one, factors = distance[np.newaxis], scale[np.newaxis]
+    factors = scale[np.newaxis]
+    absolute, size = (scaled_norm(values[np.newaxis], factors) for values in (distance, truth.value))
     return StateErrors(
-        normwise=float(quotient(scaled_norm(one, factors), scaled_norm(truth.value[np.newaxis], factors))[0]),
+        normwise=float(quotient(absolute, size)[0]),
         componentwise=float(quotient(distance * scale, np.maximum(scaled, floor)).max()),
         bits=float(lost.mean()),
         worst_bits=float(lost.max()),
+        absolute=float(absolute[0]),
     )
 
 

@@ -11,11 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kanegen.errors import ArrayError, KanegenWarning, OptionError
-from kanegen.measure.errors import Errors
+from kanegen.measure.errors import Errors, quotient
 from kanegen.measure.truth.balls import arb_mat, ctx
 from kanegen.measure.truth.bounds import FACTOR, Fit, bound, fit
 from kanegen.measure.truth.certify import EXACT, Truth, exact_outputs, truth
-from kanegen.measure.truth.conditioning import Conditioning, cancellation, conditioning, term_magnitudes
+from kanegen.measure.truth.conditioning import (
+    Conditioning,
+    cancellation,
+    conditioning,
+    term_magnitudes,
+    term_norms,
+)
 from kanegen.measure.truth.enclosure import Enclosure, enclosure
 from kanegen.measure.truth.errors import LARGEST_BACKWARD_ERROR, Residual, Wide, errors
 from kanegen.model.arrays import Flags, Floats
@@ -36,6 +42,8 @@ class Measurement(Errors):
         chi: Cancellation: of the right-hand side for forward dynamics, else of the output's own sums.
         bound: Bound on the normwise error; see `bounds`. Infinite where nothing is promised.
         backward: Backward error of accelerations in units of N u; see `errors`. 0 for other outputs.
+        relative_to_terms: Norm of the error over that of the terms of which the output is the sum; it is
+            `normwise` over `chi`, and stays small where the terms cancel.
     """
 
     bits: Floats
@@ -45,6 +53,7 @@ class Measurement(Errors):
     chi: Floats
     bound: Floats
     backward: Floats
+    relative_to_terms: Floats
 
     @classmethod
     def from_rows(cls, rows: Sequence[tuple[float, ...]]) -> Self:
@@ -92,6 +101,7 @@ class ExactState:
         bodies: N.
         conditioning: Conditioning of forward dynamics.
         cancellation: chi of the outputs that are sums, by name.
+        terms: Norms of the terms of all outputs, without units, by name.
         residual: The equations that accelerations must solve; None without forward dynamics.
     """
 
@@ -100,17 +110,20 @@ class ExactState:
     bodies: int
     conditioning: Conditioning
     cancellation: Mapping[str, float]
+    terms: Mapping[str, float]
     residual: Residual | None
 
     @classmethod
     def of(cls, exact: Truth) -> Self:
         """Return the exact outputs, scales and conditioning from a `Truth`."""
+        terms, difficulty = term_norms(exact), conditioning(exact)
         return cls(
             outputs=exact.outputs,
             scales={name: exact.units.of(name) for name in exact.outputs},
             bodies=exact.system.number_of_bodies,
-            conditioning=conditioning(exact),
-            cancellation=cancellation(exact),
+            conditioning=difficulty,
+            cancellation=cancellation(exact, terms),
+            terms={"forward_dynamics": difficulty.terms, **terms},
             residual=_residual(exact) if "forward_dynamics" in exact.outputs else None,
         )
 
@@ -140,6 +153,7 @@ class ExactState:
         return (
             *(found.normwise, found.componentwise, found.bits, found.worst_bits),
             *(state.kappa_s, state.formation, chi, limit + storage_roundoff, backward),
+            float(quotient(np.array(found.absolute), np.array(self.terms[output]))),
         )
 
 

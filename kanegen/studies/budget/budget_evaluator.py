@@ -19,7 +19,7 @@ from kanegen.options import STRICT, Progress, quiet
 from kanegen.studies.budget.counterexample import search_counterexample
 from kanegen.studies.budget.evaluator import SampleSpec, SearchResult
 from kanegen.studies.budget.region import Region
-from kanegen.studies.budget.request import Request
+from kanegen.studies.budget.request import TERMS, Request
 from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region
 from kanegen.studies.tradeoff.compilation import CompiledVariant
 from kanegen.studies.tradeoff.domain import Sample
@@ -62,13 +62,13 @@ def is_reproducible(candidate: Candidate) -> bool:
     return variant.semantics == STRICT.semantics and variant.machine == STRICT.machine
 
 
-def usable_errors(measurement: Measurement) -> Floats:
-    """Return the (B,) normwise errors of a measurement.
+def usable_errors(measurement: Measurement, relative_to: str) -> Floats:
+    """Return the (B,) errors of a measurement, relative to a yardstick of `request.METRICS`.
 
     The error is infinite where a result is not finite or does not solve the equations at all.
     """
-    normwise = measurement.normwise
-    return np.where(measurement.wrong | ~np.isfinite(normwise), np.inf, normwise)
+    errors = measurement.relative_to_terms if relative_to == TERMS else measurement.normwise
+    return np.where(measurement.wrong | ~np.isfinite(errors), np.inf, errors)
 
 
 class BudgetEvaluator:
@@ -139,7 +139,7 @@ class BudgetEvaluator:
 
     def errors(self, candidate: Candidate, sample: SampleSpec) -> Floats:
         """Return the (count,) errors of a candidate in the states of a sample; see `usable_errors`."""
-        return self._errors(candidate, self.sample(sample))
+        return self.errors_in(candidate, self.sample(sample))
 
     def times(self, candidates: Sequence[Candidate]) -> dict[Candidate, Times]:
         """Return the times of candidates for the objective of the request; see `VariantEvaluator.times`."""
@@ -156,7 +156,7 @@ class BudgetEvaluator:
         is often hard for others.
         """
         self._progress(f"searching for a counterexample: {candidate.label}")
-        errors = functools.partial(self._errors, candidate)
+        errors = functools.partial(self.errors_in, candidate)
         for tried, refutation in enumerate(self._refutations, start=1):
             error = float(errors(sample_from_table(self.region.domain, refutation.state))[0])
             if error > self._error_budget:
@@ -169,6 +169,7 @@ class BudgetEvaluator:
             evaluations=self._request.effort.search,
             seed=int(random_stream(self._seed, "search", number).integers(2**31)),
             hard=number == 1,
+            relative_to=self._request.relative_to,
         )
         if found.error > self._error_budget:
             self._refutations.append(found)
@@ -179,6 +180,7 @@ class BudgetEvaluator:
         """The error that no tried state may exceed; infinite under a budget of time or a quantile below 1."""
         return self._request.error if self._request.error and self._request.is_strict else math.inf
 
-    def _errors(self, candidate: Candidate, sample: Sample) -> Floats:
-        """Return the (B,) normwise errors of a candidate in a sample of B states."""
-        return usable_errors(self._variants.errors(self._built[candidate], sample, self._request.objective))
+    def errors_in(self, candidate: Candidate, sample: Sample) -> Floats:
+        """Return the (B,) errors of a candidate in B states, relative to the requested yardstick."""
+        measured = self._variants.errors(self._built[candidate], sample, self._request.objective)
+        return usable_errors(measured, self._request.relative_to)

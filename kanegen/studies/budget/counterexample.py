@@ -1,8 +1,10 @@
 """A search for the state of a region in which a variant has its largest error.
 
 The search begins with the worst states of a sample and, the first time, with states where arithmetic is hard
-(`tradeoff.hard_states`). From the worst of all it climbs to larger errors. A search can refute a claim but
-never prove one.
+(`tradeoff.hard_states`): next to gimbal lock, folded or straight, where [A] is nearly singular, near
+equilibrium, and in equilibrium but for the rounding of {tau}, also at corners of the domain. From the worst
+of all it climbs to larger errors, and from equilibria along equilibria. A search can refute a claim but never
+prove one.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from kanegen.measure.truth.measurement import ExactState
 from kanegen.model.arrays import Floats
 from kanegen.studies.budget.evaluator import SearchResult
 from kanegen.studies.budget.region import Region
+from kanegen.studies.budget.request import SOLUTION
 from kanegen.studies.budget.sampling import in_region, state_table
 from kanegen.studies.tradeoff.domain import Sample, joined
 from kanegen.studies.tradeoff.exact_results import ExactResults
@@ -30,7 +33,10 @@ _NOTABLE_RATIO = 10.0
 """Ratio to the usual value from which on a condition number explains a large error."""
 
 _REMEDIES = {
-    "chi": "There accelerations cancel, chi = {0:.1e}: exclude it by exclude.cancellation in the domain.",
+    "chi": (
+        "There accelerations cancel, chi = {0:.1e}: exclude it by exclude.cancellation in the domain, or ask "
+        "for an error relative to the terms."
+    ),
     "kappa_s": (
         "There [A] is nearly singular, kappa_s = {0:.1e}: exclude it by narrower ranges in the domain "
         "or, near gimbal lock, by exclude.clearance."
@@ -48,6 +54,7 @@ def search_counterexample(
     evaluations: int,
     seed: int,
     hard: bool,
+    relative_to: str,
 ) -> SearchResult:
     """Search a region for the state with the largest error.
 
@@ -59,6 +66,7 @@ def search_counterexample(
         evaluations: Number of states that may be tried.
         seed: Seed of the search.
         hard: Whether hard states are tried as well.
+        relative_to: The yardstick of the error, one of `request.METRICS`.
     """
     inside = _error_inside(region, exact, error)
     starts = _with_hard_states(region, exact, sample, evaluations // _HARD_SHARE if hard else 0, seed)
@@ -70,23 +78,27 @@ def search_counterexample(
         climb(region.domain, starts[k : k + 1], inside, each, seed + rank) for rank, k in enumerate(order)
     ]
     worst, largest = max(found, key=lambda pair: pair[1])
-    explanation = explain_difficulty(exact, worst, sample)
+    explanation = explain_difficulty(exact, worst, sample, relative_to)
     return SearchResult(largest, tried + each * len(order), state_table(worst), explanation)
 
 
-def explain_difficulty(exact: ExactResults, worst: Sample, ordinary: Sample) -> str:
+def explain_difficulty(exact: ExactResults, worst: Sample, ordinary: Sample, relative_to: str) -> str:
     """Return a sentence on why a state is harder than ordinary states and how to exclude it.
+
+    Cancellation explains no error that is relative to the terms that cancel.
 
     Args:
         exact: Exact results of the system.
         worst: The state, as a sample of one state.
         ordinary: States to compare it with.
+        relative_to: The yardstick of the error, one of `request.METRICS`.
     """
     (state,) = exact.states(worst)
     usual = exact.states(ordinary)
     ratios = {
         name: _condition_number(state, name) / float(np.median([_condition_number(s, name) for s in usual]))
         for name in _REMEDIES
+        if name != "chi" or relative_to == SOLUTION
     }
     hardest = max(ratios, key=ratios.__getitem__)
     if not ratios[hardest] > _NOTABLE_RATIO:

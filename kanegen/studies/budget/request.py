@@ -1,4 +1,11 @@
-"""The request of a user: a budget of error or of time, and the confidence with which it is to be kept."""
+"""The request of a user: a budget of error or of time, and the confidence with which it is to be kept.
+
+An error of {ydot} is relative to one of two yardsticks. The terms of {ydot} are the accelerations that loads,
+gravity, speeds and {tau} would each cause by themselves; the sum of their norms is the yardstick "terms". The
+yardstick "solution" is the norm of {ydot}. The first over the second is the cancellation chi, so an error
+relative to the solution is chi times the error relative to the terms. Near an equilibrium chi has no limit,
+and neither has the error relative to the solution of any program that rounds.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +23,16 @@ SAFETY = 4.0
 
 SHARE = 0.001
 """Share of the domain that may exceed a budget of which no tried state may exceed it."""
+
+TERMS, SOLUTION = "terms", "solution"
+
+METRICS = {
+    TERMS: "norm of the error of {ydot}, relative to the sum of the norms of the accelerations that loads, "
+    "gravity, speeds and {tau} would each cause by themselves, after unit scaling, against certified truth",
+    SOLUTION: "norm of the error of {ydot}, relative to the norm of {ydot}, after unit scaling, against "
+    "certified truth",
+}
+"""The yardsticks of an error, by name, each with the definition of the error."""
 
 UNITS = {"ns": 1.0, "us": 1e3, "µs": 1e3, "μs": 1e3, "ms": 1e6, "s": 1e9}
 """Units of a budget of time, in ns."""
@@ -61,9 +78,10 @@ class Request:
     """A budget and the conditions under which it is kept.
 
     Attributes:
-        error: Budget of the normwise relative error of {ydot}; None under a budget of time.
+        error: Budget of the error of {ydot}; None under a budget of time.
         time: Budget of the time of one evaluation (ns); None under a budget of error.
         objective: The time that is measured, one of `OBJECTIVES`.
+        relative_to: The yardstick of the error, one of `METRICS`.
         quantile: Share of the domain in which the error must keep the budget. 1.0 means that no tried state
             may exceed it, and that at most a share `SHARE` of the domain exceeds it.
         confidence: Confidence with which this is to be shown.
@@ -74,6 +92,7 @@ class Request:
     error: float | None = None
     time: float | None = None
     objective: str = "latency"
+    relative_to: str = TERMS
     quantile: float = 1.0
     confidence: float = 0.95
     attempts: int = 2
@@ -91,6 +110,7 @@ class Request:
             if value is not None and not 0 < value < math.inf:
                 raise OptionError(f"{name} is {value!r}; it must be a positive number.")
         require_one("objective", self.objective, OBJECTIVES)
+        require_one("relative_to", self.relative_to, METRICS)
         if self.quantile != 1.0:
             probability(self.quantile, "quantile")
         probability(self.confidence, "confidence")

@@ -10,7 +10,8 @@ from typing import Generic
 from kanegen.errors import BudgetError
 from kanegen.measure.errors import quantile
 from kanegen.measure.timing import TIE, Times, tied
-from kanegen.studies.budget.evaluator import SELECT, C, Evaluator, SampleSpec
+from kanegen.studies.budget.confirmation import selection_sample
+from kanegen.studies.budget.evaluator import C, Evaluator, SampleSpec
 from kanegen.studies.budget.request import SAFETY, Request
 
 FINALISTS = 6
@@ -47,7 +48,7 @@ class Screening(Generic[C]):
     @property
     def sample(self) -> SampleSpec:
         """The sample by which candidates are selected."""
-        return SampleSpec(SELECT, 0, self.request.effort.select)
+        return selection_sample(self.request)
 
     @property
     def time_budget(self) -> float:

@@ -16,16 +16,20 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Generic
 
-import numpy as np
-
 from kanegen.errors import BudgetError
 from kanegen.measure.timing import Speedup, Times, speedup
-from kanegen.studies.budget.confidence import Validation, validate
-from kanegen.studies.budget.evaluator import VALIDATE, C, Evaluator, SampleSpec, SearchResult
+from kanegen.studies.budget.confidence import Validation
+from kanegen.studies.budget.confirmation import (
+    Confirmation,
+    fresh_sample,
+    is_refuted,
+    is_refuted_by,
+    validated,
+)
+from kanegen.studies.budget.evaluator import C, Evaluator, SampleSpec, SearchResult
 from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.screening import Screening
 
@@ -34,15 +38,11 @@ SHOWN = 3
 
 
 @dataclass(frozen=True)
-class Choice(Generic[C]):
+class Choice(Confirmation[C]):
     """The chosen candidate with its measurements.
 
     Attributes:
-        candidate: The chosen candidate.
-        error: Error in the sample for selection, at the quantile of the request.
         times: Times of the candidate, measured together with those of the other finalists.
-        validation: Errors in fresh states.
-        searches: The searches for a counterexample before and after the validation.
         standard: The first of all candidates, with whose accuracy the others are compared.
         reference: The fastest candidate that is as accurate as `standard`.
         gain: How many times as fast the candidate is as `reference`; None where the difference is not
@@ -50,11 +50,7 @@ class Choice(Generic[C]):
         verdicts: Outcome for every candidate, by label, in the order of the candidates.
     """
 
-    candidate: C
-    error: float
     times: Times
-    validation: Validation
-    searches: tuple[SearchResult, ...]
     standard: C
     reference: C
     gain: Speedup | None
@@ -104,8 +100,7 @@ class _Selection(Generic[C]):
         """Return the result of a search for a counterexample; None if it refutes the candidate."""
         screening = self.screening
         found = screening.evaluator.search(candidate, sample, number)
-        is_kept = found.error <= screening.error_budget or not screening.request.is_strict
-        if found.error < math.inf and is_kept:
+        if not is_refuted_by(screening.request, found):
             return found
         refuted = (
             f"; refuted in {found.evaluations} evaluations: error {found.error:.1e}. {found.explanation}"
@@ -116,21 +111,18 @@ class _Selection(Generic[C]):
     def _validated(self, candidate: C, first: SearchResult, attempt: int) -> Choice[C] | None:
         """Return the choice of a candidate; None if a fresh sample or a second search refutes it."""
         screening, request = self.screening, self.screening.request
-        sample = SampleSpec(VALIDATE, attempt, request.fresh_states)
+        sample = fresh_sample(request, attempt)
         errors = screening.evaluator.errors(candidate, sample)
-        claim = float(np.max([*errors, first.error])) if request.error is None else request.error
-        validation = validate(errors, claim, request.alpha, attempt)
-        allowed = 0 if request.is_strict else len(errors)
-        if validation.exceeded > allowed or validation.limit > request.share or claim == math.inf:
-            count = f"{validation.exceeded} of {len(errors)} fresh states exceed {claim:.1e}"
+        validation = validated(request, errors, (first,), attempt)
+        if is_refuted(request, validation):
+            count = f"{validation.exceeded} of {len(errors)} fresh states exceed {validation.claim:.1e}"
             screening.note(candidate, f"; failed validation {attempt}: {count}")
             return None
         second = self._search(candidate, sample, 2)
         if second is None:
             return None
-        if request.error is None:
-            validation = validate(errors, max(claim, second.error), request.alpha, attempt)
-        return self._choice(candidate, validation, (first, second))
+        both = (first, second)
+        return self._choice(candidate, validated(request, errors, both, attempt), both)
 
     def _choice(self, candidate: C, validation: Validation, searches: tuple[SearchResult, ...]) -> Choice[C]:
         """Return the choice of a candidate that no check has refuted."""

@@ -1,47 +1,55 @@
-"""The verification of a certificate: everything in it but the times is generated and measured anew.
+"""The verification of a certificate: all that can be derived is derived again and compared.
 
-A certificate that was edited, or that belongs to another model or version, is an error. A statement of the
-certificate that can be checked and turns out different is a finding that does not hold.
+A certificate that was edited, or that belongs to another model or version, is an error. From its request,
+model, domain and variant the C is generated and built again, and every measurement is made again in the same
+states: selection, validation and both searches. Each statement must follow from these. Then come states that
+the certification has not seen. Times, and what became of the other variants, cannot be derived; a finding
+names each of them as not checked.
 """
 
 from __future__ import annotations
 
 import hashlib
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from kanegen.errors import BuildError, CertificateError, KanegenError
-from kanegen.library import Library, load
 from kanegen.measure.truth.certify import WIDTH
-from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
 from kanegen.readers import load as load_model
-from kanegen.studies.budget.budget_evaluator import is_reproducible, usable_errors
+from kanegen.studies.budget.budget_evaluator import BudgetEvaluator, is_reproducible
 from kanegen.studies.budget.certificate import (
-    DIGEST_STATES,
-    CertificateFields,
+    Certificate,
+    Given,
     built_with,
-    certificate_fields,
+    given,
     model_text,
     read_certificate,
-    results_digest,
-    source_digests,
 )
 from kanegen.studies.budget.confidence import exceedance_floor
-from kanegen.studies.budget.region import Region, region_from_table
+from kanegen.studies.budget.confirmation import Confirmation, confirmation, is_refuted, is_refuted_by
+from kanegen.studies.budget.differences import differences
+from kanegen.studies.budget.region import region_from_table
+from kanegen.studies.budget.request import Request
 from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region
-from kanegen.studies.tradeoff.compilation import generate_variant
-from kanegen.studies.tradeoff.domain import Sample
-from kanegen.studies.tradeoff.exact_results import ExactResults, unit_roundoff
+from kanegen.studies.budget.statements import claim_words, request_from_table, statements
+from kanegen.studies.budget.times import inconsistency
+from kanegen.studies.tradeoff.exact_results import unit_roundoff
+from kanegen.studies.tradeoff.variants import Candidate
 
-MACHINE = ("processor", "compiler", "libc")
-"""Properties of a machine on which times depend and, for a variant that is not reproducible, results too."""
+MEASURED = ("claim", "validation", "search", "bits")
+"""Sections that depend on the results of the variant, and so on the machine if it is not reproducible."""
+
+SHOWN = 3
+"""Number of differences that a finding names."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +57,7 @@ class Finding:
     """The outcome of checking one statement of a certificate.
 
     Attributes:
-        subject: Subject of the statement.
+        subject: Subject of the statement: a section of the certificate, a file, or a check.
         holds: Whether it still holds; None where it was not checked or cannot be checked.
         explanation: What was found, in words.
     """
@@ -82,7 +90,7 @@ def verify(
     seed: int = 1,
     progress: Progress = quiet,
 ) -> Verification:
-    """Check a certificate: generate the C anew and repeat the measurements.
+    """Check a certificate: generate the C anew, repeat the measurements, and derive all statements again.
 
     Args:
         path: The certificate file. C files that lie beside it are checked as well.
@@ -104,20 +112,12 @@ def verify(
     certificate = read_certificate(path)
     progress("generating and building")
     try:
-        fields = certificate_fields(certificate)
-        if model is not None and model_text(model) != fields.model_text:
-            raise CertificateError(
-                f"it is of another model than {model.name!r} as it is now. Generate it anew."
-            )
-        region = region_from_table(_model_from_text(fields.model_text), fields.domain)
-        library = load(generate_variant(region.system, certificate.candidate))
+        checks = _Checks.of(path.parent, certificate, model, progress)
     except BuildError:
         raise
     except KanegenError as error:
         raise CertificateError(f"{path}: {error}") from None
-    checks = _Checks(path.parent, fields, region, library, is_reproducible(certificate.candidate))
-    progress("exact results in fresh states")
-    return Verification(tuple(checks.findings(states or fields.states, seed)))
+    return Verification(tuple(checks.findings(states or checks.request.fresh_states, seed)))
 
 
 def _model_from_text(text: str) -> System:
@@ -128,25 +128,56 @@ def _model_from_text(text: str) -> System:
         return load_model(file)
 
 
+@dataclass(frozen=True)
 class _Checks:
     """The checks of one certificate.
 
-    Args:
+    Attributes:
         folder: Folder of the certificate file.
-        fields: Fields of the certificate.
-        region: The states for which the certificate claims an error.
-        library: The variant of the certificate, generated and built anew.
-        reproducible: Whether the variant has the same bits from every compiler and on every machine.
+        certificate: The certificate.
+        given: What it is about.
+        system: The model that it holds.
+        request: Its request.
+        seed: Seed of all its samples.
+        candidate: Its variant.
+        evaluator: The evaluator, which has built the variant again.
     """
 
-    def __init__(
-        self, folder: Path, fields: CertificateFields, region: Region, library: Library, reproducible: bool
-    ) -> None:
-        self._folder, self._fields = folder, fields
-        self._region, self._library = region, library
-        self._reproducible = reproducible
-        self._roundoff = unit_roundoff(library.source.variant)
-        self._exact = ExactResults(region.system)
+    folder: Path
+    certificate: Certificate
+    given: Given
+    system: System
+    request: Request
+    seed: int
+    candidate: Candidate
+    evaluator: BudgetEvaluator
+
+    @classmethod
+    def of(cls, folder: Path, certificate: Certificate, model: System | None, progress: Progress) -> _Checks:
+        """Return the checks of a certificate, after building its variant again.
+
+        Raises:
+            BuildError: If the variant cannot be built.
+            CertificateError: If the certificate belongs to another model, or what it is about is impossible.
+            OptionError: If its domain is none of the model.
+        """
+        about, candidate = given(certificate), certificate.candidate
+        if model is not None and model_text(model) != about.model_text:
+            raise CertificateError(
+                f"it is of another model than {model.name!r} as it is now. Generate it anew."
+            )
+        system = _model_from_text(about.model_text)
+        region = region_from_table(system, about.domain)
+        request, seed = request_from_table(about.request)
+        if not 1 <= about.attempt <= request.attempts:
+            raise CertificateError(f"it was validated in attempt {about.attempt} of {request.attempts}.")
+        for _, state in about.worst.values():
+            sample_from_table(region.domain, state)
+        evaluator = BudgetEvaluator(region, request, [candidate], seed, progress)
+        _, refused = evaluator.build([candidate])
+        if candidate in refused:
+            raise BuildError(f"{candidate.label}: {refused[candidate]}")
+        return cls(folder, certificate, about, system, request, seed, candidate, evaluator)
 
     def findings(self, states: int, seed: int) -> Iterator[Finding]:
         """Yield the findings of all checks.
@@ -155,82 +186,119 @@ class _Checks:
             states: Number of fresh states.
             seed: Seed of the fresh states.
         """
-        yield self._source()
+        yield from self._sections()
         yield from self._files_beside()
-        yield self._results()
         yield from self._worst_states()
+        yield self._rules()
         yield self._fresh_states(states, seed)
-        yield self._times()
+        yield from self._measurements_of_the_machine()
+
+    @cached_property
+    def _confirmation(self) -> Confirmation[Candidate]:
+        """The measurements of the certification, made again."""
+        return confirmation(self.evaluator, self.request, self.candidate, self.given.attempt)
+
+    @cached_property
+    def _derived(self) -> dict[str, Any]:
+        """The statements of the certificate, derived again.
+
+        The words of the claim follow from the numbers that the certificate states.
+        """
+        text = model_text(self.system)
+        derived = statements(text, self.evaluator, self.request, self._confirmation, self.seed)
+        stated = [self.certificate.section(name) for name in ("claim", "validation", "search")]
+        with suppress(KeyError, TypeError, ValueError):  # the words of the derived numbers stay
+            derived["claim"]["words"] = claim_words(*stated)
+        return derived
 
     @cached_property
     def _differences(self) -> str:
         """Differences between this machine and that of the certificate, in words; "" if there are none."""
-        now, then = built_with(self._library.source), self._fields.built_with
-        return ", ".join(f"another {name}" for name in MACHINE if now[name] != then.get(name))
+        then = self.certificate.section("built_with")
+        known = then if isinstance(then, Mapping) else {}
+        return ", ".join(f"another {name}" for name, now in built_with().items() if now != known.get(name))
 
     @property
     def _may_differ(self) -> bool:
         """Whether other bits than those of the certificate are to be expected on this machine."""
-        return bool(self._differences) and not self._reproducible
+        return bool(self._differences) and not is_reproducible(self.candidate)
 
-    def _source(self) -> Finding:
-        """Compare the C that is generated now with that of the certificate."""
-        now, then = source_digests(self._library.source), self._fields.source
-        changed = sorted(name for name in {**now, **then} if now.get(name) != then.get(name))
-        if changed:
-            return Finding("source", False, f"generated anew, {', '.join(changed)} differs")
-        return Finding("source", True, f"generated anew, {len(now)} files are the same to the last byte")
+    def _sections(self) -> Iterator[Finding]:
+        """Compare each statement with what is derived again."""
+        own = ("kind", "format", "generator", "//", "built_with", "times", "candidates")
+        for name in self.certificate.content:
+            if name not in self._derived and name not in own:
+                yield Finding(name, False, "no certificate of this version has this section")
+        for name, derived in self._derived.items():
+            found = list(differences(name, self.certificate.section(name), derived))
+            if not found:
+                yield Finding(name, True, "derived again and the same")
+                continue
+            listed = "; ".join(found[:SHOWN])
+            more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
+            if name in MEASURED and self._may_differ:
+                yield Finding(name, None, f"differs, as it may: {self._differences}; {listed}{more}")
+            else:
+                yield Finding(name, False, f"{listed}{more}")
 
     def _files_beside(self) -> Iterator[Finding]:
-        """Compare each C file in the folder of the certificate with the certificate."""
-        for name, digest in self._fields.source.items():
-            file = self._folder / name
+        """Compare each C file in the folder of the certificate with the file that is generated now."""
+        for name, digest in self._derived["source"].items():
+            file = self.folder / name
             if file.is_file():
                 same = hashlib.sha256(file.read_bytes()).hexdigest() == digest
-                state = "unchanged" if same else "changed since"
-                yield Finding(name, same, f"beside the certificate, {state}")
-
-    def _results(self) -> Finding:
-        """Compare the bits of the results with those of the certificate."""
-        fields = self._fields
-        digest = results_digest(self._region, self._library, fields.objective, fields.seed)
-        if digest == fields.results_digest:
-            return Finding("results", True, f"the same bits in {DIGEST_STATES} states")
-        different = f"other bits in {DIGEST_STATES} states"
-        if self._may_differ:
-            return Finding("results", None, f"{different}, as it may be: {self._differences}")
-        return Finding("results", False, different)
+                state = "the same" if same else "another file"
+                yield Finding(name, same, f"beside the certificate, {state} as generated anew")
 
     def _worst_states(self) -> Iterator[Finding]:
-        """Compare the errors in the worst states of the certificate with those that it names."""
-        for worst in self._fields.worst:
-            sample = sample_from_table(self._region.domain, worst.state)
-            error = float(self._errors(sample)[0])
-            tolerance = 2 * WIDTH * self._roundoff + 1e-9 * worst.error
-            is_same = abs(error - worst.error) <= tolerance
-            is_kept = self._may_differ and error <= self._fields.error
-            found = f"error {error:.3g}, was {worst.error:.3g}"
-            yield Finding(f"worst state of the {worst.part}", is_same or is_kept, found)
+        """Compare the errors in the worst states with those in the certificate, and with the claim."""
+        roundoff = unit_roundoff(self.evaluator.library(self.candidate).source.variant)
+        for part, (stated, state) in self.given.worst.items():
+            sample = sample_from_table(self.evaluator.region.domain, state)
+            error = float(self.evaluator.errors_in(self.candidate, sample)[0])
+            is_same = abs(error - stated) <= 2 * WIDTH * roundoff + 1e-9 * stated
+            obeys = not self.request.is_strict or error <= self._confirmation.validation.claim
+            kept = "" if obeys else f", which exceeds {self._confirmation.validation.claim:.3g}"
+            found = f"error {error:.3g}{kept}, was {stated:.3g}"
+            yield Finding(f"worst state of the {part}", obeys and (is_same or self._may_differ), found)
+
+    def _rules(self) -> Finding:
+        """Return whether the measurements, made again, still confirm the variant."""
+        again = self._confirmation
+        refuting = [found for found in again.searches if is_refuted_by(self.request, found)]
+        if refuting:
+            return Finding("confirmation", False, f"a search finds an error of {refuting[0].error:.3g}")
+        count = f"{again.validation.exceeded} of {len(again.validation.errors)}"
+        said = f"{count} states of the validation exceed {again.validation.claim:.3g}"
+        if is_refuted(self.request, again.validation):
+            return Finding("confirmation", False, said)
+        return Finding(
+            "confirmation", True, f"{said}; no search refutes it in {again.evaluations} evaluations"
+        )
 
     def _fresh_states(self, states: int, seed: int) -> Finding:
-        """Compare the errors in fresh states with the claim."""
-        fields = self._fields
-        errors = self._errors(
-            sample_region(self._region, self._exact, states, random_stream(seed, "verify", 0))
-        )
-        exceeded = int(np.sum(~(errors <= fields.error)))
-        is_refuted = exceedance_floor(exceeded, states, fields.alpha) > fields.share
-        holds = not exceeded if fields.is_strict else not is_refuted
-        found = f"{exceeded} of {states} fresh states exceed {fields.error:.3g}, the largest error is"
-        return Finding("error", holds, f"{found} {errors.max():.3g}")
+        """Compare the errors in states that the certification has not seen with the claim."""
+        evaluator, request, claim = self.evaluator, self.request, self._confirmation.validation.claim
+        sample = sample_region(evaluator.region, evaluator.exact, states, random_stream(seed, "verify", 0))
+        errors = evaluator.errors_in(self.candidate, sample)
+        exceeded = int(np.sum(~(errors <= claim)))
+        too_many = exceedance_floor(exceeded, states, request.alpha) > request.share
+        holds = not exceeded if request.is_strict and request.error is not None else not too_many
+        found = f"{exceeded} of {states} fresh states exceed {claim:.3g}, the largest error is"
+        return Finding("fresh states", holds, f"{found} {errors.max():.3g}")
 
-    def _times(self) -> Finding:
-        """Return whether the times of the certificate apply to this machine; they are not measured again."""
-        claim = f"{self._fields.time:.4g} ns for {self._fields.objective}"
+    def _measurements_of_the_machine(self) -> Iterator[Finding]:
+        """Yield what cannot be derived: the machine, the times, and what became of the other variants."""
+        section = self.certificate.section
+        here = differences("built_with", section("built_with"), built_with())
         if self._differences:
-            return Finding("times", None, f"{claim} says nothing here: {self._differences}")
-        return Finding("times", None, f"{claim}, not measured again; processor and compiler are the same")
-
-    def _errors(self, sample: Sample) -> Floats:
-        """Return the (B,) normwise errors of the variant in a sample of B states."""
-        return usable_errors(self._exact.errors(self._library, sample, self._fields.objective))
+            yield Finding("built_with", None, f"not checked: {self._differences} than here")
+        else:
+            found = list(here)
+            yield Finding("built_with", not found, "; ".join(found[:SHOWN]) or "the machine is the same")
+        times, candidates = section("times"), section("candidates")
+        wrong = inconsistency(times, candidates, self.request, self.candidate.label)
+        where = f"says nothing here: {self._differences}" if self._differences else "the machine is the same"
+        yield Finding("times", False if wrong else None, wrong or f"not measured again; {where}")
+        yield Finding("candidates", None, "not checked: the other variants were not measured again")
+        yield Finding("request.effort.seconds", None, "not checked: the duration of a timing leaves no trace")

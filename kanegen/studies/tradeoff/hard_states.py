@@ -3,7 +3,8 @@
 A uniform sample hardly ever contains such states. `hard_states` constructs them: it changes some numbers of
 uniform rows, leaves the other numbers of a state ordinary, brings the rows back into the box, and drops rows
 too near to gimbal lock. `climb` searches for them: it changes one state step by step, so that the error
-grows. A search counts evaluations, not seconds, so that the same seed finds the same state on every machine.
+grows; from an equilibrium half of its steps lead to equilibria. A search counts evaluations, not seconds, so
+that the same seed finds the same state on every machine.
 """
 
 from __future__ import annotations
@@ -21,12 +22,17 @@ from kanegen.studies.tradeoff.domain import Domain, Sample, joined
 GIMBAL_LOCK = "next to gimbal lock"
 STRAIGHT = "folded or straight"
 EQUILIBRIUM = "near equilibrium"
+BALANCED = "in equilibrium"
+NEARLY_SINGULAR = "nearly singular"
 
 FOUND = "found by search"
 """The kind of states that a search finds."""
 
 _NEAREST = 4.0
 """Largest number of powers of ten by which a hard state approaches the singular state of its kind."""
+
+_REFINEMENTS = 24
+"""Number of steps by which the least eigenvalue of [A] is made smaller in every nearly singular state."""
 
 _TOGETHER = 8
 """Number of states that a search tries at once; it goes on from the worst of them."""
@@ -60,7 +66,8 @@ def climb(
 ) -> tuple[Sample, float]:
     """Return the state with the largest error that a search finds, and this error.
 
-    Every step changes a few numbers of the worst state so far, by steps of all sizes.
+    Every step changes a few numbers of the worst state so far, by steps of all sizes. If the start is an
+    equilibrium, half of the changed states are put into equilibrium again.
 
     Args:
         domain: The domain that the search does not leave.
@@ -70,12 +77,15 @@ def climb(
         seed: Seed of the random numbers.
     """
     rng, width = np.random.default_rng(seed), domain.high - domain.low
-    worst, largest = start, float(error(start)[0])
+    worst, largest, keeps_balance = start, float(error(start)[0]), start.kinds[0] == BALANCED
     for tried in range(0, evaluations, _TOGETHER):
         count = min(_TOGETHER, evaluations - tried)
         changed = rng.random((count, domain.size)) < rng.choice([1 / domain.size, 0.1, 1.0], (count, 1))
         step = rng.standard_normal((count, domain.size)) * 10.0 ** -rng.uniform(0.5, _FINEST, (count, 1))
-        sample = domain.states(worst.flat() + width * step * changed, FOUND)
+        rows = worst.flat() + width * step * changed
+        if keeps_balance:
+            rows = np.where(rng.random((count, 1)) < 0.5, balanced(domain, rows), rows)
+        sample = domain.states(rows, FOUND)
         inside = [k for k in range(count) if domain.contains(sample[k : k + 1])]
         errors = error(sample)
         best = max(inside, key=lambda k: errors[k], default=None)
@@ -124,10 +134,57 @@ def _near_equilibrium(domain: Domain, rows: Floats, rng: np.random.Generator) ->
     """Make the speeds small, and let tau almost hold the tree against gravity and loads."""
     n, y, tau = len(domain.system.freedoms), domain.first["y"], domain.first["tau"]
     rows[:, y : y + n] *= np.abs(_small(rng, (len(rows), n)))
-    states = domain.states(rows)
-    forcing = reference.forcing(domain.system, states.x, states.y, states.force, states.torque)
-    rows[:, tau : tau + n] = -forcing * (1 + _small(rng, (len(rows), 1)) * rng.uniform(-1, 1, forcing.shape))
+    rows = balanced(domain, rows)
+    rows[:, tau : tau + n] *= 1 + _small(rng, (len(rows), 1)) * rng.uniform(-1, 1, (len(rows), n))
     return rows
+
+
+def _in_equilibrium(domain: Domain, rows: Floats, rng: np.random.Generator) -> Floats:
+    """Let tau hold the tree: a third of the states at rest, a third moving, a third at corners of the box."""
+    n, y, tau = len(domain.system.freedoms), domain.first["y"], domain.first["tau"]
+    corners = np.where(rng.random((len(rows), tau)) < 0.5, domain.low[:tau], domain.high[:tau])
+    third = np.arange(len(rows)) % 3
+    rows[third == 0, y : y + n] = 0.0
+    rows[third == 2, :tau] = corners[third == 2]
+    return balanced(domain, rows)
+
+
+def balanced(domain: Domain, rows: Floats) -> Floats:
+    """Return rows (B, m) with tau = -{f} in single precision, so that only rounding accelerates the tree.
+
+    Where this tau lies outside the box, the state that `Domain.states` makes of the row is no equilibrium.
+    """
+    n, tau = len(domain.system.freedoms), domain.first["tau"]
+    states = domain.states(rows)
+    found = states.flat()
+    found[:, tau : tau + n] = -reference.forcing(
+        domain.system, states.x, states.y, states.force, states.torque
+    )
+    return found
+
+
+def _nearly_singular(domain: Domain, rows: Floats, rng: np.random.Generator) -> Floats:
+    """Change x so that the least eigenvalue of [A], scaled to a diagonal of ones, gets small."""
+    first = domain.first["y"]
+    width = (domain.high - domain.low)[:first]
+    least = _least_eigenvalue(domain, rows)
+    for step in np.geomspace(1.0, 10.0**-_NEAREST, _REFINEMENTS):
+        tried = rows.copy()
+        tried[:, :first] += step * width * rng.uniform(-0.5, 0.5, (len(rows), first))
+        tried = domain.states(tried).flat()
+        value = _least_eigenvalue(domain, tried)
+        better = value < least
+        rows[better], least[better] = tried[better], value[better]
+    return rows
+
+
+def _least_eigenvalue(domain: Domain, rows: Floats) -> Floats:
+    """Return (B,) least eigenvalues of [A], scaled to a diagonal of ones; 1 where that is impossible."""
+    matrix = reference.mass_matrix(domain.system, domain.states(rows).x)
+    scale = 1 / np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
+    scaled = matrix * scale[:, :, None] * scale[:, None, :]
+    usable = np.isfinite(scaled).all(axis=(1, 2))
+    return np.where(usable, np.linalg.eigvalsh(np.where(usable[:, None, None], scaled, 1.0))[:, 0], 1.0)
 
 
 def _small(rng: np.random.Generator, shape: tuple[int, ...]) -> Floats:
@@ -140,5 +197,7 @@ HARD_KINDS: dict[str, Callable[[Domain, Floats, np.random.Generator], Floats]] =
     GIMBAL_LOCK: _next_to_gimbal_lock,
     STRAIGHT: _folded_or_straight,
     EQUILIBRIUM: _near_equilibrium,
+    BALANCED: _in_equilibrium,
+    NEARLY_SINGULAR: _nearly_singular,
 }
 """Kinds of hard states, each with the function that changes uniform rows (B, m) into states of this kind."""
