@@ -96,8 +96,8 @@ class _Lowering:
             return self._sum(arguments)
         if expression.is_Mul:
             return reduce(self.builder.multiply, (self.value(factor) for factor in arguments))
-        if expression.is_Pow and (2 * arguments[1]).is_Integer:
-            return self._power(self.value(arguments[0]), int(2 * arguments[1]))
+        if expression.is_Pow and arguments[1].is_Rational and arguments[1].q.bit_count() == 1:
+            return self._power(self.value(arguments[0]), arguments[1].p, arguments[1].q)
         if isinstance(expression, sympy.Abs | sympy.sign):
             base = self.value(arguments[0])
             size = self.builder.function(Op.SQRT, self.builder.multiply(base, base))
@@ -107,13 +107,18 @@ class _Lowering:
             return self.builder.function(function, self.value(arguments[0]))
         raise TypeError(f"no instruction for {type(expression).__name__}: {expression}")
 
-    def _power(self, base: int, halves: int) -> int:
-        """Return the power of a value whose exponent is `halves` / 2, by squaring."""
-        if halves < 0:
+    def _power(self, base: int, numerator: int, denominator: int) -> int:
+        """Return the power of a value by squaring and square roots; the denominator is a power of two."""
+        if numerator < 0:
             one = self.builder.constant(self.constants.quotient(1, 1))
-            return self.builder.divide(one, self._power(base, -halves))
-        factors = [self.builder.function(Op.SQRT, base)] if halves % 2 else []
-        whole = halves // 2
+            return self.builder.divide(one, self._power(base, -numerator, denominator))
+        whole, rest = divmod(numerator, denominator)
+        factors, root = [], base
+        while rest:
+            root, rest = self.builder.function(Op.SQRT, root), 2 * rest
+            if rest >= denominator:
+                factors.append(root)
+                rest -= denominator
         while whole:
             if whole % 2:
                 factors.append(base)

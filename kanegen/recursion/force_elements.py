@@ -31,16 +31,16 @@ HALF = Rational(1, 2)
 def element_efforts(tree: Tree) -> dict[Place, Expr]:
     """Return the generalized forces of joint springs, drives and potentials, also on locked directions."""
     found: dict[Place, list[Expr]] = {}
+    tree.definitions.about("Efforts of force elements")
     for place, effort in _efforts(tree):
         found.setdefault(place, []).append(effort)
     define = tree.definitions.define
-    tree.definitions.about("Efforts of force elements")
     return {(k, index): define(f"fe_{k}_{index + 1}", Add(*parts)) for (k, index), parts in found.items()}
 
 
 def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
     """Yield the place (body and freedom) and the effort of every force element on freedoms."""
-    bodies, translator = tree.system.bodies, ExpressionTranslator(tree.system, exact)
+    bodies, translator = tree.system.bodies, ExpressionTranslator(tree.system, exact, tree.definitions)
     coordinates, speeds = coordinate_places(bodies), speed_places(bodies)
     for element in tree.system.force_elements:
         match element:
@@ -77,9 +77,10 @@ def _spring_wrenches(tree: Tree) -> Iterator[tuple[int, Wrench]]:
 def _point_loads(tree: Tree) -> Iterator[tuple[int, Wrench]]:
     """Yield the body and the wrench of every load on a point, by force elements and by the caller."""
     places = {point.name: (k, point.position) for k, point in tree.system.points}
-    translator = ExpressionTranslator(tree.system, exact)
+    translator = ExpressionTranslator(tree.system, exact, tree.definitions)
     for number, element in enumerate(tree.system.force_elements, start=1):
         if isinstance(element, PointLoad):
+            tree.definitions.about(f"Load element {number}")
             force, moment = (
                 Vector(*map(translator.value, values)) for values in (element.force, element.moment)
             )
@@ -110,7 +111,7 @@ def _force_at(tree: Tree, k: int, position: Vector, force: Vector) -> Wrench:
 def stored_energy(tree: Tree) -> Expr:
     """Return the energy that springs and potentials store (J)."""
     parts: list[Expr] = []
-    translator = ExpressionTranslator(tree.system, exact)
+    translator = ExpressionTranslator(tree.system, exact, tree.definitions)
     for element in tree.system.force_elements:
         if isinstance(element, JointSpring):
             stretch = translator.coordinate(element.freedom) - exact(element.rest)

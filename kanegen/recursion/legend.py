@@ -172,6 +172,7 @@ NAMES = (
     ("Cq_{K}", "square of the function of the middle angle that is 0 at gimbal lock"),
     ("qq_{K}", "component of the angular velocity along the axis that gives the first rate"),
     # Force elements
+    ("ex_{n}", "part of the expression of a force element, or of its derivatives"),
     ("fe_{K}_{i}", "generalized force of force elements on freedom i of body K"),
     ("kw_{n}_{x}", "second end of spring n from its first (m)"),
     ("kwd_{n}_{x}", "rate of kw_n (m/s)"),

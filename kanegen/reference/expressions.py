@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from kanegen.model.force_elements.expression import Constant, Expression, Node, Operation, Power, Variable
+from kanegen.model.force_elements.expression import Constant, Expression, Leaf, Operation, Power, folded
 from kanegen.model.numbers import value_of
 from kanegen.reference.matrices import Numbers
 
@@ -166,18 +166,15 @@ def evaluate(
         constant: Function that makes a value of the arithmetic from a number.
     """
 
-    def of(node: Node) -> Value:
-        match node:
-            case Constant(number):
-                return constant(value_of(number))
-            case Variable(name):
-                return variables[name]
-            case Power(base, exponent):
-                return _power(of(base), exponent, constant(1.0))
-            case Operation(name, operands):
-                return _OPERATIONS[name](*map(of, operands))
+    def leaf(node: Leaf) -> Value:
+        return constant(value_of(node.value)) if isinstance(node, Constant) else variables[node.name]
 
-    return of(expression.root)
+    def operation(node: Operation | Power, operands: list[Value]) -> Value:
+        if isinstance(node, Power):
+            return _power(operands[0], node.exponent, constant(1.0))
+        return _OPERATIONS[node.operator](*operands)
+
+    return folded(expression.root, leaf, operation)
 
 
 def _power(base: Value, exponent: int, one: Value) -> Value:

@@ -67,6 +67,7 @@ class Definitions:
         self._list: list[Definition] = []
         self._names = set(taken)
         self._known: dict[Expr, Symbol] = {}
+        self._numbers: dict[str, int] = {}
         self._note = ""
 
     def listed(self) -> tuple[Definition, ...]:
@@ -93,6 +94,13 @@ class Definitions:
         self._names.add(name)
         self._known[value] = symbol
         self._list.append(Definition(symbol, value, self._note))
+        return symbol
+
+    def define_next(self, prefix: str, value: Expr) -> Expr:
+        """Return what `define` returns, with the name `<prefix>_<n>`, where n counts from 1."""
+        number, before = self._numbers.get(prefix, 1), len(self._list)
+        symbol = self.define(f"{prefix}_{number}", value)
+        self._numbers[prefix] = number + len(self._list) - before
         return symbol
 
     def vector(self, name: str, value: Vector) -> Vector:

@@ -128,13 +128,14 @@ class Equations:
     def _elements(self) -> ElementForces:
         """The generalized forces of force elements and loads on points."""
         taken = [parameter.name for parameter in self.system.parameters]
-        return ElementForces(self.system, self.bodies, Definitions(taken) if self.intermediates else None)
+        return ElementForces(self.system, self.bodies, Definitions(taken), self.intermediates)
 
     @cached_property
     def definitions(self) -> tuple[Definition, ...]:
-        """The definitions of all intermediates in order of evaluation; empty if `intermediates` is False."""
-        if not self.intermediates:
-            return ()
+        """The definitions of all intermediates in order of evaluation.
+
+        If `intermediates` is False, only parts of long expressions of force elements have names.
+        """
         of_bodies = tuple(definition for body in self.bodies for definition in body.definitions)
         return of_bodies + self._elements.definitions
 
@@ -167,7 +168,8 @@ class Equations:
         f = total(body.forcing for body in literal.bodies)
         motion = [*literal.y, *self.loads, *self.prescribed[1:, :]]
         closed = close(literal.A, f, literal.bodies, motion)
-        if sum(sympy.count_ops(entry) for entry in literal.element_forces) > MOST_OPERATIONS:
+        operations = sum(sympy.count_ops(entry) for entry in literal.element_forces)
+        if operations > MOST_OPERATIONS or literal.definitions:
             raise OptionError(
                 f"system {self.system.name!r}: what its force elements add is too long to be read without "
                 "intermediates. Print it with intermediates instead (closed=False), or read equations.A, "

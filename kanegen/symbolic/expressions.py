@@ -1,30 +1,42 @@
-"""The expressions of force elements in SymPy; shared by both derivations."""
+"""The expressions of force elements in SymPy; shared by both derivations.
+
+A long expression becomes a list of short parts, each with a symbol that later parts contain. SymPy never sees
+a deep tree, what occurs twice is computed once, and a derivative takes as many steps as the expression, from
+its value back through the parts (reverse accumulation: Griewank and Walther 2008, section 3.2).
+"""
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import sympy
-from sympy import Expr, S
+from sympy import Add, Dummy, Expr, S, Symbol
 
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.force_elements.expression import (
     TIME,
     Constant,
     Expression,
-    Node,
+    Leaf,
     Operation,
     Power,
-    Variable,
+    folded,
 )
 from kanegen.model.force_elements.names import Place, variable_places
 from kanegen.model.numbers import Number
 from kanegen.model.system import System
+from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import coordinate, speed, time
+
+LONGEST_PART = 24
+"""Largest number of operations of one part of an expression, counted where they occur."""
+
+MOST_BITS = 2**15
+"""Largest number of bits of an exact number that is made of the constants of an expression."""
 
 _OPERATIONS: dict[str, Callable[..., Expr]] = {
     "+": operator.add,
@@ -41,6 +53,68 @@ _OPERATIONS: dict[str, Callable[..., Expr]] = {
 """SymPy's functions for the operations of expressions."""
 
 
+_COPIES = {"tan": 2}
+"""How often an operand occurs in the SymPy of an operation, where it is not once."""
+
+
+@dataclass(frozen=True)
+class _Sized:
+    """An expression in SymPy and the number of its operations."""
+
+    value: Expr
+    size: int = 0
+
+
+class _Parts:
+    """The translation of one expression into short parts.
+
+    Attributes:
+        values: The value of each part by its symbol, in order of evaluation.
+    """
+
+    def __init__(self, leaf: Callable[[Leaf], Expr], expression: Expression) -> None:
+        self.values: dict[Symbol, Expr] = {}
+        self._expression = expression
+        self.root = folded(expression.root, lambda node: _Sized(leaf(node)), self._operation).value
+
+    def _operation(self, node: Operation | Power, operands: list[_Sized]) -> _Sized:
+        """Return an operation; its longest operands become parts where it would be too long."""
+        name = "power" if isinstance(node, Power) else node.operator
+        copies = _COPIES.get(name, 1)
+        operands = [*operands]
+        if name == "abs" and not operands[0].value.is_extended_real:
+            # SymPy would differentiate the absolute value of what may be complex, such as a root.
+            operands = [_Sized(self._part(operands[0].value))]
+        while 1 + copies * sum(one.size for one in operands) > LONGEST_PART:
+            longest = max(range(len(operands)), key=lambda k: operands[k].size)
+            operands[longest] = _Sized(self._part(operands[longest].value))
+        values = [one.value for one in operands]
+        value = values[0] ** node.exponent if isinstance(node, Power) else _OPERATIONS[name](*values)
+        size = 0 if value.is_Number else 1 + copies * sum(one.size for one in operands)
+        return _Sized(_checked(value, self._expression), size)
+
+    def _part(self, value: Expr) -> Symbol:
+        """Return the symbol of a new part."""
+        symbol = Dummy(real=True)
+        self.values[symbol] = value
+        return symbol
+
+    def derivatives(self, by: Sequence[Symbol]) -> list[Expr]:
+        """Return the derivatives of the root by symbols that are no parts; what they share becomes parts."""
+        terms: dict[Symbol, list[Expr]] = {symbol: [] for symbol in (*self.values, *by)}
+
+        def spread(value: Expr, weight: Expr) -> None:
+            inside = value.free_symbols
+            for symbol, found in terms.items():
+                if symbol in inside:
+                    found.append(weight * sympy.diff(value, symbol))
+
+        spread(self.root, S.One)
+        for symbol, value in reversed([*self.values.items()]):
+            spread(value, self._part(Add(*terms[symbol])))
+        return [Add(*terms[symbol]) for symbol in by]
+
+
 @dataclass(frozen=True)
 class ExpressionTranslator:
     """Translates expressions of force elements, and the names of coordinates and speeds in them, to SymPy.
@@ -48,13 +122,12 @@ class ExpressionTranslator:
     Attributes:
         system: The system to which the force elements belong.
         number: Converts a number of the model to SymPy.
-        keeps_locked: Whether locked coordinates stay symbols instead of becoming the numbers they are locked
-            at.
+        definitions: Collects the definitions of the parts of long expressions.
     """
 
     system: System
     number: Callable[[Number], Expr]
-    keeps_locked: bool = False
+    definitions: Definitions
 
     def value(self, expression: Expression) -> Expr:
         """Return an expression in SymPy.
@@ -63,7 +136,9 @@ class ExpressionTranslator:
             ModelError: If the expression divides by zero, or takes the root of a negative number, in every
                 state.
         """
-        return _finite(self._value(expression.root), expression)
+        parts = _Parts(self._leaf, expression)
+        (value,) = self._defined(expression, parts, [parts.root], {})
+        return value
 
     def gradient(self, energy: Expression) -> dict[Place, Expr]:
         """Return the derivatives of an energy by its coordinates, also locked ones, by place (body, kind).
@@ -73,12 +148,25 @@ class ExpressionTranslator:
                 state.
         """
         places = {name: self._places[name] for name in energy.variables}
-        locked = {coordinate(*place): self._coordinate(place) for place in places.values()}
-        value = replace(self, keeps_locked=True).value(energy)
-        return {
-            place: _finite(sympy.diff(value, coordinate(*place)).xreplace(locked), energy)
-            for place in places.values()
-        }
+        symbols = {place: coordinate(*place) for place in dict.fromkeys(places.values())}
+
+        def leaf(node: Leaf) -> Expr:
+            return self.number(node.value) if isinstance(node, Constant) else symbols[places[node.name]]
+
+        parts = _Parts(leaf, energy)
+        slopes = parts.derivatives([*symbols.values()])
+        locked = {symbol: self._coordinate(place) for place, symbol in symbols.items()}
+        return dict(zip(symbols, self._defined(energy, parts, slopes, locked), strict=True))
+
+    def _defined(
+        self, expression: Expression, parts: _Parts, results: Sequence[Expr], known: Mapping[Symbol, Expr]
+    ) -> list[Expr]:
+        """Return results in terms of definitions, which the parts become; `known` are further symbols."""
+        replaced = dict(known)
+        for symbol, value in parts.values.items():
+            checked = _checked(value.xreplace(replaced), expression)
+            replaced[symbol] = self.definitions.define_next("ex", checked)
+        return [_checked(result.xreplace(replaced), expression) for result in results]
 
     def coordinate(self, name: str) -> Expr:
         """Return the coordinate of that name (rad, m), or the value at which it is locked."""
@@ -88,16 +176,11 @@ class ExpressionTranslator:
         """Return the speed of that name (rad/s, m/s), zero where it is locked."""
         return self._variable(f"y.{name}")
 
-    def _value(self, node: Node) -> Expr:
-        match node:
-            case Constant(value):
-                return self.number(value)
-            case Variable(name):
-                return time() if name == TIME else self._variable(name)
-            case Power(base, exponent):
-                return self._value(base) ** exponent
-            case Operation(name, operands):
-                return _OPERATIONS[name](*map(self._value, operands))
+    def _leaf(self, node: Leaf) -> Expr:
+        """Return a number or a variable in SymPy."""
+        if isinstance(node, Constant):
+            return self.number(node.value)
+        return time() if node.name == TIME else self._variable(node.name)
 
     def _variable(self, name: str) -> Expr:
         place = self._places[name]
@@ -110,7 +193,7 @@ class ExpressionTranslator:
     def _coordinate(self, place: Place) -> Expr:
         k, kind = place
         joint = self.system.bodies[k - 1].joint
-        is_symbol = kind >= len(FREEDOMS) or joint.moving[kind] or self.keeps_locked
+        is_symbol = kind >= len(FREEDOMS) or joint.moving[kind]
         return coordinate(k, kind) if is_symbol else self.number(joint.locked[kind])
 
     def _speed(self, place: Place) -> Expr:
@@ -119,11 +202,16 @@ class ExpressionTranslator:
         return speed(k, joint.speed_kinds[index]) if joint.moving[index] else S.Zero
 
 
-def _finite(value: Expr, expression: Expression) -> Expr:
-    """Return `value`, the translation of `expression`, after a test that it is finite and real."""
+def _checked(value: Expr, expression: Expression) -> Expr:
+    """Return `value`, a part of `expression`, after a test that it is finite, real and no huge number."""
     if value.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
         raise ModelError(
-            f"expression {str(expression)!r} has no value: in every state it divides by zero or takes the "
-            "root of a negative number."
+            f"expression {quoted(str(expression))} has no value: in every state it divides by zero or takes "
+            "the root of a negative number."
+        )
+    if value.is_Rational and max(abs(value.p).bit_length(), value.q.bit_length()) > MOST_BITS:
+        raise ModelError(
+            f"expression {quoted(str(expression))}: a constant in it has more than {MOST_BITS} bits. Write "
+            "it as one number."
         )
     return value

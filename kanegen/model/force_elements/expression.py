@@ -7,9 +7,12 @@ evaluates them in NumPy, independently.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from kanegen.model.numbers import Number, toml_number
+
+_T = TypeVar("_T")
 
 FUNCTIONS = ("abs", "cos", "sin", "sqrt", "tan")
 """Functions that an expression may call. Their results have the same bits on every machine; others, such as
@@ -54,6 +57,9 @@ class Operation:
 
 Node = Constant | Variable | Power | Operation
 
+Step = Leaf | int | tuple[str, int]
+"""A node of a tree in a list: a leaf, the exponent of a power, or an operator and its number of operands."""
+
 _LEVELS = {"+": 1, "-": 1, "*": 2, "/": 2, "negate": 3}
 _POWER = 4
 _ATOM = 5
@@ -72,6 +78,18 @@ class Expression:
     def __str__(self) -> str:
         """Return the text of the expression as `grammar.parse` reads it, parameters by their names."""
         return _text(self.root)
+
+    def __repr__(self) -> str:
+        """The text of the expression, with the function that reads it."""
+        return f"parse({str(self)!r})"
+
+    def __deepcopy__(self, memo: object) -> Expression:
+        """Return the expression itself, which never changes."""
+        return self
+
+    def __reduce__(self) -> tuple[Callable[[tuple[Step, ...]], Expression], tuple[tuple[Step, ...]]]:
+        """Return the tree as a list, because pickle takes trees of limited depth only."""
+        return _rebuilt, (_postfix(self.root),)
 
     @property
     def variables(self) -> tuple[str, ...]:
@@ -93,7 +111,7 @@ class Expression:
             plain = expression.map_numbers(value_of)  # parameters at their defaults
         """
 
-        def leaf(found: Leaf) -> Leaf:
+        def leaf(found: Leaf) -> Node:
             return Constant(change(found.value)) if isinstance(found, Constant) else found
 
         return Expression(_mapped(self.root, leaf))
@@ -105,71 +123,130 @@ class Expression:
             kg.parse("x.arm.theta3").with_variables_renamed(lambda name: "x.elbow.theta3")
         """
 
-        def leaf(found: Leaf) -> Leaf:
+        def leaf(found: Leaf) -> Node:
             return Variable(rename(found.name)) if isinstance(found, Variable) else found
 
         return Expression(_mapped(self.root, leaf))
 
 
-def _mapped(node: Node, function: Callable[[Leaf], Leaf]) -> Node:
-    """Return the tree with `function` applied to its leaves."""
-    match node:
-        case Operation(operator, operands):
-            return Operation(operator, tuple(_mapped(operand, function) for operand in operands))
-        case Power(base, exponent):
-            return Power(_mapped(base, function), exponent)
-        case leaf:
-            return function(leaf)
+def folded(
+    root: Node, leaf: Callable[[Leaf], _T], operation: Callable[[Operation | Power, list[_T]], _T]
+) -> _T:
+    """Return the value of a tree of any depth, from the values of its leaves and operations.
+
+    Args:
+        root: The tree.
+        leaf: Function that returns the value of a leaf.
+        operation: Function that returns the value of an operation or power from those of its operands.
+    """
+    waiting, nodes = [root], []
+    while waiting:
+        nodes.append(waiting.pop())
+        waiting += _operands(nodes[-1])
+    values: list[_T] = []
+    for node in reversed(nodes):
+        if isinstance(node, Constant | Variable):
+            values.append(leaf(node))
+        else:
+            count = len(_operands(node))
+            operands = values[len(values) - count :]
+            values[len(values) - count :] = [operation(node, operands)]
+    return values[0]
 
 
-def _leaves(node: Node) -> Iterator[Leaf]:
-    """Yield the numbers and variables of a tree, from the left."""
+def _operands(node: Node) -> tuple[Node, ...]:
+    """Return the operands of a node, none of a leaf."""
     match node:
         case Operation(_, operands):
-            for operand in operands:
-                yield from _leaves(operand)
+            return operands
         case Power(base):
-            yield from _leaves(base)
-        case leaf:
-            yield leaf
+            return (base,)
+    return ()
 
 
-def _text(node: Node) -> str:
+def _postfix(root: Node) -> tuple[Step, ...]:
+    """Return the nodes of a tree, operands before their operation."""
+    steps: list[Step] = []
+
+    def operation(node: Operation | Power, operands: list[None]) -> None:
+        steps.append(node.exponent if isinstance(node, Power) else (node.operator, len(operands)))
+
+    folded(root, steps.append, operation)
+    return tuple(steps)
+
+
+def _rebuilt(steps: tuple[Step, ...]) -> Expression:
+    """Return the expression whose tree `_postfix` made a list of."""
+    made: list[Node] = []
+    for step in steps:
+        match step:
+            case int(exponent):
+                made.append(Power(made.pop(), exponent))
+            case (operator, count):
+                operands = made[len(made) - count :]
+                made[len(made) - count :] = [Operation(operator, tuple(operands))]
+            case leaf:
+                made.append(leaf)
+    return Expression(made[0])
+
+
+def _mapped(root: Node, function: Callable[[Leaf], Node]) -> Node:
+    """Return the tree with `function` applied to its leaves."""
+
+    def again(node: Operation | Power, operands: list[Node]) -> Node:
+        return (
+            Power(operands[0], node.exponent)
+            if isinstance(node, Power)
+            else replace(node, operands=tuple(operands))
+        )
+
+    return folded(root, function, again)
+
+
+def _leaves(root: Node) -> list[Leaf]:
+    """Return the numbers and variables of a tree, from the left."""
+    found: list[Leaf] = []
+    folded(root, found.append, lambda node, operands: None)
+    return found
+
+
+def _text(root: Node) -> str:
     """Return the text of a tree."""
-    match node:
-        case Constant(value):
-            number = toml_number(value)
-            return number if isinstance(number, str) else repr(number)
-        case Variable(name):
-            return _variable(name)
-        case Power(base, exponent):
-            return f"{_within(base, _ATOM)}**{exponent}"
-        case Operation("negate", (operand,)):
-            return f"-{_within(operand, _LEVELS['negate'])}"
-        case Operation(function, (operand,)):
-            return f"{function}({_text(operand)})"
-        case Operation(sign, (left, right)):
-            # Without brackets, an operation of the same level on the right would be evaluated first.
-            return f"{_within(left, _LEVELS[sign])} {sign} {_within(right, _LEVELS[sign] + 1)}"
-    raise ValueError(node)
+    return folded(root, _text_of_leaf, _text_of_operation)[0]
 
 
-def _within(node: Node, level: int) -> str:
+Text = tuple[str, int]
+"""The text of a tree, and how tightly its outermost operator binds, as in `_LEVELS`."""
+
+
+def _text_of_leaf(leaf: Leaf) -> Text:
+    """Return the text of a number or a variable."""
+    if isinstance(leaf, Variable):
+        return _variable(leaf.name), _ATOM
+    number = toml_number(leaf.value)
+    if isinstance(number, str):
+        return number, _ATOM
+    return repr(number), _LEVELS["negate"] if number < 0 else _ATOM
+
+
+def _text_of_operation(node: Operation | Power, operands: list[Text]) -> Text:
+    """Return the text of an operation from those of its operands."""
+    if isinstance(node, Power):
+        return f"{_within(operands[0], _ATOM)}**{node.exponent}", _POWER
+    level = _LEVELS.get(node.operator, _ATOM)
+    if node.operator == "negate":
+        return f"-{_within(operands[0], level)}", level
+    if node.operator in FUNCTIONS:
+        return f"{node.operator}({operands[0][0]})", level
+    # Without brackets, an operation of the same level on the right would be evaluated first.
+    left, right = _within(operands[0], level), _within(operands[1], level + 1)
+    return f"{left} {node.operator} {right}", level
+
+
+def _within(operand: Text, level: int) -> str:
     """Return the text of a tree, in brackets if it binds more loosely than `level`."""
-    text = _text(node)
-    return text if _level(node) >= level else f"({text})"
-
-
-def _level(node: Node) -> int:
-    """Return how tightly the outermost operator of a tree binds, as in `_LEVELS`."""
-    match node:
-        case Constant(float(value)) if value < 0:
-            return _LEVELS["negate"]
-        case Power():
-            return _POWER
-        case Operation(operator):
-            return _LEVELS.get(operator, _ATOM)
-    return _ATOM
+    text, own = operand
+    return text if own >= level else f"({text})"
 
 
 def _variable(name: str) -> str:

@@ -30,8 +30,11 @@ from kanegen.model.force_elements.expression import (
 )
 from kanegen.model.numbers import Parameter, finite
 
-MAX_CHARACTERS = 4000
-"""Largest number of characters of an expression."""
+MAX_OPERATIONS = 2000
+"""Largest number of operations of an expression."""
+
+MAX_CHARACTERS = 300_000
+"""Largest number of characters of an expression: more than any has that was saved with `MAX_OPERATIONS`."""
 
 MAX_DEPTH = 200
 """Largest depth of nested operations."""
@@ -98,11 +101,15 @@ class _Reader:
     def __init__(self, text: str, parameters: dict[str, Parameter]) -> None:
         self._text = text
         self._parameters = parameters
+        self._operations = 0
 
     def node(self, found: ast.expr, depth: int = 0, power: int = 1) -> Node:
         """Return the tree of `found`, at depth `depth`, inside exponents that multiply to `power`."""
         if depth > MAX_DEPTH:
             raise self._refused(found, f"more than {MAX_DEPTH} operations inside each other.")
+        if self._operations > MAX_OPERATIONS:
+            raise ModelError(f"{_quoted(self._text)}: more than {MAX_OPERATIONS} operations.")
+        self._operations += isinstance(found, ast.UnaryOp | ast.BinOp | ast.Call)
         match found:
             case ast.Constant(value=bool() | complex() | str() | bytes() | None):
                 raise self._refused(found, "no number.")

@@ -42,12 +42,14 @@ class ElementForces:
     Attributes:
         system: The tree.
         bodies: The equations of its bodies.
-        intermediates: Collects the intermediates; None where nothing is named.
+        intermediates: Collects the intermediates.
+        named: Whether all intermediates are named, or only parts of long expressions.
     """
 
     system: System
     bodies: Sequence[BodyEquations]
-    intermediates: Definitions | None
+    intermediates: Definitions
+    named: bool
 
     @property
     def total(self) -> ImmutableMatrix:
@@ -64,7 +66,7 @@ class ElementForces:
         """The generalized forces, and the definitions of their intermediates."""
         none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
         forces = total([none, *self._joint_forces(), *self._spring_forces(), *self._point_loads()])
-        return forces, () if self.intermediates is None else self.intermediates.listed()
+        return forces, self.intermediates.listed()
 
     def _joint_forces(self) -> Iterator[ImmutableMatrix]:
         """Yield the forces of elements that act on freedoms; on locked freedoms they are zero."""
@@ -144,7 +146,7 @@ class ElementForces:
     @cached_property
     def _translator(self) -> ExpressionTranslator:
         """The translation of expressions to SymPy."""
-        return ExpressionTranslator(self.system, expression)
+        return ExpressionTranslator(self.system, expression, self.intermediates)
 
     @cached_property
     def _points(self) -> dict[str, tuple[int, BodyEquations, ImmutableMatrix]]:
@@ -163,4 +165,4 @@ class ElementForces:
 
     def _named(self, name: str, value: Expr) -> Expr:
         """Return a symbol for an expression, where intermediates are wanted."""
-        return value if self.intermediates is None else self.intermediates.define(name, value)
+        return self.intermediates.define(name, value) if self.named else value
