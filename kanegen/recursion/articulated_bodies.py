@@ -17,20 +17,21 @@ from sympy import Expr, S
 from kanegen.recursion.articulated_inertia import ArticulatedInertia, Elimination, rigid_body
 from kanegen.recursion.coordinate_rates import angle_rates
 from kanegen.recursion.force_elements import element_efforts
+from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joint_path import (
     GROUND_ACCELERATION,
     ROTATIONS,
     FrameChange,
     FreeComponent,
+    FreeTranslations,
     OriginChange,
-    PathElement,
     joint_path,
-    rotates_freely,
-    translates_freely,
+    released,
 )
-from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import Wrench, column
+from kanegen.recursion.solved_motion import Paths, solved_motions
+from kanegen.recursion.tree import Tree, about_mass_centers
+from kanegen.recursion.vectors import Wrench, column, subtract
 from kanegen.symbolic.definitions import Vector
 from kanegen.symbolic.symbols import generalized_force
 
@@ -42,14 +43,14 @@ class ArticulatedBodies:
         tree: The tree.
         paths: Path through the joint of each body, with the free components that are solved for, by body.
         pivots: Divisor of the elimination of each freedom.
+        released: Freedoms of joints with three free translations or rotations.
     """
 
     def __init__(self, tree: Tree) -> None:
         """Eliminate every free component, from the outermost body inward."""
-        self.tree = tree
-        self.paths: Mapping[int, tuple[PathElement, ...]] = {
-            joint.body: joint_path(joint, together=True) for joint in tree.joints
-        }
+        self.tree = tree = about_mass_centers(tree)
+        self.released = released(tree, together=True)
+        self.paths: Paths = {joint.body: joint_path(joint, together=True) for joint in tree.joints}
         self._eliminations: dict[int, Elimination] = {}
         bodies = [rigid_body(own) for own in tree.inertias]
         for joint in reversed(tree.joints):
@@ -72,6 +73,8 @@ class ArticulatedBodies:
                     body = body.down(turn, name, definitions)
                 case OriginChange(offset, name):
                     body = body.shifted(offset, name, definitions)
+                case FreeTranslations():
+                    pass  # No mass is left to transmit.
         return body
 
     def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
@@ -81,7 +84,8 @@ class ArticulatedBodies:
             bias: Wrench that each body requires where all free components are zero, less its loads.
             name: Prefix of the names of the components.
         """
-        tree, definitions, efforts = self.tree, self.tree.definitions, self._efforts()
+        tree, definitions, efforts = self.tree, self.tree.definitions, self._joint_efforts()
+        along_components = self._component_efforts(efforts)
         alone: dict[int, Expr] = {}
         carried = list(bias)
         for joint in reversed(tree.joints):
@@ -89,11 +93,14 @@ class ArticulatedBodies:
             tree.about(k, "forces on the articulated body, Eq. (42)")
             wrench = carried[k - 1]
             for element in self.paths[k]:
-                if isinstance(element, FreeComponent):
-                    i = element.freedom
-                    wrench, alone[i] = self._eliminations[i].eliminate(wrench, efforts[i], definitions)
-                else:
-                    wrench = element.inward(wrench, definitions)
+                match element:
+                    case FreeComponent(freedom=i):
+                        effort = along_components[i]
+                        wrench, alone[i] = self._eliminations[i].eliminate(wrench, effort, definitions)
+                    case FreeTranslations():
+                        wrench = element.inward(wrench, efforts)
+                    case _:
+                        wrench = element.inward(wrench, definitions)
             if j:
                 carried[j - 1] = carried[j - 1].plus(wrench, f"{j}", definitions)
         return self._outward(alone, name)
@@ -111,46 +118,80 @@ class ArticulatedBodies:
                     solution = self._eliminations[freedom].solve(alone[freedom], a)
                     total = self.tree.definitions.define(f"q_{freedom}", solution)
                     # The joint's own acceleration is the total less that of the lower body.
-                    found[freedom] = self.tree.definitions.define(f"{name}_{freedom}", total - a[i])
+                    own = total if element.is_absolute else total - a[i]
+                    found[freedom] = self.tree.definitions.define(f"{name}_{freedom}", own)
                     a = (*a[:i], total, *a[i + 1 :])
                 else:
                     a = element.outward(a, self.tree.definitions)
             accelerations[joint.body] = a
         return [found[i] for i in range(len(found))]
 
-    def speed_rates(self, components: Sequence[Expr], name: str) -> list[Expr]:
-        """Return {ydot} from the free components of the accelerations, Eq. (9)."""
-        result, definitions = dict(enumerate(components)), self.tree.definitions
+    def speed_rates(
+        self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]
+    ) -> list[Expr]:
+        """Return {ydot} from the free components, less the accelerations that the bias left out, Eq. (9)."""
+        if not self.released:
+            return list(components)
+        result = dict(enumerate(components))
+        solved = solved_motions(self.tree, self.paths, components)
         for joint in self.tree.joints:
+            along = carried.get(joint.body, NOT_CARRIED).plus(solved[joint.body].carried)
             self.tree.about(joint.body, "{ydot} of the joint, Eq. (9)")
-            if rotates_freely(joint):
-                freedoms = [step.freedom for step in joint.angles]
-                one, two, three = (f"{name}_{freedom}" for freedom in freedoms)
-                angular = Vector(*(components[freedom] for freedom in freedoms))
-                values = angle_rates(joint, definitions).rates(angular, (one, two, three))
-                result |= dict(zip(freedoms, values, strict=True))
-            if translates_freely(joint):
-                linear = Vector(*(components[one.freedom] for one in joint.translations))
-                for step in reversed(joint.angles):
-                    linear = definitions.vector(f"qs_{step.frame}", step.turn.down(linear))
-                result |= {one.freedom: linear[one.axis] for one in joint.translations}
+            if joint.rotates_freely or joint.angular_speeds:
+                result |= self._rotation_rates(joint, components, along, name)
+            if joint.translates_freely:
+                result |= self._translation_rates(joint, components, along, name)
         return [result[i] for i in range(len(components))]
 
-    def _efforts(self) -> list[Expr]:
-        """Return {tau} plus the efforts of force elements, as generalized forces on the free components."""
-        tree, definitions, acting = self.tree, self.tree.definitions, element_efforts(self.tree)
-        result: dict[int, Expr] = {}
+    def _rotation_rates(
+        self, joint: JointMotion, components: Sequence[Expr], along: Carried, name: str
+    ) -> dict[int, Expr]:
+        """Return the entries of {ydot} of three free rotations, by freedom."""
+        definitions, freedoms = self.tree.definitions, joint.rotations
+        one, two, three = (f"{name}_{freedom}" for freedom in freedoms)
+        solved = Vector(*(components[freedom] for freedom in freedoms))
+        angular = definitions.vector(f"qr_{joint.body}", subtract(solved, along.alpha))
+        if joint.angular_speeds:
+            return dict(zip(freedoms, angular, strict=True))
+        values = angle_rates(joint, definitions).rates(angular, (one, two, three))
+        return dict(zip(freedoms, values, strict=True))
+
+    def _translation_rates(
+        self, joint: JointMotion, components: Sequence[Expr], along: Carried, name: str
+    ) -> dict[int, Expr]:
+        """Return the entries of {ydot} of three free translations, by freedom."""
+        definitions = self.tree.definitions
+        solved = Vector(*(components[one.freedom] for one in joint.translations))
+        linear = definitions.vector(f"qs_{joint.body}", subtract(solved, along.to_center))
+        for step in reversed(joint.angles):
+            linear = definitions.vector(f"qs_{step.frame}", step.turn.down(linear))
+        return {
+            one.freedom: definitions.define(
+                f"{name}_{one.freedom}", linear[one.axis] - along.acceleration[one.axis]
+            )
+            for one in joint.translations
+        }
+
+    def _joint_efforts(self) -> list[Expr]:
+        """Return {tau} plus the efforts of force elements, by freedom."""
+        tree, acting = self.tree, element_efforts(self.tree)
+        result: list[Expr] = []
         for i, f in enumerate(tree.system.freedoms):
             effort = generalized_force(f.body, f.index) + acting.get((f.body, f.index), S.Zero)
-            result[i] = definitions.define(f"te_{i}", effort)
+            result.append(tree.definitions.define(f"te_{i}", effort))
+        return result
+
+    def _component_efforts(self, efforts: Sequence[Expr]) -> list[Expr]:
+        """Return the generalized forces on the free components for the efforts on the freedoms."""
+        tree, definitions, result = self.tree, self.tree.definitions, dict(enumerate(efforts))
         for joint in tree.joints:
             tree.about(joint.body, "efforts in the body, Eq. (9)")
-            if translates_freely(joint):
+            if joint.translates_freely:
                 force = Vector(*(result[one.freedom] for one in joint.translations))
                 for step in joint.angles:
                     force = definitions.vector(f"tF_{step.frame}u", step.turn.up(force))
                 result |= {one.freedom: force[one.axis] for one in joint.translations}
-            if rotates_freely(joint):
+            if joint.rotates_freely:
                 freedoms = [step.freedom for step in joint.angles]
                 one, two, three = (result[freedom] for freedom in freedoms)
                 torque = angle_rates(joint, definitions).torque((one, two, three))
@@ -163,7 +204,7 @@ class ArticulatedBodies:
         result = list(self.pivots)
         for joint in self.tree.joints:
             # At gimbal lock [A] is singular, although the articulated inertia is not.
-            if rotates_freely(joint):
+            if joint.rotates_freely:
                 first, across = joint.angles[0].freedom, angle_rates(joint, self.tree.definitions).across
                 weakened = result[first] * across * across
                 result[first] = self.tree.definitions.define(f"Dc_{joint.body}", weakened)
@@ -188,6 +229,8 @@ class ArticulatedBodies:
                         composite = composite.down(turn, name, definitions)
                     case OriginChange(offset, name):
                         composite = composite.shifted(offset, name, definitions)
+                    case FreeTranslations():
+                        pass
             if j:
                 bodies[j - 1] = bodies[j - 1].plus(composite, str(j), definitions)
         return [result[i] for i in range(len(result))]

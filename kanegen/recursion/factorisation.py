@@ -12,9 +12,10 @@ from collections.abc import Mapping, Sequence
 from sympy import Expr, S
 
 from kanegen.model.system import System
-from kanegen.recursion.inverse_dynamics import required_efforts
-from kanegen.recursion.joint_path import PathElement, joint_path
+from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried, required_efforts
+from kanegen.recursion.joint_path import joint_path, released
 from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.recursion.solved_motion import Paths
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import Wrench
 from kanegen.symbolic.definitions import Definitions
@@ -29,7 +30,13 @@ MOST_ANGLES = 2
 
 
 def worth_trying(system: System) -> bool:
-    """Return whether a factorisation may be the cheaper solver, and loses no accuracy."""
+    """Return whether a factorisation may be the cheaper solver, and loses no accuracy.
+
+    Where a body translates freely and rotates, the moments of loads at its mass centre would cancel only in
+    the elimination.
+    """
+    if any(all(joint.free[3:]) and any(joint.moving[:3]) for joint in (body.joint for body in system.bodies)):
+        return False
     cost = sum(len(carrying) ** 2 for carrying in carriers(system).values())
     angles = max(sum(body.joint.free[:3]) if body.joint.speeds_are_rates else 0 for body in system.bodies)
     return angles <= MOST_ANGLES and cost <= ARTICULATED_COST * len(system.freedoms)
@@ -42,6 +49,7 @@ class Factorisation:
         tree: The tree.
         paths: Path through the joint of each body, by body; the free components are {ydot} itself.
         pivots: Entries of [D] by freedom; positive where [A] is regular.
+        released: Freedoms of joints with three free translations, and angular velocities.
         diagonal: Diagonal entries of [A] by freedom.
     """
 
@@ -49,9 +57,8 @@ class Factorisation:
         """Form [A], and factorise it from the outermost freedom inward."""
         n = len(tree.system.freedoms)
         self.tree = tree
-        self.paths: Mapping[int, tuple[PathElement, ...]] = {
-            joint.body: joint_path(joint, together=False) for joint in tree.joints
-        }
+        self.paths: Paths = {joint.body: joint_path(joint, together=False) for joint in tree.joints}
+        self.released = released(tree, together=False)
         entries = mass_matrix(tree).entries
         a = {(i, j): entries[n * i + j] for i in range(n) for j in range(n)}
         self.diagonal = [a[i, i] for i in range(n)]
@@ -88,10 +95,20 @@ class Factorisation:
             result[k] = definitions.define(f"{name}_{k}", scaled - known)
         return [result[i] for i in range(len(efforts))]
 
-    def speed_rates(self, components: Sequence[Expr], name: str) -> list[Expr]:
-        """Return the components unchanged: they are {ydot}."""
-        del name
-        return list(components)
+    def speed_rates(
+        self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]
+    ) -> list[Expr]:
+        """Return {ydot}: the components less the accelerations that the bias left out, by body."""
+        result, define = list(components), self.tree.definitions.define
+        for joint in self.tree.joints:
+            along = carried.get(joint.body, NOT_CARRIED)
+            for one in joint.translations:
+                own = components[one.freedom] - along.acceleration[one.axis]
+                result[one.freedom] = define(f"{name}_{one.freedom}", own)
+            for speed in joint.angular_speeds:
+                own = components[speed.freedom] - along.alpha[speed.axis]
+                result[speed.freedom] = define(f"{name}_{speed.freedom}", own)
+        return result
 
 
 def _factorise(

@@ -8,12 +8,17 @@ section 5.3). Prescribed freedoms require such a force too.
 The motion of a body is its angular velocity, its angular acceleration and the acceleration of its origin for
 some {ydot}; gravity enters as an upward acceleration of the ground. For {ydot} = 0 these are the terms of
 Eqs. (20) and (33) without {ydot}.
+
+A joint with three free translations transmits no force but the efforts on them, whatever the acceleration of
+its origin. So a solver for {ydot} starts behind it from an origin without acceleration, and neither gravity
+nor the motion of the lower bodies causes forces there, which would only cancel. Three free rotations likewise
+start from no angular acceleration. In the end this is subtracted from the solution; see `Carried`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from sympy import Expr, S
 
@@ -42,19 +47,48 @@ from kanegen.symbolic.symbols import torque as torque_symbol
 
 def forcing(tree: Tree) -> Derived:
     """Derive the entries of {f}, Eq. (44)."""
-    return Derived([-needed for needed in required_efforts(tree, required_wrenches(tree, accelerated=False))])
+    at_rest = body_motions(tree, accelerated=False)
+    return Derived([-needed for needed in required_efforts(tree, required_wrenches(tree, at_rest))])
 
 
 def inverse_dynamics(tree: Tree) -> Derived:
     """Derive the entries of [A]{ydot} - {f}, the generalized forces for {ydot} beside loads and gravity."""
-    return Derived(required_efforts(tree, required_wrenches(tree, accelerated=True)))
+    return Derived(required_efforts(tree, required_wrenches(tree, body_motions(tree, accelerated=True))))
 
 
 def prescribed_efforts(tree: Tree) -> Derived:
     """Derive the generalized forces at the prescribed freedoms, beside loads and gravity."""
-    found = _all_required_efforts(tree, required_wrenches(tree, accelerated=True))
+    found = _all_required_efforts(tree, required_wrenches(tree, body_motions(tree, accelerated=True)))
     first = len(tree.system.freedoms)
     return Derived([found[first + i] for i in range(len(tree.system.prescribed))])
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Accelerations with which a body would be carried along without an acceleration of its own joint.
+
+    Attributes:
+        alpha: Angular acceleration, in K; zero unless all rotations of the joint are solved for together
+            (rad/s^2).
+        acceleration: Acceleration of O_K less gravity, in the joint frame; zero unless all translations of
+            the joint are free (m/s^2).
+        to_center: Second derivative of the vector from O_K to the origin of K, in K (m/s^2).
+    """
+
+    alpha: Vector = ZERO
+    acceleration: Vector = ZERO
+    to_center: Vector = ZERO
+
+    def plus(self, other: Carried) -> Carried:
+        """Return the sum of two parts of the accelerations."""
+        return Carried(
+            add(self.alpha, other.alpha),
+            add(self.acceleration, other.acceleration),
+            add(self.to_center, other.to_center),
+        )
+
+
+NOT_CARRIED = Carried()
 
 
 @dataclass(frozen=True)
@@ -67,6 +101,7 @@ class BodyMotion:
         acceleration: Acceleration of the origin, less gravity (m/s^2).
         squares: Products omega_i omega_j by pair of axes.
         field: [alpha~] + [omega~][omega~], the matrix that maps a body-fixed vector to its second derivative.
+        carried: Accelerations that are left out.
     """
 
     omega: Vector
@@ -74,9 +109,12 @@ class BodyMotion:
     acceleration: Vector
     squares: dict[tuple[int, int], Expr]
     field: Rows
+    carried: Carried = NOT_CARRIED
 
 
-def body_motions(tree: Tree, *, accelerated: bool, weightless: bool = False) -> dict[int, BodyMotion]:
+def body_motions(
+    tree: Tree, *, accelerated: bool, weightless: bool = False, released: Container[int] = ()
+) -> dict[int, BodyMotion]:
     """Return the motion of the ground, under the key 0, and of every body.
 
     Args:
@@ -84,31 +122,33 @@ def body_motions(tree: Tree, *, accelerated: bool, weightless: bool = False) -> 
         accelerated: Whether {ydot} is symbols instead of zeros. Prescribed freedoms accelerate in either
             case.
         weightless: Whether to leave gravity out of the accelerations.
+        released: Places in {y} of freedoms; where all three translations, or all three rotations, of a joint
+            are among them, the acceleration behind the joint starts from zero.
     """
     gravity = ZERO if weightless else Vector(*(exact(value) for value in tree.system.gravity))
     still = {(i, j): exact(0.0) for i in range(3) for j in range(3)}
     moved = {0: BodyMotion(ZERO, ZERO, negate(gravity), still, (ZERO, ZERO, ZERO))}
     for joint in tree.joints:
         tree.about(joint.body, "angular velocity and acceleration, Eqs. (11), (20)")
-        moved[joint.body] = _outward(moved[joint.lower], joint, tree.definitions, accelerated)
+        moved[joint.body] = _outward(moved[joint.lower], joint, tree.definitions, accelerated, released)
     return moved
 
 
 def _outward(
-    lower: BodyMotion, joint: JointMotion, definitions: Definitions, accelerated: bool
+    lower: BodyMotion,
+    joint: JointMotion,
+    definitions: Definitions,
+    accelerated: bool,
+    released: Container[int],
 ) -> BodyMotion:
     """Return the motion of body K from that of J: Eqs. (11), (20), (33), one turn at a time."""
     k = joint.body
-    omega, alpha = lower.omega, lower.alpha
-    sliding = ZERO
-    carried = add(lower.acceleration, multiply(lower.field, joint.offset))
-    for translation in joint.moving_translations:
-        sliding = add(sliding, scale(translation.rate, translation.direction))
-        if accelerated or translation.freedom == NO_FREEDOM:
-            carried = add(carried, scale(translation.acceleration, translation.direction))
-    twice = definitions.vector(f"w_{joint.lower}", scale(exact(2.0), omega))
-    sliding = definitions.vector(f"v_{k}", sliding)
-    acceleration = definitions.vector(f"a_{k}j", add(carried, cross(twice, sliding)))
+    omega, alpha, carried = lower.omega, lower.alpha, NOT_CARRIED
+    acceleration = _origin_acceleration(lower, joint, definitions, accelerated)
+    if joint.translates_freely and all(one.freedom in released for one in joint.translations):
+        for step in joint.constant:
+            acceleration = definitions.vector(f"a_{joint.above(step)}", step.turn.up(acceleration))
+        carried, acceleration = Carried(acceleration=acceleration), ZERO
     for step in joint.steps:
         above = joint.above(step)
         turned = step.turn.up(omega)
@@ -125,13 +165,32 @@ def _outward(
             alpha = add(alpha, joint.relative_alpha)
         alpha = definitions.vector(f"alpha_{k}", alpha)
         omega = definitions.vector(f"omega_{k}", add(omega, joint.relative_omega))
-    return _with_field(k, omega, alpha, acceleration, definitions)
+    if joint.rotations and all(freedom in released for freedom in joint.rotations):
+        carried, alpha = replace(carried, alpha=alpha), ZERO
+    squares, field = _field(k, omega, alpha, definitions)
+    carried = replace(carried, to_center=multiply(field, joint.to_center))
+    return BodyMotion(omega, alpha, acceleration, squares, field, carried)
 
 
-def _with_field(
-    k: int, omega: Vector, alpha: Vector, acceleration: Vector, definitions: Definitions
-) -> BodyMotion:
-    """Return the motion of body `k` with the products of its angular velocity and its field."""
+def _origin_acceleration(
+    lower: BodyMotion, joint: JointMotion, definitions: Definitions, accelerated: bool
+) -> Vector:
+    """Return the acceleration of the origin of body K less gravity, in J, Eq. (33)."""
+    sliding = ZERO
+    carried = add(lower.acceleration, multiply(lower.field, joint.offset))
+    for translation in joint.moving_translations:
+        sliding = add(sliding, scale(translation.rate, translation.direction))
+        if accelerated or translation.freedom == NO_FREEDOM:
+            carried = add(carried, scale(translation.acceleration, translation.direction))
+    twice = definitions.vector(f"w_{joint.lower}", scale(exact(2.0), lower.omega))
+    sliding = definitions.vector(f"v_{joint.body}", sliding)
+    return definitions.vector(f"a_{joint.body}j", add(carried, cross(twice, sliding)))
+
+
+def _field(
+    k: int, omega: Vector, alpha: Vector, definitions: Definitions
+) -> tuple[dict[tuple[int, int], Expr], Rows]:
+    """Return the products of the angular velocity of body `k`, and its field."""
     squares: dict[tuple[int, int], Expr] = {}
     for i in range(3):
         for j in range(i, 3):
@@ -144,17 +203,17 @@ def _with_field(
         Vector(w[0, 2] - alpha.y, w[1, 2] + alpha.x, -(w[0, 0] + w[1, 1])),
     )
     named = tuple(definitions.vector(f"W_{k}_{axis}", row) for axis, row in zip(AXES, field, strict=True))
-    return BodyMotion(omega, alpha, acceleration, squares, (named[0], named[1], named[2]))
+    return squares, (named[0], named[1], named[2])
 
 
-def required_wrenches(tree: Tree, *, accelerated: bool) -> list[Wrench]:
+def required_wrenches(tree: Tree, moved: Mapping[int, BodyMotion]) -> list[Wrench]:
     """Return for each body the force and moment about its origin that its motion requires, less its loads.
 
     Args:
         tree: The tree.
-        accelerated: Whether {ydot} is symbols instead of zeros.
+        moved: Motion of every body, by number.
     """
-    moved, loads = body_motions(tree, accelerated=accelerated), applied_wrenches(tree)
+    loads = applied_wrenches(tree)
     return [
         _required_wrench(tree, joint.body, moved[joint.body], loads.get(joint.body, Wrench()))
         for joint in tree.joints

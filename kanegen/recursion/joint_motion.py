@@ -103,7 +103,7 @@ class JointMotion:
         arm: Vector from O_J to O_K, in J (m): {q'_K} + [C_K]^T {s'_K}.
         directions: Directions of the three translations, free or locked, in J.
         offset: Vector from the origin of J to that of K, in J (m): `arm`, changed by the `origin` of both
-            joints.
+            joints; but to O_K where `to_center` is not zero.
         origin: Vector from O_K to the point of K that serves as its origin, in K (m).
         translations: The free translations.
         constant: The turns of [C_K], from J to the joint frame.
@@ -112,6 +112,8 @@ class JointMotion:
         composed_of: The turns of the single angles of a whole rotation; empty for a quaternion.
         merged: `constant` and `angles` as one turn, for vectors that pass both; or empty.
         prescribed_translations: The prescribed translations.
+        to_center: Vector from O_K to the origin of K, in K (m), where the origin is the mass centre of a body
+            that both translates and rotates; zero elsewhere. See `tree.about_mass_centers`.
     """
 
     body: int
@@ -127,11 +129,28 @@ class JointMotion:
     composed_of: tuple[Step, ...] = ()
     merged: tuple[Step, ...] = ()
     prescribed_translations: tuple[Translation, ...] = ()
+    to_center: Vector = ZERO
 
     @property
     def rotates(self) -> bool:
         """Whether any angle or angular velocity is free or prescribed."""
         return bool(self.angular_speeds) or any(step.moves for step in self.angles)
+
+    @property
+    def rotates_freely(self) -> bool:
+        """Whether the rates of three free angles are speeds."""
+        return sum(step.freedom != NO_FREEDOM for step in self.angles) == 3
+
+    @property
+    def translates_freely(self) -> bool:
+        """Whether all three translations are free, so that the joint transmits no force but its efforts."""
+        return len(self.translations) == 3
+
+    @property
+    def rotations(self) -> tuple[int, ...]:
+        """Places in {y} of the angles or components of angular velocity that are speeds."""
+        angles = (step.freedom for step in self.angles if step.freedom != NO_FREEDOM)
+        return (*angles, *(speed.freedom for speed in self.angular_speeds))
 
     @property
     def moving_translations(self) -> tuple[Translation, ...]:

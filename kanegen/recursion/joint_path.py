@@ -1,20 +1,22 @@
 """The path through a joint, element by element, along which wrenches pass inward and accelerations outward.
 
 A turn changes the frame of both, a shift their origin, and at a free component the joint adds its own
-acceleration. Both solvers of [A]{ydot} = {b} follow this path, so that the wrenches for a solution follow
-from its free components alone.
+acceleration. Three free translations transmit no force but their efforts, and no acceleration. Both solvers
+of [A]{ydot} = {b} follow this path, so that the wrenches for a solution follow from its free components
+alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from sympy import Expr, S
 
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.tree import Tree
 from kanegen.recursion.turns import Turn
-from kanegen.recursion.vectors import Wrench, add, cross
+from kanegen.recursion.vectors import ZERO, Wrench, add, cross
 from kanegen.symbolic.definitions import Definitions, Vector
 
 GROUND_ACCELERATION = (S.Zero,) * 6
@@ -31,10 +33,13 @@ class FreeComponent:
     Attributes:
         index: One of `ROTATIONS` or `TRANSLATIONS`.
         freedom: Place of the freedom in {y}.
+        is_absolute: Whether it is the whole component of the acceleration of the body, instead of what the
+            joint adds to that of the lower body.
     """
 
     index: int
     freedom: int
+    is_absolute: bool = False
 
 
 @dataclass(frozen=True)
@@ -84,7 +89,27 @@ class OriginChange:
         return (*a[:3], *definitions.vector(f"qa_{self.name}", moved))
 
 
-PathElement = FreeComponent | FrameChange | OriginChange
+@dataclass(frozen=True)
+class FreeTranslations:
+    """The three free translations of a joint, in the joint frame.
+
+    Attributes:
+        freedoms: Places of the freedoms in {y}.
+    """
+
+    freedoms: tuple[int, int, int]
+
+    def inward(self, wrench: Wrench, efforts: Sequence[Expr]) -> Wrench:
+        """Return a wrench whose force is that of the efforts, by freedom: nothing else is transmitted."""
+        return Wrench(Vector(*(efforts[freedom] for freedom in self.freedoms)), wrench.moment)
+
+    def outward(self, a: tuple[Expr, ...], definitions: Definitions) -> tuple[Expr, ...]:
+        """Return accelerations without that of the origin."""
+        del definitions
+        return (*a[:3], *ZERO)
+
+
+PathElement = FreeComponent | FrameChange | OriginChange | FreeTranslations
 
 
 def joint_path(joint: JointMotion, *, together: bool) -> tuple[PathElement, ...]:
@@ -92,40 +117,52 @@ def joint_path(joint: JointMotion, *, together: bool) -> tuple[PathElement, ...]
 
     Args:
         joint: The joint of K.
-        together: Whether three free angles, or three free translations, become free components along the axes
-            of K. Those of angles are then regular at gimbal lock, unlike second derivatives of the angles.
+        together: Whether three free angles, or three free translations, become absolute free components along
+            the axes of K. Those of angles are then regular at gimbal lock, unlike their second derivatives.
     """
     return tuple(_elements(joint, together))
 
 
+def released(tree: Tree, *, together: bool) -> frozenset[int]:
+    """Return the freedoms of all joints whose translations, or rotations, are all free and solved for as one.
+
+    Args:
+        tree: The tree.
+        together: As for `joint_path`.
+    """
+    found: set[int] = set()
+    for joint in tree.joints:
+        if joint.translates_freely:
+            found.update(one.freedom for one in joint.translations)
+        if joint.angular_speeds or (together and joint.rotates_freely):
+            found.update(joint.rotations)
+    return frozenset(found)
+
+
 def _elements(joint: JointMotion, together: bool) -> Iterator[PathElement]:
     """Yield the elements of `joint_path`."""
-    all_translations = together and translates_freely(joint)
-    all_angles = together and rotates_freely(joint)
+    all_translations = together and joint.translates_freely
+    all_angles = together and joint.rotates_freely
     if all_translations:
         for index, translation in zip(TRANSLATIONS, joint.translations, strict=True):
-            yield FreeComponent(index, translation.freedom)
-    yield from (FreeComponent(speed.axis, speed.freedom) for speed in joint.angular_speeds)
+            yield FreeComponent(index, translation.freedom, is_absolute=True)
+        if joint.to_center != ZERO:
+            yield OriginChange(joint.to_center, f"{joint.body}o")
+    for speed in joint.angular_speeds:
+        yield FreeComponent(speed.axis, speed.freedom, is_absolute=together)
     if all_angles:
         for index, step in zip(ROTATIONS, joint.angles, strict=True):
-            yield FreeComponent(index, step.freedom)
+            yield FreeComponent(index, step.freedom, is_absolute=True)
     for step in reversed(joint.angles):
         if step.freedom != NO_FREEDOM and not all_angles:
             yield FreeComponent(step.axis, step.freedom)
         yield FrameChange(step.turn, step.frame)
-    if not all_translations:
+    if all_translations:
+        one, two, three = (translation.freedom for translation in joint.translations)
+        yield FreeTranslations((one, two, three))
+    else:
         for translation in joint.translations:
             yield FreeComponent(3 + translation.axis, translation.freedom)
     for step in reversed(joint.constant):
         yield FrameChange(step.turn, step.frame)
     yield OriginChange(joint.offset, f"{joint.body}j")
-
-
-def rotates_freely(joint: JointMotion) -> bool:
-    """Return whether the rates of three free angles are speeds."""
-    return sum(step.freedom != NO_FREEDOM for step in joint.angles) == len(ROTATIONS)
-
-
-def translates_freely(joint: JointMotion) -> bool:
-    """Return whether all three translations are free."""
-    return len(joint.translations) == len(TRANSLATIONS)

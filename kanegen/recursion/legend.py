@@ -16,6 +16,7 @@ from functools import cache, cached_property
 PLACES = (
     ("{K}", "body K, about its origin and in its frame"),
     ("{K}j", "body K, about the origin of its lower body J and in the frame of J"),
+    ("{K}o", "body K, about O_K and in its frame"),
     ("{K}a{i}", "below the turn by angle i of body K"),
     ("{K}a{i}u", "above the turn by angle i of body K"),
     ("{K}c{i}", "below constant turn i of the joint of body K"),
@@ -216,14 +217,15 @@ NAMES = (
     ("T_{K}_q", "component of T_K between the turns by its second and third angle"),
     ("qw_{P}_{x}", "angular acceleration of the solution (rad/s^2)"),
     ("qa_{P}_{x}", "acceleration of the origin of the solution (m/s^2)"),
-    ("qs_{P}_{x}", "acceleration along free translations, in P (m/s^2)"),
+    ("qs_{P}_{x}", "acceleration of O_K along free translations, in P (m/s^2)"),
+    ("qr_{K}_{x}", "angular acceleration of body K relative to its lower body, in K (rad/s^2)"),
     ("q_{n}", "component of the acceleration at the freedom at place n"),
     ("L_{n}_{m}", "entry of the factor [L] of [A]"),
     ("b_{n}", "right side of the elimination at place n"),
     ("bd_{n}", "b_n over the pivot"),
-    ("ydot_{n}", "entry of {ydot}"),
+    ("ydot_{n}", "entry of {ydot}, or the component of the acceleration of the body in its place"),
+    ("r_{n}", "component of the acceleration that a body has with the freedom at place n"),
     # Refinement
-    ("r_{n}", "component of the acceleration for which the residual is computed"),
     ("dy_{n}", "correction of ydot_n"),
     ("de_{n}", "square of dy_n"),
     ("yy", "size of the solution squared"),
@@ -277,7 +279,7 @@ def _turning() -> Iterator[tuple[str, str]]:
                 yield f"{name}{ending}", meaning.replace("{0}", shown(name))
 
 
-_PLACE = r"\d+(?:j|a\d?u?|c\du?|tu?)?"
+_PLACE = r"\d+(?:j|o|a\d?u?|c\du?|tu?)?"
 _FREEDOM = r"\d+(?:a\d|s\d+|w\d)"
 _PLACEHOLDERS = {
     "{K}": r"\d+",

@@ -14,7 +14,12 @@ from sympy import Expr, S
 
 from kanegen.model.joint import Joint
 from kanegen.recursion.force_elements import element_efforts
-from kanegen.recursion.inverse_dynamics import CarriedWrench, carried_wrenches, required_wrenches
+from kanegen.recursion.inverse_dynamics import (
+    CarriedWrench,
+    body_motions,
+    carried_wrenches,
+    required_wrenches,
+)
 from kanegen.recursion.tree import Derived, Tree, ungrouped
 from kanegen.recursion.vectors import add, cross, dot
 from kanegen.symbolic.definitions import Definitions
@@ -23,7 +28,8 @@ from kanegen.symbolic.definitions import Definitions
 def reaction_loads(tree: Tree) -> Derived:
     """Derive the load along every locked direction that the system selects, in its order."""
     whole = ungrouped(tree)
-    every = list(carried_wrenches(whole, required_wrenches(whole, accelerated=True)))
+    needed = required_wrenches(whole, body_motions(whole, accelerated=True))
+    every = list(carried_wrenches(whole, needed))
     found: dict[tuple[int, int], Expr] = {}
     for carried in every:
         k = carried.joint.body

@@ -23,8 +23,8 @@ from sympy import Expr
 
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.inverse_dynamics import required_wrenches
-from kanegen.recursion.joint_path import GROUND_ACCELERATION, FreeComponent, PathElement
+from kanegen.recursion.inverse_dynamics import BodyMotion, Carried, body_motions, required_wrenches
+from kanegen.recursion.solved_motion import Paths, solved_motions
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import Wrench, add, column, cross, dot, scale
 from kanegen.symbolic.definitions import Vector
@@ -37,11 +37,13 @@ class Solver(Protocol):
         tree: The tree.
         paths: Path through the joint of each body, with the free components that are solved for, by body.
         pivots: Divisor of the elimination of each freedom.
+        released: Freedoms behind which the bias starts from zero accelerations, as for `body_motions`.
     """
 
     tree: Tree
-    paths: Mapping[int, tuple[PathElement, ...]]
+    paths: Paths
     pivots: Sequence[Expr]
+    released: frozenset[int]
 
     @property
     def regular_if_positive(self) -> Sequence[Expr]:
@@ -54,8 +56,10 @@ class Solver(Protocol):
     def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
         """Return the free components under {tau}, where the bodies require `bias` at zero components."""
 
-    def speed_rates(self, components: Sequence[Expr], name: str) -> list[Expr]:
-        """Return {ydot} from the free components of the accelerations."""
+    def speed_rates(
+        self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]
+    ) -> list[Expr]:
+        """Return {ydot} from the free components, less the accelerations that the bias left out, by body."""
 
 
 @dataclass(frozen=True)
@@ -92,13 +96,14 @@ class Solution:
             correction = self._corrected(components) if step else self._correction
             pairs = zip(components, correction, strict=True)
             components = [self._define(f"ydot_{i}", old + new) for i, (old, new) in enumerate(pairs)]
-        entries = self._solver.speed_rates(components, "ydot")
+        carried = {k: motion.carried for k, motion in self._motions.items()}
+        entries = self._solver.speed_rates(components, "ydot", carried)
         margins = self._size.margins(refinement.limit, refinement.floor) if refinement.steps else ()
         return Derived(entries, self._solver.regular_if_positive, margins)
 
     def error_estimate(self) -> Derived:
         """Derive the absolute change of each entry of {ydot} by the first step of refinement."""
-        entries = self._solver.speed_rates(self._correction, "dy")
+        entries = self._solver.speed_rates(self._correction, "dy", {})
         squares = [self._define(f"de_{i}", entry * entry) for i, entry in enumerate(entries)]
         return Derived([sympy.sqrt(square) for square in squares], self._solver.regular_if_positive)
 
@@ -112,9 +117,14 @@ class Solution:
         return Derived([self._size.whole, *self._size.errors])
 
     @cached_property
+    def _motions(self) -> Mapping[int, BodyMotion]:
+        """Motion of the bodies where all free components are zero."""
+        return body_motions(self._tree, accelerated=False, released=self._solver.released)
+
+    @cached_property
     def _bias(self) -> list[Wrench]:
-        """Wrenches that the bodies require where {ydot} = {0}, less their loads."""
-        return required_wrenches(self._tree, accelerated=False)
+        """Wrenches that the bodies require where all free components are zero, less their loads."""
+        return required_wrenches(self._tree, self._motions)
 
     @cached_property
     def _components(self) -> list[Expr]:
@@ -142,23 +152,13 @@ class Solution:
 
 def _with_free_components(solver: Solver, bias: Sequence[Wrench], components: Sequence[Expr]) -> list[Wrench]:
     """Return `bias` plus the wrenches that the bodies require for the free components."""
-    tree, definitions = solver.tree, solver.tree.definitions
-    accelerations = {0: GROUND_ACCELERATION}
-    total = []
+    tree, total = solver.tree, []
+    solved = solved_motions(tree, solver.paths, components)
     for joint in tree.joints:
-        k = joint.body
+        k, a = joint.body, solved[joint.body].acceleration
         tree.about(k, "what the solution needs, Eq. (44)")
-        a = accelerations[joint.lower]
-        for element in reversed(solver.paths[k]):
-            if isinstance(element, FreeComponent):
-                i, freedom = element.index, element.freedom
-                moved = definitions.define(f"r_{freedom}", a[i] + components[freedom])
-                a = (*a[:i], moved, *a[i + 1 :])
-            else:
-                a = element.outward(a, definitions)
-        accelerations[k] = a
         own = _accelerated(tree.inertias[k - 1], Vector(*a[:3]), Vector(*a[3:]))
-        total.append(bias[k - 1].plus(own, f"{k}own", definitions))
+        total.append(bias[k - 1].plus(own, f"{k}own", tree.definitions))
     return total
 
 

@@ -15,10 +15,11 @@ from sympy import Expr, S
 
 from kanegen.model.system import System
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
+from kanegen.recursion.constants import exact
 from kanegen.recursion.inertia import NO_INERTIA, Inertia, body_inertia
 from kanegen.recursion.joint_builder import joint_motion
 from kanegen.recursion.joint_motion import JointMotion
-from kanegen.recursion.vectors import ZERO, entry, scale, unit
+from kanegen.recursion.vectors import ZERO, entry, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 
 
@@ -49,6 +50,7 @@ class Tree:
         inertias: Inertia that each body keeps, about its origin.
         ground: Inertia that bodies pass to the ground, about the inertial origin; it never moves.
         definitions: Definitions that recursions add their intermediates to.
+        is_regrouped: Function that selects the joints at which inertia was passed to the lower body.
     """
 
     system: System
@@ -56,6 +58,7 @@ class Tree:
     inertias: tuple[Inertia, ...]
     ground: Inertia
     definitions: Definitions
+    is_regrouped: Callable[[JointMotion], bool]
 
     def inward(self, joint: JointMotion) -> Iterator[JointMotion]:
         """Yield a joint, then those between it and the ground."""
@@ -88,6 +91,26 @@ def with_own_inertias(tree: Tree) -> Tree:
     return _regrouped(tree.system, tree.joints, tree.definitions, lambda joint: not joint.rotates)
 
 
+def about_mass_centers(tree: Tree) -> Tree:
+    """Return the same tree, where bodies that translate freely and rotate have their mass centre as origin.
+
+    Their translations are solved for first, as accelerations of the mass centre. Loads at the mass centre
+    then cause exactly no moment, and a body that carries no inertia has no coupling of rotation and
+    translation. The origin of other bodies, without loads, stays O_K, which costs less.
+    """
+    carrying = {joint.lower for joint in tree.joints if not joint.translates_freely}
+    joints: list[JointMotion] = []
+    for joint in tree.joints:
+        k, below = joint.body, joints[joint.lower - 1].to_center if joint.lower else ZERO
+        body, offset = tree.system.bodies[k - 1], subtract(joint.offset, below)
+        origin, to_center = joint.origin, joint.to_center
+        if joint.translates_freely and joint.rotates and (body.loads or k not in carrying):
+            origin = to_center = Vector(*(exact(value) for value in body.mass_center))
+        offset = tree.definitions.vector(f"d_{k}", offset)
+        joints.append(replace(joint, origin=origin, offset=offset, to_center=to_center))
+    return _regrouped(tree.system, joints, tree.definitions, tree.is_regrouped)
+
+
 def ungrouped(tree: Tree) -> Tree:
     """Return the same tree, where every body keeps its inertia, for the loads that joints transmit."""
     return _regrouped(tree.system, tree.joints, tree.definitions, lambda joint: False)
@@ -114,7 +137,7 @@ def _regrouped(
             own[k], passed = _split(own[k], joint, definitions)
             own[j] = own[j].plus(passed, f"{j}r{k}", definitions)
     ground, *kept = own
-    return Tree(system, tuple(joints), tuple(kept), ground, definitions)
+    return Tree(system, tuple(joints), tuple(kept), ground, definitions, is_regrouped)
 
 
 def _split(own: Inertia, joint: JointMotion, definitions: Definitions) -> tuple[Inertia, Inertia]:

@@ -59,6 +59,7 @@ def computed(
     """Return the outputs of all states, (..., B, n), operation by operation as C computes them."""
     functions = compile_module(system, outputs, variant=Variant(**choices)).module.functions
     given = {"x": states.x, "y": states.y, "tau": tau, "force": states.force, "torque": states.torque}
+    given |= states.inputs
     flat = {name: list(v.reshape(len(states), -1).T) for name, v in given.items() if v is not None}
     program = functions.get("evaluate") or functions[outputs[0]]
     found = evaluate(program, flat, np).values()
