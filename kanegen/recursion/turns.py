@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from sympy import Expr, Rational, S
+from sympy import Add, Expr, Rational, S
 
 from kanegen.model.coordinates import QuaternionRotation, Rotation
 from kanegen.recursion.vectors import (
@@ -213,13 +213,17 @@ def rotation_as_a_whole(body: int, rotation: Rotation, definitions: Definitions)
 
 
 def _by_quaternion(body: int, elements: Sequence[Expr], definitions: Definitions) -> MatrixTurn:
-    """Return the turn by a quaternion of any length but 0.
+    """Return the turn by a quaternion of any length whose square is finite and not 0; NaN for others.
 
-    Twice the products of its elements, over their squared length, make up the matrix.
+    Twice the products of its elements, over their squared length s, make up the matrix. Where s overflows,
+    2 / s would be 0 and the rotation the identity; (3 - s (1 / s)) (1 / s) is the same number elsewhere, and
+    NaN there. A length too small for a square has an infinite reciprocal.
     """
     scalar, *vector = elements
-    squared = sum((element * element for element in elements), start=S.Zero)
-    factor = definitions.define(f"eh_{body}", 2 / squared)
+    squared = definitions.define(f"eq_{body}", Add(*(element * element for element in elements)))
+    inverse = definitions.define(f"ei_{body}", 1 / squared)
+    one = definitions.define(f"en_{body}", squared * inverse)
+    factor = definitions.define(f"eh_{body}", inverse * (3 - one))
     scaled = [definitions.define(f"eh_{body}_{i}", factor * one) for i, one in enumerate(vector, start=1)]
     turn = [definitions.define(f"es_{body}_{i}", scalar * one) for i, one in enumerate(scaled, start=1)]
     square = [a * b for a, b in zip(scaled, vector, strict=True)]

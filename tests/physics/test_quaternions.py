@@ -132,6 +132,52 @@ def test_compiled_code(precision: str) -> None:
             assert (library.coordinate_rates(x, y)[k] == library.coordinate_rates(x[k], y[k])).all()
 
 
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.filterwarnings("ignore::kanegen.KanegenWarning")
+def test_every_length_is_accurate_or_nan(precision: str) -> None:
+    """Lengths over the whole range of the numbers, closely where squares leave it."""
+    system = systems.chain(2, ["theta1", "theta2", "theta3", "s1"]).with_coordinates("quaternion")
+    library = kg.build(
+        system, ("mass_matrix", "forcing"), precision=precision, flags=("-O0", "-ffp-contract=off")
+    )
+    limits = np.finfo({"double": np.float64, "float": np.float32}[precision])
+    ends = [0.5 * limits.minexp, -0.5 * limits.minexp]
+    powers = np.concatenate(
+        [np.arange(limits.minexp, limits.maxexp - 1, 7.0), *(np.arange(e - 16, e + 4, 0.23) for e in ends)]
+    )
+    state = random_states(system, 1, 3)
+    places = [
+        i
+        for i, one in enumerate(system.coordinates)
+        if one.body == 1 and one.name in ("e0", "e1", "e2", "e3")
+    ]
+    assert len(places) == 4
+    x = np.repeat(state.x, len(powers), axis=0)
+    x[:, places] *= (np.exp2(powers) / np.linalg.norm(state.x[0, places]))[:, None]
+    x = x.astype(limits.dtype).astype(float)
+    y = np.repeat(state.y, len(powers), axis=0)
+    for name, found, exact in (
+        ("[A]", library.mass_matrix(x), [reference.mass_matrix(system, _unit(row, places)) for row in x]),
+        ("{f}", library.forcing(x, y), [reference.forcing(system, _unit(row, places), y[0]) for row in x]),
+    ):
+        rows = found.reshape(len(x), -1).astype(float)
+        known = np.isfinite(rows).all(axis=1)
+        error = np.abs(rows - np.reshape(exact, rows.shape)).max(axis=1) / np.abs(exact).max()
+        assert (error[known] <= 100 * limits.eps).all(), name
+        assert np.isnan(rows[~known]).any(axis=1).all(), name
+        middle = (powers > ends[0] + 8) & (powers < ends[1] - 8)
+        assert known[middle].all(), name
+        assert not known[powers > ends[1] + 2].any(), name
+
+
+def _unit(x: np.ndarray, places: list[int]) -> np.ndarray:
+    """Return coordinates with a unit quaternion, scaled without squares that leave the range."""
+    result = x.copy()
+    result[places] /= np.abs(result[places]).max()
+    result[places] /= np.linalg.norm(result[places])
+    return result
+
+
 def test_eight_bodies_in_every_orientation() -> None:
     """Nothing is lost where cos(theta2) = 0, since [A] and {xdot} hold no angles."""
     system = systems.eight_body().with_coordinates("quaternion")
