@@ -272,12 +272,13 @@ def _close(lock: int) -> None:
 
 
 def _remove_abandoned(parent: Path) -> None:
-    """Remove the temporary folders in `parent` whose processes have ended."""
+    """Remove the temporary folders of this user in `parent` whose processes have ended."""
     with suppress(OSError):
         for entry in os.scandir(parent):
             if entry.name.startswith(PREFIX) and entry.is_dir(follow_symlinks=False):
                 with suppress(OSError):
-                    _remove_if_abandoned(Path(entry.path))
+                    if sys.platform == "win32" or entry.stat().st_uid == os.getuid():
+                        _remove_if_abandoned(Path(entry.path))
 
 
 def _remove_if_abandoned(folder: Path) -> None:

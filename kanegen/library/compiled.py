@@ -12,6 +12,8 @@ from kanegen.c import Source
 from kanegen.c.interface import PREPARE
 from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError, counted, quoted
+from kanegen.library.native import processor
+from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.results import Evaluation
 from kanegen.model import validation
@@ -41,8 +43,10 @@ class CompiledModel:
         return f"<{type(self).__name__} {self.name}: {freedoms}, {', '.join(self.outputs)}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return how `pickle` makes the library anew: it loads the same file with the same parameters."""
-        return _reopen, (type(self), self.source, self._native.path, self._parameters)
+        """Return how `pickle` makes the library anew: from the same file, or from the source, if need be."""
+        recipe, path = self._native.recipe, self._native.path
+        place = (path.parent.name, path.name, processor.fingerprint())
+        return _reopen, (type(self), recipe, place, self._parameters)
 
     @property
     def source(self) -> Source:
@@ -243,7 +247,7 @@ class CompiledModel:
 
 
 def _reopen(
-    kind: type[CompiledModel], source: Source, path: Path, parameters: Mapping[str, float]
+    kind: type[CompiledModel], recipe: Recipe, place: tuple[str, str, str], parameters: Mapping[str, float]
 ) -> CompiledModel:
     """Return a library that another process has pickled."""
-    return kind(NativeLibrary(source, path), parameters)
+    return kind(NativeLibrary.found(recipe, *place), parameters)

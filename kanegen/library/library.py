@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from kanegen.c import Source
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
-from kanegen.library.native.build import build
+from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.quantities import Quantities
 
@@ -25,8 +25,9 @@ def load(
         compiler: Command of a C compiler; by default the first that is found.
         flags: Compiler flags; by default those of the variant, which optimise and keep IEEE semantics.
         threads: Whether OpenMP shares batches of 1024 states and more among threads, as many as
-            `OMP_NUM_THREADS` says. No bit of a result depends on it. A process that has used threads must not
-            fork. With a compiler without OpenMP this gives a `KanegenWarning`, and batches use one thread.
+            `OMP_NUM_THREADS` says. No bit of a result depends on it. In a process that was forked from one
+            with threads, batches use one thread. With a compiler without OpenMP this gives a
+            `KanegenWarning`, and batches use one thread.
 
     Raises:
         BuildError: If there is no compiler, it fails, or the compiled library cannot be loaded.
@@ -35,9 +36,8 @@ def load(
         source = kg.generate(system)
         library = kanegen.library.load(source)
     """
-    return Library(
-        NativeLibrary(source, build(source, compiler, flags, threads)), dict(source.model.parameters)
-    )
+    recipe = Recipe.of(source, compiler, flags, threads)
+    return Library(NativeLibrary.made(recipe), dict(source.model.parameters))
 
 
 class Library(Dynamics, Quantities, Derivatives):
@@ -56,7 +56,8 @@ class Library(Dynamics, Quantities, Derivatives):
     since sine and cosine are kanegen's own unless the variant says otherwise.
 
     Libraries are immutable and threads may share them; C runs without the interpreter's lock. They can be
-    pickled: another process of the machine loads the same compiled file.
+    pickled: another process loads the same compiled file, or compiles the source, which the pickle carries,
+    where that file is missing or damaged or the machine is another one.
 
     Example:
         system = kg.load("models/double_pendulum.toml")

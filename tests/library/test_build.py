@@ -74,11 +74,9 @@ def test_the_package_ziglang_is_the_last_resort(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setenv("PATH", str(tmp_path))
-    compilers._versioned.cache_clear()
     found = compilers.find()
     assert found.command == (sys.executable, "-m", "ziglang", "cc")
-    assert found.fingerprint.endswith("\na fake zig\n")
-    compilers._versioned.cache_clear()
+    assert found.version == "a fake zig"
 
 
 def test_no_compiler(monkeypatch, tmp_path):
@@ -154,7 +152,6 @@ def test_what_the_code_depends_on_is_in_the_key(counting, script):
 
 def test_a_new_version_of_the_compiler_compiles_anew(script):
     before = build(source(), script(f'[ "$1" = --version ] && echo 1 && exit\nexec {CC} "$@"'))
-    compilers._versioned.cache_clear()
     after = build(source(), script(f'[ "$1" = --version ] && echo 2 && exit\nexec {CC} "$@"'))
     assert before != after
 

@@ -13,6 +13,7 @@ import pytest
 from kanegen.errors import ArrayError, BuildError, ModelError, OptionError
 from kanegen.library import Library, load
 from kanegen.library.native import cache
+from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.results import Evaluation
 from tests.support.handmade import bits, evaluate, module, source
@@ -291,9 +292,9 @@ def test_compiled_code_that_cannot_be_loaded(tmp_path):
     with pytest.raises(
         BuildError, match=r"libhandmade.so: the compiled library cannot be loaded: .*machine\?"
     ):
-        NativeLibrary(source(), broken)
+        NativeLibrary(Recipe(source()), broken)
 
 
 def test_compiled_code_of_something_else(library, plain):
     with pytest.raises(BuildError, match=r"cannot be loaded: .*handmade_prepare"):
-        Library(NativeLibrary(library.source, plain._native.path), library.parameters)
+        Library(NativeLibrary(Recipe(library.source), plain._native.path), library.parameters)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import platform
+import math
 import shlex
 import sys
 import warnings
-from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from kanegen.c import Source
 from kanegen.choices import chosen as several
 from kanegen.choices import flag
 from kanegen.errors import BuildError, KanegenWarning, quoted
-from kanegen.library.native import cache, commands, compilers, selftest
+from kanegen.library.native import cache, commands, compilers, environment, processor, selftest
 from kanegen.program import precision as precisions
 from kanegen.program import semantics
 from kanegen.program.precision import LONG_DOUBLE
@@ -26,7 +25,7 @@ from kanegen.program.precision import LONG_DOUBLE
 EXAMPLE = "main.c"
 """Generated file that is an example of use and no part of the library."""
 
-_FRAMES = 5
+_FRAMES = 6
 """Frames from a warning of `_openmp_flags` to the line that called `kanegen.build`."""
 
 _LIBRARY_FLAGS = ("-std=c99", "-fPIC")
@@ -47,7 +46,7 @@ class Product:
         link: Command that links the objects, without the names of files.
         link_arguments: Arguments of the linker after the objects, such as `("-lm",)`.
         fingerprints: Fingerprints of the compilers.
-        seconds: Time limit of each command, s; None is no limit.
+        seconds: Time limit for each file, s; None is the one of `environment.COMPILE_SECONDS`.
     """
 
     name: str
@@ -63,9 +62,62 @@ class Product:
         """Name of its entry in the cache."""
         texts = [part for item in sorted(self.files.items()) for part in item]
         commands_ = [shlex.join((file, *command)) for file, command in self.compile.items()]
-        flags = [*self.link, *(flag for command in self.compile.values() for flag in command)]
         parts = [self.name, *texts, *commands_, *self.link, *self.link_arguments, *self.fingerprints]
-        return cache.key([*parts, *_machine(flags)])
+        return cache.key([*parts, processor.fingerprint()])
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What a shared library is compiled from and how.
+
+    Attributes:
+        source: Generated C, from `kanegen.generate`.
+        compiler: Command of a compiler that takes gcc's options; None is that of `compilers.find`.
+        flags: Compiler flags in place of those of the variant; None are those of the variant.
+        threads: Whether OpenMP shares large batches among threads. With a compiler without OpenMP this gives
+            a `KanegenWarning`, and batches use one thread.
+    """
+
+    source: Source
+    compiler: str | None = None
+    flags: tuple[str, ...] | None = None
+    threads: bool = False
+
+    @classmethod
+    def of(
+        cls, source: Source, compiler: str | None, flags: str | Sequence[str] | None, threads: bool
+    ) -> Recipe:
+        """Return the recipe with flags that are a sequence or one text, split as a shell does it.
+
+        Raises:
+            BuildError: If the flags are neither, or the text cannot be split.
+            OptionError: If `threads` is neither true nor false.
+        """
+        return cls(source, compiler, None if flags is None else _split(flags), flag("threads", threads))
+
+    def product(self) -> Product:
+        """Return the library with the commands that make it.
+
+        Raises:
+            BuildError: If there is no compiler, or it does not keep what the variant promises.
+        """
+        source = self.source
+        found = compilers.find(self.compiler)
+        chosen = selftest.sound_flags(found, source) if self.flags is None else self.flags
+        _require_long_double(source)
+        selftest.require(found, chosen, precisions.precision_named(source.precision).required_properties)
+        if self.threads:
+            chosen += _openmp_flags(found)
+        command = (*found.command, *_LIBRARY_FLAGS, *chosen)
+        files = code(source)
+        return Product(
+            name=f"lib{source.model.name}{_SUFFIX}",
+            files=files,
+            compile={file: command for file in files if file.endswith(".c")},
+            link=(*semantics.linker_flags(command), "-shared"),
+            link_arguments=("-lm",),
+            fingerprints=(found.fingerprint,),
+        )
 
 
 def build(
@@ -80,8 +132,7 @@ def build(
         source: Generated C, from `kanegen.generate`.
         compiler: Command of a compiler that takes gcc's options; by default that of `compilers.find`.
         flags: Compiler flags in place of those of the variant, as a sequence or as a shell would split them.
-        threads: Whether OpenMP shares large batches among threads. With a compiler without OpenMP this gives
-            a `KanegenWarning`, and batches use one thread.
+        threads: Whether OpenMP shares large batches among threads, as in `Recipe`.
 
     Returns:
         Path of the shared library.
@@ -90,23 +141,7 @@ def build(
         BuildError: If there is no compiler, it fails or does not keep what the variant promises, or the
             cache folder cannot be used.
     """
-    found = compilers.find(compiler)
-    chosen = selftest.sound_flags(found, source) if flags is None else _split(flags)
-    _require_long_double(source)
-    selftest.require(found, chosen, precisions.precision_named(source.precision).required_properties)
-    if flag("threads", threads):
-        chosen += _openmp_flags(found)
-    command = (*found.command, *_LIBRARY_FLAGS, *chosen)
-    files = code(source)
-    product = Product(
-        name=f"lib{source.model.name}{_SUFFIX}",
-        files=files,
-        compile={file: command for file in files if file.endswith(".c")},
-        link=(*semantics.linker_flags(command), "-shared"),
-        link_arguments=("-lm",),
-        fingerprints=(found.fingerprint,),
-    )
-    return compiled_product(product)
+    return made(Recipe.of(source, compiler, flags, threads).product(), Path)
 
 
 def program(
@@ -146,34 +181,44 @@ def program(
         fingerprints=(c.fingerprint, cpp.fingerprint),
         seconds=seconds,
     )
-    return compiled_product(product)
+    return made(product, Path)
 
 
-def compiled_product(product: Product) -> Path:
-    """Return the path of `product` in the cache; a product that is missing is compiled.
+def made(product: Product, take: Callable[[Path], cache.Used]) -> cache.Used:
+    """Return what `take` returns for the file of `product` in the cache; a product that is missing is compiled.
 
     Its source files are compiled at the same time.
 
+    Args:
+        product: The library or program.
+        take: Function that loads or only names the file, as in `cache.use`.
+
     Raises:
         BuildError: If a compiler fails or the cache folder cannot be used.
-        TimeLimitError: If a command exceeds the time limit.
+        TimeLimitError: If a command exceeds the time limit of the product.
     """
     objects = {file: f"{file}.o" for file in product.compile}
 
-    def compile_(folder: Path, file: str) -> None:
-        command = [*product.compile[file], "-c", file, "-o", objects[file]]
-        commands.make(command, objects[file], folder, product.seconds)
-
     def fill(folder: Path) -> None:
+        seconds = _seconds(product)
         write(product.files, folder)
-        with ThreadPoolExecutor() as pool:
-            list(pool.map(lambda file: compile_(folder, file), product.compile))
-        command = [*product.link, "-o", product.name, *objects.values(), *product.link_arguments]
-        commands.make(command, product.name, folder, product.seconds)
+        compile_ = {
+            objects[f]: [*command, "-c", f, "-o", objects[f]] for f, command in product.compile.items()
+        }
+        link = [*product.link, "-o", product.name, *objects.values(), *product.link_arguments]
+        try:
+            commands.make_all(compile_, folder, seconds)
+            commands.make(link, product.name, folder, seconds)
+        except commands.TimeLimitError as error:
+            if product.seconds is not None:
+                raise
+            raise BuildError(
+                f"{error} If the compiler does not hang, set ${environment.COMPILE_SECONDS} to more seconds."
+            ) from error
         for file in objects.values():
             (folder / file).unlink()
 
-    return cache.entry(product.key, fill) / product.name
+    return cache.use(product.key, product.name, fill, take)
 
 
 def code(source: Source) -> dict[str, str]:
@@ -233,10 +278,9 @@ def _split(flags: str | Sequence[str]) -> tuple[str, ...]:
     return found
 
 
-def _machine(flags: Sequence[str]) -> tuple[str, ...]:
-    """Return the target of the code: system and processor and, for native code, this one machine.
-
-    A home folder may be shared by machines whose processors have different instructions.
-    """
-    kind = (platform.system(), platform.machine())
-    return (*kind, platform.node()) if any("native" in flag for flag in flags) else kind
+def _seconds(product: Product) -> float | None:
+    """Return the time limit of the commands that make a product, s; None is no limit."""
+    if product.seconds is not None:
+        return product.seconds
+    limit = environment.limit(environment.COMPILE_SECONDS)
+    return limit if math.isfinite(limit) else None

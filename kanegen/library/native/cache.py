@@ -2,26 +2,32 @@
 
 An entry is a folder whose name is a digest of everything that the code depends on. It is filled under a
 temporary name and renamed when it is complete, so that any number of processes may make it at once, and a
-process that is killed leaves only a folder that nobody reads. A list of the digests of its files shows
-whether an entry is damaged; a damaged entry is made anew.
+process that is killed leaves only a folder that nobody reads and the next one removes. A list of the digests
+of its files shows whether an entry is damaged; a damaged entry is made anew. When the cache is full or is
+cleared, entries disappear by a rename as well: a process either finds all of an entry or makes it again, and
+code that is loaded stays loaded. Nothing is loaded from a folder in which others can write.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shutil
-import tempfile
 import threading
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import platformdirs
 
 from kanegen.errors import BuildError
+from kanegen.files import reason, temporary_folder
+from kanegen.library.native import environment, ownership
 
 VARIABLE = "KANEGEN_CACHE"
 """Environment variable that may name another folder than `kanegen` in the user's cache folder."""
@@ -29,11 +35,29 @@ VARIABLE = "KANEGEN_CACHE"
 _DIGESTS = "SHA256SUMS"
 """File of an entry that lists the SHA-256 digests of all other files, as `sha256sum` prints them."""
 
-_UNFINISHED = "unfinished-"
-"""Prefix of the temporary folders in which entries are made."""
+_DIGITS = 32
+"""Hexadecimal digits of the name of an entry."""
 
-_DAY = 24 * 3600.0
-"""Age in s beyond which an unfinished folder is taken to be abandoned."""
+_NAME = re.compile(f"[0-9a-f]{{{_DIGITS}}}")
+"""The names of entries, by which they differ from temporary folders."""
+
+_ATTEMPTS = 20
+"""How often an entry is made at most that other processes remove or damage before it is used."""
+
+_RESOLUTION = 600.0
+"""Time in s after which another use of an entry is noted."""
+
+_IN_USE = 3600.0
+"""Time in s after its last use during which an entry is kept, also where the cache is full."""
+
+_FILL = 0.8
+"""Part of the limit to which the cache is emptied when it is full."""
+
+_WRITTEN_BY_OTHERS = 0o022
+"""Bits of the mode of a file with which others may write it."""
+
+_MEGABYTE = 1e6
+"""Bytes of a megabyte."""
 
 _LOCKS: defaultdict[str, threading.Lock] = defaultdict(threading.Lock)
 """A lock for each entry: of several threads that need an entry one makes it and the others wait."""
@@ -41,92 +65,271 @@ _LOCKS: defaultdict[str, threading.Lock] = defaultdict(threading.Lock)
 if hasattr(os, "register_at_fork"):  # a forked process has no thread that would release a lock
     os.register_at_fork(after_in_child=_LOCKS.clear)
 
+Used = TypeVar("Used")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A complete entry of the cache.
+
+    Attributes:
+        path: Its folder.
+        name: Name of the library or program, or of the file of results, that it holds.
+        size: Size of its files, in bytes.
+        last_use: Time of its last use to within ten minutes, in seconds since the epoch.
+    """
+
+    path: Path
+    name: str
+    size: int
+    last_use: float
+
 
 def folder() -> Path:
-    """Return the folder of the cache: `$KANEGEN_CACHE`, or `kanegen` in the user's cache folder."""
+    """Return the folder of the cache: `$KANEGEN_CACHE`, or `kanegen` in the user's cache folder.
+
+    Raises:
+        BuildError: If `$KANEGEN_CACHE` begins with the home folder of a user that there is not.
+    """
     named = os.environ.get(VARIABLE)
-    return Path(named).absolute() if named else platformdirs.user_cache_path("kanegen", appauthor=False)
+    if not named:
+        return platformdirs.user_cache_path("kanegen", appauthor=False)
+    try:
+        return Path(named).expanduser().absolute()
+    except RuntimeError as error:
+        raise BuildError(f"${VARIABLE}: {named!r} is no folder: {error}") from None
 
 
 def key(parts: Iterable[str]) -> str:
     """Return the name of the entry that depends on exactly `parts`, in their order."""
     digest = hashlib.sha256()
     for part in parts:
-        data = part.encode()
+        data = part.encode("utf-8", "surrogateescape")
         digest.update(b"%d:" % len(data) + data)
-    return digest.hexdigest()[:32]
+    return digest.hexdigest()[:_DIGITS]
 
 
-def entry(name: str, fill: Callable[[Path], None]) -> Path:
-    """Return the folder of the entry `name`, which `fill` makes if it is missing or damaged.
+def use(name: str, file: str, fill: Callable[[Path], None], take: Callable[[Path], Used]) -> Used:
+    """Return what `take` returns for a file of an entry, which is made first if it is missing or damaged.
 
     Args:
         name: Name of the entry, from `key`.
+        file: Name of the file that is used, which `fill` writes.
         fill: Function that writes the files of the entry into the empty folder that it is given.
+        take: Function that reads, loads or only names the file that it is given. It is called again if
+            another process has removed the entry meanwhile.
 
     Raises:
-        BuildError: If the cache folder cannot be used.
-        Exception: Whatever `fill` raises.
+        BuildError: If the cache folder cannot be used, or others can write in it.
+        Exception: Whatever `fill` raises, and what `take` raises for a file that is not damaged.
     """
     root = folder()
-    complete = root / name
+    with _reported(root):
+        for _ in range(_ATTEMPTS):
+            complete = _complete(root, name, file, fill)
+            try:
+                return take(complete / file)
+            except (OSError, BuildError):
+                if _is_intact(complete, file):
+                    raise
+    raise BuildError(f"cache folder {root}: other processes keep removing entry {name}. Stop them.")
+
+
+def find(name: str, file: str) -> Path | None:
+    """Return the path of a file of an entry that is there and not damaged, otherwise None."""
+    with suppress(BuildError, OSError):
+        root = folder()
+        if (root / name).is_dir():
+            _require_private(root)
+            if _is_intact(root / name, file):
+                _note_use(root / name)
+                return root / name / file
+    return None
+
+
+def entries() -> list[Entry]:
+    """Return the entries of the cache, the one that was used last at the end."""
+    found = []
+    root = folder()
+    for path in root.iterdir() if root.is_dir() else ():
+        if _NAME.fullmatch(path.name) and path.is_dir():
+            with suppress(OSError):
+                found.append(_entry(path))
+    return sorted(found, key=lambda entry: (entry.last_use, entry.path))
+
+
+def clear(unused_for: float = 0.0) -> list[Entry]:
+    """Remove the entries that have not been used for some time, and return them.
+
+    Processes that have loaded a library from them keep it, and compile it again when they build it again.
+
+    Args:
+        unused_for: Time since the last use, s.
+
+    Raises:
+        BuildError: If the cache folder cannot be used, or others can write in it.
+    """
+    root = folder()
+    if not root.is_dir():
+        return []
+    _require_private(root)
+    unused = [entry for entry in entries() if time.time() - entry.last_use >= unused_for]
+    with _reported(root):
+        return _remove(root, unused)
+
+
+@contextmanager
+def _reported(root: Path) -> Iterator[None]:
+    """Turn an error of the operating system into a `BuildError` about the folder of the cache."""
     try:
-        with _LOCKS[str(complete)]:
-            if not _is_intact(complete):
-                root.mkdir(parents=True, exist_ok=True, mode=0o700)
-                _remove_abandoned(root)
-                _make(complete, fill)
+        yield
     except OSError as error:
         raise BuildError(
-            f"cache folder {root} cannot be used: {error.strerror}. Set ${VARIABLE} to a folder that can be "
+            f"cache folder {root} cannot be used: {reason(error)}. Set ${VARIABLE} to a folder that can be "
             "written."
         ) from error
+
+
+def _complete(root: Path, name: str, file: str, fill: Callable[[Path], None]) -> Path:
+    """Return the folder of an entry that is complete and not damaged, which `fill` makes if need be."""
+    complete = root / name
+    with _LOCKS[str(complete)]:
+        if not root.is_dir():
+            _make_private(root)
+        _require_private(root)
+        if _is_intact(complete, file):
+            _note_use(complete)
+        else:
+            limit = environment.limit(environment.CACHE_MEGABYTES) * _MEGABYTE
+            _make(complete, file, fill)
+            with suppress(OSError):
+                _keep_below(root, limit)
     return complete
 
 
-def _make(complete: Path, fill: Callable[[Path], None]) -> None:
+def _make_private(root: Path) -> None:
+    """Make the folder of the cache, and those above it that are missing, for the user alone."""
+    for missing in reversed([path for path in (root, *root.parents) if not path.exists()]):
+        with suppress(FileExistsError):
+            missing.mkdir(mode=0o700)
+
+
+def _require_private(root: Path) -> None:
+    """Make sure that nobody else can write in the folder of the cache or replace it.
+
+    Raises:
+        BuildError: If others can.
+    """
+    if objection := ownership.objection(root):
+        raise BuildError(
+            f"cache folder {root} is not safe to load code from: {objection}, or set ${VARIABLE} to a folder of "
+            "your own."
+        )
+
+
+def _make(complete: Path, file: str, fill: Callable[[Path], None]) -> None:
     """Fill an entry under a temporary name, list its digests and give it the name `complete`."""
-    with tempfile.TemporaryDirectory(
-        prefix=_UNFINISHED, dir=complete.parent, ignore_cleanup_errors=True
-    ) as temporary:
-        content = Path(temporary) / complete.name
-        content.mkdir()
+    with temporary_folder(complete.parent) as temporary:
+        content = temporary / "content"
+        content.mkdir(mode=0o700)
         fill(content)
-        files = sorted(path for path in content.rglob("*") if path.is_file())
-        lines = [f"{_digest(path)}  {path.relative_to(content).as_posix()}\n" for path in files]
-        (content / _DIGESTS).write_text("".join(lines))
-        _publish(content, complete)
+        for name in _files(content):
+            (content / name).chmod((content / name).stat().st_mode & ~_WRITTEN_BY_OTHERS)
+        lines = [f"{_digest(content / name)}  {name}\n" for name in _files(content)]
+        (content / _DIGESTS).write_text("".join(lines), encoding="utf-8")
+        _publish(content, complete, file)
 
 
-def _publish(content: Path, complete: Path) -> None:
+def _publish(content: Path, complete: Path, file: str) -> None:
     """Rename the folder `content` to `complete`, unless another process has made that entry meanwhile."""
-    try:
-        content.rename(complete)
-    except OSError:
-        if _is_intact(complete):
+    for attempt in range(_ATTEMPTS):
+        try:
+            content.rename(complete)
+        except OSError:
+            if _is_intact(complete, file):
+                return
+            with suppress(FileNotFoundError):
+                complete.rename(content.with_name(f"damaged-{attempt}"))
+        else:
             return
-        with suppress(FileNotFoundError):
-            complete.rename(content.with_name("damaged"))
-        content.rename(complete)
+    content.rename(complete)
 
 
-def _is_intact(complete: Path) -> bool:
-    """Whether an entry exists and every file of it has the digest that is listed."""
+def _is_intact(complete: Path, file: str) -> bool:
+    """Whether an entry lists exactly its files, `file` among them, and each has the digest that is listed."""
     try:
-        rows = [line.split("  ", 1) for line in (complete / _DIGESTS).read_text().splitlines()]
-        return bool(rows) and all(_digest(complete / name) == digest for digest, name in rows)
+        if not ownership.is_private(complete):
+            return False
+        text = (complete / _DIGESTS).read_text(encoding="utf-8")
+        listed = {name: digest for digest, _, name in (line.partition("  ") for line in text.splitlines())}
+        return (
+            file in listed
+            and sorted(listed) == _files(complete)
+            and all(_digest(complete / name) == digest for name, digest in listed.items())
+        )
     except (OSError, ValueError):
         return False
 
 
+def _files(entry: Path) -> list[str]:
+    """Return the relative paths of the files of an entry but for the list of digests, in order."""
+    paths = (path for path in entry.rglob("*") if not path.is_dir())
+    return sorted(name for path in paths if (name := path.relative_to(entry).as_posix()) != _DIGESTS)
+
+
 def _digest(path: Path) -> str:
-    """Return the SHA-256 digest of a file, in hexadecimal."""
+    """Return the SHA-256 digest of a file, in hexadecimal.
+
+    Raises:
+        OSError: If it is no file of the user's own.
+    """
+    if not ownership.is_private(path):
+        raise PermissionError
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _remove_abandoned(root: Path) -> None:
-    """Remove unfinished folders of processes that were killed more than a day ago."""
-    for path in root.glob(f"{_UNFINISHED}*"):
-        with suppress(FileNotFoundError):
-            if time.time() - path.stat().st_mtime > _DAY:
-                shutil.rmtree(path, ignore_errors=True)
+def _note_use(complete: Path) -> None:
+    """Note the time of a use, in the times of the list of digests, unless it was noted a short while ago."""
+    with suppress(OSError):
+        if time.time() - (complete / _DIGESTS).stat().st_mtime > _RESOLUTION:
+            os.utime(complete / _DIGESTS)
+
+
+def _entry(path: Path) -> Entry:
+    """Return the entry in a folder.
+
+    Raises:
+        OSError: If it is no entry, or another process removes it.
+    """
+    files = _files(path)
+    made = [name for name in files if not name.endswith((".c", ".h", ".cpp", ".hpp"))]
+    size = sum(file.stat().st_size for file in path.rglob("*"))
+    noted = path / _DIGESTS
+    return Entry(path, (made or [""])[0], size, (noted if noted.exists() else path).stat().st_mtime)
+
+
+def _keep_below(root: Path, limit: float) -> None:
+    """Remove the entries that were not used for the longest time, if all together exceed a limit in bytes."""
+    found = entries()
+    excess = sum(entry.size for entry in found)
+    if excess <= limit:
+        return
+    excess -= int(_FILL * limit)
+    superfluous = []
+    for entry in found:
+        if excess > 0 and time.time() - entry.last_use > _IN_USE:
+            superfluous.append(entry)
+            excess -= entry.size
+    _remove(root, superfluous)
+
+
+def _remove(root: Path, superfluous: Iterable[Entry]) -> list[Entry]:
+    """Remove entries, each by a rename before its files are deleted, and return those that were there."""
+    removed = []
+    with temporary_folder(root) as temporary:
+        for number, entry in enumerate(superfluous):
+            with suppress(OSError):
+                entry.path.rename(temporary / str(number))
+                removed.append(entry)
+                shutil.rmtree(temporary / str(number), ignore_errors=True)
+    return removed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,8 @@ from kanegen.c import ModelDescription, Source
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import ArrayError, BuildError
-from kanegen.library.native import floating_point
+from kanegen.library.native import cache, floating_point, openmp, processor
+from kanegen.library.native.build import Recipe, made
 from kanegen.library.native.status import Status
 from kanegen.model.arguments import (
     ARGUMENTS,
@@ -52,20 +54,21 @@ class NativeLibrary:
     """A shared library in memory.
 
     Attributes:
-        source: The generated C that was compiled.
+        recipe: What was compiled and how.
         path: Path of the shared library.
         named_inputs: Names of the inputs that some function reads and that are passed by name.
         calls: The functions by name without prefix; `EVALUATE` computes all outputs, also where there is one.
     """
 
-    def __init__(self, source: Source, path: Path) -> None:
-        """Load the shared library `path` that was compiled from `source`.
+    def __init__(self, recipe: Recipe, path: Path) -> None:
+        """Load the shared library `path` that was compiled by `recipe`.
 
         Raises:
             BuildError: If the library cannot be loaded, or changes the arithmetic of the process.
         """
-        self.source = source
+        self.recipe = recipe
         self.path = path
+        source = recipe.source
         read = {array.name for function in source.functions for array in function.inputs}
         self.named_inputs = tuple(name for name in MODEL_DEPENDENT if name in read)
         ffi = cffi.FFI()
@@ -83,8 +86,17 @@ class NativeLibrary:
         try:
             with floating_point.unchanged(path):
                 library = ffi.dlopen(str(path), ffi.RTLD_NOW | _NEVER_UNLOAD)
+            before_batch = openmp.before_batch(path)
             self.calls = {
-                name: Call(library, pointers, arrays, source.model, function, self._arguments(name, function))
+                name: Call(
+                    library,
+                    pointers,
+                    arrays,
+                    source.model,
+                    function,
+                    self._arguments(name, function),
+                    before_batch,
+                )
                 for name, function in functions.items()
             }
         except (OSError, AttributeError) as error:
@@ -92,6 +104,39 @@ class NativeLibrary:
                 f"{path}: the compiled library cannot be loaded: {error}. Does the compiler make code for "
                 "this machine?"
             ) from error
+
+    @classmethod
+    def made(cls, recipe: Recipe) -> NativeLibrary:
+        """Compile a library, or find it in the cache, and load it.
+
+        Raises:
+            BuildError: If there is no compiler, it fails, or the compiled library cannot be loaded.
+        """
+        return made(recipe.product(), partial(cls, recipe))
+
+    @classmethod
+    def found(cls, recipe: Recipe, entry: str, file: str, machine: str) -> NativeLibrary:
+        """Load a library that another process has made, without a compiler where that is possible.
+
+        Args:
+            recipe: What was compiled and how.
+            entry: Name of its entry in the cache of that process.
+            file: Name of its file.
+            machine: Fingerprint of the machine of that process.
+
+        Raises:
+            BuildError: If the library has to be made again and cannot be made.
+        """
+        path = cache.find(entry, file) if machine == processor.fingerprint() else None
+        with suppress(BuildError):  # another process has removed it meanwhile
+            if path is not None:
+                return cls(recipe, path)
+        return cls.made(recipe)
+
+    @property
+    def source(self) -> Source:
+        """The generated C that was compiled."""
+        return self.recipe.source
 
     def constants(self, parameters: Mapping[str, float]) -> Pointers:
         """Return the first argument of every `Call`: the results of `prepare` for some run-time parameters.
@@ -130,6 +175,7 @@ class Call:
         model: ModelDescription,
         function: Function,
         arguments: tuple[str, ...],
+        before_batch: Callable[[], None] | None = None,
     ) -> None:
         """Prepare everything that does not depend on the values.
 
@@ -140,7 +186,9 @@ class Call:
             model: Description of the model.
             function: The C function.
             arguments: Names of the values that the call takes, in order.
+            before_batch: Function to call before each batch, from `openmp.before_batch`.
         """
+        self._before_batch = before_batch
         self._status = Status.of(function, model)
         name = f"{model.name}_{function.name}"
         self._single = getattr(library, name)
@@ -222,6 +270,8 @@ class Call:
             if status:
                 self._status.report(status, _FRAMES + 1)
             return results
+        if self._before_batch is not None:
+            self._before_batch()
         failed = self._batch(*batch, *pointers)
         if failed:
             self._status.report_batch(failed, results, _FRAMES + 1)

@@ -1,4 +1,8 @@
-"""Commands of the operating system, such as compilers, run with or without a time limit."""
+"""Commands of the operating system, such as compilers, run with or without a time limit.
+
+Every command leads a session of its own, so that it can be ended together with the processes that it started:
+when its time is up, and when this process is interrupted while it waits.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +10,13 @@ import os
 import shlex
 import signal
 import subprocess
-from collections.abc import Sequence
-from contextlib import suppress
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from kanegen.errors import BuildError
+from kanegen.files import reason
 
 _LONGEST_REASON = 300
 """Characters of a reason that no line of the output gives."""
@@ -66,29 +72,64 @@ def run(
         CommandError: If the command cannot be started.
         TimeLimitError: If it takes more than `seconds`.
     """
+    (done,) = run_all([command], folder, seconds)
+    return done
+
+
+def run_all(
+    commands: Sequence[Sequence[str | Path]], folder: Path | None = None, seconds: float | None = None
+) -> list[subprocess.CompletedProcess[str]]:
+    """Run commands at the same time and wait until all have ended.
+
+    Args:
+        commands: Program and arguments of each.
+        folder: Working directory of all; by default that of this process.
+        seconds: Time limit of all together, s; by default there is none.
+
+    Raises:
+        CommandError: If a command cannot be started; the others are then killed.
+        TimeLimitError: If they take more than `seconds`; all are then killed.
+    """
+    deadline = None if seconds is None else time.monotonic() + seconds
+    with ExitStack() as stack:
+        processes = [stack.enter_context(_started(command, folder)) for command in commands]
+        done = []
+        for command, process in zip(commands, processes, strict=True):
+            left = None if deadline is None else max(deadline - time.monotonic(), 0.0)
+            try:
+                output, errors = process.communicate(timeout=left)
+            except subprocess.TimeoutExpired:
+                raise TimeLimitError(command, seconds or 0.0) from None
+            done.append(subprocess.CompletedProcess(command, process.returncode, output, errors))
+        return done
+
+
+@contextmanager
+def _started(command: Sequence[str | Path], folder: Path | None) -> Iterator[subprocess.Popen[str]]:
+    """Start a command in a session of its own; at the end of the context it is killed if it still runs.
+
+    Raises:
+        CommandError: If the command cannot be started.
+    """
     try:
         process = subprocess.Popen(
             command,
             cwd=folder,
-            start_new_session=seconds is not None,
+            start_new_session=True,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
             errors="replace",
         )
-    except OSError as error:
-        raise CommandError(f"{_joined(command)}: cannot be run: {error.strerror}.") from error
+    except (OSError, ValueError) as error:
+        raise CommandError(f"{_joined(command)}: cannot be run: {reason(error)}.") from error
     with process:
         try:
-            output, errors = process.communicate(timeout=seconds)
-        except subprocess.TimeoutExpired:
-            _kill(process, has_group=True)
-            raise TimeLimitError(command, seconds or 0.0) from None
-        except BaseException:
-            _kill(process, has_group=seconds is not None)
-            raise
-    return subprocess.CompletedProcess(command, process.returncode, output, errors)
+            yield process
+        finally:
+            if process.returncode is None:
+                _kill(process)
 
 
 def output(command: Sequence[str | Path], folder: Path | None = None, seconds: float | None = None) -> str:
@@ -125,20 +166,36 @@ def make(command: Sequence[str], file: str, folder: Path, seconds: float | None 
         CommandError: If the compiler cannot be started, its status is not 0, or it makes no such file.
         TimeLimitError: If it takes more than `seconds`.
     """
-    done = run(command, folder, seconds)
-    if done.returncode != 0 or not (folder / file).is_file():
-        printed = done.stdout + done.stderr
-        raise CommandError(
-            f"the compiler failed with status {done.returncode} and made no {file}.\n"
-            f"command: {_joined(command)}\n{printed}",
-            printed,
-        )
+    make_all({file: command}, folder, seconds)
 
 
-def _kill(process: subprocess.Popen[str], has_group: bool) -> None:
-    """Kill a process, and where it leads a group of its own, every process in that group."""
-    if has_group and hasattr(os, "killpg"):
-        with suppress(ProcessLookupError):
+def make_all(commands: Mapping[str, Sequence[str]], folder: Path, seconds: float | None = None) -> None:
+    """Run compilers at the same time, each of which must make a file.
+
+    Args:
+        commands: Compiler and arguments by the file that it makes, relative to `folder`.
+        folder: Working directory of the compilers.
+        seconds: Time limit of all together, s; by default there is none.
+
+    Raises:
+        CommandError: If a compiler cannot be started, its status is not 0, or it does not make its file.
+        TimeLimitError: If they take more than `seconds`.
+    """
+    finished = run_all(list(commands.values()), folder, seconds)
+    for (file, command), done in zip(commands.items(), finished, strict=True):
+        if done.returncode != 0 or not (folder / file).is_file():
+            printed = done.stdout + done.stderr
+            raise CommandError(
+                f"the compiler failed with status {done.returncode} and made no {file}.\n"
+                f"command: {_joined(command)}\n{printed}",
+                printed,
+            )
+
+
+def _kill(process: subprocess.Popen[str]) -> None:
+    """Kill a process that leads a session, and every process in its group."""
+    if hasattr(os, "killpg"):
+        with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
     process.kill()
 

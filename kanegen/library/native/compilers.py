@@ -13,6 +13,7 @@ from pathlib import Path
 
 from kanegen.errors import BuildError, MissingError, quoted
 from kanegen.extras import is_installed
+from kanegen.files import temporary_folder
 from kanegen.library.native import commands
 
 VARIABLES = ("KANEGEN_CC", "CC")
@@ -33,23 +34,42 @@ OPENMP = "-fopenmp"
 _OPENMP_PROGRAM = "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n"
 
 
+_TIME_LIMIT = 120.0
+"""Time limit, s, of what a compiler does at once: print its version, compile ten lines."""
+
+_SETTINGS = (
+    *("CCC_OVERRIDE_OPTIONS", "COMPILER_PATH", "CPATH", "CPLUS_INCLUDE_PATH", "C_INCLUDE_PATH"),
+    *("GCC_EXEC_PREFIX", "LIBRARY_PATH"),
+)
+"""Environment variables with which gcc and clang make other code."""
+
+
 @dataclass(frozen=True)
 class Compiler:
     """A compiler that takes the options of gcc and clang.
 
     Attributes:
         command: Program and first arguments, such as `("/usr/bin/gcc",)`.
-        fingerprint: The command and, from the second line on, the output of `--version`. Compilers with the
-            same fingerprint make the same code.
+        version_text: What `--version` prints.
+        programs: File of every program in the command behind all links, its size and the time of its last
+            change.
+        settings: Environment variables that change the code, as text.
     """
 
     command: tuple[str, ...]
-    fingerprint: str
+    version_text: str
+    programs: str = ""
+    settings: str = ""
 
     @property
     def version(self) -> str:
         """The first line that `--version` prints."""
-        return self.fingerprint.splitlines()[1]
+        return (self.version_text.splitlines() or [""])[0]
+
+    @property
+    def fingerprint(self) -> str:
+        """A text that differs between compilers, or settings of one, that may make other code."""
+        return "\n".join((shlex.join(self.command), self.version_text, self.programs, self.settings))
 
 
 def find(command: str | None = None) -> Compiler:
@@ -95,20 +115,19 @@ def find_cpp() -> Compiler:
 @functools.cache
 def has_openmp(compiler: Compiler) -> bool:
     """Whether `compiler` compiles and links a program with `OPENMP`."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with temporary_folder(Path(tempfile.gettempdir())) as folder:
         (folder / "openmp.c").write_text(_OPENMP_PROGRAM)
         command = [*compiler.command, OPENMP, "openmp.c", "-o", "openmp"]
-        return commands.run(command, folder).returncode == 0
+        return commands.run(command, folder, _TIME_LIMIT).returncode == 0
 
 
 def _named(command: str, origin: str) -> Compiler:
     """Return the compiler that the user names by `command`; `origin` says where, for error messages."""
     try:
         program, *arguments = shlex.split(command)
+        path = shutil.which(program)
     except (ValueError, AttributeError):
         raise BuildError(f"{origin}: {quoted(command)} is not a command.") from None
-    path = shutil.which(program)
     if path is None:
         raise BuildError(
             f"{origin}: the C compiler {quoted(program)} cannot be found. Install it or name another."
@@ -116,8 +135,28 @@ def _named(command: str, origin: str) -> Compiler:
     return _versioned((path, *arguments))
 
 
-@functools.cache
 def _versioned(command: tuple[str, ...]) -> Compiler:
-    """Return the compiler `command` with its version, which the compiler is asked for once a process."""
-    result = commands.run([*command, "--version"])
-    return Compiler(command, f"{shlex.join(command)}\n{result.stdout}{result.stderr}")
+    """Return the compiler `command` with its version.
+
+    Raises:
+        BuildError: If it cannot be run, or does not answer.
+    """
+    programs = "\n".join(_identity(path) for word in command if (path := shutil.which(word)))
+    settings = "\n".join(f"{name}={os.environ[name]}" for name in _SETTINGS if name in os.environ)
+    return Compiler(command, _version_text(command, programs), programs, settings)
+
+
+def _identity(program: str) -> str:
+    """Return the file of a program behind all links, its size and the time of its last change."""
+    found = Path(program).stat()
+    return f"{os.path.realpath(program)} {found.st_size} {found.st_mtime_ns}"
+
+
+@functools.cache
+def _version_text(command: tuple[str, ...], _programs: str) -> str:
+    """Return what a compiler prints about its version; each is asked once a process."""
+    try:
+        result = commands.run([*command, "--version"], seconds=_TIME_LIMIT)
+    except commands.TimeLimitError as error:
+        raise BuildError(f"{error} Does this compiler wait for something? Name another one.") from None
+    return result.stdout + result.stderr

@@ -14,7 +14,7 @@ from pathlib import Path
 from kanegen.artifacts.selftest import selftest_text
 from kanegen.c import Source
 from kanegen.errors import BuildError
-from kanegen.library.native import cache, commands, compilers
+from kanegen.library.native import cache, commands, compilers, processor
 from kanegen.program.semantics import NARROWING, guaranteed_properties
 
 REMEDIES: dict[str, tuple[str, ...]] = {NARROWING: ("-fno-tree-slp-vectorize",)}
@@ -26,8 +26,8 @@ _PROGRAM = "selftest"
 _RESULT = "properties"
 """File of the cache entry that holds the output of the program."""
 
-_TIME_LIMIT = 60.0
-"""Time limit of the program, s."""
+_TIME_LIMIT = 120.0
+"""Time limit of the compiler and of the program, s."""
 
 
 def sound_flags(compiler: compilers.Compiler, source: Source) -> tuple[str, ...]:
@@ -80,12 +80,12 @@ def properties(compiler: compilers.Compiler, flags: tuple[str, ...]) -> frozense
     def examine(folder: Path) -> None:
         (folder / f"{_PROGRAM}.c").write_text(text, encoding="utf-8")
         command = [*compiler.command, "-std=c99", *flags, f"{_PROGRAM}.c", "-o", _PROGRAM, "-lm"]
-        commands.make(command, _PROGRAM, folder)
+        commands.make(command, _PROGRAM, folder, _TIME_LIMIT)
         (folder / _RESULT).write_text(_printed(folder / _PROGRAM, compiler))
         (folder / _PROGRAM).unlink()
 
-    entry = cache.entry(cache.key((text, compiler.fingerprint, *flags)), examine)
-    return frozenset((entry / _RESULT).read_text().splitlines())
+    name = cache.key((text, compiler.fingerprint, processor.fingerprint(), *flags))
+    return frozenset(cache.use(name, _RESULT, examine, Path.read_text).splitlines())
 
 
 def _printed(program: Path, compiler: compilers.Compiler) -> str:
