@@ -11,10 +11,13 @@ from pathlib import Path
 import pytest
 
 from kanegen.errors import BuildError
-from kanegen.library.native import cache, compilers
+from kanegen.library.native import cache, compilers, processor, selftest
 from kanegen.library.native.build import build
+from kanegen.program import semantics
 from tests.support.handmade import source
 from tests.support.paths import ROOT
+
+EVERYTHING = "\n".join((*semantics.PROPERTIES, semantics.NARROWING))
 
 RUNS = 3
 """Runs of the compiler for a library: one for each of two files, one for the link."""
@@ -156,12 +159,49 @@ def test_a_new_version_of_the_compiler_compiles_anew(script):
     assert before != after
 
 
-def test_native_code_is_for_one_machine(monkeypatch):
-    path = build(source(), flags=["-march=native"])
-    plain = build(source())
-    monkeypatch.setattr("platform.node", lambda: "another-machine")
-    assert build(source(), flags=["-march=native"]) != path
-    assert build(source()) == plain
+def test_a_compiler_that_is_replaced_compiles_anew(script):
+    """Also where the new one prints the same version, and the process has asked the old one."""
+    before = build(source(), script(f'exec {CC} "$@"'))
+    after = build(source(), script(f'exec {CC} -fno-inline "$@"'))
+    assert before != after
+
+
+def test_settings_of_the_compiler_are_in_the_key(monkeypatch, tmp_path):
+    before = build(source())
+    monkeypatch.setenv("CPATH", str(tmp_path))
+    assert build(source()) != before
+
+
+@pytest.mark.parametrize("native", [{"flags": ["-march=native"]}, {"compiler": f"{CC} -march=native"}, {}])
+def test_code_is_for_processors_with_the_same_features(monkeypatch, counting, native):
+    """A compiler may make native code without a flag that says so, and the self-test ran on one processor.
+
+    The name of the machine says nothing: another processor may stand behind it.
+    """
+    path = build(source(), **native)
+    monkeypatch.setattr("platform.node", lambda: "another-name")
+    assert build(source(), **native) == path
+    tested = []
+    monkeypatch.setattr(selftest, "_printed", lambda program, compiler: tested.append(program) or EVERYTHING)
+    monkeypatch.setattr("kanegen.library.native.processor.features", lambda: "another processor")
+    processor.fingerprint.cache_clear()
+    selftest.properties.cache_clear()
+    try:
+        assert build(source(), **native) != path
+    finally:
+        processor.fingerprint.cache_clear()
+        selftest.properties.cache_clear()
+    assert len(tested) == ("flags" not in native)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="/proc/cpuinfo is a file of Linux")
+def test_the_features_of_a_processor():
+    known = Path("/proc/cpuinfo").read_text()
+    assert processor.features() == processor._linux_features(known)
+    word = processor.features().split()[-1]
+    assert processor._linux_features(known.replace(f" {word}", "")) != processor.features()
+    speeds = known.replace("MHz\t\t: ", "MHz\t\t: 9")
+    assert processor._linux_features(speeds + "\nbogomips: 1\n") == processor.features()
 
 
 @pytest.mark.parametrize("harm", ["truncate", "remove", "manifest"])
@@ -199,6 +239,7 @@ def start(**environment):
         [sys.executable, "-c", CODE],
         env=environment,
         stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
         text=True,
         start_new_session=True,
     )
@@ -219,7 +260,7 @@ def test_processes_may_build_the_same_at_once(folder, script, tmp_path):
 
 
 def test_a_killed_build_does_no_harm(folder, script):
-    """What a process leaves that is killed while it compiles is never used, and removed a day later."""
+    """What a process leaves that is killed while it compiles is never used, and removed by the next one."""
     slow = script(
         f'case "$1" in --version) exec {CC} --version ;; esac\necho half > libhandmade.so; sleep 60'
     )
@@ -227,16 +268,72 @@ def test_a_killed_build_does_no_harm(folder, script):
     deadline = time.monotonic() + 30
     while not list(folder.glob("*/*/libhandmade.so")) and time.monotonic() < deadline:
         time.sleep(0.02)
+    (unfinished,) = folder.iterdir()
+    assert build(source(), flags=["-O1"]).stat().st_size > 1000
+    assert unfinished.exists()  # its process still compiles
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
-    (left,) = folder.iterdir()
 
     path = build(source())
     assert path.stat().st_size > 1000
-    assert left.exists()
-    os.utime(left, times=(0, 0))
-    build(source(), flags=["-O1"])
-    assert not left.exists()
+    assert not unfinished.exists()
+    assert {entry.name[0] for entry in folder.iterdir()} <= set("0123456789abcdef")
+
+
+HANGS = 'case "$*" in --version|*selftest*) exec {cc} "$@" ;; esac\nsleep 60 & echo $! > {child}; wait'
+
+
+def is_running(pid):
+    state = subprocess.run(["ps", "-o", "stat=", "-p", pid], capture_output=True, text=True, check=False)
+    return state.stdout.strip()[:1] not in ("", "Z")
+
+
+def test_a_compiler_that_hangs_is_stopped(folder, script, monkeypatch, tmp_path):
+    build(source())  # the self-test is not to be in a hurry
+    hanging = script(HANGS.format(cc=CC, child=tmp_path / "child"))
+    compilers.find(hanging)
+    selftest.sound_flags(compilers.find(hanging), source())
+    monkeypatch.setenv("KANEGEN_COMPILE_SECONDS", "0.5")
+    with pytest.raises(
+        BuildError,
+        match=r"took more than 0\.5 s\. If the compiler does not hang, set \$KANEGEN_COMPILE_SECONDS",
+    ):
+        build(source(), hanging)
+    assert not is_running((tmp_path / "child").read_text().strip())
+    assert not [entry for entry in folder.iterdir() if entry.name.startswith(".")]
+
+
+def test_a_compiler_that_hangs_at_its_version_is_stopped(script, monkeypatch):
+    monkeypatch.setattr(compilers, "_TIME_LIMIT", 0.3)
+    with pytest.raises(BuildError, match=r"--version: took more than 0\.3 s\. Does this compiler wait"):
+        build(source(), script("sleep 60"))
+
+
+@pytest.mark.parametrize("text", ["soon", "-1", "nan"])
+@pytest.mark.parametrize("variable", ["KANEGEN_COMPILE_SECONDS", "KANEGEN_CACHE_MB"])
+def test_limits_that_are_none(monkeypatch, folder, variable, text):
+    monkeypatch.setenv(variable, text)
+    with pytest.raises(BuildError, match=rf"\${variable}: '{text}' is not a number from 0 to inf"):
+        build(source())
+    assert not [entry for entry in folder.iterdir() if (entry / "libhandmade.so").exists()]
+
+
+def test_an_interrupted_build_kills_its_compilers(folder, script, tmp_path):
+    """SIGINT while two files are compiled: no compiler runs on, and nothing half-written stays."""
+    hanging = script(HANGS.format(cc=CC, child=f"{tmp_path}/child-$$"))
+    process = start(KANEGEN_CC=hanging)
+    deadline = time.monotonic() + 30
+    while len(list(tmp_path.glob("child-*"))) < 2 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    begun = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    process.communicate()
+    assert time.monotonic() - begun < 10
+    assert process.returncode == -signal.SIGINT  # an interpreter that KeyboardInterrupt ends
+    children = [path.read_text().strip() for path in tmp_path.glob("child-*")]
+    assert len(children) == 2
+    assert not any(map(is_running, children))
+    assert libraries(folder) == []
 
 
 def test_the_folder_of_the_cache(monkeypatch, tmp_path):

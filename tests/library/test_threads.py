@@ -10,7 +10,7 @@ import pytest
 
 from kanegen.errors import KanegenWarning
 from kanegen.library import load
-from kanegen.library.native import cache, compilers
+from kanegen.library.native import cache, commands, compilers
 from tests.support.handmade import bits, many_states, source
 from tests.support.paths import ROOT
 from tests.support.pivot_programs import source_with_pivots
@@ -102,3 +102,68 @@ def test_the_runtime_of_the_threads_outlives_the_library():
         [sys.executable, "-c", DROP], env=environment, capture_output=True, check=True, text=True
     )
     assert process.stdout.strip() == "True"
+
+
+FORK = """
+import multiprocessing, os, pickle, signal, sys
+from concurrent.futures import ThreadPoolExecutor
+import numpy as np
+from kanegen.library import load
+from tests.support.handmade import many_states, source
+
+signal.alarm(60)
+x, y = many_states()
+library = load(source(), "gcc", threads=True) if sys.argv[1] != "late" else None
+expected = load(source(), "gcc").forcing(x, y).tobytes()
+if library is not None:
+    assert library.forcing(x, y).tobytes() == expected
+else:
+    OPENMP
+
+def work(_):
+    signal.alarm(20)
+    made = library
+    if sys.argv[1] == "pickled":
+        made = pickle.loads(pickle.dumps(library))
+    elif sys.argv[1] in ("again", "late"):
+        made = load(source("again"), "gcc", threads=True)
+    if sys.argv[1] == "threads":
+        with ThreadPoolExecutor(2) as pool:
+            return all(r.tobytes() == expected for r in pool.map(lambda _: made.forcing(x, y), range(4)))
+    return made.forcing(x, y).tobytes() == expected
+
+if sys.argv[1] == "pool":
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map(work, range(4)) == [True] * 4
+else:
+    child = os.fork()
+    if child == 0:
+        right = work(0)
+        grandchild = os.fork()
+        os._exit(0 if right and (grandchild == 0 or os.waitpid(grandchild, 0)[1] == 0) else 1)
+    assert os.waitpid(child, 0)[1] == 0
+if library is not None:
+    assert library.forcing(x, y).tobytes() == expected
+print("whole")
+"""
+
+OPENMP = """
+    import cffi, ctypes
+    gomp = ctypes.CDLL("libgomp.so.1")
+    region = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(lambda data: None)
+    gomp.GOMP_parallel(region, None, 4, 0)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+@pytest.mark.parametrize("way", ["fork", "pool", "pickled", "again", "threads", "late"])
+def test_a_forked_process_does_not_wait_for_threads_that_it_has_not(way):
+    """Its batches use one thread and have the same bits; the first process keeps its threads.
+
+    In the way "late" something else than kanegen has used the runtime before the fork.
+    """
+    code = FORK.replace("OPENMP", OPENMP)
+    variables = ["OMP_NUM_THREADS=4", f"PYTHONPATH={ROOT}"]
+    command = ["env", *variables, sys.executable, "-W", "ignore", "-c", code, way]
+    done = commands.run(command, seconds=90)  # and if it hangs, all processes are killed
+    assert (done.returncode, done.stdout) == (0, "whole\n"), done.stderr

@@ -185,9 +185,9 @@ def program(
 
 
 def made(product: Product, take: Callable[[Path], cache.Used]) -> cache.Used:
-    """Return what `take` returns for the file of `product` in the cache; a product that is missing is compiled.
+    """Return what `take` returns for the file of `product` in the cache, which is compiled if it is missing.
 
-    Its source files are compiled at the same time.
+    All source files are compiled at the same time.
 
     Args:
         product: The library or program.

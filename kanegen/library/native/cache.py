@@ -222,8 +222,8 @@ def _require_private(root: Path) -> None:
     """
     if objection := ownership.objection(root):
         raise BuildError(
-            f"cache folder {root} is not safe to load code from: {objection}, or set ${VARIABLE} to a folder of "
-            "your own."
+            f"cache folder {root} is not safe to load code from: {objection}, or set ${VARIABLE} to a "
+            "folder of your own."
         )
 
 
