@@ -44,6 +44,7 @@ from kanegen.program import passes
 from kanegen.program.precision import precision_named
 from kanegen.program.split import split
 from kanegen.recursion.outputs import EQUATIONS, Derivative, function_signatures
+from kanegen.reference.range import require_range
 from kanegen.reference.regularity import require_regular
 
 
@@ -91,6 +92,7 @@ def derive(
 
     Raises:
         OptionError: If there are no such speeds or coordinates.
+        ModelError: If numbers of the model leave the range of doubles.
         SingularError: If [A] is singular in every state; the message names the body and the freedom.
 
     Example:
@@ -99,6 +101,7 @@ def derive(
     """
     system = reformulated(system, speeds, coordinates)
     progress("deriving")
+    require_range(system)
     require_regular(system)
     return symbolic.derive(system)
 
@@ -136,7 +139,7 @@ def generate(
 
     Raises:
         OptionError: If an output, a tier or another choice is unknown, or there is nothing to re-anchor.
-        ModelError: If a constant leaves the range of the precision.
+        ModelError: If numbers of the model leave the range of doubles, or a constant that of the precision.
         SingularError: If [A] is singular in every state; the message names the body and the freedom.
 
     Example:

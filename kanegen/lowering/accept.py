@@ -12,6 +12,7 @@ from kanegen.model.description import require_system
 from kanegen.model.system import System
 from kanegen.options import Variant
 from kanegen.recursion.outputs import chosen, require_available
+from kanegen.reference.range import require_range
 from kanegen.reference.regularity import require_regular
 
 
@@ -27,10 +28,12 @@ def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular:
     Raises:
         OptionError: If `system` is no `System`, or an output is unknown or requires parts that the system
             lacks.
+        ModelError: If numbers of the model leave the range of doubles; the message names the body.
         SingularError: If [A] is singular in every state; the message names the body and the freedom.
     """
     names = chosen(outputs)
     require_system(system)
+    require_range(system)
     if regular:
         require_regular(system)
     require_available(system, names)
