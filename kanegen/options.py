@@ -118,7 +118,7 @@ class Variant:
 
     @property
     def is_strict(self) -> bool:
-        """Whether every compiler computes the same bits."""
+        """Whether every compiler computes the same bits, but for the sign and the payload of a NaN."""
         return self.semantics == (rules.STRICT,)
 
     def choices(self, decided: Mapping[str, str] = NO_DECISIONS) -> tuple[tuple[str, str], ...]:

@@ -1,7 +1,8 @@
 """Floating-point semantics that a compiler may be allowed, by name, with the compiler flags of each.
 
 Strict semantics mean that every operation of the program is rounded as IEEE 754 says, in the order of the
-program: the same bits from every compiler at every level of optimisation. Every relaxation has a name.
+program: the same bits from every compiler at every level of optimisation. Only the sign and the payload of a
+NaN, which IEEE 754 leaves open, may differ. Every relaxation has a name.
 """
 
 from __future__ import annotations

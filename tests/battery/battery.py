@@ -20,6 +20,7 @@ from tests.battery import (
     robustness,
     scaling,
     sine_cosine,
+    targets,
 )
 from tests.battery.experiments import EXPERIMENTS, Experiment
 
@@ -39,6 +40,7 @@ MODULES = (
     counterexamples,
     precisions,
     mutations,
+    targets,
 )
 """The modules of the experiments; importing them registers their experiments."""
 

@@ -1,0 +1,206 @@
+"""Machines and C libraries: one hash from all compilers, instruction sets and levels: X40."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shlex
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import kanegen as kg
+from kanegen.c import Source
+from kanegen.extras import is_installed
+from kanegen.library.native import commands
+from kanegen.library.native.build import code, write
+from kanegen.program.precision import Precision, precision_named
+from tests.battery import scenes
+from tests.battery.experiments import Row, Size, experiment
+from tests.battery.state_classes import CLASSES, states
+
+HERE = Path(__file__).parent
+STRICT = "-ffp-contract=off"
+ZIG = f"{sys.executable} -m ziglang cc"
+OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
+
+
+@dataclass(frozen=True)
+class Target:
+    """A compiler for one kind of machine, and the emulator that runs its programs.
+
+    Attributes:
+        name: Compiler and machine, for the report.
+        command: Command of the compiler.
+        emulator: Program that runs what the compiler makes, such as "qemu-aarch64"; "" where none is needed.
+        levels: Sets of flags to try.
+    """
+
+    name: str
+    command: str
+    emulator: str = ""
+    levels: tuple[str, ...] = ("-O0", "-O1", "-O2", "-O3", "-Os")
+
+    @property
+    def is_there(self) -> bool:
+        """Whether this machine compiles for the target and runs the result."""
+        found = not self.emulator or shutil.which(self.emulator) is not None
+        return found and _says_hello(self.command)
+
+
+WIDTHS = ("-O2 -DKANEGEN_LANES=1", "-O2 -DKANEGEN_LANES=8")
+NATIVE = ("-O0", "-O1", "-O2", "-O3", "-Os", "-O3 -march=native", *WIDTHS)
+
+TARGETS = (
+    Target("gcc, x86-64", "gcc", levels=NATIVE),
+    Target("clang, x86-64", "clang", levels=NATIVE),
+    Target("tcc, x86-64", "tcc", levels=("",)),
+    Target("zig, x86-64", ZIG, levels=NATIVE),
+    Target("gcc, i386 with SSE2", "gcc -m32 -msse2 -mfpmath=sse"),
+    Target("clang, i386 with SSE2", "clang -m32 -msse2"),
+    Target("zig, x86-64 with musl", f"{ZIG} -target x86_64-linux-musl", levels=("-O0", "-O3", *WIDTHS)),
+    Target("zig, i386 with SSE2 and musl", f"{ZIG} -target x86-linux-musl", levels=("-O0", "-O3", *WIDTHS)),
+    *(
+        Target(f"zig, {name} with musl", f"{ZIG} -target {name}-linux-{system}", f"qemu-{emulator}", levels)
+        for levels in [("-O0", "-O2", "-O3", *WIDTHS)]
+        for name, system, emulator in (
+            ("aarch64", "musl", "aarch64"),
+            ("riscv64", "musl", "riscv64"),
+            ("arm", "musleabihf", "arm"),
+            ("powerpc64le", "musl", "ppc64le"),
+            ("s390x", "musl", "s390x"),
+        )
+    ),
+)
+"""The targets that are tried where they can be: s390x stores the most significant byte first."""
+
+VARIANTS = {
+    "double": kg.Variant(),
+    "float": kg.Variant(precision="float"),
+    "double stored as float": kg.Variant(storage="float"),
+    "polynomials of degree 7": kg.Variant(sincos="polynomial-7"),
+    "factorisation refined twice": kg.Variant(solver="factorisation", refinement=2),
+    "double-double": kg.Variant(precision="double-double"),
+}
+"""The variants that are printed as C of their own."""
+
+
+@experiment("X40", "One hash on all machines")
+def machines(size: Size) -> Iterator[Row]:
+    """No bit depends on the machine either, in states of eight classes: ordinary ones, zeros of both signs,
+    subnormal and huge numbers, angles of many turns, next to gimbal lock, infinite and NaN inputs.
+
+    Programs for other machines run in an emulator. All NaN count as one number, since their signs and
+    payloads depend on compiler and machine. 32-bit x86 has to use SSE2.
+    """
+    targets = [target for target in TARGETS if target.is_there]
+    levels = {target: size.pick(target.levels[:1], target.levels) for target in targets}
+    programs = [(target, level) for target in targets for level in levels[target]]
+    amount = size.pick(3, 40, 200)
+    over = f"{len(programs)} programs; {amount} states of each class, one by one and as a batch"
+    for name, variant in VARIANTS.items():
+        found = _hashes(programs, variant, amount)
+        yield Row(name, float(len(found)), 1.0, "1 hash", f"{over}{_minority(found)}")
+    missing = [target.name for target in TARGETS if target not in targets]
+    tried = "; ".join(f"{target.name} ({', '.join(levels[target])})" for target in targets)
+    over = f"tried: {tried}; not tried: {', '.join(missing) or 'none'}"
+    yield Row("targets that this machine lacks", len(missing), len(TARGETS) - 3, "three are tried", over)
+
+
+Hashes = dict[str, list[str]]
+"""Names of the programs that computed the same bits, by the hash of these bits."""
+
+
+def _hashes(programs: Sequence[tuple[Target, str]], variant: kg.Variant, amount: int) -> Hashes:
+    """Compile and run all programs of a variant, as many at a time as there are processors."""
+    found: Hashes = {}
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        results = pool.map(lambda program: result(*program, variant, amount), programs)
+        for (target, level), value in zip(programs, results, strict=True):
+            found.setdefault(value, []).append(f"{target.name} {level}")
+    return found
+
+
+def _minority(found: Hashes) -> str:
+    """Return the programs whose hash fewer others have, as text."""
+    fewer = sorted(found.values(), key=len)[:-1]
+    return f"; otherwise: {'; '.join(', '.join(names) for names in fewer)}" if fewer else ""
+
+
+def result(target: Target, level: str, variant: kg.Variant, amount: int) -> str:
+    """Return the hash of all numbers that a program for the target computes at one level."""
+    return hashlib.sha256(printed(target, level, variant, amount).encode()).hexdigest()
+
+
+def printed(target: Target, level: str, variant: kg.Variant, amount: int) -> str:
+    """Return the bits of all numbers that a program for the target computes, as text.
+
+    Raises:
+        CommandError: If the compiler or the program fails.
+    """
+    source = _source(variant)
+    name, storage = source.model.name, _storage(source)
+    defined = {
+        "HEADER": f'"{name}.h"',
+        "MODEL": name,
+        "M": len(source.model.coordinate_names),
+        "N": len(source.model.freedom_names),
+        "STORED": storage.c_type,
+        "WORD": f"uint{8 * storage.bytes}_t",
+    }
+    driver = (HERE / "bits.c").read_text()
+    with tempfile.TemporaryDirectory() as folder:
+        write({**code(source), "bits.c": driver, "states": _as_text(variant, amount)}, Path(folder))
+        flags = ["-std=c99", STRICT, *level.split(), *(f"-D{key}={value}" for key, value in defined.items())]
+        files = ["bits.c", f"{name}.c", f"{name}_batch.c"]
+        command = [*shlex.split(target.command), *flags, *files, "-o", "bits", "-lm"]
+        commands.make(command, "bits", Path(folder))
+        emulator = [target.emulator] if target.emulator else []
+        return commands.output([*emulator, "./bits", str(amount * len(CLASSES))], Path(folder))
+
+
+@cache
+def _says_hello(command: str) -> bool:
+    """Return whether the compiler makes a program; what it would need for that may not be installed."""
+    words = shlex.split(command)
+    if shutil.which(words[0]) is None or ("ziglang" in words and not is_installed("ziglang")):
+        return False
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "hello.c").write_text('#include <stdio.h>\nint main(void) { return puts("") < 0; }\n')
+        return commands.run([*words, "hello.c", "-lm"], Path(folder)).returncode == 0
+
+
+@cache
+def _source(variant: kg.Variant) -> Source:
+    return kg.generate(system(), OUTPUTS, tier=variant)
+
+
+@cache
+def system() -> kg.System:
+    """Return a tree of eight bodies: a free one with three angles, one with a quaternion, hinges, slides."""
+    free = np.eye(6, dtype=bool)[[0, 4, 2, 3, 1, 5, 0, 2]]
+    free[0] = True
+    free[3, :3] = True
+    coordinates = ["quaternion" if k == 3 else "angles" for k in range(8)]
+    rng = np.random.default_rng(40)
+    return scenes.tree(rng, [0, 1, 1, 2, 4, 4, 6, 7], free, coordinates=coordinates)
+
+
+def _storage(source: Source) -> Precision:
+    """Return the precision of the arrays of states and results."""
+    return precision_named(source.storage)
+
+
+@cache
+def _as_text(variant: kg.Variant, amount: int) -> str:
+    """Return the bit patterns of all numbers of the states, one a line."""
+    arrays = states(system(), _storage(_source(variant)), amount, 40)
+    words = np.concatenate([np.ravel(array.view(f"u{array.itemsize}")) for array in arrays])
+    return "\n".join(f"{word:x}" for word in words.tolist())
