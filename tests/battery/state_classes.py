@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -19,16 +19,24 @@ Change = Callable[[np.random.Generator, kg.System, State], None]
 """Function that turns ordinary states into those of a class, in place."""
 
 
-def states(system: kg.System, precision: Precision, amount: int, seed: int) -> State:
-    """Return `amount` states of each of `CLASSES` one after the other, in the type of the precision."""
+def states(system: kg.System, precision: Precision, amount: int, seed: int, classes: Iterable[str]) -> State:
+    """Return `amount` states of each class one after the other, in the type of the precision.
+
+    Args:
+        system: The tree.
+        precision: Precision of the arrays.
+        amount: Number of states of each class.
+        seed: Seed of the generator.
+        classes: Names of `CLASSES`.
+    """
     rng = np.random.default_rng(seed)
     found: list[State] = []
-    for change in CLASSES.values():
+    for name in classes:
         ordinary = random_states(system, amount, int(rng.integers(2**32)))
         tau = rng.uniform(-10, 10, ordinary.y.shape)
         with np.errstate(over="ignore", under="ignore"):
             made = tuple(array.astype(precision.dtype) for array in (ordinary.x, ordinary.y, tau))
-            change(rng, system, made)
+            CLASSES[name](rng, system, made)
         found.append(made)
     x, y, tau = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
     return x, y, tau
