@@ -131,4 +131,6 @@ def _accelerations(system: System) -> tuple[float, ...]:
 
 def _power_of_ten(value: float) -> str:
     """Return the power of ten nearest to `value`, in words."""
+    if value == 0:
+        return "no"
     return f"1e{round(np.log10(value)):+03d}" if np.isfinite(value) else "any number of"
