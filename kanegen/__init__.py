@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from kanegen.errors import OptionError as OptionError
     from kanegen.errors import ReadError as ReadError
     from kanegen.errors import SingularError as SingularError
+    from kanegen.errors import StatusError as StatusError
     from kanegen.errors import WriteError as WriteError
     from kanegen.library.library import Library as Library
     from kanegen.library.simulation.simulate import simulate as simulate
@@ -76,6 +77,7 @@ _MODULES = {
         "OptionError",
         "ReadError",
         "SingularError",
+        "StatusError",
         "WriteError",
     ),
     "library.library": ("Library",),

@@ -32,6 +32,7 @@ from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
 from kanegen.choices import flag, several
+from kanegen.library.native.status import OnStatus
 from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
@@ -169,12 +170,14 @@ def build(
     speeds: str | None = None,
     coordinates: str | None = None,
     functions: Iterable[str] | None = None,
+    on_status: OnStatus = "warn",
 ) -> libraries.Library:
     """Generate C as `generate` does, compile it and load it.
 
     `compiler` is the command of a C compiler, by default the first that is found; `flags` are its flags, by
     default optimised with IEEE semantics kept. With `threads`, OpenMP shares batches of 1024 states and more
-    among threads; see `library.load`.
+    among threads; see `library.load`. `on_status` says what the library does where a result is missing, not
+    finite or not accurate: "warn", "raise", "ignore" or a function; see `Library.with_on_status`.
 
     Raises:
         OptionError, ModelError, SingularError: As `generate`.
@@ -188,7 +191,7 @@ def build(
         system, outputs, progress, without, precision, tier, speeds, False, coordinates, functions
     )
     progress("compiling")
-    return libraries.load(source, compiler, flags, threads)
+    return libraries.load(source, compiler, flags, threads, on_status)
 
 
 def compare(

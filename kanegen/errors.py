@@ -97,7 +97,11 @@ class ReadError(ModelError):
     """A model file cannot be read; the message begins with the file and, where known, the line."""
 
 
-class SingularError(ModelError):
+class StatusError(KanegenError):
+    """A result is not finite or may be inaccurate in a state, and errors were asked for."""
+
+
+class SingularError(ModelError, StatusError):
     """[A] is singular in every state, or in the one asked about; the message names the freedom."""
 
 

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 from kanegen.c.context import Context, context
 from kanegen.c.declarations import prepared_places
-from kanegen.c.dialect import Dialect, scalar
+from kanegen.c.dialect import Dialect, finite_test, scalar
 from kanegen.c.functions import PrintedFunction, printed_functions
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.nomenclature import nomenclature
+from kanegen.c.simd import SIMD, Simd
 from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
 from kanegen.c.vector_sincos import FEW
@@ -109,11 +110,34 @@ class C99:
             "functions": printed,
             "nomenclature": nomenclature(printed),
             "prepared_places": prepared_places(render_input.model, render_input.prepared),
+            "finite_tests": _finite_tests(render_input),
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),
             "few": FEW,
         }
         return {**variables, "declarations": fill("c99/declarations.h", **variables)}
+
+
+@dataclass(frozen=True)
+class FiniteTest:
+    """A function in C that tests whether all numbers of an array are finite.
+
+    Attributes:
+        name: Name of the function.
+        type: Type of the numbers.
+        simd: Bit patterns of the numbers; None where the test subtracts them from themselves.
+    """
+
+    name: str
+    type: str
+    simd: Simd | None
+
+
+def _finite_tests(render_input: RenderInput) -> list[FiniteTest]:
+    """Return the test for every precision that results have."""
+    outputs = [array.name for function in render_input.functions for array in function.outputs]
+    precisions = dict.fromkeys(map(render_input.formats.of, outputs))
+    return [FiniteTest(finite_test(one), one.c_type, SIMD.get(one)) for one in precisions]
 
 
 def _choices(render_input: RenderInput, printed: Sequence[PrintedFunction]) -> list[tuple[str, str]]:

@@ -20,6 +20,7 @@ from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
 from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
+from kanegen.program.semantics import FINITE
 
 Context = dict[str, Any]
 """Variables of a template by name."""
@@ -72,7 +73,7 @@ def context(
         "outputs": outputs,
         "operations": _operations(operations),
         **_arithmetic(model, variant, model_formats),
-        **_status(model, functions),
+        **_status(model, functions, FINITE in variant.semantics),
         **_tables(model, outputs),
         "sizes": declarations.sizes(model, functions),
         "parameter_places": declarations.parameter_places(model),
@@ -97,13 +98,20 @@ def _arithmetic(model: ModelDescription, variant: Variant, model_formats: Format
     }
 
 
-def _status(model: ModelDescription, functions: Sequence[Function]) -> Context:
-    """Return the variables of statuses: the functions that return one, and the conditions."""
+def _status(model: ModelDescription, functions: Sequence[Function], is_finite_assumed: bool) -> Context:
+    """Return the variables of statuses: what they mean, the functions with conditions, and these.
+
+    Args:
+        model: Names of the model.
+        functions: Every generated function.
+        is_finite_assumed: Whether the compiler may assume that no number is infinite or NaN.
+    """
     name = model.name
     return {
         "may_fail": [f"`{name}_{f.name}`" for f in functions if f.may_fail],
         "may_be_inaccurate": [f"`{name}_{f.name}`" for f in functions if f.may_be_inaccurate],
         "conditions": list(dict.fromkeys(c for function in functions for c in function.conditions)),
+        "status": _wrapped(_about_status(model, is_finite_assumed)),
     }
 
 
@@ -172,6 +180,18 @@ def _about_sines(sincos: Sincos | None, arithmetic: Precision) -> str:
         f"most {sincos.error}. Compiled with -ffp-contract=off and without -ffast-math they have the same "
         "bits everywhere, whatever the C library."
     )
+
+
+def _about_status(model: ModelDescription, is_finite_assumed: bool) -> str:
+    """Return the sentences on the status that every function returns."""
+    text = (
+        "Every function returns a status: 0 where all its results are finite numbers, "
+        f"{declarations.not_finite(model)} where one is infinite or NaN. Further statuses stand with the "
+        "functions that have them. The _batch functions return how many states have a status other than 0."
+    )
+    if is_finite_assumed:
+        text += " But the compiler may assume that no number is infinite or NaN, so the status may miss one."
+    return text
 
 
 def _batch_stack(functions: Sequence[Function], simd: Simd | None, model_formats: Formats) -> int:

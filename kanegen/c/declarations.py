@@ -13,18 +13,18 @@ from kanegen.program.ir import Array
 
 
 def prototype(model: str, function: Function, formats: Formats) -> list[str]:
-    """Return `void model_forcing(const double x[2], ..., double f[2])`, or with int for a status."""
+    """Return `int model_forcing(const double x[2], ..., double f[2])`."""
     arguments = [f"const {formats.of(array.name).c_type} {declarator(array)}" for array in function.inputs]
     arguments += [f"{formats.of(array.name).c_type} {declarator(array)}" for array in function.outputs]
-    return _prototype("int" if function.may_fail else "void", f"{model}_{function.name}", arguments)
+    return _prototype("int", f"{model}_{function.name}", arguments)
 
 
 def batch_prototype(model: str, function: Function, formats: Formats) -> list[str]:
-    """Return `void model_forcing_batch(size_t count, const double *x, ..., double *f)`."""
+    """Return `size_t model_forcing_batch(size_t count, const double *x, ..., double *f)`."""
     arguments = ["size_t count"]
     arguments += [f"const {formats.of(array.name).c_type} *{array.name}" for array in function.inputs]
     arguments += [f"{formats.of(array.name).c_type} *{array.name}" for array in function.outputs]
-    return _prototype("size_t" if function.may_fail else "void", f"{model}_{function.name}_batch", arguments)
+    return _prototype("size_t", f"{model}_{function.name}_batch", arguments)
 
 
 def simd_prototype(model: str, function: Function, formats: Formats) -> list[str]:
@@ -52,6 +52,14 @@ def simd_call(model: str, function: Function) -> list[str]:
     return wrap(text, indent=" " * 8, hanging=" " * 12)
 
 
+def simd_failures(function: Function) -> list[str]:
+    """Return the statement that counts the states of a SIMD vector whose status is not 0."""
+    bits = ["valid"] * bool(function.may_fail) + ["accurate"] * bool(function.may_be_inaccurate)
+    bits += [f"simd_all_finite({array.name}_simd, {array.size})" for array in function.outputs]
+    text = f"failed += rows - simd_count({f' &{BREAK}'.join(bits)}, rows);"
+    return wrap(text, indent=" " * 8, hanging=" " * 12)
+
+
 def row_call(model: str, function: Function) -> list[str]:
     """Return the call of the form for one state with row `i` of a batch, indented for its loop."""
     arguments = [
@@ -59,22 +67,31 @@ def row_call(model: str, function: Function) -> list[str]:
         for array in (*function.inputs, *function.outputs)
     ]
     text = f"{model}_{function.name}({f',{BREAK}'.join(arguments)})"
-    text = f"failed += {text} != 0;" if function.may_fail else f"{text};"
-    return wrap(text, indent=" " * 8, hanging=" " * 12)
+    return wrap(f"failed += {text} != 0;", indent=" " * 8, hanging=" " * 12)
 
 
-def argument_list(function: Function) -> list[str]:
-    """Return Doxygen lines for arguments and status: direction, name, lengths, meaning and unit."""
+def argument_list(function: Function, not_finite: str) -> list[str]:
+    """Return Doxygen lines for arguments and status: direction, name, lengths, meaning and unit.
+
+    Args:
+        function: The function.
+        not_finite: Name of the status of a result that is not finite.
+    """
     rows = [_argument("[in]", array) for array in function.inputs]
     rows += [_argument("[out]", array) for array in function.outputs]
     lines = columns(rows, width=WIDTH - len(" * "))
-    if function.may_fail:
+    names = " or ".join(array.name for array in function.outputs)
+    infinite = f"{not_finite} where a number in {names} is infinite or NaN"
+    if not function.may_fail:
+        lines += textwrap.wrap(f"@return 0, or {infinite}", WIDTH - len(" * "), subsequent_indent="    ")
+    else:
         quantity = " or ".join(condition.quantity for condition in function.conditions)
         status = (
             f"@return 0, or the place in x, from 1, of a freedom whose {quantity} is not positive or NaN;"
         )
         lines += textwrap.wrap(status, WIDTH - len(" * "), subsequent_indent="    ")
         lines.append(f"    {' and '.join(function.may_fail)} then {_holds(function)} NaN")
+        lines += textwrap.wrap(infinite, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    ")
     if function.may_be_inaccurate:
         names = " and ".join(function.may_be_inaccurate)
         lines += [
@@ -87,12 +104,15 @@ def argument_list(function: Function) -> list[str]:
 def batch_notes(function: Function) -> list[str]:
     """Return Doxygen lines on the differences of the batch form from the form for one state."""
     lines = [f"All states have the one array `{name}` in common." for name in function.shared]
+    lines += ["", "@return how many states have a status other than 0"]
     if function.may_fail:
-        names = " and ".join(function.may_fail)
-        lines += ["", f"@return how many states failed; their rows of {names} hold NaN"]
-    if function.may_be_inaccurate:
-        lines[-1] = f"@return how many states failed, their rows of {names} hold NaN, or are not accurate"
+        lines[-1] += f"; rows of {' and '.join(function.may_fail)} that do not exist hold NaN"
     return lines
+
+
+def not_finite(model: ModelDescription) -> str:
+    """Return the name of the status of a function with a result that is infinite or NaN."""
+    return f"{model.prefix}_NOT_FINITE"
 
 
 def declarator(array: Array) -> str:
@@ -117,12 +137,13 @@ def _prototype(kind: str, name: str, arguments: list[str]) -> list[str]:
 
 
 def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
-    """Return the lines of the enumeration of array sizes."""
+    """Return the lines of the enumeration of array sizes and of the status of results that are not finite."""
     prefix = model.prefix
     rows = [
         (f"{prefix}_COORDINATES", len(model.coordinate_names), "elements of x"),
         (f"{prefix}_FREEDOMS", len(model.freedom_names), "n, elements of y"),
         (f"{prefix}_BODIES", len(model.body_names), "N"),
+        (not_finite(model), len(model.freedom_names) + 1, "status: a result is infinite or NaN"),
     ]
     if model.points:
         rows.append((f"{prefix}_POINTS", len(model.points), "points of the bodies"))

@@ -14,12 +14,30 @@ from kanegen.c.expression import Expression, Notation, converted, literal, notat
 from kanegen.c.formats import Formats, uniform
 from kanegen.c.usage import NO_NAMES, element
 from kanegen.program.ir import Array, Op
-from kanegen.program.precision import DOUBLE, Precision
+from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS, Precision
 
 FUNCTIONS = (Op.SIN, Op.COS, Op.SQRT)
 """Operations that are function calls."""
 
-_RESERVED = frozenset({"failed", "inaccurate", "least_margin", "i", "sines", "cosines", "simd_vector_sincos"})
+
+def finite_test(precision: Precision) -> str:
+    """Return the name of the C function that tests whether all numbers of an array are finite."""
+    return f"all_finite{'_dd' if precision is DOUBLE_DOUBLE else precision.libm_suffix}"
+
+
+_RESERVED = frozenset(
+    {
+        "failed",
+        "inaccurate",
+        "least_margin",
+        "status",
+        "i",
+        "sines",
+        "cosines",
+        "simd_vector_sincos",
+        *map(finite_test, PRECISIONS.values()),
+    }
+)
 """Names in the body of a function for one state that no local may take."""
 
 _RESERVED_SIMD = frozenset({"simd", "valid", "within_margin", "accurate"})
@@ -163,7 +181,7 @@ class Dialect:
         ]
 
     def closing(self, may_fail: Sequence[Array], has_margins: bool) -> list[str]:
-        """Return the last lines of a function that tests values: NaN on failure, and the status.
+        """Return the last lines of a function that tests values, before it returns: NaN on failure.
 
         Args:
             may_fail: Outputs that hold NaN where a condition fails.
@@ -176,7 +194,15 @@ class Dialect:
                 f"        {array.name}[i] = {notation(self.formats.of(array.name)).nothing};",
                 "    }",
             ]
-        return [*lines, f"    return {'failed ? failed : inaccurate' if has_margins else 'failed'};"]
+        return lines
+
+    def tested(self, has_margins: bool) -> str:
+        """Return the expression of the status that the tests of a function give."""
+        return "failed ? failed : inaccurate" if has_margins else "failed"
+
+    def all_finite(self, array: Array) -> str:
+        """Return the condition that every number of an output array is finite."""
+        return f"{finite_test(self.formats.of(array.name))}({array.name}, {array.size})"
 
 
 @dataclass(frozen=True)
@@ -240,8 +266,12 @@ class SimdDialect(Dialect):
         return [*lines, "    simd_bits within_margin = ~(simd_bits){0};"] if has_margins else lines
 
     def closing(self, may_fail: Sequence[Array], has_margins: bool) -> list[str]:
-        """Return the last lines of a function that tests values; its caller writes NaN."""
-        return [*(["    *accurate = within_margin;"] if has_margins else []), "    return valid;"]
+        """Return the last lines of a function that tests values, before it returns; its caller writes NaN."""
+        return ["    *accurate = within_margin;"] if has_margins else []
+
+    def tested(self, has_margins: bool) -> str:
+        """Return the expression of the lanes in which all results exist."""
+        return "valid"
 
 
 SCALAR = Dialect(Formats(), DOUBLE)

@@ -16,7 +16,7 @@ from kanegen.c.dialect import SCALAR, Dialect
 from kanegen.c.expression import Expression, Level, apply, literal
 from kanegen.c.layout import BREAK, WIDTH, comment, wrap
 from kanegen.c.vector_sincos import NAMES, vector_sincos
-from kanegen.program.ir import WORKSPACE, Instruction, Op, Program
+from kanegen.program.ir import WORKSPACE, Array, Instruction, Op, Program
 from kanegen.program.precision import Precision
 
 LONGEST = 16
@@ -28,12 +28,14 @@ class Body:
     """The body of a function.
 
     Attributes:
-        lines: Lines between its braces.
+        lines: Lines between its braces, without the statement that returns a status.
         locals: Names of the locals that hold values.
+        status: Expression of the status, "" where nothing is tested.
     """
 
     lines: list[str]
     locals: frozenset[str]
+    status: str
 
 
 def statements(program: Program, dialect: Dialect = SCALAR, shared: Collection[str] = ()) -> list[str]:
@@ -50,7 +52,7 @@ def body(program: Program, dialect: Dialect = SCALAR, shared: Collection[str] = 
         shared: Names of inputs that all states have in common.
     """
     printer = _Printer(program, dialect, shared)
-    return Body(printer.lines(), frozenset(printer.locals))
+    return Body(printer.lines(), frozenset(printer.locals), printer.status)
 
 
 class _Printer:
@@ -81,10 +83,18 @@ class _Printer:
         self.locals: set[str] = set()
         self._last_note = ""
 
+    @property
+    def status(self) -> str:
+        """Expression of the status after the last statement, "" where nothing is tested."""
+        return self._dialect.tested(bool(self._margins)) if self._may_fail else ""
+
+    @property
+    def _may_fail(self) -> list[Array]:
+        return [output.array for output in self._program.outputs if output.exists_if_positive]
+
     def lines(self) -> list[str]:
         self._mark_unused_inputs()
-        may_fail = [output.array for output in self._program.outputs if output.exists_if_positive]
-        if may_fail:
+        if self._may_fail:
             self._lines += self._dialect.opening(bool(self._margins))
         for run in self._zeros:
             self._lines.append(f"    {run.loop(self._dialect.number_in(run.array.name, 0.0))}")
@@ -99,8 +109,8 @@ class _Printer:
                 self._define(i)
             self._test(i)
             self._store(i)
-        if may_fail:
-            self._lines += self._dialect.closing(may_fail, bool(self._margins))
+        if self._may_fail:
+            self._lines += self._dialect.closing(self._may_fail, bool(self._margins))
         return self._lines
 
     def _mark_unused_inputs(self) -> None:

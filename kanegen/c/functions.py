@@ -15,9 +15,11 @@ from kanegen.c.declarations import (
     argument_list,
     batch_notes,
     batch_prototype,
+    not_finite,
     prototype,
     row_call,
     simd_call,
+    simd_failures,
     simd_prototype,
 )
 from kanegen.c.dialect import Dialect, simd
@@ -57,7 +59,7 @@ class PrintedFunction:
 
     Attributes:
         name: Name with the prefix of the model.
-        signature: Arguments and status.
+        signature: Arguments and conditions.
         arguments: Documentation of the arguments.
         prototype: Prototype of the form for one state.
         code: Body of the form for one state.
@@ -66,6 +68,7 @@ class PrintedFunction:
         simd_prototype: Prototype of the SIMD form, which the batch form calls.
         simd_code: Body of the SIMD form; empty without one.
         simd_call: Call of the SIMD form.
+        simd_failures: Statement that counts the states of a SIMD vector whose status is not 0.
         row_call: Call of the form for one state, in a batch without SIMD.
         has_simd: Whether there is a SIMD form.
     """
@@ -80,6 +83,7 @@ class PrintedFunction:
     simd_prototype: list[str]
     simd_code: Code
     simd_call: list[str]
+    simd_failures: list[str]
     row_call: list[str]
     has_simd: bool
 
@@ -100,7 +104,7 @@ def _printed(
     return PrintedFunction(
         name=name,
         signature=function,
-        arguments=argument_list(function),
+        arguments=argument_list(function, not_finite(render_input.model)),
         prototype=prototype(model, function, formats),
         code=scalar_code(render_input, target, function, parts),
         batch_prototype=batch_prototype(model, function, formats),
@@ -108,6 +112,7 @@ def _printed(
         simd_prototype=simd_prototype(model, function, formats),
         simd_code=_simd_code(render_input, name, function, parts) if has_simd else Code([]),
         simd_call=simd_call(model, function),
+        simd_failures=simd_failures(function),
         row_call=row_call(model, function),
         has_simd=has_simd,
     )
@@ -119,17 +124,23 @@ def scalar_code(
     """Return the body of the form for one state, or of `prepare`."""
     flushes = render_input.variant.flushes and function.name != PREPARE
     dialect = target.dialect(render_input, function)
-    return code(f"{render_input.model.name}_{function.name}", function, parts, dialect, flushes)
+    name = f"{render_input.model.name}_{function.name}"
+    return code(name, function, parts, dialect, not_finite(render_input.model), flushes)
 
 
 def _simd_code(render_input: RenderInput, name: str, function: Function, parts: Sequence[Program]) -> Code:
     """Return the body of the SIMD form."""
     dialect = simd(render_input.formats.arithmetic, render_input.sincos is not None, render_input.places)
-    return code(f"{name}_simd", function, parts, dialect, render_input.variant.flushes)
+    return code(f"{name}_simd", function, parts, dialect, flushes=render_input.variant.flushes)
 
 
 def code(
-    name: str, function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool = False
+    name: str,
+    function: Function,
+    programs: Sequence[Program],
+    dialect: Dialect,
+    infinite: str = "",
+    flushes: bool = False,
 ) -> Code:
     """Return the body of a function.
 
@@ -138,6 +149,7 @@ def code(
         function: Arrays and status of the function.
         programs: The program of the function, or several parts in order.
         dialect: Notation of the statements.
+        infinite: Name of the status of a result that is not finite; unused in SIMD, where the caller tests.
         flushes: Whether subnormal numbers count as zero in the function. All arithmetic is then in parts, so
             that a compiler cannot move it across the changes of mode.
     """
@@ -147,17 +159,19 @@ def code(
     most = max((sincos.count for sincos in found if sincos), default=0)
     bodies = [body(program, dialect, function.shared) for program in programs]
     names = frozenset(name for one in bodies for name in one.locals)
+    status = bodies[-1].status
     if len(programs) == 1 and not flushes:
-        return Code(bodies[0].lines, (), most, has_sines, names, takes_sines)
+        lines = [*bodies[0].lines, *_ending(function, dialect, status, infinite)]
+        return Code(lines, (), most, has_sines, names, takes_sines)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
     for number, (program, one) in enumerate(zip(programs, bodies, strict=True), start=1):
         part = _Part(f"{name}_{number}", program, dialect, function.shared)
-        parts.append((part.prototype, one.lines))
-        calls += part.call(flushes)
+        parts.append((part.prototype, [*one.lines, *_returned(one.status)]))
+        calls += part.call()
     if flushes:
         calls.append("    restore_mode(before);")
-        calls += ["    return result;"] if function.may_fail else []
+    calls += _ending(function, dialect, status and "status", infinite)
     return Code(calls, tuple(parts), most, has_sines, names, takes_sines)
 
 
@@ -170,6 +184,31 @@ def _beginning(function: Function, programs: Sequence[Program], dialect: Dialect
     if flushes:
         lines.append("    const arithmetic_mode before = flush_to_zero();")
     return lines
+
+
+def _returned(status: str) -> list[str]:
+    """Return the statement that returns a status; nothing where there is none."""
+    return [f"    return {status};"] if status else []
+
+
+def _ending(function: Function, dialect: Dialect, status: str, infinite: str) -> list[str]:
+    """Return the lines that return the status of a function.
+
+    Args:
+        function: The function, all of whose outputs are filled.
+        dialect: Notation of the statements.
+        status: Expression of what the tests of conditions gave, "" where there are none.
+        infinite: Name of the status of a result that is not finite.
+    """
+    if not dialect.is_scalar:
+        return _returned(status)
+    finite = f" &&{BREAK}".join(dialect.all_finite(array) for array in function.outputs)
+    if not status:
+        return wrap(f"return {finite} ? 0 : {infinite};")
+    lines = [] if status.isidentifier() else [f"    const int status = {status};"]
+    status = status if status.isidentifier() else "status"
+    finite = f"({finite})" if len(function.outputs) > 1 else finite
+    return [*lines, *wrap(f"return {status} > 0 ||{BREAK}{finite} ? {status} : {infinite};")]
 
 
 @dataclass(frozen=True)
@@ -215,7 +254,7 @@ class _Part:
         head = f"static NOINLINE {self.dialect.status if self._may_fail else 'void'} {self.name}"
         return wrap(f"{head}({f',{BREAK}'.join(self._arguments.values())})", indent="", hanging="    ")
 
-    def call(self, flushes: bool) -> list[str]:
-        """Return the lines of the call; a status is returned, or stored until the mode is restored."""
-        kept = f"const {self.dialect.status} result = " if flushes else "return "
-        return wrap(f"{kept if self._may_fail else ''}{self.name}({f',{BREAK}'.join(self._arguments)});")
+    def call(self) -> list[str]:
+        """Return the lines of the call; the status of the last part is kept."""
+        kept = f"const {self.dialect.status} status = " if self._may_fail else ""
+        return wrap(f"{kept}{self.name}({f',{BREAK}'.join(self._arguments)});")

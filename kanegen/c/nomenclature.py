@@ -19,7 +19,7 @@ PRINTED = (
     ("inaccurate", "minus the place of the freedom with the least margin, where that is not positive"),
     ("least_margin", "least margin so far"),
     ("before", "mode of the arithmetic of the caller"),
-    ("result", "the status, until that mode is restored"),
+    ("status", "what the function returns"),
 )
 """Names that the printer adds to those of the derivation, and their meanings."""
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
 
 
@@ -40,6 +42,32 @@ class Simd:
     def pattern(self, bits: int) -> str:
         """Return a bit pattern as an integer literal of the type `bits`."""
         return f"0x{bits:x}{self.bits_suffix}"
+
+    def carry(self, stored: Precision) -> str:
+        """Return what sets the sign when it is added to the pattern of a positive number stored as infinity.
+
+        A double from halfway between the largest float and the next power of two is stored as an infinite
+        float.
+        """
+        if stored.bytes >= self.precision.bytes:
+            return self.pattern(self.least_carry)
+        half_way = np.float64((2.0 - stored.roundoff) * 2.0**127)
+        return self.pattern(self.sign - int(half_way.view(np.uint64)))
+
+    @property
+    def infinity(self) -> int:
+        """Bit pattern of infinity, all bits of the exponent."""
+        return self.sign - self.least_carry
+
+    @property
+    def least_carry(self) -> int:
+        """Bit pattern of the lowest bit of the exponent; added to `infinity` it gives the sign."""
+        return 1 << (self.precision.significand_bits - 1)
+
+    @property
+    def sign(self) -> int:
+        """Bit pattern of the sign."""
+        return 1 << (self.size - 1)
 
     def exchanges(self, width: int) -> Iterator[tuple[int, int, int]]:
         """Yield the steps of a transpose: two vectors, and the size of the groups that they exchange."""

@@ -14,7 +14,8 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError, counted, quoted
 from kanegen.library.native import processor
 from kanegen.library.native.build import Recipe
-from kanegen.library.native.calls import NativeLibrary
+from kanegen.library.native.calls import NativeLibrary, Pointers, arguments_of
+from kanegen.library.native.status import OnStatus, checked_on_status
 from kanegen.library.results import Evaluation
 from kanegen.model import validation
 from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT, Floats, NamedInputs, Values
@@ -30,11 +31,25 @@ class CompiledModel:
     they are passed to `_run`.
     """
 
-    def __init__(self, native: NativeLibrary, parameters: Mapping[str, float]) -> None:
-        """Combine a loaded library with values of its run-time parameters, by name."""
+    def __init__(
+        self,
+        native: NativeLibrary,
+        parameters: Mapping[str, float],
+        on_status: OnStatus = "warn",
+        constants: Pointers | None = None,
+    ) -> None:
+        """Combine a loaded library with values of its run-time parameters.
+
+        Args:
+            native: The loaded library.
+            parameters: Values by name.
+            on_status: What to do where a result is missing, not finite or not accurate.
+            constants: Prepared constants for these values; by default they are computed.
+        """
         self._native = native
         self._parameters = dict(parameters)
-        self._constants = native.constants(self._parameters)
+        self._on_status = checked_on_status(on_status)
+        self._constants = native.constants(self._parameters, on_status) if constants is None else constants
         self._calls = native.calls
         self._named_inputs = native.named_inputs
 
@@ -46,7 +61,7 @@ class CompiledModel:
         """Return how `pickle` makes the library anew: from the same file, or from the source, if need be."""
         recipe, path = self._native.recipe, self._native.path
         place = (path.parent.name, path.name, processor.fingerprint())
-        return _reopen, (type(self), recipe, place, self._parameters)
+        return _reopen, (type(self), recipe, place, self._parameters, self._on_status)
 
     @property
     def source(self) -> Source:
@@ -154,7 +169,34 @@ class CompiledModel:
         checked = {name: finite(value, f"parameter {quoted(name)}") for name, value in values.items()}
         for name, value in checked.items():
             precision_named(self.precision).rounded(value, f"parameter {quoted(name)}")
-        return type(self)(self._native, {**self._parameters, **checked})
+        return type(self)(self._native, {**self._parameters, **checked}, self._on_status)
+
+    @property
+    def on_status(self) -> OnStatus:
+        """What the library does where a result is missing or not finite; see `with_on_status`."""
+        return self._on_status
+
+    def with_on_status(self, on_status: OnStatus) -> Self:
+        """Return the same library with another rule for what is missing, not finite or not accurate.
+
+        One rule holds for all functions, for one state and for batches. A result is *missing* where it does
+        not exist, such as accelerations where [A] is singular; its numbers are then NaN. It is *not finite*
+        where a number in it is infinite or NaN, such as with such an input, or where a force element divides
+        by 0. It *may be inaccurate* where forward dynamics says so. A report names the function, the first
+        state in a batch, and the freedom or the element of the result.
+
+        Args:
+            on_status: "warn" gives one `KanegenWarning` for a call, at the line that made it; but a call for
+                one state whose result is missing raises, since there is nothing to return. "raise" raises in
+                all these cases. "ignore" says nothing. A function is called with every `StatusReport`.
+
+        Raises:
+            OptionError: If `on_status` is none of these.
+
+        Example:
+            strict = library.with_on_status("raise")
+        """
+        return type(self)(self._native, self._parameters, on_status, self._constants)
 
     def evaluate(
         self,
@@ -187,7 +229,7 @@ class CompiledModel:
 
         Raises:
             ArrayError: If an argument has the wrong shape or type, or is missing.
-            SingularError: If an output does not exist in a single state; see `forward_dynamics`.
+            StatusError: See `with_on_status`.
 
         Example:
             A, f = kg.build(system).evaluate(x, y)
@@ -208,14 +250,14 @@ class CompiledModel:
         Raises:
             OptionError: If the function was not generated.
             ArrayError: If an argument does not fit, is missing, or is not read by anything in this system.
-            SingularError: If the result of a single state does not exist.
+            StatusError: See `with_on_status`.
         """
         call = self._calls.get(name)
         if call is None:
             raise self._absent(name)
         if inputs or self._named_inputs:
-            values = (*values, *self._in_order(inputs))
-        return call(self._constants, values)
+            values = (*values, *self._in_order(name, inputs))
+        return call(self._constants, values, self._on_status)
 
     def _absent(self, name: str) -> OptionError:
         """Return the error that says that the function of an output was not generated."""
@@ -230,15 +272,24 @@ class CompiledModel:
             f"{', '.join(self.outputs)}; ask for more with outputs=(...)."
         )
 
-    def _in_order(self, inputs: NamedInputs) -> Values:
+    def _in_order(self, function: str, inputs: NamedInputs) -> Values:
         """Return the inputs that are passed by name in the order of `further_inputs`, None for an absent one.
 
+        Args:
+            function: Name of the function that is called.
+            inputs: The inputs by name.
+
         Raises:
-            ArrayError: If there is no input of a name, or no output depends on it.
+            ArrayError: If there is no input of a name, the function does not take it, or no output depends on
+                it.
         """
         for name in inputs:
+            if name in ARGUMENTS and name not in MODEL_DEPENDENT:
+                taken = ", ".join((*arguments_of(function), *self._named_inputs))
+                raise ArrayError(f"{name}: {function} does not depend on it. Its arguments are {taken}.")
             if name not in MODEL_DEPENDENT:
-                raise ArrayError(f"{name}: there is no such argument. {did_you_mean(name, ARGUMENTS)}")
+                known = (*arguments_of(function), *self._named_inputs)
+                raise ArrayError(f"{name}: there is no such argument. {did_you_mean(name, known)}")
             if name not in self._named_inputs:
                 raise ArrayError(
                     f"{name}: no output of system {quoted(self.name)} depends on it. Leave it out."
@@ -247,7 +298,11 @@ class CompiledModel:
 
 
 def _reopen(
-    kind: type[CompiledModel], recipe: Recipe, place: tuple[str, str, str], parameters: Mapping[str, float]
+    kind: type[CompiledModel],
+    recipe: Recipe,
+    place: tuple[str, str, str],
+    parameters: Mapping[str, float],
+    on_status: OnStatus,
 ) -> CompiledModel:
     """Return a library that another process has pickled."""
-    return kind(NativeLibrary.found(recipe, *place), parameters)
+    return kind(NativeLibrary.found(recipe, *place), parameters, on_status)

@@ -110,7 +110,8 @@ class Derivatives(CompiledModel):
         Raises:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If the library was built without this output.
-            SingularError: If [A] is singular in a single state, or the state is not finite.
+            StatusError: See `with_on_status`; by default a `SingularError` if [A] is singular in a single
+                state, or the state is not finite.
 
         Example:
             by = library.derivative_columns("forward_dynamics_derivatives")

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen.errors import ArrayError, KanegenWarning
+from kanegen.errors import ArrayError
 from kanegen.library.compiled import CompiledModel
 from kanegen.library.results import Diagnosis, diagnosis
 from kanegen.model.arguments import Floats, NamedInputs
@@ -187,15 +186,13 @@ class Dynamics(CompiledModel):
             inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (n,) or (B, n), rad/s^2 and m/s^2. The rows of states of a batch in which [A] is singular are NaN,
-            and a `KanegenWarning` counts them. Another `KanegenWarning` says where a refined result is still
-            not accurate to 1e-12 (5e-4 in single precision).
+            (n,) or (B, n), rad/s^2 and m/s^2. Where [A] is singular they are missing: NaN in a batch.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If the library was built without this output.
-            SingularError: If [A] is singular in a single state, or the state is not finite; the message names
-                the freedom.
+            StatusError: See `with_on_status`; by default a `SingularError` if [A] is singular in a single
+                state, or the state is not finite. The message names the freedom.
 
         Example:
             ydot = library.forward_dynamics(x, y, tau=[1.0, 0.0])
@@ -230,7 +227,7 @@ class Dynamics(CompiledModel):
         Raises:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If the library was built without this output.
-            SingularError: If [A] is singular in a single state, or the state is not finite.
+            StatusError: As `forward_dynamics`.
 
         Example:
             estimate = library.error_estimate(x, y)
@@ -296,7 +293,7 @@ class Dynamics(CompiledModel):
         x, y = np.atleast_2d(np.asarray(x)), np.atleast_2d(np.asarray(y))
         if not len(x):
             raise ArrayError("diagnose: there is no state, the batch is empty.")
-        with warnings.catch_warnings(action="ignore", category=KanegenWarning):
-            acceleration = self.forward_dynamics(x, y, tau, force, torque, **inputs)
-            estimate = self.error_estimate(x, y, tau, force, torque, **inputs)
-        return diagnosis(self.source.model, x, acceleration, estimate, self.regularity(x, **inputs))
+        quiet = self.with_on_status("ignore")
+        acceleration = quiet.forward_dynamics(x, y, tau, force, torque, **inputs)
+        estimate = quiet.error_estimate(x, y, tau, force, torque, **inputs)
+        return diagnosis(self.source.model, x, acceleration, estimate, quiet.regularity(x, **inputs))

@@ -9,6 +9,7 @@ from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
 from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import NativeLibrary
+from kanegen.library.native.status import OnStatus, checked_on_status
 from kanegen.library.quantities import Quantities
 
 
@@ -17,6 +18,7 @@ def load(
     compiler: str | None = None,
     flags: str | Sequence[str] | None = None,
     threads: bool = False,
+    on_status: OnStatus = "warn",
 ) -> Library:
     """Compile `source`, or find it in the cache, and load it.
 
@@ -28,6 +30,8 @@ def load(
             `OMP_NUM_THREADS` says. No bit of a result depends on it. In a process that was forked from one
             with threads, batches use one thread. With a compiler without OpenMP this gives a
             `KanegenWarning`, and batches use one thread.
+        on_status: What the library does where a result is missing, not finite or not accurate, see
+            `Library.with_on_status`: "warn", "raise", "ignore" or a function.
 
     Raises:
         BuildError: If there is no compiler, it fails, or the compiled library cannot be loaded.
@@ -37,7 +41,7 @@ def load(
         library = kanegen.library.load(source)
     """
     recipe = Recipe.of(source, compiler, flags, threads)
-    return Library(NativeLibrary.made(recipe), dict(source.model.parameters))
+    return Library(NativeLibrary.made(recipe), dict(source.model.parameters), checked_on_status(on_status))
 
 
 class Library(Dynamics, Quantities, Derivatives):
@@ -49,7 +53,8 @@ class Library(Dynamics, Quantities, Derivatives):
 
     Contiguous arrays of its `storage` are passed to C as they are; lists, integers, other floats and other
     memory layouts are converted first. A library in single precision therefore rounds doubles, and its
-    results are arrays of float32. NaN and infinity pass through.
+    results are arrays of float32. NaN and infinity pass through. What is missing, not finite or not accurate
+    gives a warning or an error, by the one rule that `with_on_status` describes.
 
     A result does not depend on its place in a batch or on the other states, and is that of the state alone.
     With strict semantics it is the same to the last bit with every compiler at every level of optimisation,

@@ -22,14 +22,14 @@ class Quantities(CompiledModel):
             inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (m,) or (B, m), rad/s, m/s and 1/s. The rows of states of a batch in which three angles are in
-            gimbal lock are NaN, and a `KanegenWarning` counts them.
+            (m,) or (B, m), rad/s, m/s and 1/s. Where three angles are in gimbal lock they are missing: NaN in
+            a batch.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type.
             OptionError: If the library was built without this output.
-            SingularError: If three angles are in gimbal lock in a single state; the message names the middle
-                one.
+            StatusError: See `with_on_status`; by default a `SingularError` if three angles are in gimbal lock
+                in a single state. The message names the middle one.
 
         Example:
             xdot = library.coordinate_rates(x, y)

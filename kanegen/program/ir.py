@@ -106,6 +106,7 @@ class Array:
         unit: SI unit or units.
         doc: Content of the array in one line, with its equation.
         condition: When an output exists that does not exist in every state.
+        of_freedoms: Whether the first index counts the freedoms.
     """
 
     name: str
@@ -113,6 +114,7 @@ class Array:
     unit: str
     doc: str
     condition: Condition = REGULAR
+    of_freedoms: bool = False
 
     @property
     def size(self) -> int:

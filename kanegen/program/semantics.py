@@ -22,6 +22,9 @@ CONTRACTED = "contracted"
 FLUSH = "flush-to-zero"
 """Subnormal numbers count as zero."""
 
+FINITE = "finite"
+"""The compiler may assume that no number is infinite or NaN."""
+
 _SUBNORMALS = "subnormal numbers"
 _ZEROS = "signs of zeros"
 _SUMS = "order of sums"
@@ -50,7 +53,7 @@ SEMANTICS = {
     "associative": Relaxation(
         ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math"), frozenset({_SUMS, _ZEROS})
     ),
-    "finite": Relaxation(("-ffinite-math-only",), frozenset({"not a number"})),
+    FINITE: Relaxation(("-ffinite-math-only",), frozenset({"not a number"})),
     FLUSH: Relaxation(lost_properties=frozenset({_SUBNORMALS})),
 }
 """All semantics by name.

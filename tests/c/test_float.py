@@ -51,7 +51,7 @@ def of_one(program, flags):
         {},
         TIERS["single"],
     )
-    return load(made, flags=flags).mass_matrix
+    return load(made, flags=flags, on_status="ignore").mass_matrix
 
 
 # Numbers
@@ -256,9 +256,12 @@ def test_numpy_in_numpy_out(library):
     assert bits(again.forcing(x, y)) == bits(exact.forcing)
     with pytest.raises(ArrayError, match=r"^y: a number leaves the range of float32\.$"):
         library.forcing(x, y * 1e39)
+    with pytest.warns(
+        KanegenWarning, match=r"^forcing: in 5 of 5 states .*; in state 0 f\[0\] is .*y\[0\] is inf"
+    ):
+        assert np.isnan(library.forcing(x, np.full_like(y, np.inf))).any()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert np.isnan(library.forcing(x, np.full_like(y, np.inf))).any()
         assert library.mass_matrix([1e-60, 0.0]).shape == (2, 2)
 
 

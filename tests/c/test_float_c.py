@@ -27,7 +27,7 @@ ALL = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
 
 def test_the_c_has_doubles_only_where_parameters_are_prepared():
     files = source(precision=FLOAT).files
-    prepare, rest = files["handmade.c"].split("void handmade_mass_matrix")
+    prepare, rest = files["handmade.c"].split("int handmade_mass_matrix")
     assert "const double p_m1 = (double)parameters[HANDMADE_P_m1];" in prepare
     assert "prepared[HANDMADE_C_c_1] = (float)" in prepare
     assert "sqrtf(" in rest

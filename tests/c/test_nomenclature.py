@@ -15,7 +15,7 @@ EQUATIONS = ("mass_matrix", "forcing")
 TYPES = "arithmetic_mode|double|float|long double|kanegen_double_double|simd|int"
 LOCAL = re.compile(rf"^    (?:const )?(?:{TYPES}) ([^;\n()=]*?)((?: = [^\n]*)?);$", re.MULTILINE)
 PRINTED = {"t1, t2, ...": r"t\d+_*", "sines, cosines": "sines|cosines"}
-CONTROL = {"i", "rows", "valid", "within_margin"}
+CONTROL = {"i", "rows", "valid", "within_margin", "carries", "found"}
 """Locals of loops and of the status of a batch, which need no explanation."""
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.c.declarations import not_finite
 from kanegen.c.dialect import Dialect
 from kanegen.c.functions import printed_functions
 from kanegen.c.target import Printed
@@ -17,6 +18,14 @@ from tests.support.c_compilers import CPP, WARNINGS
 from tests.support.paths import MODELS
 
 STATES = 5
+ALL_FINITE = """
+inline bool all_finite(const double *numbers, std::size_t count)
+{
+    bool found = true;
+    for (std::size_t i = 0; i < count; ++i) found = found && std::isfinite(numbers[i]);
+    return found;
+}
+"""
 
 
 class CppDialect(Dialect):
@@ -52,7 +61,9 @@ class Cpp:
         body = "\n\n".join(functions)
         using = "\n".join(f"using std::{name};" for name in ("sin", "cos", "sqrt"))
         model = render_input.model.name
-        text = f"#pragma once\n#include <cmath>\n\nnamespace {model} {{\n{using}\n\n{body}\n}}\n"
+        status = f"enum {{ {not_finite(render_input.model)} = -1000 }};"
+        head = f"#pragma once\n#include <cmath>\n#include <cstddef>\n\nnamespace {model} {{\n{using}\n\n"
+        text = f"{head}{status}\n{ALL_FINITE}\n{body}\n}}\n"
         return Printed({f"{model}.hpp": text}, "")
 
 

@@ -63,7 +63,7 @@ def test_the_header_documents_everything(generated):
         "@param[in]   force     [3 * 3]  the array force, Eq. (1) (SI)",
         "@param[out]  A         [2 * 2]  the array A, Eq. (1) (SI)",
         "All states have the one array `prepared` in common.",
-        "void handmade_mass_matrix(const double prepared[2], const double x[2], double A[2 * 2]);",
+        "int handmade_mass_matrix(const double prepared[2], const double x[2], double A[2 * 2]);",
         "A and f together, every intermediate shared.",
     ):
         assert text in header, text

@@ -156,8 +156,9 @@ def test_read_only_arrays_are_accepted(library):
 
 
 def test_nan_passes_through(library):
-    assert np.isnan(library.mass_matrix([np.nan, 0.0])[0, 0])
-    assert np.isnan(library.forcing([0.0, 0.0], [np.inf, 0.0])).all()
+    quiet = library.with_on_status("ignore")
+    assert np.isnan(quiet.mass_matrix([np.nan, 0.0])[0, 0])
+    assert np.isnan(quiet.forcing([0.0, 0.0], [np.inf, 0.0])).all()
 
 
 @pytest.mark.parametrize(

@@ -123,7 +123,7 @@ def test_the_files_say_it(tmp_path: Path) -> None:
     assert "omegahat_K_i" in source.files["crane.c"]
     rates = kg.generate(crane(), ("forcing", "coordinate_rates"))
     assert "{xdot} = {y}\n" in rates.files["crane.h"]
-    assert "void crane_coordinate_rates(" in rates.files["crane.h"]
+    assert "int crane_coordinate_rates(" in rates.files["crane.h"]
     assert "omega1" not in "".join(rates.files.values())
 
 
@@ -149,11 +149,12 @@ def test_where_there_are_no_rates() -> None:
     with pytest.raises(
         kg.SingularError,
         match=r"^coordinate_rates: the squared divisor of Eq. \(9\) at freedom 'body2.theta2, body2.omega2' "
-        "is not positive or is NaN: the angles have no rates in this state, or",
+        "of body 'body2' is not positive or is NaN: x.1. is nan",
     ):
         library.coordinate_rates(x[1], y[1])
     with pytest.warns(
-        kg.KanegenWarning, match=r"^coordinate_rates: in 1 of 3 states a squared divisor of Eq. \(9\)"
+        kg.KanegenWarning,
+        match=r"^coordinate_rates: in 1 of 3 states .* in state 1 the squared divisor of Eq. \(9\)",
     ):
         found = library.coordinate_rates(x, y)
     assert np.isnan(found[1]).all()
@@ -162,7 +163,7 @@ def test_where_there_are_no_rates() -> None:
     bodies = (system.bodies[0], replace(system.bodies[1], joint=turned), system.bodies[2])
     euler = kg.build(replace(system, bodies=bodies), ("forward_dynamics", "coordinate_rates"))
     x[1, 1] = 0.0  # where sin(theta2) is 0, exactly
-    with pytest.raises(kg.SingularError, match=r"'body2\.theta2, body2.omega2' is not positive"):
+    with pytest.raises(kg.SingularError, match=r"body2.omega2' of body 'body2' is not positive"):
         euler.coordinate_rates(x[1], y[1])
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -37,7 +37,7 @@ def test_a_new_output_is_a_derivation_and_an_entry(monkeypatch: pytest.MonkeyPat
     system = systems.random_system(np.random.default_rng(11), 3)
     n = len(system.freedoms)
     library = kg.build(system, ("mass_matrix", ADDED.name))
-    prototype = f"void tree_{ADDED.name}(const double x[{n}], const double y[{n}], double omega_last[3]);"
+    prototype = f"int tree_{ADDED.name}(const double x[{n}], const double y[{n}], double omega_last[3]);"
     assert prototype in library.source.files["tree.h"]
     assert "Eq. (11), body components; by velocities of the bodies" in " ".join(
         library.source.files["tree.h"].split()

@@ -150,11 +150,11 @@ def test_the_header_documents_every_array() -> None:
     header, words = files["tree.h"], " ".join(files["tree.h"].split())
     n = len(system().freedoms)
     for prototype in (
-        f"void tree_kinetic_energy(const double x[{n}], const double y[{n}], double kinetic_energy[1]);",
-        f"void tree_potential_energy(const double x[{n}], double potential_energy[1]);",
-        f"void tree_momentum(const double x[{n}], const double y[{n}], double momentum[6]);",
-        f"void tree_mass_center(const double x[{n}], double mass_center[3]);",
-        f"void tree_body_poses(const double x[{n}], double body_poses[4 * 4 * 3]);",
+        f"int tree_kinetic_energy(const double x[{n}], const double y[{n}], double kinetic_energy[1]);",
+        f"int tree_potential_energy(const double x[{n}], double potential_energy[1]);",
+        f"int tree_momentum(const double x[{n}], const double y[{n}], double momentum[6]);",
+        f"int tree_mass_center(const double x[{n}], double mass_center[3]);",
+        f"int tree_body_poses(const double x[{n}], double body_poses[4 * 4 * 3]);",
     ):
         assert prototype in header
     for unit in ("(J)", "(kg m/s, kg m^2/s)", "(m)", "(1, m)"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -19,7 +19,7 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import ArrayError, BuildError
 from kanegen.library.native import cache, floating_point, openmp, processor
 from kanegen.library.native.build import Recipe, made
-from kanegen.library.native.status import Status
+from kanegen.library.native.status import OnStatus, States, Status, report
 from kanegen.model.arguments import (
     ARGUMENTS,
     LOADS,
@@ -42,9 +42,6 @@ EVERY_ARGUMENT = tuple(name for name in ARGUMENTS if name not in MODEL_DEPENDENT
 
 _NEVER_UNLOAD = getattr(os, "RTLD_NODELETE", 0)
 """Flag of `dlopen` that keeps a library mapped: the threads of its OpenMP runtime outlive the `Library`."""
-
-_FRAMES = 5
-"""Frames from a warning of a `Status` to the line that called a method of the library."""
 
 Pointers = tuple[Any, ...]
 """C pointers, each of which keeps its array alive."""
@@ -138,26 +135,39 @@ class NativeLibrary:
         """The generated C that was compiled."""
         return self.recipe.source
 
-    def constants(self, parameters: Mapping[str, float]) -> Pointers:
+    def constants(self, parameters: Mapping[str, float], on_status: OnStatus) -> Pointers:
         """Return the first argument of every `Call`: the results of `prepare` for some run-time parameters.
 
         Args:
             parameters: Values by name, in the order of the C array.
+            on_status: What to do where a constant is missing or not finite, see `status.report`.
 
         Returns:
             A pointer to the prepared constants, or nothing if there are no parameters.
+
+        Raises:
+            StatusError: As `status.report`.
         """
         prepare = self.calls.get(PREPARE)
         if prepare is None:
             return ()
-        prepared = prepare((), (np.array(list(parameters.values())),))
+        prepared = prepare((), (np.array(list(parameters.values())),), on_status)
         return tuple(map(self._prepared, prepared))
 
     def _arguments(self, name: str, function: Function) -> tuple[str, ...]:
         """Return the names of the values that a call takes, in the order of the table of outputs."""
         if name == PREPARE:
             return tuple(array.name for array in function.inputs)
-        return (*(OUTPUTS[name].arguments if name in OUTPUTS else EVERY_ARGUMENT), *self.named_inputs)
+        return (*arguments_of(name), *self.named_inputs)
+
+
+def arguments_of(name: str) -> tuple[str, ...]:
+    """Return the arguments of a function other than `prepare`, in order, but for those passed by name.
+
+    Args:
+        name: Name of an output, or `EVALUATE`.
+    """
+    return OUTPUTS[name].arguments if name in OUTPUTS else EVERY_ARGUMENT
 
 
 class Call:
@@ -192,7 +202,7 @@ class Call:
         self._status = Status.of(function, model)
         name = f"{model.name}_{function.name}"
         self._single = getattr(library, name)
-        self._batch = getattr(library, f"{name}_batch") if function.has_batch else None
+        self._batch: Any = getattr(library, f"{name}_batch") if function.has_batch else None
         read = arrays.of(function.inputs[-1].name)
         filled = arrays.of(function.outputs[0].name)
         self._pointer, self._result_pointer = pointers[read], pointers[filled]
@@ -216,20 +226,20 @@ class Call:
         """Return a pointer to an array of zeros."""
         return self._pointer(np.zeros(shape, self._dtype))
 
-    def __call__(self, constants: Pointers, values: Values) -> list[Floats]:
+    def __call__(self, constants: Pointers, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
         """Call the C function for one state, or its batch form for many.
 
         Args:
             constants: Prepared constants, from `NativeLibrary.constants`.
             values: The values of `arguments`, None where an optional one is left out.
+            on_status: What to do with a status other than 0, see `status.report`.
 
         Returns:
             An array for each output.
 
         Raises:
             ArrayError: If a value has the wrong type or shape, or the system has no use for it.
-            SingularError: If the result of a single state does not exist. In a batch its row is NaN, with a
-                warning.
+            StatusError: As `status.report`.
         """
         force = self._unused_force
         if force and not (values[force] is None and values[force + 1] is None):
@@ -249,33 +259,55 @@ class Call:
             elif value is None and zeros is not None:
                 pointers.append(zeros)
             else:
-                return self._general(constants, values)
+                return self._general(constants, values, on_status)
         results = []
         for shape in self._outputs:
             result = np.empty(shape, self._result_dtype)
             results.append(result)
             pointers.append(self._result_pointer(result))
         status = self._single(*pointers)
-        if status:
-            self._status.report(status, _FRAMES)
+        if status and on_status != "ignore":
+            # An optional value that was left out is zero, and cannot be why a result is not finite.
+            read = {name: values[k] for name, k, _ in self._inputs}
+            inputs = {name: value for name, value in read.items() if isinstance(value, np.ndarray)}
+            report(self._status.of_state(status, inputs, results), on_status)
         return results
 
-    def _general(self, constants: Pointers, values: Values) -> list[Floats]:
+    def _general(self, constants: Pointers, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
         """Call the C function after conversion of the values, with every check."""
         arrays, batch = self._converted(values)
         results = [np.empty((*batch, *shape), self._result_dtype) for shape in self._outputs]
         pointers = [*constants, *map(self._pointer, arrays), *map(self._result_pointer, results)]
+        inputs = {name: array for (name, *_), array in zip(self._inputs, arrays, strict=True)}
         if not batch or self._batch is None:
             status = self._single(*pointers)
-            if status:
-                self._status.report(status, _FRAMES + 1)
+            if status and on_status != "ignore":
+                report(self._status.of_state(status, inputs, results), on_status)
             return results
+        failed = self._many(batch[0], pointers)
+        if failed and on_status != "ignore":
+            states = partial(self._some, constants, arrays)
+            report(self._status.of_batch(failed, inputs, results, states), on_status)
+        return results
+
+    def _some(self, constants: Pointers, arrays: Sequence[Floats], states: States) -> int:
+        """Return the status of one state of a batch, or of several how many have another status than 0.
+
+        Args:
+            constants: Prepared constants.
+            arrays: Inputs of the batch.
+            states: Numbers of the states.
+        """
+        chosen = [np.ascontiguousarray(array[states]) for array in arrays]
+        results = [np.empty((len(states), *shape), self._result_dtype) for shape in self._outputs]
+        pointers = (*constants, *map(self._pointer, chosen), *map(self._result_pointer, results))
+        return int(self._single(*pointers)) if len(states) == 1 else self._many(len(states), pointers)
+
+    def _many(self, count: int, pointers: Sequence[Any]) -> int:
+        """Call the batch form and return how many of `count` states have another status than 0."""
         if self._before_batch is not None:
             self._before_batch()
-        failed = self._batch(*batch, *pointers)
-        if failed:
-            self._status.report_batch(failed, results, _FRAMES + 1)
-        return results
+        return int(self._batch(count, *pointers))
 
     def _unused_load(self, name: str) -> ArrayError:
         """Return the error that says that a load was passed and no body takes loads."""

@@ -1,17 +1,111 @@
-"""The status that a C function returns, as an exception or as a warning at the line of the caller."""
+"""The status that a C function returns: what it means, and how a library reports it.
+
+A status other than 0 becomes a `StatusReport`, which says in words what is wrong, in which state, and where.
+One rule, `report`, turns it into a warning, an error or nothing.
+"""
 
 from __future__ import annotations
 
+import os
+import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+import kanegen
 from kanegen.c import ModelDescription
-from kanegen.c.interface import Function
-from kanegen.errors import KanegenWarning, SingularError
+from kanegen.c.interface import PREPARE, Function
+from kanegen.choices import require_one
+from kanegen.errors import KanegenWarning, SingularError, StatusError
 from kanegen.model.arguments import Floats
+from kanegen.program.ir import Array
+
+ON_STATUS = ("warn", "raise", "ignore")
+"""What a library may do where a result is missing, not finite or not accurate."""
+
+States = NDArray[np.intp]
+"""Numbers of states in a batch."""
+
+MISSING = "missing"
+"""A state has no result, such as accelerations where [A] is singular: its numbers are NaN."""
+
+NOT_FINITE = "not finite"
+"""A number in a result is infinite or NaN."""
+
+INACCURATE = "inaccurate"
+"""A result is finite, but its errors may be large."""
+
+_KINDS = (MISSING, NOT_FINITE, INACCURATE)
+
+_PACKAGE = f"{Path(kanegen.__file__).parent}{os.sep}"
+
+
+@dataclass(frozen=True)
+class StatusReport:
+    """What is wrong with the results of one call.
+
+    Attributes:
+        message: One or two sentences with the function, the first state concerned, and the freedom or the
+            element of the result.
+        kind: `MISSING`, `NOT_FINITE` or `INACCURATE`; the first of these that occurs in a batch.
+        is_alone: Whether the call was for one state, and not for a batch.
+        states: Number of states concerned.
+    """
+
+    message: str
+    kind: str
+    is_alone: bool
+    states: int = 1
+
+    @property
+    def error(self) -> StatusError:
+        """The error that this report becomes where errors are asked for."""
+        return (SingularError if self.kind == MISSING else StatusError)(self.message)
+
+
+OnStatus = str | Callable[[StatusReport], object]
+"""One of `ON_STATUS`, or a function that takes every report."""
+
+
+def checked_on_status(value: OnStatus) -> OnStatus:
+    """Return a value of the option `on_status`, after a check.
+
+    Raises:
+        OptionError: If the value is neither one of `ON_STATUS` nor a function.
+    """
+    if not callable(value):
+        require_one("on_status", value, ON_STATUS)
+    return value
+
+
+def report(found: StatusReport, on_status: OnStatus) -> None:
+    """Report what is wrong with the results of a call: the one rule for all functions of a library.
+
+    "raise" raises an error. "warn" gives one `KanegenWarning` for the call, at the line outside kanegen that
+    made it; but where the only state that was asked for has no result, there is nothing to return and it
+    raises too. A function is called with the report.
+
+    Raises:
+        StatusError: If errors are asked for; a `SingularError` where a result is missing.
+    """
+    if callable(on_status):
+        on_status(found)
+    elif on_status == "raise" or (on_status == "warn" and found.kind == MISSING and found.is_alone):
+        raise found.error
+    elif on_status == "warn":
+        warnings.warn(found.message, KanegenWarning, stacklevel=_frames_to_the_caller())
+
+
+def _frames_to_the_caller() -> int:
+    """Return the level, as `warnings.warn` counts, of the innermost frame outside kanegen."""
+    frame, frames = sys._getframe(1), 1
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        frame, frames = frame.f_back, frames + 1
+    return frames
 
 
 @dataclass(frozen=True)
@@ -24,8 +118,8 @@ class Status:
         bodies: For each freedom the name of its body.
         quantity: Name of the quantity that is positive where a result exists.
         failure: Clause on the state where the quantity is not positive, such as "[A] is singular".
-        may_fail: Index of an output that is NaN where it does not exist.
-        may_be_inaccurate: Whether a result that exists can be inaccurate.
+        outputs: Arrays of the results.
+        force_elements: One line of text for each force element.
     """
 
     name: str
@@ -33,66 +127,141 @@ class Status:
     bodies: tuple[str, ...]
     quantity: str
     failure: str
-    may_fail: int
-    may_be_inaccurate: bool
+    outputs: tuple[Array, ...]
+    force_elements: tuple[str, ...]
 
     @classmethod
     def of(cls, function: Function, model: ModelDescription) -> Status:
         """Return the meanings of the statuses of `function`."""
         pairs = zip(model.freedom_names, model.speeds, strict=True)
-        outputs = [array.name for array in function.outputs]
         return cls(
             name=function.name,
             freedoms=tuple(f"{name}, {speed}" if speed else name for name, speed in pairs),
             bodies=model.freedom_bodies,
             quantity=" or ".join(condition.quantity for condition in function.conditions),
             failure=" or ".join(condition.failure for condition in function.conditions),
-            may_fail=outputs.index(function.may_fail[0]) if function.may_fail else 0,
-            may_be_inaccurate=bool(function.may_be_inaccurate),
+            outputs=function.outputs,
+            force_elements=() if function.name == PREPARE else model.force_elements,
         )
 
-    def report(self, status: int, frames: int) -> None:
-        """Report a status other than 0 of one state.
+    def of_state(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> StatusReport:
+        """Return the report of a single state.
 
         Args:
-            status: Freedom, from 1, at which the result does not exist, or minus the freedom at which it is
-                least accurate.
-            frames: Stack frames from here to the line that a warning names.
-
-        Raises:
-            SingularError: If the result does not exist.
+            status: Status other than 0 that the C function returned.
+            inputs: Arrays that it has read, by name.
+            results: Arrays that it has filled.
         """
+        clause = self._clause(status, inputs, results)
         if status < 0:
-            place = -status - 1
-            warnings.warn(
-                f"{self.name}: the result is not accurate in this state. The largest correction was at "
-                f"freedom {self.freedoms[place]!r} of body {self.bodies[place]!r}; an output "
-                '"error_estimate" says how large, a higher precision helps.',
-                KanegenWarning,
-                stacklevel=frames,
-            )
-            return
-        raise SingularError(
-            f"{self.name}: the {self.quantity} at freedom {self.freedoms[status - 1]!r} is not positive or "
-            f"is NaN: {self.failure} in this state, or the state is not finite."
-        )
+            clause = f"the result is not accurate in this state. {clause[0].upper()}{clause[1:]}"
+        message = f"{self.name}: {clause}"
+        return StatusReport(message, self._kind(status), is_alone=True)
 
-    def report_batch(self, failed: int, results: Sequence[Floats], frames: int) -> None:
-        """Warn of the states of a batch whose results do not exist or are not accurate.
+    def of_batch(
+        self,
+        failed: int,
+        inputs: Mapping[str, Floats],
+        results: Sequence[Floats],
+        status_of: Callable[[States], int],
+    ) -> StatusReport:
+        """Return the report of a batch, with the first state of each kind.
 
         Args:
             failed: Number of states with a status other than 0.
-            results: Arrays of the outputs; rows of states without a result are NaN.
-            frames: Stack frames from here to the line that the warning names.
+            inputs: Arrays that were read, by name, each with an axis for the states.
+            results: Arrays that were filled.
+            status_of: Function that returns the status of a state, or of several how many have another
+                status than 0.
         """
-        rows = results[self.may_fail].reshape(len(results[self.may_fail]), -1)
-        absent = int(np.isnan(rows).any(axis=1).sum()) if self.may_be_inaccurate else failed
-        found = []
-        if absent:
-            found.append(
-                f"in {absent} of {len(rows)} states a {self.quantity} is not positive or is NaN; "
-                "their rows are NaN"
+        rows = [np.isfinite(array.reshape(len(array), -1)).all(axis=1) for array in results]
+        finite = np.logical_and.reduce(rows)
+        bad, good = np.flatnonzero(~finite), np.flatnonzero(finite)
+        found = [("does not exist or is not finite", len(bad), bad[:1])] if len(bad) else []
+        if failed > len(bad):
+            found.append(("is not accurate", failed - len(bad), _first(good, status_of)))
+        sentences, kinds = [], []
+        for words, count, first in found:
+            status, state = status_of(first), int(first[0])
+            here = {name: array[state] for name, array in inputs.items()}
+            clause = self._clause(status, here, [array[state] for array in results])
+            sentences.append(
+                f"in {count} of {len(finite)} states the result {words}; in state {state} {clause}"
             )
-        if failed > absent:
-            found.append(f"in {failed - absent} of {len(rows)} states the result is not accurate")
-        warnings.warn(f"{self.name}: {', and '.join(found)}.", KanegenWarning, stacklevel=frames)
+            kinds.append(self._kind(status))
+        message = f"{self.name}: {' Also '.join(sentences)}"
+        return StatusReport(message, min(kinds, key=_KINDS.index), is_alone=False, states=failed)
+
+    def _kind(self, status: int) -> str:
+        """Return the kind of a status other than 0."""
+        if status < 0:
+            return INACCURATE
+        return MISSING if 0 < status <= len(self.freedoms) else NOT_FINITE
+
+    def _clause(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> str:
+        """Return the sentences on a state, without a capital letter at the beginning."""
+        if self._kind(status) == MISSING:
+            return (
+                f"the {self.quantity} at {self._freedom(status - 1)} is not positive or is NaN: "
+                f"{_unless_finite(inputs) or self.failure + ' in this state'}."
+            )
+        if status < 0:
+            return (
+                "the largest correction was at "
+                f'{self._freedom(-status - 1)}; an output "error_estimate" says how large, a higher '
+                "precision helps."
+            )
+        return self._not_finite(inputs, results)
+
+    def _not_finite(self, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> str:
+        """Return the sentences on a state one of whose results is infinite or NaN."""
+        for array, values in zip(self.outputs, results, strict=True):
+            place = _first_infinite(values)
+            if place is not None:
+                where = f", at {self._freedom(place[0])}" if array.of_freedoms else ""
+                cause = _unless_finite(inputs)
+                reason = f", because {cause}." if cause else self._hint()
+                return f"{_element(array.name, values, place)}{where}{reason}"
+        return "a result is not finite."
+
+    def _hint(self) -> str:
+        """Return the end of a sentence on a result that is not finite although all inputs are."""
+        if not self.force_elements:
+            return ", although every input is finite: a number overflows, or something is divided by 0."
+        return (
+            ", although every input is finite. A force element may be undefined in this state: "
+            f"{'; '.join(self.force_elements)}."
+        )
+
+    def _freedom(self, place: int) -> str:
+        """Return the name of a freedom, from 0, and of its body."""
+        body = f" of body {self.bodies[place]!r}" if self.bodies else ""
+        return f"freedom {self.freedoms[place]!r}{body}"
+
+
+def _first(states: States, status_of: Callable[[States], int]) -> States:
+    """Return the first of some states that has another status than 0, by halving the states in question."""
+    while len(states) > 1:
+        half = states[: len(states) // 2]
+        states = half if status_of(half) else states[len(half) :]
+    return states
+
+
+def _first_infinite(values: Floats) -> tuple[int, ...] | None:
+    """Return the place of the first number that is infinite or NaN, None if there is none."""
+    places = np.argwhere(~np.isfinite(values))
+    return tuple(map(int, places[0])) if len(places) else None
+
+
+def _unless_finite(inputs: Mapping[str, Floats]) -> str:
+    """Return the clause on the first input that is infinite or NaN, "" if there is none."""
+    for name, values in inputs.items():
+        place = _first_infinite(values)
+        if place is not None:
+            return _element(name, values, place)
+    return ""
+
+
+def _element(name: str, values: Floats, place: tuple[int, ...]) -> str:
+    """Return a clause such as "x[2] is nan"."""
+    return f"{name}{list(place) if place else ''} is {values[place]}"

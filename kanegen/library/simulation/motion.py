@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.errors import OptionError, SingularError
 from kanegen.library import Library
+from kanegen.library.native.status import INACCURATE, StatusReport, report
 from kanegen.model.arguments import Floats, NamedInputs
 
 Effort = Callable[[float, Floats, Floats], ArrayLike]
@@ -55,6 +56,7 @@ class Motion:
         effort: Generalized forces beside loads and gravity, or None.
         prescribed: Motion of the prescribed freedoms, or None if there are none.
         evaluations: Calls of `forward_dynamics` so far; a whole batch is one.
+        inaccurate: Reports of results that may be inaccurate, with the time in their messages.
     """
 
     library: Library
@@ -62,6 +64,7 @@ class Motion:
     effort: Effort | None
     prescribed: PrescribedMotion | None = None
     evaluations: int = 0
+    inaccurate: list[StatusReport] = field(default_factory=list)
 
     def __call__(self, time: float, state: Floats) -> Floats:
         """Return the rates of a whole state at a time (s)."""
@@ -76,17 +79,17 @@ class Motion:
 
         Raises:
             OptionError: If the generalized forces have another shape than {y}.
-            SingularError: If [A] is singular or the state is not finite; the message has the time.
+            SingularError: If [A] is singular or a result is not finite; the message has the time.
+            StatusError: If a result may be inaccurate and the library raises on that.
         """
         self.evaluations += 1
         tau = None if self.effort is None else self._efforts(self.effort, time, x, y)
-        with _time_in_message(time):
-            inputs = self._inputs(time)
-            found = self.library.forward_dynamics(x, y, tau, **inputs)
-            power = np.zeros(y.shape[:-1], y.dtype) if tau is None else np.sum(y * tau, axis=-1)
-            if self.prescribed is not None and "prescribed_efforts" in self.library.outputs:
-                efforts = self.library.prescribed_efforts(x, y, found, **inputs)
-                power = power + efforts @ np.asarray(inputs["prescribed"], y.dtype)[1]
+        library, inputs = self._library_at(time), self._inputs(time)
+        found = library.forward_dynamics(x, y, tau, **inputs)
+        power = np.zeros(y.shape[:-1], y.dtype) if tau is None else np.sum(y * tau, axis=-1)
+        if self.prescribed is not None and "prescribed_efforts" in library.outputs:
+            efforts = library.prescribed_efforts(x, y, found, **inputs)
+            power = power + efforts @ np.asarray(inputs["prescribed"], y.dtype)[1]
         return found, power
 
     def rates(self, time: float, x: Floats, y: Floats) -> Floats:
@@ -97,8 +100,30 @@ class Motion:
         """
         if speeds_are_rates(self.library):
             return y
-        with _time_in_message(time):
-            return self.library.coordinate_rates(x, y, **self._inputs(time))
+        return self._library_at(time).coordinate_rates(x, y, **self._inputs(time))
+
+    def report_inaccurate(self) -> None:
+        """Report once that results may have been inaccurate, with the first time, as the library reports."""
+        if self.inaccurate:
+            first, count = self.inaccurate[0], len(self.inaccurate)
+            message = f"{first.message} {count} of {self.evaluations} evaluations were not accurate."
+            report(replace(first, message=message), self.library.on_status)
+
+    def _library_at(self, time: float) -> Library:
+        """Return the library, which passes what it has to report to `_react` with the time (s)."""
+        if self.library.on_status == "ignore":
+            return self.library
+        return self.library.with_on_status(partial(self._react, time))
+
+    def _react(self, time: float, found: StatusReport) -> None:
+        """Stop where a result is missing or not finite; keep the report of one that may be inaccurate."""
+        message = f"at t = {time:.9g} s: {found.message}"
+        if found.kind != INACCURATE:
+            raise SingularError(f"{message} A smaller step may avoid this.")
+        if self.library.on_status != "warn":
+            report(replace(found, message=message), self.library.on_status)
+        else:
+            self.inaccurate.append(replace(found, message=message))
 
     def _inputs(self, time: float) -> NamedInputs:
         """Return the inputs that are passed by name: the time, and the prescribed motion at that time."""
@@ -120,12 +145,3 @@ class Motion:
 def speeds_are_rates(library: Library) -> bool:
     """Whether the speeds are the rates of the coordinates, {xdot} = {y}, Eq. (45)."""
     return library.speed_names == library.coordinate_names
-
-
-@contextmanager
-def _time_in_message(time: float) -> Iterator[None]:
-    """Add the time to the message of a `SingularError` that is raised inside."""
-    try:
-        yield
-    except SingularError as error:
-        raise SingularError(f"at t = {time:.9g} s: {error} A smaller step may avoid this.") from None

@@ -86,6 +86,8 @@ def simulate(
             prescribed freedoms is missing.
         MissingError: If an adaptive method is asked for and SciPy is not installed.
         SingularError: If [A] becomes singular or the state stops being finite; the message has the time.
+        StatusError: If accelerations may be inaccurate and the library raises on that. One that warns gives
+            one warning for all, with the first time.
 
     Example:
         library = kg.build(system, outputs=("forward_dynamics", "kinetic_energy", "potential_energy"))
@@ -107,6 +109,7 @@ def simulate(
         states = integrate_adaptively(motion, start, moments, method, tolerance or TOLERANCE)
     else:
         states = integrate_fixed(motion, start, moments, _fixed_step(method), step, compensated)
+    motion.report_inaccurate()
     driven = None if prescribed is None else np.array([prescribed(time) for time in moments], start.dtype)
     found = layout.x(states), layout.y(states), states[..., -1]
     return Trajectory(library, moments, *found, motion.evaluations, driven)

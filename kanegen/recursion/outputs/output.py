@@ -83,7 +83,8 @@ class Derivative:
         )
         width = max(part.stop for part in columns.values())
         doc = f"derivatives of {self.of} by {places}"
-        return Array(name, (len(system.freedoms), width), f"{self.unit} over the units of these", doc)
+        shape, unit = (len(system.freedoms), width), f"{self.unit} over the units of these"
+        return Array(name, shape, unit, doc, of_freedoms=True)
 
 
 @dataclass(frozen=True)

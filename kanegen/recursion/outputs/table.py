@@ -61,7 +61,11 @@ _ENTRIES = (
     Output(
         "mass_matrix",
         lambda system: Array(
-            "A", (_n(system),) * 2, "kg m^2, kg m, kg", "[A], the generalized mass matrix, Eq. (43)"
+            "A",
+            (_n(system),) * 2,
+            "kg m^2, kg m, kg",
+            "[A], the generalized mass matrix, Eq. (43)",
+            of_freedoms=True,
         ),
         ("x",),
         Recursion("composite bodies", mass_matrix),
@@ -69,7 +73,11 @@ _ENTRIES = (
     Output(
         "forcing",
         lambda system: Array(
-            "f", (_n(system),), "N m, N", "{f}, the right side of [A]{ydot} = {f}, Eq. (44)"
+            "f",
+            (_n(system),),
+            "N m, N",
+            "{f}, the right side of [A]{ydot} = {f}, Eq. (44)",
+            of_freedoms=True,
         ),
         ("x", "y", *LOADS),
         Recursion("recursion of forces", forcing),
@@ -81,6 +89,7 @@ _ENTRIES = (
             (_n(system),),
             "N m, N",
             "[A]{ydot} - {f}, the generalized forces that {ydot} needs beside loads and gravity",
+            of_freedoms=True,
         ),
         ("x", "y", "ydot", *LOADS),
         Recursion("recursion of forces", inverse_dynamics),
@@ -101,7 +110,11 @@ _ENTRIES = (
     Output(
         "forward_dynamics",
         lambda system: Array(
-            "acceleration", (_n(system),), "rad/s^2, m/s^2", "{ydot} of [A]{ydot} = {f} + {tau}, Eq. (42)"
+            "acceleration",
+            (_n(system),),
+            "rad/s^2, m/s^2",
+            "{ydot} of [A]{ydot} = {f} + {tau}, Eq. (42)",
+            of_freedoms=True,
         ),
         ("x", "y", "tau", *LOADS),
         OfSolution(Solution.forward_dynamics),
@@ -113,6 +126,7 @@ _ENTRIES = (
             (_n(system),),
             "rad/s^2, m/s^2",
             "about the error of each entry of {ydot} before refinement: how much a first step changes it",
+            of_freedoms=True,
         ),
         ("x", "y", "tau", *LOADS),
         OfSolution(Solution.error_estimate),
@@ -125,6 +139,7 @@ _ENTRIES = (
             "1",
             "for each freedom what is left of its inertia where freedoms that are eliminated before it may "
             "move; 1 is all, 0 singular",
+            of_freedoms=True,
         ),
         ("x",),
         OfSolution(Solution.regularity),
