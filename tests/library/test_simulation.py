@@ -194,7 +194,7 @@ def test_mescd() -> None:
         (r"unknown method 'RK5'. Did you mean 'RK4'", {"method": "RK5"}),
         (r"method 'RK4' needs a positive number of seconds, got None", {}),
         (r"got 0", {"step": 0}),
-        (r"got nan", {"step": math.nan}),
+        (r"step: nan is not finite", {"step": math.nan}),
         (r"step: 'fast' is not a number", {"step": "fast"}),
         (r"method 'RK4' has fixed steps: give a step, not a tolerance", {"step": 1.0, "tolerance": 1e-3}),
         (r"method 'DOP853' chooses its steps", {"method": "DOP853", "step": 0.1}),
