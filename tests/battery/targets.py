@@ -20,16 +20,11 @@ import kanegen as kg
 from kanegen.c import Source
 from kanegen.extras import is_installed
 from kanegen.library.native import commands
-from kanegen.library.native.build import code, write
-from kanegen.program.precision import Precision, precision_named
-from tests.battery import scenes
+from tests.battery import bits, scenes
 from tests.battery.experiments import Row, Size, experiment
-from tests.battery.state_classes import CLASSES, states
+from tests.battery.state_classes import CLASSES, State, states
 
-HERE = Path(__file__).parent
-STRICT = "-ffp-contract=off"
 ZIG = f"{sys.executable} -m ziglang cc"
-OUTPUTS = ("mass_matrix", "forcing", "forward_dynamics")
 
 
 @dataclass(frozen=True)
@@ -107,7 +102,7 @@ def machines(size: Size) -> Iterator[Row]:
     amount = size.pick(3, 40, 200)
     for name, variant in VARIANTS.items():
         found = _hashes(programs, variant, amount)
-        over = f"{len(programs)} programs; {amount} states of each of {len(_classes(variant))} classes"
+        over = f"{len(programs)} programs; {amount} states of each of {len(classes(variant))} classes"
         yield Row(name, float(len(found)), 1.0, "1 hash", f"{over}{_minority(found)}")
     missing = [target.name for target in TARGETS if target not in targets]
     tried = "; ".join(f"{target.name} ({', '.join(levels[target])})" for target in targets)
@@ -137,34 +132,8 @@ def _minority(found: Hashes) -> str:
 
 def result(target: Target, level: str, variant: kg.Variant, amount: int) -> str:
     """Return the hash of all numbers that a program for the target computes at one level."""
-    return hashlib.sha256(printed(target, level, variant, amount).encode()).hexdigest()
-
-
-def printed(target: Target, level: str, variant: kg.Variant, amount: int) -> str:
-    """Return the bits of all numbers that a program for the target computes, as text.
-
-    Raises:
-        CommandError: If the compiler or the program fails.
-    """
-    source = _source(variant)
-    name, storage = source.model.name, _storage(source)
-    defined = {
-        "HEADER": f'"{name}.h"',
-        "MODEL": name,
-        "M": len(source.model.coordinate_names),
-        "N": len(source.model.freedom_names),
-        "STORED": storage.c_type,
-        "WORD": f"uint{8 * storage.bytes}_t",
-    }
-    driver = (HERE / "bits.c").read_text()
-    with tempfile.TemporaryDirectory() as folder:
-        write({**code(source), "bits.c": driver, "states": _as_text(variant, amount)}, Path(folder))
-        flags = ["-std=c99", STRICT, *level.split(), *(f"-D{key}={value}" for key, value in defined.items())]
-        files = ["bits.c", f"{name}.c", f"{name}_batch.c"]
-        command = [*shlex.split(target.command), *flags, *files, "-o", "bits", "-lm"]
-        commands.make(command, "bits", Path(folder))
-        emulator = [target.emulator] if target.emulator else []
-        return commands.output([*emulator, "./bits", str(amount * len(_classes(variant)))], Path(folder))
+    found = bits.printed(_source(variant), _states(variant, amount), target.command, level, target.emulator)
+    return hashlib.sha256(found.encode()).hexdigest()
 
 
 @cache
@@ -180,7 +149,7 @@ def _says_hello(command: str) -> bool:
 
 @cache
 def _source(variant: kg.Variant) -> Source:
-    return kg.generate(system(), OUTPUTS, tier=variant)
+    return kg.generate(system(), bits.OUTPUTS, tier=variant)
 
 
 @cache
@@ -194,20 +163,12 @@ def system() -> kg.System:
     return scenes.tree(rng, [0, 1, 1, 2, 4, 4, 6, 7], free, coordinates=coordinates)
 
 
-def _storage(source: Source) -> Precision:
-    """Return the precision of the arrays of states and results."""
-    return precision_named(source.storage)
-
-
-def _classes(variant: kg.Variant) -> list[str]:
+def classes(variant: kg.Variant) -> list[str]:
     """Return the classes of states in which bits are promised; of double-doubles, from 1e-290 to 1e290."""
     beyond = ("subnormal", "huge") if variant.precision == "double-double" else ()
     return [name for name in CLASSES if name not in beyond]
 
 
 @cache
-def _as_text(variant: kg.Variant, amount: int) -> str:
-    """Return the bit patterns of all numbers of the states, one a line."""
-    arrays = states(system(), _storage(_source(variant)), amount, 40, _classes(variant))
-    words = np.concatenate([np.ravel(array.view(f"u{array.itemsize}")) for array in arrays])
-    return "\n".join(f"{word:x}" for word in words.tolist())
+def _states(variant: kg.Variant, amount: int) -> State:
+    return states(system(), bits.storage(_source(variant)), amount, 40, classes(variant))

@@ -7,7 +7,7 @@ import pytest
 import kanegen as kg
 from kanegen.artifacts.selftest import selftest_text
 from kanegen.library.native.build import code, write
-from tests.battery import targets
+from tests.battery import bits, targets
 from tests.support import systems
 from tests.support.c_compilers import WARNINGS, ZIG, run
 from tests.support.cases import slow_except
@@ -32,7 +32,7 @@ X87 = ("-target", "x86-linux-musl", "-mcpu=pentium2")
 def folder(request, tmp_path):
     """Return the C of a chain of hinges and slides, with every header that the variant has."""
     system = systems.chain(2, ("theta1", "s2"))
-    source = kg.generate(system, targets.OUTPUTS, tier=targets.VARIANTS[request.param])
+    source = kg.generate(system, bits.OUTPUTS, tier=targets.VARIANTS[request.param])
     write(code(source), tmp_path)
     return tmp_path
 
@@ -57,7 +57,7 @@ def test_excess_precision_is_refused(folder):
 
 def test_long_double_takes_any_machine_whose_long_double_is_wider(tmp_path):
     tier = kg.Variant(precision="long double")
-    write(code(kg.generate(systems.chain(2), targets.OUTPUTS, tier=tier)), tmp_path)
+    write(code(kg.generate(systems.chain(2), bits.OUTPUTS, tier=tier)), tmp_path)
     compiled(tmp_path, *X87)
     with pytest.raises(AssertionError, match=r"long double has too few bits on this platform"):
         compiled(tmp_path, "-target", "arm-linux-musleabihf")
