@@ -18,9 +18,9 @@ from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad,
 from kanegen.model.force_elements.names import Place, coordinate_places, speed_places
 from kanegen.model.numbers import Number
 from kanegen.recursion.constants import exact
-from kanegen.recursion.joint_motion import JointMotion
+from kanegen.recursion.spring_ends import ends, joints_between, separation
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import ZERO, Wrench, add, cross, dot, negate, scale, subtract, unit
+from kanegen.recursion.vectors import Wrench, add, cross, dot, negate, scale, subtract
 from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.expressions import ExpressionTranslator
 from kanegen.symbolic.symbols import point_force, point_moment
@@ -185,12 +185,11 @@ def attached_springs(tree: Tree) -> Iterator[AttachedSpring]:
         (a, one), (b, two) = (places[end] if isinstance(end, str) else (0, end) for end in spring.between)
         first, second = Vector(*map(exact, one)), Vector(*map(exact, two))
         frame = _carrier_of_both(tree, a, b)
-        start, start_rate = _seen_from(tree, frame, a, first, f"k{number}a")
-        end, end_rate = _seen_from(tree, frame, b, second, f"k{number}b")
+        start, end = ends(tree, frame, (a, b), (first, second), (f"k{number}a", f"k{number}b"))
         tree.definitions.about(f"Spring {number}: the way between its ends, and its rate")
-        separation = tree.definitions.vector(f"kw_{number}", subtract(end, start))
-        rate = tree.definitions.vector(f"kwd_{number}", subtract(end_rate, start_rate))
-        yield AttachedSpring(spring, number, (a, b), (first, second), frame, separation, rate)
+        between = tree.definitions.vector(f"kw_{number}", separation(start.place, end.place))
+        rate = tree.definitions.vector(f"kwd_{number}", subtract(end.velocity, start.velocity))
+        yield AttachedSpring(spring, number, (a, b), (first, second), frame, between, rate)
 
 
 def _carrier_of_both(tree: Tree, a: int, b: int) -> int:
@@ -201,35 +200,9 @@ def _carrier_of_both(tree: Tree, a: int, b: int) -> int:
     return a
 
 
-def _joints_between(tree: Tree, k: int, frame: int) -> list[JointMotion]:
-    """Return the joints from body `k` inward to the body `frame`, which carries it."""
-    found: list[JointMotion] = []
-    while k != frame:
-        found.append(tree.joints[k - 1])
-        k = found[-1].lower
-    return found
-
-
 def _outward(tree: Tree, k: int, frame: int, v: Vector, name: str) -> Vector:
     """Return a vector in components of body `k`, from those of the body `frame`, which carries `k`."""
-    for joint in reversed(_joints_between(tree, k, frame)):
+    for joint in reversed(joints_between(tree, k, frame)):
         for step in joint.steps:
             v = tree.definitions.vector(f"{name}_{joint.above(step)}", step.turn.up(v))
     return v
-
-
-def _seen_from(tree: Tree, frame: int, k: int, position: Vector, name: str) -> tuple[Vector, Vector]:
-    """Return position (m) and velocity (m/s) of a point of body `k` in the frame of the body `frame`."""
-    define, velocity = tree.definitions.vector, ZERO
-    for joint in _joints_between(tree, k, frame):
-        tree.about(joint.body, "an end of a spring, Eqs. (22), (25)")
-        velocity = add(velocity, cross(joint.relative_omega, position))
-        for step in reversed(joint.steps):
-            velocity = add(velocity, cross(scale(step.rate, unit(step.axis)), position))
-            velocity = define(f"{name}v_{step.frame}", step.turn.down(velocity))
-            position = define(f"{name}_{step.frame}", step.turn.down(position))
-        for translation in joint.moving_translations:
-            velocity = add(velocity, scale(translation.rate, translation.direction))
-        velocity = define(f"{name}v_{joint.body}j", velocity)
-        position = define(f"{name}_{joint.body}j", add(joint.arm, position))
-    return position, velocity

@@ -151,7 +151,7 @@ def _angle_step(system: System, freedom: Freedom, definitions: Definitions) -> S
     sine = definitions.define(f"S_{k}_{index + 1}", sympy.sin(angle))
     cosine = definitions.define(f"C_{k}_{index + 1}", sympy.cos(angle))
     place, number = _place_and_number(system, freedom)
-    turn, rates = planar_turn(axis, sine, cosine), (speed(k, index), acceleration(k, index))
+    turn, rates = planar_turn(axis, sine, cosine, angle), (speed(k, index), acceleration(k, index))
     return Step(turn, frame, place, axis, *rates, sine, cosine, index, number)
 
 

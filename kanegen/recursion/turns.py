@@ -61,11 +61,13 @@ class PlanarTurn:
         axis: The basis vector, 0 to 2.
         sine: Sine of the angle.
         cosine: Cosine of the angle.
+        angle: The angle, if it depends on {x} (rad).
     """
 
     axis: int
     sine: Expr
     cosine: Expr
+    angle: Expr | None = None
 
     @property
     def cost(self) -> int:
@@ -121,9 +123,15 @@ class PlanarTurn:
 
 @dataclass(frozen=True)
 class MatrixTurn:
-    """A turn that is given by its matrix from lower to upper components."""
+    """A turn that is given by its matrix from lower to upper components.
+
+    Attributes:
+        matrix: The matrix, row by row.
+        change: The matrix less the identity, without cancellation, if it depends on {x}.
+    """
 
     matrix: Rows
+    change: Rows | None = None
 
     @property
     def cost(self) -> int:
@@ -188,10 +196,17 @@ class ComposedTurn:
         return m
 
 
-def planar_turn(axis: int, sine: Expr, cosine: Expr) -> Turn:
-    """Return a turn about a basis vector; right angles become signed permutations, which cost nothing."""
+def planar_turn(axis: int, sine: Expr, cosine: Expr, angle: Expr | None = None) -> Turn:
+    """Return a turn about a basis vector; right angles become signed permutations, which cost nothing.
+
+    Args:
+        axis: The basis vector, 0 to 2.
+        sine: Sine of the angle.
+        cosine: Cosine of the angle.
+        angle: The angle, if it depends on {x} (rad).
+    """
     if sine != 0 and cosine != 0:
-        return PlanarTurn(axis, sine, cosine)
+        return PlanarTurn(axis, sine, cosine, angle)
     j, k = (axis + 1) % 3, (axis + 2) % 3
     rows = [[S.Zero] * 3 for _ in range(3)]
     rows[axis][axis] = S.One
@@ -228,14 +243,16 @@ def _by_quaternion(body: int, elements: Sequence[Expr], definitions: Definitions
     turn = [definitions.define(f"es_{body}_{i}", scalar * one) for i, one in enumerate(scaled, start=1)]
     square = [a * b for a, b in zip(scaled, vector, strict=True)]
     square = [definitions.define(f"ee_{body}_{i}{i}", value) for i, value in enumerate(square, start=1)]
-    rows = [[S.One] * 3 for _ in range(3)]
+    rows, change = ([[S.One] * 3 for _ in range(3)] for _ in range(2))
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         product = definitions.define(f"ee_{body}_{i + 1}{j + 1}", scaled[i] * vector[j])
-        rows[i][i] = S.One - (square[j] + square[k])
+        rows[i][i], change[i][i] = S.One - (square[j] + square[k]), -(square[j] + square[k])
         rows[i][j], rows[j][i] = product + turn[k], product - turn[k]
+        change[i][j], change[j][i] = rows[i][j], rows[j][i]
     named = [definitions.vector(f"R_{body}_{AXES[i]}", Vector(*row)) for i, row in enumerate(rows)]
-    return MatrixTurn((named[0], named[1], named[2]))
+    less_one = [Vector(*row) for row in change]
+    return MatrixTurn((named[0], named[1], named[2]), (less_one[0], less_one[1], less_one[2]))
 
 
 def rotation_rates(body: int, rotation: Rotation, omega: Vector) -> tuple[Expr, ...]:
