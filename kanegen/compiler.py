@@ -36,6 +36,7 @@ from kanegen.library.native.status import OnStatus
 from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
+from kanegen.lowering.error_bound import error_bound
 from kanegen.lowering.lower import lower
 from kanegen.measure.comparison import Report
 from kanegen.measure.comparison import compare as compare_with_reference
@@ -44,7 +45,7 @@ from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
 from kanegen.program import passes
 from kanegen.program.precision import precision_named
 from kanegen.program.split import split
-from kanegen.recursion.outputs import EQUATIONS, Derivative, function_signatures
+from kanegen.recursion.outputs import EQUATIONS, ERROR_BOUNDS, function_signatures, method_of_program
 from kanegen.reference.range import require_range
 from kanegen.reference.regularity import require_regular
 
@@ -73,13 +74,14 @@ def compile_candidate(request: Request, candidate: Candidate, progress: Progress
     progress("deriving")
     form = recursion.derive(system, candidate.methods, constants, candidate.refinement)
     progress("lowering")
-    program = lower(form, outputs, constants)
+    fixed = {name: error_bound(system, request.variant) for name in outputs if name in ERROR_BOUNDS}
+    program = lower(form, [name for name in outputs if name not in fixed], constants)
     progress("optimising")
     program, shared = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
     module, own = split(
-        program, function_signatures(system, outputs), passes.all_but(without, passes.ON_EACH_FUNCTION)
+        program, function_signatures(system, outputs), passes.all_but(without, passes.ON_EACH_FUNCTION), fixed
     )
-    methods = {name: candidate.methods.get(name, Derivative.method) for name in outputs}
+    methods = {name: candidate.methods.get(name, method_of_program(name)) for name in outputs}
     return Compiled(module, methods, (*shared, *own), candidate.reason)
 
 

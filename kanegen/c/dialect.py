@@ -16,7 +16,7 @@ from kanegen.c.usage import NO_NAMES, element
 from kanegen.program.ir import Array, Op
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS, Precision
 
-FUNCTIONS = (Op.SIN, Op.COS, Op.SQRT)
+FUNCTIONS = (Op.SIN, Op.COS, Op.SQRT, Op.ABS)
 """Operations that are function calls."""
 
 
@@ -115,7 +115,7 @@ class Dialect:
             op: One of `FUNCTIONS`.
             everywhere: Whether its argument is the same in all states.
         """
-        if self.kanegen_sincos and op is not Op.SQRT:
+        if self.kanegen_sincos and op in (Op.SIN, Op.COS):
             return f"kanegen_{op.value}{self.arithmetic.libm_suffix}"
         return self.arithmetic.c_function(op.value)
 

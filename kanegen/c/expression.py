@@ -169,7 +169,7 @@ def apply(
             return _sum(a, -b, written)
         case ((Op.MULTIPLY | Op.DIVIDE), (a, b)):
             return written.product(op, a, b)
-        case ((Op.SQRT | Op.SIN | Op.COS), (a,)):
+        case ((Op.ABS | Op.SQRT | Op.SIN | Op.COS), (a,)):
             return Expression(f"{function}({written.text(a)})", operations=a.operations + 1)
     raise ValueError(f"{op} is no operation on {len(operands)} operands")
 

@@ -42,10 +42,10 @@ Outputs = Annotated[
         "--output",
         metavar="NAME",
         help="Compute this output (repeatable): mass_matrix, forcing, inverse_dynamics, reaction_loads, "
-        "forward_dynamics, error_estimate, regularity, kinetic_energy, potential_energy, momentum, "
-        "mass_center, body_poses, coordinate_rates, point_positions, point_velocities, point_accelerations, "
-        "point_jacobians, prescribed_efforts, forcing_derivatives, inverse_dynamics_derivatives, "
-        "forward_dynamics_derivatives.",
+        "forward_dynamics, error_estimate, error_bound, regularity, kinetic_energy, potential_energy, "
+        "momentum, mass_center, body_poses, coordinate_rates, point_positions, point_velocities, "
+        "point_accelerations, point_jacobians, prescribed_efforts, forcing_derivatives, "
+        "inverse_dynamics_derivatives, forward_dynamics_derivatives.",
     ),
 ]
 Functions = Annotated[

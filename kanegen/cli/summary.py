@@ -12,7 +12,7 @@ from kanegen.model.coordinates import FREEDOMS, Freedom, selected_freedoms
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.program.passes import Stage, savings
-from kanegen.recursion.outputs import EQUATIONS, OUTPUTS, available
+from kanegen.recursion.outputs import EQUATIONS, available, method_of_program
 from kanegen.studies.explain import Exactness
 
 TOGETHER = " + ".join(EQUATIONS)
@@ -79,7 +79,7 @@ def summarize(
 ) -> Summary:
     """Count the operations of every output by itself, and of [A] and {f} together.
 
-    Derivatives are left out, since deriving those of a large tree takes minutes.
+    Derivatives and error bounds are left out, since deriving those of a large tree takes minutes.
 
     Args:
         system: The tree.
@@ -88,7 +88,7 @@ def summarize(
         right_angles: The changes of exact right angles, to be part of the summary.
     """
     variant = variants.chosen_variant(without=without)
-    names = [name for name in available(system) if not OUTPUTS[name].is_derivative]
+    names = [name for name in available(system) if not method_of_program(name)]
     alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}

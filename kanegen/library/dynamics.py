@@ -234,6 +234,44 @@ class Dynamics(CompiledModel):
         """
         return self._run("error_estimate", (x, y, tau, force, torque), inputs)[0]
 
+    def error_bound(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        ydot: ArrayLike,
+        tau: ArrayLike | None = None,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        **inputs: Unpack[NamedInputs],
+    ) -> Floats:
+        """Return a proven bound on the error of each entry of given accelerations {ydot}.
+
+        The accelerations may come from any program. The bound holds for the state and the loads as they are
+        passed, in this precision, and includes the rounding of its own computation (docs/accuracy.md).
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2.
+            tau: Generalized forces, as in `forward_dynamics`.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n,) or (B, n) not negative, rad/s^2 and m/s^2; every |{ydot} - exact| is at most this.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
+            OptionError: If the library was built without this output.
+            SingularError: If no bound is proven in a single state, because [A] is singular but for rounding,
+                or the state is not finite.
+
+        Example:
+            bound = library.error_bound(x, y, ydot=library.forward_dynamics(x, y))
+        """
+        return self._run("error_bound", (x, y, ydot, tau, force, torque), inputs)[0]
+
     def regularity(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
         """Return for each freedom its pivot in the elimination over its inertia, the diagonal entry of [A].
 

@@ -75,7 +75,7 @@ class Builder:
         return self._value(Instruction(Op.NEGATE, (a,)))
 
     def function(self, op: Op, a: int) -> int:
-        """Append the square root, sine or cosine of a."""
+        """Append the magnitude, square root, sine or cosine of a."""
         return self._value(Instruction(op, (a,)))
 
     def _value(self, instruction: Instruction) -> int:

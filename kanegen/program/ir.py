@@ -36,6 +36,7 @@ class Op(StrEnum):
     MULTIPLY = "multiply"
     DIVIDE = "divide"
     NEGATE = "negate"
+    ABS = "fabs"
     SQRT = "sqrt"
     SIN = "sin"
     COS = "cos"
@@ -49,6 +50,7 @@ ARITY = {
     Op.MULTIPLY: 2,
     Op.DIVIDE: 2,
     Op.NEGATE: 1,
+    Op.ABS: 1,
     Op.SQRT: 1,
     Op.SIN: 1,
     Op.COS: 1,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 from kanegen.program.arrange import arrange
@@ -42,7 +43,10 @@ def restrict(program: Program, functions: Mapping[str, Signature]) -> dict[str, 
 
 
 def split(
-    program: Program, functions: Mapping[str, Signature], own: Sequence[Pass]
+    program: Program,
+    functions: Mapping[str, Signature],
+    own: Sequence[Pass],
+    fixed: Mapping[str, Program] = MappingProxyType({}),
 ) -> tuple[Module, tuple[Stage, ...]]:
     """Split the program of all outputs into the functions of a module, each improved by passes of its own.
 
@@ -50,16 +54,42 @@ def split(
         program: The program of all outputs.
         functions: Signatures by name of function; the function of all outputs comes last.
         own: Passes that run on every function by itself.
+        fixed: Programs of further functions, by name, whose instructions must stay as they are, because they
+            bound the rounding of just these instructions.
 
     Returns:
         The module, and the operation counts of the last function after each of its passes.
     """
-    finished = {name: run(alone, own) for name, alone in restrict(program, functions).items()}
-    *_, (_, (_, *stages)) = finished.values()
-    module = hoist({name: alone for name, (alone, _) in finished.items()})
-    if module.prepare:
+    alone = restrict(program, {name: one for name, one in functions.items() if name not in fixed})
+    finished = {name: run(one, own) for name, one in alone.items()}
+    stages = [stages for _, stages in finished.values()] or [(Stage("lower", {}),)]
+    programs = {name: one for name, (one, _) in finished.items()}
+    for name, one in fixed.items():
+        programs[name] = _restrict_to(one, functions[name])
+    if fixed and EVALUATE in functions:
+        together = [programs.pop(EVALUATE), *(programs[name] for name in fixed)]
+        programs[EVALUATE] = _joined(together, functions[EVALUATE])
+    module = hoist({name: programs[name] for name in functions})
+    if module.prepare and not fixed:
         module = replace(module, prepare=run(module.prepare, own)[0])
-    return module, tuple(stages)
+    return module, stages[-1][1:]
+
+
+def _joined(programs: Sequence[Program], signature: Signature) -> Program:
+    """Return the program of all outputs of several programs, whose instructions stay as they are."""
+    arrays = {array.name: array for program in programs for array in program.inputs}
+    names = (PARAMETERS, *signature.inputs)
+    builder = Builder([arrays[name] for name in dict.fromkeys(names) if name in arrays])
+    outputs: dict[str, Output] = {}
+    taken: set[str] = set()
+    for program in programs:
+        moved: list[int] = []
+        for x in program.instructions:
+            bare = replace(x, name="", note="") if x.name in taken else x
+            moved.append(builder.copy(bare, [moved[j] for j in x.operands]))
+            taken.add(x.name)
+        outputs |= {output.array.name: output.renumbered(moved) for output in program.outputs}
+    return check(builder.program([outputs[name] for name in signature.outputs]))
 
 
 def _restrict_to(program: Program, signature: Signature) -> Program:

@@ -117,7 +117,7 @@ def test_numbers_out_of_range():
 
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(
-    programs([Op.NEGATE, Op.SQRT], st.floats(1e-9, 1e9)),
+    programs([Op.NEGATE, Op.ABS, Op.SQRT], st.floats(1e-9, 1e9)),
     st.sampled_from(WIDTHS),
     st.lists(
         st.tuples(*[st.sampled_from([0.0, -0.0, 1e38, np.inf, np.nan]) | st.floats(width=32)] * 3),

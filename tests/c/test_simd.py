@@ -77,7 +77,7 @@ SPECIAL = [0.0, -0.0, 1e300, 5e-324, np.inf, np.nan]
 
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(
-    programs([Op.NEGATE, Op.SQRT]),
+    programs([Op.NEGATE, Op.ABS, Op.SQRT]),
     st.sampled_from(WIDTHS),
     st.lists(st.tuples(*[st.sampled_from(SPECIAL) | st.floats()] * 3), min_size=1, max_size=11),
 )

@@ -227,8 +227,8 @@ def numbers(array: Array) -> list[Any]:
 
 
 def values(system: kg.System, without: tuple[str, ...]) -> dict[str, list[Any]]:
-    """All outputs in one state to 40 digits, except the error estimate, which consists of rounding errors."""
-    outputs = [name for name in available(system) if name != "error_estimate"]
+    """All outputs in one state to 40 digits, except those that consist of rounding errors."""
+    outputs = [name for name in available(system) if name not in ("error_estimate", "error_bound")]
     module = compile_module(system, outputs, variant=Variant(without=without)).module
     program = module.functions[EVALUATE]
     inputs = {array.name: numbers(array) for array in program.inputs}

@@ -144,6 +144,7 @@ def evaluate(program, number=np.float64, **inputs):
         Op.MULTIPLY: lambda a, b: a * b,
         Op.DIVIDE: lambda a, b: a / b,
         Op.NEGATE: lambda a: -a,
+        Op.ABS: np.abs,
         Op.SQRT: np.sqrt,
         Op.SIN: lambda a: math.sin(a) if math.isfinite(a) else math.nan,
         Op.COS: lambda a: math.cos(a) if math.isfinite(a) else math.nan,

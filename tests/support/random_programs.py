@@ -7,7 +7,7 @@ from kanegen.program.ir import Op
 from tests.support.handmade import Listing, array
 
 BINARY = [Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.DIVIDE]
-UNARY = [Op.NEGATE, Op.SQRT, Op.SIN, Op.COS]
+UNARY = [Op.NEGATE, Op.ABS, Op.SQRT, Op.SIN, Op.COS]
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
 

@@ -54,7 +54,7 @@ class FoldingBuilder(Builder):
                 return self.divide(*operands)
             case Op.NEGATE:
                 return self.negate(*operands)
-            case Op.SQRT | Op.SIN | Op.COS:
+            case Op.ABS | Op.SQRT | Op.SIN | Op.COS:
                 return self.function(instruction.op, *operands)
 
     def add(self, a: int, b: int) -> int:
@@ -144,11 +144,11 @@ class FoldingBuilder(Builder):
         return self._value(Instruction(Op.NEGATE, (a,)))
 
     def function(self, op: Op, a: int) -> int:
-        """Return the square root, sine or cosine of a."""
+        """Return the magnitude, square root, sine or cosine of a."""
         inner = self._negated(a)
         if inner is not None and op is Op.SIN:
             return self.negate(self.function(op, inner))
-        if inner is not None and op is Op.COS:
+        if inner is not None and op in (Op.COS, Op.ABS):
             return self.function(op, inner)
         x = self._number(a)
         if x is not None:

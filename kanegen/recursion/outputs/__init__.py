@@ -7,22 +7,25 @@ the arrays that functions read. A new output is one entry, one function that der
 """
 
 from kanegen.recursion.outputs.inputs import input_arrays
-from kanegen.recursion.outputs.output import Derivative, OfSolution, Output, Recursion, Subject
+from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.outputs.selection import (
     available,
     chosen,
     function_signatures,
+    method_of_program,
     output_array,
     prerequisites,
     require_available,
 )
-from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, OUTPUTS
+from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, ERROR_BOUNDS, OUTPUTS
 
 __all__ = [
     "DERIVATIVES",
     "EQUATIONS",
+    "ERROR_BOUNDS",
     "OUTPUTS",
     "Derivative",
+    "ErrorBound",
     "OfSolution",
     "Output",
     "Recursion",
@@ -31,6 +34,7 @@ __all__ = [
     "chosen",
     "function_signatures",
     "input_arrays",
+    "method_of_program",
     "output_array",
     "prerequisites",
     "require_available",

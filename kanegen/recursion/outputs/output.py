@@ -88,6 +88,17 @@ class Derivative:
 
 
 @dataclass(frozen=True)
+class ErrorBound:
+    """Derivation of bounds on the error of {ydot} from the programs of inverse and forward dynamics."""
+
+    needs = ("inverse_dynamics", "forward_dynamics")
+    """Outputs whose programs, derived anew, become the program of the bounds."""
+
+    method = "running errors"
+    """Name of the algorithm, as documented in the generated C."""
+
+
+@dataclass(frozen=True)
 class Subject:
     """A part that a system must have for an output to exist, such as points.
 
@@ -115,13 +126,8 @@ class Output:
     name: str
     array: Callable[[System], Array]
     inputs: tuple[str, ...]
-    derivation: Recursion | OfSolution | Derivative
+    derivation: Recursion | OfSolution | Derivative | ErrorBound
     subject: Subject | None = None
-
-    @property
-    def is_derivative(self) -> bool:
-        """Whether the output is the derivative of other outputs."""
-        return isinstance(self.derivation, Derivative)
 
     @property
     def arguments(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from kanegen.model.system import System
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
-from kanegen.recursion.outputs.output import Derivative
+from kanegen.recursion.outputs.output import Derivative, ErrorBound
 from kanegen.recursion.outputs.table import OUTPUTS
 
 
@@ -45,12 +45,22 @@ def require_available(system: System, outputs: Iterable[str]) -> None:
 
 
 def prerequisites(outputs: Sequence[str]) -> tuple[str, ...]:
-    """Return the outputs to derive for `outputs`: derivatives are replaced by the outputs differentiated."""
+    """Return the outputs to derive for `outputs`: derivatives are replaced by the outputs differentiated.
+
+    Bounds on errors have a program of their own and need none.
+    """
     found: list[str] = []
     for name in outputs:
         derivation = OUTPUTS[name].derivation
-        found += derivation.needs if isinstance(derivation, Derivative) else (name,)
+        if not isinstance(derivation, ErrorBound):
+            found += derivation.needs if isinstance(derivation, Derivative) else (name,)
     return tuple(dict.fromkeys(found))
+
+
+def method_of_program(name: str) -> str:
+    """Return the method of an output that is derived from programs of other outputs, "" of any other one."""
+    derivation = OUTPUTS[name].derivation
+    return derivation.method if isinstance(derivation, Derivative | ErrorBound) else ""
 
 
 def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array:

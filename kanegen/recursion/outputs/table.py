@@ -10,7 +10,7 @@ from kanegen.recursion.inverse_dynamics import forcing, inverse_dynamics, prescr
 from kanegen.recursion.kinematics import body_poses
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.outputs.inputs import LOADS, coordinate_units
-from kanegen.recursion.outputs.output import Derivative, OfSolution, Output, Recursion, Subject
+from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.points import point_accelerations, point_jacobians, point_positions, point_velocities
 from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import Solution
@@ -130,6 +130,19 @@ _ENTRIES = (
         ),
         ("x", "y", "tau", *LOADS),
         OfSolution(Solution.error_estimate),
+    ),
+    Output(
+        "error_bound",
+        lambda system: Array(
+            "error_bound",
+            (_n(system),),
+            "rad/s^2, m/s^2",
+            "proven bound on the error of each entry of the given {ydot} as the solution of "
+            "[A]{ydot} = {f} + {tau}, whatever computed it; by running errors of inverse dynamics",
+            Condition("pivot of [A] less twice its error", "no bound is proven"),
+        ),
+        ("x", "y", "ydot", "tau", *LOADS),
+        ErrorBound(),
     ),
     Output(
         "regularity",
@@ -291,6 +304,11 @@ OUTPUTS: dict[str, Output] = {output.name: output for output in _ENTRIES}
 
 EQUATIONS = ("mass_matrix", "forcing")
 """The outputs that are computed unless others are asked for: [A] and {f} of Eq. (42)."""
+
+ERROR_BOUNDS = {
+    name: output.derivation for name, output in OUTPUTS.items() if isinstance(output.derivation, ErrorBound)
+}
+"""The derivations of the outputs that bound errors, by name."""
 
 DERIVATIVES = {
     name: output.derivation for name, output in OUTPUTS.items() if isinstance(output.derivation, Derivative)
