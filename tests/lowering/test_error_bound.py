@@ -185,7 +185,7 @@ def test_the_bounds_do_not_change_other_functions() -> None:
         system, ("mass_matrix", "forcing", "error_bound"), functions=("mass_matrix", "forcing")
     )
     name = f"{system.name}.c"
-    bodies = [text.files[name].partition(f"void {system.name}_mass_matrix")[2] for text in (plain, more)]
+    bodies = [text.files[name].partition(f"int {system.name}_mass_matrix")[2] for text in (plain, more)]
     assert bodies[0]
     assert bodies[0] == bodies[1]
 
