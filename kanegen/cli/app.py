@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from kanegen import __version__
+from kanegen.cli import cache
 from kanegen.cli.bench import bench
 from kanegen.cli.check import check
 from kanegen.cli.equations import equations
@@ -38,10 +39,11 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     help="Derive Kane's equations of motion [A]{ydot} = {f} of a tree of rigid bodies and write C for "
     "exactly that tree.",
-    epilog="Exit status: 0 success, 1 a check did not pass, 2 bad input.",
+    epilog="Exit status: 0 success, 1 a check did not pass, 2 bad input, 130 interrupted.",
 )
 for command in COMMANDS:
     app.command()(command)
+app.add_typer(cache.app, name="cache")
 
 
 def _print_version(wanted: bool) -> None:

@@ -233,11 +233,17 @@ def _make(complete: Path, file: str, fill: Callable[[Path], None]) -> None:
         content = temporary / "content"
         content.mkdir(mode=0o700)
         fill(content)
-        for name in _files(content):
-            (content / name).chmod((content / name).stat().st_mode & ~_WRITTEN_BY_OTHERS)
+        for path in content.rglob("*"):
+            _keep_from_others(path)
         lines = [f"{_digest(content / name)}  {name}\n" for name in _files(content)]
         (content / _DIGESTS).write_text("".join(lines), encoding="utf-8")
+        _keep_from_others(content / _DIGESTS)
         _publish(content, complete, file)
+
+
+def _keep_from_others(path: Path) -> None:
+    """Let nobody else write a file or folder, whatever modes new files get by default."""
+    path.chmod(path.stat().st_mode & ~_WRITTEN_BY_OTHERS)
 
 
 def _publish(content: Path, complete: Path, file: str) -> None:
