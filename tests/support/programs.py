@@ -20,7 +20,8 @@ def values(system: kg.System, outputs: tuple[str, ...], inputs: Arrays, number: 
     program = module.functions.get("evaluate") or module.functions[outputs[0]]
     flat = {name: [number(v) for v in np.ravel(value)] for name, value in inputs.items()}
     if module.prepare is not None:
-        parameters = [number(parameter.value) for parameter in system.parameters]
+        defaults = [parameter.value for parameter in system.parameters]
+        parameters = [number(value) for value in inputs.get("parameters", defaults)]
         flat |= evaluate(
             module.prepare, {"parameters": parameters}, np if number is float else mpmath, number
         )

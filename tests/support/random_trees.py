@@ -1,0 +1,188 @@
+"""Random trees that draw every kind of orientation, coordinate, speed, force element and parameter together.
+
+A fault that needs two kinds at once, such as a damped spring on a body whose speeds are its angular velocity,
+shows only where both are drawn into one tree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import count, pairwise
+from typing import Any
+
+import numpy as np
+
+import kanegen as kg
+from kanegen.model.coordinates import FREEDOMS, SEQUENCES, SPEED_KINDS
+from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.grammar import parse
+from kanegen.model.force_elements.names import coordinate_places, speed_places
+from kanegen.model.joint import IDENTITY
+from kanegen.model.numbers import Number
+from tests.support import systems
+
+ROTATIONS = ("angle rates", "angular velocity", "quaternion", "two angles", "hinge", "none")
+"""Kinds of rotations: of the first three all angles are free, of the others the rest are locked."""
+
+ORIENTATIONS = ("none", "matrix", "right angles", "three parameters", "parameters and numbers")
+"""Kinds of constant orientations of a joint frame."""
+
+QUARTER = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+class Drawing:
+    """A source of numbers, of which about every fifth becomes a parameter of its own.
+
+    Attributes:
+        rng: Source of everything random.
+        share: Share of the numbers that become parameters.
+    """
+
+    def __init__(self, rng: np.random.Generator, share: float = 0.2) -> None:
+        self.rng, self.share = rng, share
+        self._names = count()
+
+    def parameter(self, value: float) -> kg.Parameter:
+        return kg.Parameter(f"p{next(self._names)}", float(value))
+
+    def number(self, value: float) -> Number:
+        return self.parameter(value) if self.rng.random() < self.share else float(value)
+
+    def vector(self, size: float = 1.0) -> tuple[Number, ...]:
+        return tuple(self.number(value) for value in self.rng.uniform(-size, size, 3))
+
+    def angles(self) -> list[float]:
+        return [float(angle) for angle in self.rng.uniform(-3.0, 3.0, 3)]
+
+    def one_of(self, names: Any) -> Any:
+        return names[int(self.rng.integers(len(names)))]
+
+
+def everything(seed: int, bodies: int = 4) -> kg.System:
+    """Return a random tree with bodies of `ROTATIONS` and `ORIENTATIONS`, force elements and parameters.
+
+    The kinds of rotations and orientations are taken in turn, so that the bodies of successive seeds have
+    every pair of them.
+    """
+    drawing = Drawing(np.random.default_rng(seed))
+    tree = [_body(drawing, k, seed * bodies + k) for k in range(bodies)]
+    gravity = drawing.vector(6.0)
+    return _acted_on(kg.System("everything", tuple(tree), gravity), drawing)
+
+
+def _body(drawing: Drawing, k: int, turn: int) -> kg.Body:
+    rng = drawing.rng
+    mass = float(rng.uniform(0.5, 2.0))
+    inertia = (systems.random_inertia(rng, mass, 0.6) + 0.4 * mass * np.eye(3)).tolist()
+    inertia[0][0] = drawing.number(inertia[0][0])  # a real body for every value that is near
+    kind = ROTATIONS[turn % len(ROTATIONS)]
+    orientation = ORIENTATIONS[turn % len(ORIENTATIONS)]
+    return kg.Body(
+        f"b{k + 1}",
+        int(rng.integers(max(0, k - 1), k + 1)),
+        drawing.number(mass),
+        inertia,
+        drawing.vector(0.5),
+        _joint(drawing, kind, orientation),
+        loads=bool(rng.random() < 0.5),
+        points=(kg.Point(f"at{k + 1}", drawing.vector(), loads=bool(rng.random() < 0.3)),),
+    )
+
+
+def _joint(drawing: Drawing, kind: str, orientation: str) -> kg.Joint:
+    """Return a joint whose locked freedoms stand at numbers and parameters."""
+    angles = {"two angles": 2, "hinge": 1, "none": 0}.get(kind, 3)
+    free = np.zeros(6, dtype=bool)
+    free[drawing.rng.permutation(3)[:angles]] = True
+    free[3:] = drawing.rng.random(3) < (0.25 if angles else 0.6)
+    return kg.Joint(
+        position=drawing.vector(),
+        orientation=_orientation(drawing, orientation),
+        free=tuple(map(bool, free)),
+        locked=tuple(0.0 if flag else drawing.number(drawing.rng.uniform(-1, 1)) for flag in free),
+        speeds="angle_rates" if kind != "angular velocity" else "angular_velocity",
+        sequence="1-2-3" if kind == "quaternion" else drawing.one_of(list(SEQUENCES)),
+        coordinates="quaternion" if kind == "quaternion" else "angles",
+    )
+
+
+def _orientation(drawing: Drawing, kind: str) -> Any:
+    match kind:
+        case "matrix":
+            return systems.random_rotation(drawing.rng).tolist()
+        case "right angles":
+            return QUARTER.tolist()
+        case "three parameters":
+            return [drawing.parameter(angle) for angle in drawing.angles()]
+        case "parameters and numbers":
+            first, second, third = drawing.angles()
+            return [first, drawing.parameter(second), third]
+    return IDENTITY
+
+
+def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
+    """Return the system with springs, drives, loads on points and a potential between random places."""
+    ends = [point.name for _, point in system.points]
+    above = ends[int(drawing.rng.integers(len(ends)))]
+    elements: list[kg.ForceElement] = [
+        Spring((drawing.vector(2.0), above), drawing.number(3.0), drawing.number(0.7), drawing.number(0.6)),
+        *(
+            Spring((low, high), drawing.number(2.0), 0.4 * (k % 2), drawing.number(0.5))
+            for k, (low, high) in enumerate(pairwise(ends))
+        ),
+    ]
+    coordinates, speeds = _variables(system)
+    stiffness, rate = drawing.parameter(1.5), drawing.parameter(0.8)
+    parameters = [stiffness, rate]
+    for speed in drawing.rng.permutation(speeds)[:3]:
+        x, y = drawing.one_of(coordinates), drawing.one_of(speeds)
+        text = f"{stiffness.name}*sin({rate.name}*t) - y.{y}*abs(x.{x})/(2 + x.{x}**2) - 0.3*y.{speed}"
+        elements.append(Drive(str(speed), parse(text, parameters)))
+    x, y = drawing.one_of(coordinates), drawing.one_of(speeds)
+    force = (parse(f"-2*y.{y}"), parse("cos(t)"), parse(f"x.{x}*{stiffness.name}", parameters))
+    elements.append(PointLoad(drawing.one_of(ends), force=force, moment=(0, parse(rate.name, parameters), 2)))
+    rated = _rated(system)
+    if rated:
+        a, b = drawing.one_of(rated), drawing.one_of(rated)
+        roots = f"sqrt(4 + x.{b}**2)**3 + 1/sqrt(3 + x.{a}**2)**3"
+        energy = f"{stiffness.name}*cos(x.{a} - 2*x.{b})*x.{a}**3 + {roots}"
+        elements.append(Potential(parse(energy, parameters)))
+        elements.append(JointSpring(b, drawing.number(1.2), drawing.number(0.3), drawing.number(0.4)))
+    return system.with_force_elements(*elements)
+
+
+def _variables(system: kg.System) -> tuple[list[str], list[str]]:
+    """Return the names of the coordinates and of the speeds that move."""
+    bodies = system.bodies
+    coordinates = [
+        name
+        for name, (k, kind) in coordinate_places(bodies).items()
+        if kind >= len(FREEDOMS) or bodies[k - 1].joint.free[kind]
+    ]
+    speeds = [name for name, (k, index) in speed_places(bodies).items() if bodies[k - 1].joint.free[index]]
+    return coordinates, speeds
+
+
+def _rated(system: kg.System) -> list[str]:
+    """Return the names of the free coordinates whose rates are speeds."""
+    return [
+        f"{body.name}.{FREEDOMS[index]}"
+        for body in system.bodies
+        for index, kind in enumerate(body.joint.speed_kinds)
+        if body.joint.free[index] and SPEED_KINDS[kind].is_rate
+    ]
+
+
+def other_parameters(system: kg.System, seed: int) -> dict[str, float]:
+    """Return values of all parameters that differ from their defaults by up to a fifth."""
+    factors = np.random.default_rng(seed).uniform(0.8, 1.2, len(system.parameters))
+    return {p.name: p.value * f for p, f in zip(system.parameters, factors.tolist(), strict=True)}
+
+
+def without_actions(system: kg.System) -> kg.System:
+    """Return the system without force elements and loads on points, for which there is certified truth."""
+    bodies = tuple(
+        replace(body, points=tuple(replace(point, loads=False) for point in body.points))
+        for body in system.bodies
+    )
+    return replace(system, bodies=bodies, force_elements=())
