@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
-from kanegen.errors import WriteError
+from kanegen.errors import WriteError, quoted
 
 if sys.platform != "win32":
     import fcntl
@@ -39,6 +39,19 @@ _LONGEST_WAIT = 30.0
 
 _NOT_LOCKED = -1
 """Descriptor of the lock of a folder on a file system that has no locks."""
+
+
+def path_of(name: object) -> Path:
+    """Return the path that a user names by a text or a path.
+
+    Raises:
+        WriteError: If it is neither.
+    """
+    if isinstance(name, (str, Path)):
+        return Path(name)
+    if isinstance(name, os.PathLike) and isinstance(text := os.fspath(name), str):
+        return Path(text)
+    raise WriteError(f"{quoted(name)} is not the path of a file or folder.")
 
 
 def write_whole(path: Path, text: str) -> None:

@@ -8,13 +8,16 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from kanegen import files
 from kanegen.errors import WriteError
 from kanegen.files import PREFIX, require_writable, temporary_folder, write_all, write_whole
+from tests.support.handmade import source
 from tests.support.paths import ROOT
+from tests.support.systems import chain
 
 
 def contents(folder: Path) -> dict[str, str]:
@@ -204,3 +207,11 @@ def test_after_all_writers_are_killed_one_write_cleans_up(
         process.wait()
     write_all({tmp_path / name: "end" for name in "abc"})
     assert contents(tmp_path) == dict.fromkeys("abc", "end")
+
+
+@pytest.mark.parametrize("path", [None, 5, b"bytes.toml", ["a"], object()])
+def test_what_is_no_path(path: Any) -> None:
+    for attempt in (source().write, chain(1).save):
+        with pytest.raises(WriteError, match="is not the path of a file or folder") as caught:
+            attempt(path)
+        assert "\n" not in str(caught.value)

@@ -10,6 +10,7 @@ from typing import Any
 from kanegen.c.description import ModelDescription
 from kanegen.c.folder import write
 from kanegen.c.interface import Function
+from kanegen.files import path_of
 from kanegen.options import STRICT, Variant
 from kanegen.program import precision as precisions
 
@@ -73,9 +74,9 @@ class Source:
             The folder.
 
         Raises:
-            WriteError: If the folder holds anything else, is a file, or cannot be written.
+            WriteError: If the folder is no path, holds anything else, is a file, or cannot be written.
 
         Example:
             >>> kg.generate(system).write("build/arm", force=True)
         """
-        return write(self.files, Path(folder), force)
+        return write(self.files, path_of(folder), force)

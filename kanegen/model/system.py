@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Self
 
 from kanegen.choices import did_you_mean, require_one
 from kanegen.errors import ModelError, WriteError, quoted
-from kanegen.files import write_whole
+from kanegen.files import path_of, write_whole
 from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
 from kanegen.model.body import Body, Point
@@ -151,12 +150,12 @@ class System(SystemDescription):
         """Write a TOML model file; loading it gives an equal system.
 
         Raises:
-            WriteError: If `path` does not end in .toml or cannot be written.
+            WriteError: If `path` is no path, does not end in .toml or cannot be written.
 
         Example:
             kg.load("robot.urdf").save("robot.toml")
         """
-        file = Path(path)
+        file = path_of(path)
         if file.suffix.lower() != ".toml":
             raise WriteError(f"{file}: a model file ends in .toml.")
         write_whole(file, toml_text(self.as_table()))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 import sys
 import warnings
@@ -200,7 +199,7 @@ def made(product: Product, take: Callable[[Path], cache.Used]) -> cache.Used:
     objects = {file: f"{file}.o" for file in product.compile}
 
     def fill(folder: Path) -> None:
-        seconds = _seconds(product)
+        seconds = environment.compile_seconds() if product.seconds is None else product.seconds
         write(product.files, folder)
         compile_ = {
             objects[f]: [*command, "-c", f, "-o", objects[f]] for f, command in product.compile.items()
@@ -276,11 +275,3 @@ def _split(flags: str | Sequence[str]) -> tuple[str, ...]:
     if found is None or not all(isinstance(one, str) and "\0" not in one for one in found):
         raise BuildError(f"flags: {quoted(flags)} are no flags. Give a string, or a sequence of strings.")
     return found
-
-
-def _seconds(product: Product) -> float | None:
-    """Return the time limit of the commands that make a product, s; None is no limit."""
-    if product.seconds is not None:
-        return product.seconds
-    limit = environment.limit(environment.COMPILE_SECONDS)
-    return limit if math.isfinite(limit) else None

@@ -37,3 +37,13 @@ def limit(variable: str) -> float:
     if not value >= 0.0:
         raise BuildError(f"${variable}: {text!r} is not a number from 0 to inf.")
     return value
+
+
+def compile_seconds() -> float | None:
+    """Return the time limit of a compiler, s; None is no limit.
+
+    Raises:
+        BuildError: If the variable holds no limit.
+    """
+    seconds = limit(COMPILE_SECONDS)
+    return seconds if math.isfinite(seconds) else None

@@ -13,7 +13,7 @@ from typing import Any
 
 from kanegen import compiler
 from kanegen.c import Source, description, render
-from kanegen.library.native import commands, compilers
+from kanegen.library.native import commands, compilers, environment
 from kanegen.library.native.build import code, write
 from kanegen.lowering.compilation import Compiled
 from kanegen.model.system import System
@@ -162,7 +162,7 @@ def seconds_to_compile(source: Source) -> float:
     with tempfile.TemporaryDirectory() as folder:
         write(code(source), Path(folder))
         start = time.perf_counter()
-        commands.make(command, "model.o", Path(folder))
+        commands.make(command, "model.o", Path(folder), environment.compile_seconds())
         return time.perf_counter() - start
 
 
