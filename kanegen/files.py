@@ -203,7 +203,7 @@ def _one_writer_at_a_time(folders: Sequence[Path]) -> Iterator[None]:
         if sys.platform != "win32":
             for folder in folders:
                 descriptor = os.open(folder, os.O_RDONLY)
-                stack.callback(os.close, descriptor)
+                stack.callback(_close, descriptor)
                 _wait_for_lock(descriptor, folder)
         yield
 
@@ -279,8 +279,10 @@ def _locked(folder: Path) -> int:
 
 
 def _close(lock: int) -> None:
-    """Release the lock of a temporary folder."""
-    if lock != _NOT_LOCKED:
+    """Release a lock, also for processes that were forked meanwhile and have the descriptor, too."""
+    if sys.platform != "win32" and lock != _NOT_LOCKED:
+        with suppress(OSError):
+            fcntl.flock(lock, fcntl.LOCK_UN)
         os.close(lock)
 
 

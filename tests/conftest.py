@@ -5,6 +5,8 @@ from __future__ import annotations
 import gc
 import importlib
 import os
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -34,6 +36,9 @@ def pytest_configure() -> None:
     No bit depends on the level, as tests/c shows with levels of its own, and compilation takes a sixth of the
     time. Commands that tests run as processes compile as a user's do.
     """
+    ownership: Any = importlib.import_module("kanegen.library.native.ownership")
+    if ownership.objection(ROOT):  # the checkout belongs to somebody else than the user who tests it
+        os.environ["KANEGEN_CACHE"] = str(Path(tempfile.gettempdir()) / f"kanegen-tests-{os.getuid()}")
     selftest: Any = importlib.import_module("kanegen.library.native.selftest")
     sound_flags = selftest.sound_flags
 

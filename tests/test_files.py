@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -128,6 +129,33 @@ def test_a_temporary_folder_of_a_killed_process_is_removed_and_no_other(tmp_path
     process.kill()
     process.communicate()
     write_whole(tmp_path / "a", "2")
+    assert contents(tmp_path) == {"a": "2"}
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_process_that_was_forked_during_a_write_holds_no_lock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace = files._replace
+    children = []
+
+    def forking(moves: Any) -> None:
+        child = os.fork()
+        if child == 0:
+            time.sleep(60)
+            os._exit(0)
+        children.append(child)
+        replace(moves)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(files, "_replace", forking)
+        patch.setattr(files.shutil, "rmtree", lambda *_, **__: None)  # as if the process were killed
+        write_whole(tmp_path / "a", "1")
+    begun = time.monotonic()
+    write_whole(tmp_path / "a", "2")
+    assert time.monotonic() - begun < 5.0
+    os.kill(children[0], signal.SIGKILL)
+    os.waitpid(children[0], 0)
     assert contents(tmp_path) == {"a": "2"}
 
 
