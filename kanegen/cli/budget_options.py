@@ -50,7 +50,7 @@ RelativeTo = Annotated[
         "--relative-to",
         metavar="NAME",
         help="Yardstick of the error: the accelerations that loads, gravity, speeds and tau each cause "
-        "(terms), or their sum {ydot} (solution), which vanishes in equilibrium.",
+        "(terms), their sum {ydot} (solution), which vanishes in equilibrium, or rad/s^2 and m/s^2 (units).",
         rich_help_panel=_PANEL,
     ),
 ]

@@ -73,7 +73,7 @@ def test_bits(dtype: type) -> None:
 
 def test_a_result_that_is_not_finite_has_infinite_errors() -> None:
     found = truth.errors(np.array([1.0, np.nan]), exact(1.0, 1.0), np.ones(2), U)
-    assert found == truth.StateErrors(math.inf, math.inf, 32.0, 64.0, math.inf)
+    assert found == truth.StateErrors(math.inf, math.inf, 32.0, 64.0, math.inf, math.inf)
 
 
 def test_enclosures() -> None:

@@ -2,6 +2,7 @@
 
 - normwise: ||S (v - t)|| / ||S t|| with the factors S of `units`; Euclidean, or Frobenius for [A].
 - absolute: ||S (v - t)||, in the unit that the factors S leave: m/s^2 for accelerations.
+- largest: the largest |v_i - t_i|, each in the unit of its entry.
 - componentwise: the largest |v_i - t_i| / |t_i|. An entry smaller than the unit roundoff times the largest
   one (after scaling) counts as that large, because an entry that is zero has no relative error.
 - bits: log2(1 + number of floats between v_i and the float nearest to t_i), the mean over the entries and
@@ -80,6 +81,7 @@ class StateErrors:
         bits: Mean number of bits lost.
         worst_bits: Largest number of bits lost.
         absolute: Norm of the error after the units are taken away.
+        largest: Largest error of an entry, in the unit of the entry.
     """
 
     normwise: float
@@ -87,6 +89,7 @@ class StateErrors:
     bits: float
     worst_bits: float
     absolute: float
+    largest: float
 
 
 @dataclass(frozen=True)
@@ -153,6 +156,7 @@ def errors(value: NDArray[Any], truth: Enclosure, scale: Floats, unit_roundoff: 
         bits=float(lost.mean()),
         worst_bits=float(lost.max()),
         absolute=float(absolute[0]),
+        largest=float(distance.max()),
     )
 
 

@@ -44,6 +44,7 @@ class Measurement(Errors):
         backward: Backward error of accelerations in units of N u; see `errors`. 0 for other outputs.
         relative_to_terms: Norm of the error over that of the terms of which the output is the sum; it is
             `normwise` over `chi`, and stays small where the terms cancel.
+        largest: Largest error of an entry, in the unit of the entry.
     """
 
     bits: Floats
@@ -54,6 +55,7 @@ class Measurement(Errors):
     bound: Floats
     backward: Floats
     relative_to_terms: Floats
+    largest: Floats
 
     @classmethod
     def from_rows(cls, rows: Sequence[tuple[float, ...]]) -> Self:
@@ -154,6 +156,7 @@ class ExactState:
             *(found.normwise, found.componentwise, found.bits, found.worst_bits),
             *(state.kappa_s, state.formation, chi, limit + storage_roundoff, backward),
             float(quotient(np.array(found.absolute), np.array(self.terms[output]))),
+            found.largest,
         )
 
 

@@ -19,7 +19,7 @@ from kanegen.options import STRICT, Progress, quiet
 from kanegen.studies.budget.counterexample import search_counterexample
 from kanegen.studies.budget.evaluator import SampleSpec, SearchResult
 from kanegen.studies.budget.region import Region
-from kanegen.studies.budget.request import TERMS, Request
+from kanegen.studies.budget.request import SOLUTION, TERMS, UNITS_OF_ENTRIES, Request
 from kanegen.studies.budget.sampling import random_stream, sample_from_table, sample_region
 from kanegen.studies.tradeoff.compilation import CompiledVariant
 from kanegen.studies.tradeoff.domain import Sample
@@ -28,6 +28,9 @@ from kanegen.studies.tradeoff.variants import Candidate, candidates
 
 TIMED_STATES = 256
 """Number of independent states that are computed in turn while the time is measured."""
+
+_FIELDS = {TERMS: "relative_to_terms", SOLUTION: "normwise", UNITS_OF_ENTRIES: "largest"}
+"""Fields of `Measurement` by the yardstick of an error."""
 
 LEAST_ROUNDING = 1 / 8
 """Error, in units of roundoff, that a rounded result has in at least one state of a sample."""
@@ -67,7 +70,7 @@ def usable_errors(measurement: Measurement, relative_to: str) -> Floats:
 
     The error is infinite where a result is not finite or does not solve the equations at all.
     """
-    errors = measurement.relative_to_terms if relative_to == TERMS else measurement.normwise
+    errors: Floats = getattr(measurement, _FIELDS[relative_to])
     return np.where(measurement.wrong | ~np.isfinite(errors), np.inf, errors)
 
 
@@ -105,7 +108,9 @@ class BudgetEvaluator:
         self._refutations: list[SearchResult] = []
 
     def least_error(self, candidate: Candidate) -> float:
-        """Return the error that rounding the result alone brings."""
+        """Return the error that rounding the result alone brings; 0 in units, where it has no least size."""
+        if self._request.relative_to == UNITS_OF_ENTRIES:
+            return 0.0
         used = formats(candidate.variant)
         return max(used.arithmetic.roundoff, used.storage.roundoff) * LEAST_ROUNDING
 

@@ -1,10 +1,11 @@
 """The request of a user: a budget of error or of time, and the confidence with which it is to be kept.
 
-An error of {ydot} is relative to one of two yardsticks. The terms of {ydot} are the accelerations that loads,
-gravity, speeds and {tau} would each cause by themselves; the sum of their norms is the yardstick "terms". The
-yardstick "solution" is the norm of {ydot}. The first over the second is the cancellation chi, so an error
+An error of {ydot} is relative to one of three yardsticks. The terms of {ydot} are the accelerations that
+loads, gravity, speeds and {tau} would each cause by themselves; the sum of their norms is the yardstick
+"terms". The yardstick "solution" is the norm of {ydot}. The first over the second is the cancellation chi, so an error
 relative to the solution is chi times the error relative to the terms. Near an equilibrium chi has no limit,
-and neither has the error relative to the solution of any program that rounds.
+and neither has the error relative to the solution of any program that rounds. The yardstick "units" is the
+unit of every entry of {ydot}: 1 rad/s^2 or 1 m/s^2.
 """
 
 from __future__ import annotations
@@ -24,13 +25,14 @@ SAFETY = 4.0
 SHARE = 0.001
 """Share of the domain that may exceed a budget of which no tried state may exceed it."""
 
-TERMS, SOLUTION = "terms", "solution"
+TERMS, SOLUTION, UNITS_OF_ENTRIES = "terms", "solution", "units"
 
 METRICS = {
     TERMS: "norm of the error of {ydot}, relative to the sum of the norms of the accelerations that loads, "
     "gravity, speeds and {tau} would each cause by themselves, after unit scaling, against certified truth",
     SOLUTION: "norm of the error of {ydot}, relative to the norm of {ydot}, after unit scaling, against "
     "certified truth",
+    UNITS_OF_ENTRIES: "largest error of an entry of {ydot}, in rad/s^2 and m/s^2, against certified truth",
 }
 """The yardsticks of an error, by name, each with the definition of the error."""
 

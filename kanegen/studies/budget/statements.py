@@ -25,13 +25,18 @@ from kanegen.studies.budget.certificate import (
 )
 from kanegen.studies.budget.confirmation import Confirmation, fresh_sample
 from kanegen.studies.budget.counterexample import conditioning_ranges
-from kanegen.studies.budget.request import METRICS, Effort, Request
+from kanegen.studies.budget.proofs import proof, proof_words
+from kanegen.studies.budget.request import METRICS, SOLUTION, TERMS, UNITS_OF_ENTRIES, Effort, Request
 from kanegen.studies.budget.sampling import state_table
 from kanegen.studies.tradeoff.exact_results import OUTPUT
 from kanegen.studies.tradeoff.variants import Candidate
 
-SAMPLED = "sampled"
-"""Kind of evidence: errors were measured in random states and in those of a search, and in no others."""
+_YARDSTICKS = {
+    TERMS: "relative to the terms",
+    SOLUTION: "relative to the solution",
+    UNITS_OF_ENTRIES: "in rad/s^2 and m/s^2",
+}
+"""Yardsticks of errors in words."""
 
 
 def statements(
@@ -48,17 +53,22 @@ def statements(
     """
     library = evaluator.library(found.candidate)
     source, validation = library.source, found.validation
+    proven = proof(evaluator, request, found)
     claim = {
         "error": validation.claim,
         "relative_to": request.relative_to,
         "metric": METRICS[request.relative_to],
-        "evidence": SAMPLED,
+        "evidence": proven["kind"],
         "objective": request.objective,
         "quantile": "max" if request.is_strict else request.quantile,
         "exceeded_by_less_than": validation.limit,
         "confidence": request.confidence,
     }
-    measured = {"validation": _validation(evaluator, request, found), "search": _search(found)}
+    measured = {
+        "validation": _validation(evaluator, request, found),
+        "search": _search(found),
+        "proof": proven,
+    }
     return {
         "claim": {**claim, "words": claim_words(claim, **measured)},
         "not_claimed": _not_claimed(found.candidate),
@@ -77,15 +87,21 @@ def statements(
     }
 
 
-def claim_words(claim: Mapping[str, Any], validation: Mapping[str, Any], search: Mapping[str, Any]) -> str:
+def claim_words(
+    claim: Mapping[str, Any],
+    validation: Mapping[str, Any],
+    search: Mapping[str, Any],
+    proof: Mapping[str, Any],
+) -> str:
     """Return the claim of a certificate as a sentence, from the sections of the certificate."""
     largest, bound = search["worst"]["error"], claim["error"]
     found = "no counterexample" if largest <= bound else f"an error of {largest:.3g}"
     return (
-        f"error at most {bound:.3g} relative to the {claim['relative_to']}: exceeded in "
+        f"error at most {bound:.3g} {_YARDSTICKS[claim['relative_to']]}: exceeded in "
         f"{validation['exceeded']} of {validation['states']} fresh states, so in less than "
         f"{100 * claim['exceeded_by_less_than']:.2g} % of the domain with {100 * claim['confidence']:g} % "
-        f"confidence; {found} found in {search['evaluations']} evaluations of a search"
+        f"confidence; {found} found in {search['evaluations']} evaluations of a search; "
+        f"{proof_words(proof)}"
     )
 
 

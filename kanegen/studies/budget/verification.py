@@ -45,7 +45,7 @@ from kanegen.studies.budget.times import inconsistency
 from kanegen.studies.tradeoff.exact_results import unit_roundoff
 from kanegen.studies.tradeoff.variants import Candidate
 
-MEASURED = ("claim", "validation", "search", "bits")
+MEASURED = ("claim", "validation", "search", "proof", "bits")
 """Sections that depend on the results of the variant, and so on the machine if it is not reproducible."""
 
 SHOWN = 3
@@ -206,7 +206,7 @@ class _Checks:
         """
         text = model_text(self.system)
         derived = statements(text, self.evaluator, self.request, self._confirmation, self.seed)
-        stated = [self.certificate.section(name) for name in ("claim", "validation", "search")]
+        stated = [self.certificate.section(name) for name in ("claim", "validation", "search", "proof")]
         with suppress(KeyError, TypeError, ValueError):  # the words of the derived numbers stay
             derived["claim"]["words"] = claim_words(*stated)
         return derived

@@ -1,0 +1,102 @@
+"""Proofs beside samples: what is proven of a claim, for the whole domain or state by state.
+
+- *proven*: `kanegen.measure.bounds` bounds the error of the very program in every state of the domain, and
+  the bound keeps the claim. It speaks of entries of {ydot} in their units, and so must the claim.
+- *proven by state*: the output `error_bound` bounds the error of given accelerations in one state. The claim
+  counts as proven by state if this bound keeps it in every fresh state of the validation. Then a program that
+  calls `error_bound` has a proof in each of its own states, or a number that says why not.
+- *sampled*: neither. Errors were measured against certified truth in the tried states, and in no others.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from kanegen import compiler
+from kanegen.errors import KanegenError, KanegenWarning
+from kanegen.library import Library
+from kanegen.measure.errors import quotient, scaled_norm
+from kanegen.model.arrays import Floats
+from kanegen.model.system import System
+from kanegen.studies.budget.budget_evaluator import BudgetEvaluator
+from kanegen.studies.budget.confirmation import Confirmation, fresh_sample
+from kanegen.studies.budget.request import SOLUTION, TERMS, Request
+from kanegen.studies.tradeoff.domain import Sample
+from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations
+from kanegen.studies.tradeoff.variants import Candidate
+
+SAMPLED, BY_STATE, PROVEN = "sampled", "proven by state", "proven"
+"""The kinds of evidence of a claim."""
+
+
+def proof(evaluator: BudgetEvaluator, request: Request, found: Confirmation[Candidate]) -> dict[str, Any]:
+    """Return the section "proof" of a certificate.
+
+    Args:
+        evaluator: The evaluator that measured the candidate.
+        request: The request of the user.
+        found: The measurements of the candidate.
+    """
+    claim = found.validation.claim
+    sample = evaluator.sample(fresh_sample(request, found.validation.attempt))
+    values = compute_accelerations(evaluator.library(found.candidate), sample, request.objective)
+    bounds = bounds_by_state(evaluator.exact, sample, values, request.relative_to)
+    kept = int(np.sum(bounds <= claim))
+    known = bounds[np.isfinite(bounds)]
+    by_state = {
+        "states": len(bounds),
+        "kept": kept,
+        "median_bound": float(np.median(known)) if known.size else None,
+    }
+    return {"kind": BY_STATE if kept == len(bounds) else SAMPLED, "by_state": by_state}
+
+
+def bounds_by_state(exact: ExactResults, sample: Sample, values: Floats, relative_to: str) -> Floats:
+    """Return (B,) proven bounds on the errors of accelerations; infinite where there is none.
+
+    Args:
+        exact: Exact results of the system, for the yardsticks.
+        sample: The B states.
+        values: (B, n) accelerations. If they have more digits than doubles, there is no bound.
+        relative_to: The yardstick, one of `request.METRICS`.
+    """
+    library = _bounding_library(exact.system)
+    if library is None or values.ndim > 2 or values.dtype.itemsize > np.dtype(np.float64).itemsize:
+        return np.full(len(sample), math.inf)
+    loads = [load for load in (sample.force, sample.torque) if load is not None]
+    with warnings.catch_warnings(action="ignore", category=KanegenWarning):
+        found = library.error_bound(sample.x, sample.y, values.astype(np.float64), sample.tau, *loads)
+    bounds = found.astype(np.float64)
+    states = exact.states(sample)
+    if relative_to not in (TERMS, SOLUTION):
+        largest = bounds.max(axis=1)
+    else:
+        scales = np.array([state.scales[OUTPUT] for state in states])
+        true = np.array([state.outputs[OUTPUT].value for state in states])
+        terms = np.array([state.terms[OUTPUT] for state in states])
+        size = terms if relative_to == TERMS else scaled_norm(true, scales)
+        largest = quotient(scaled_norm(bounds, scales), size)
+    return np.where(np.isnan(largest), math.inf, largest)
+
+
+@functools.lru_cache(maxsize=4)
+def _bounding_library(system: System) -> Library | None:
+    """Return the library of the output `error_bound` in double precision; None if the system has none."""
+    try:
+        return compiler.build(system, ("error_bound",), on_status="ignore")
+    except KanegenError:
+        return None
+
+
+def proof_words(proof: Mapping[str, Any]) -> str:
+    """Return the clause of a claim that names its kind of evidence, from the section "proof"."""
+    by_state = proof["by_state"]
+    if proof["kind"] == SAMPLED:
+        return f"sampled: the output error_bound proves it in {by_state['kept']} of these fresh states"
+    return "proven by state: the output error_bound proves it in every one of these fresh states"
