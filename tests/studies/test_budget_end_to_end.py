@@ -21,12 +21,15 @@ from kanegen.options import STRICT
 from kanegen.studies.budget import certificate
 from kanegen.studies.budget.budget_evaluator import allowed_candidates, is_reproducible, usable_errors
 from kanegen.studies.budget.certification import CertifiedSource, certify_variant
+from kanegen.studies.budget.proofs import bounds_by_state
 from kanegen.studies.budget.region import read_region
-from kanegen.studies.budget.request import Effort, Request
+from kanegen.studies.budget.request import METRICS, Effort, Request
 from kanegen.studies.budget.sampling import sample_from_table
 from kanegen.studies.budget.statements import claim_words
 from kanegen.studies.budget.verification import Verification, verify
-from kanegen.studies.tradeoff.exact_results import ExactResults
+from kanegen.studies.tradeoff.domain import joined
+from kanegen.studies.tradeoff.exact_results import ExactResults, compute_accelerations
+from kanegen.studies.tradeoff.hard_states import hard_states
 from kanegen.studies.tradeoff.variants import Candidate
 from tests.support.paths import MODELS
 
@@ -69,6 +72,8 @@ def test_the_certificate_says_what_was_measured(strict: CertifiedSource, written
     assert content["claim"]["error"] == 1e-10
     assert "guarantee" not in written.read_text()
     assert "no counterexample found in" in content["claim"]["words"]
+    assert content["claim"]["evidence"] == content["proof"]["kind"] == "proven by state"
+    assert content["proof"]["by_state"]["kept"] == content["validation"]["states"]
     seen = content["validation"]
     assert (seen["states"], seen["exceeded"]) == (29, 0)
     assert content["claim"]["exceeded_by_less_than"] == pytest.approx(1 - 0.05 ** (1 / 29))
@@ -343,8 +348,44 @@ def test_a_budget_of_time() -> None:
     found = certify_variant(MODEL, read_region(BOX, MODEL), request(time=1e9), CANDIDATES)
     assert found.source.precision == "double"
     assert found.choice.validation.exceeded == 0
+    claim, proof = (found.certificate.content[name] for name in ("claim", "proof"))
+    assert claim["evidence"] == "sampled"  # a claim of the largest error found is below its proven bound
+    assert proof["by_state"]["median_bound"] > claim["error"]
     with pytest.raises(BudgetError, match=r"time of 0\.001 ns for latency.*fastest one is"):
         certify_variant(MODEL, read_region(BOX, MODEL), request(time=1e-3), CANDIDATES)
+
+
+@pytest.mark.parametrize("yardstick", METRICS)
+def test_bounds_by_state_are_never_below_errors(yardstick: str) -> None:
+    """In ordinary states and in equilibrium, for results of double and of single precision."""
+    domain = read_region(BOX, MODEL).domain
+    hard = hard_states(domain, 6, 0)
+    assert hard is not None
+    sample = joined([domain.sample(10, 0), hard])
+    exact = ExactResults(MODEL)
+    for precision in ("double", "float"):
+        library = kg.build(MODEL, ("forward_dynamics",), precision=precision)
+        values = compute_accelerations(library, sample, "latency")
+        bounds = bounds_by_state(exact, sample, values, yardstick)
+        errors = usable_errors(exact.errors(library, sample, "latency"), yardstick)
+        assert (errors <= bounds).all()
+        assert np.median(bounds[:10] / errors[:10]) < (1e2 if precision == "double" else 10)
+
+
+def test_a_budget_in_units() -> None:
+    found = certify_variant(
+        MODEL, read_region(BOX, MODEL), request(error=1e-9, relative_to="units"), CANDIDATES
+    )
+    assert "error at most 1e-09 in rad/s^2 and m/s^2" in found.certificate.content["claim"]["words"]
+    sample = sample_from_table(
+        read_region(BOX, MODEL).domain, found.certificate.content["validation"]["worst"]["state"]
+    )
+    library = kg.build(MODEL, ("forward_dynamics",), tier=found.choice.candidate.variant)
+    (exact,) = ExactResults(MODEL).states(sample)
+    off = exact.outputs["forward_dynamics"].distance(
+        library.forward_dynamics(sample.x[0], sample.y[0], sample.tau[0])
+    )
+    assert found.choice.validation.errors.max() == pytest.approx(off.max(), rel=1e-3)
 
 
 def test_batches_are_measured_as_batches(tmp_path: Path) -> None:

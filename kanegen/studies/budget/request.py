@@ -2,10 +2,10 @@
 
 An error of {ydot} is relative to one of three yardsticks. The terms of {ydot} are the accelerations that
 loads, gravity, speeds and {tau} would each cause by themselves; the sum of their norms is the yardstick
-"terms". The yardstick "solution" is the norm of {ydot}. The first over the second is the cancellation chi, so an error
-relative to the solution is chi times the error relative to the terms. Near an equilibrium chi has no limit,
-and neither has the error relative to the solution of any program that rounds. The yardstick "units" is the
-unit of every entry of {ydot}: 1 rad/s^2 or 1 m/s^2.
+"terms". The yardstick "solution" is the norm of {ydot}. The first over the second is the cancellation chi, so
+an error relative to the solution is chi times the error relative to the terms. Near an equilibrium chi has no
+limit, and neither has the error relative to the solution of any program that rounds. The yardstick "units" is
+the unit of every entry of {ydot}: 1 rad/s^2 or 1 m/s^2.
 """
 
 from __future__ import annotations
