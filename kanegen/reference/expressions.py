@@ -140,9 +140,10 @@ _OPERATIONS: dict[str, Callable[..., Value]] = {
 
 def value(expression: Expression, variables: Variables) -> tuple[Numbers, Numbers]:
     """Return the value of an expression, and the bound on its error in units of roundoff."""
-    exact = evaluate(expression, variables, lambda number: number)
     rounded = {name: Rounded(values, 0.0) for name, values in variables.items()}
-    return exact, evaluate(expression, rounded, _precise).error
+    with np.errstate(all="ignore"):
+        exact = evaluate(expression, variables, np.float64)
+        return exact, evaluate(expression, rounded, lambda number: _precise(np.float64(number))).error
 
 
 def slope(expression: Expression, variables: Variables, by: str) -> tuple[Numbers, Numbers]:
@@ -150,9 +151,13 @@ def slope(expression: Expression, variables: Variables, by: str) -> tuple[Number
     moved = {name: 1.0 if name == by else 0.0 for name in variables}
     exact = {name: Dual(values, moved[name]) for name, values in variables.items()}
     rounded = {name: Dual(_precise(values), _precise(moved[name])) for name, values in variables.items()}
-    found = evaluate(expression, exact, lambda number: Dual(number, 0.0)).slope
-    size = evaluate(expression, rounded, lambda number: Dual(_precise(number), _precise(0.0))).slope.error
-    return found, size
+    zero = np.float64(0.0)
+    with np.errstate(all="ignore"):
+        found = evaluate(expression, exact, lambda number: Dual(np.float64(number), zero)).slope
+        parts = evaluate(
+            expression, rounded, lambda number: Dual(_precise(np.float64(number)), _precise(zero))
+        )
+    return found, parts.slope.error
 
 
 def evaluate(

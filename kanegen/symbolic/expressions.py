@@ -204,7 +204,9 @@ class ExpressionTranslator:
 
 def _checked(value: Expr, expression: Expression) -> Expr:
     """Return `value`, a part of `expression`, after a test that it is finite, real and no huge number."""
-    if value.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
+    # SymPy does not see by itself that the square root of cos(2) is no real number.
+    number = value if value.free_symbols else value.evalf()
+    if number.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
         raise ModelError(
             f"expression {quoted(str(expression))} has no value: in every state it divides by zero or takes "
             "the root of a negative number."

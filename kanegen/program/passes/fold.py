@@ -151,7 +151,7 @@ class FoldingBuilder(Builder):
         if inner is not None and op in (Op.COS, Op.ABS):
             return self.function(op, inner)
         x = self._number(a)
-        if x is not None:
+        if x is not None and (op is not Op.SQRT or x >= 0):
             return self.constant(getattr(getattr(x, "context", math), op.value)(x))
         return self._value(Instruction(op, (a,)))
 
