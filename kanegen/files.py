@@ -67,8 +67,8 @@ def write_all(texts: Mapping[Path, str]) -> None:
     """Write files, all of them or none.
 
     All are written to temporary folders first and then renamed. If one cannot be renamed, those before it get
-    their old content back. A link is followed. Only if the process is killed between two renames may some
-    files be new and others old, each of them whole.
+    their old content back. A link is followed, and a file keeps its permissions. Only if the process is
+    killed between two renames may some files be new and others old, each of them whole.
 
     Args:
         texts: Text of every file by its path.
@@ -179,6 +179,7 @@ def _replace(moves: Sequence[tuple[Path, Path, Path]]) -> None:
             with _reported(path):
                 old = new.with_suffix(".old")
                 if target.exists():
+                    shutil.copymode(target, new)
                     _copy(target, old)
                 replaced.append((old, target))
                 os.replace(new, target)

@@ -35,13 +35,15 @@ def test_several_files_in_several_folders(tmp_path: Path) -> None:
     assert (tmp_path / "a").read_text() + (tmp_path / "b").read_text() == "12"
 
 
-def test_a_link_is_followed(tmp_path: Path) -> None:
+def test_a_link_is_followed_and_permissions_stay(tmp_path: Path) -> None:
     (tmp_path / "far").mkdir()
     (tmp_path / "far" / "file").write_text("old")
+    (tmp_path / "far" / "file").chmod(0o640)
     (tmp_path / "link").symlink_to("far/file")
     write_whole(tmp_path / "link", "new")
     assert (tmp_path / "link").is_symlink()
     assert contents(tmp_path / "far") == {"file": "new"}
+    assert (tmp_path / "far" / "file").stat().st_mode & 0o777 == 0o640
 
 
 @pytest.mark.parametrize(
