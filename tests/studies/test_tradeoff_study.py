@@ -95,6 +95,7 @@ def test_a_study_measures_every_variant_and_equal_programs_once(outcome: Study) 
         assert any(confirmed.stays for confirmed in front)
         for confirmed in front:
             assert confirmed.found >= confirmed.errors.max
+            assert confirmed.proven >= confirmed.errors.median
             assert not np.array_equal(confirmed.errors.normwise, confirmed.result.errors[objective].normwise)
 
 

@@ -10,25 +10,19 @@
 
 from __future__ import annotations
 
-import functools
-import math
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kanegen import compiler
-from kanegen.errors import KanegenError, KanegenWarning
-from kanegen.library import Library
-from kanegen.measure.errors import quotient, scaled_norm
 from kanegen.model.arrays import Floats
-from kanegen.model.system import System
 from kanegen.studies.budget.budget_evaluator import BudgetEvaluator
 from kanegen.studies.budget.confirmation import Confirmation, fresh_sample
-from kanegen.studies.budget.request import SOLUTION, TERMS, Request
+from kanegen.studies.budget.request import TERMS, UNITS_OF_ENTRIES, Request
 from kanegen.studies.tradeoff.domain import Sample
-from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations
+from kanegen.studies.tradeoff.exact_results import ExactResults, compute_accelerations
+from kanegen.studies.tradeoff.state_bounds import entry_bounds, normwise_bounds
 from kanegen.studies.tradeoff.variants import Candidate
 
 SAMPLED, BY_STATE, PROVEN = "sampled", "proven by state", "proven"
@@ -57,41 +51,19 @@ def proof(evaluator: BudgetEvaluator, request: Request, found: Confirmation[Cand
     return {"kind": BY_STATE if kept == len(bounds) else SAMPLED, "by_state": by_state}
 
 
-def bounds_by_state(exact: ExactResults, sample: Sample, values: Floats, relative_to: str) -> Floats:
+def bounds_by_state(exact: ExactResults, sample: Sample, values: NDArray[Any], relative_to: str) -> Floats:
     """Return (B,) proven bounds on the errors of accelerations; infinite where there is none.
 
     Args:
         exact: Exact results of the system, for the yardsticks.
         sample: The B states.
-        values: (B, n) accelerations. If they have more digits than doubles, there is no bound.
+        values: (B, n) accelerations {ydot} from any program.
         relative_to: The yardstick, one of `request.METRICS`.
     """
-    library = _bounding_library(exact.system)
-    if library is None or values.ndim > 2 or values.dtype.itemsize > np.dtype(np.float64).itemsize:
-        return np.full(len(sample), math.inf)
-    loads = [load for load in (sample.force, sample.torque) if load is not None]
-    with warnings.catch_warnings(action="ignore", category=KanegenWarning):
-        found = library.error_bound(sample.x, sample.y, values.astype(np.float64), sample.tau, *loads)
-    bounds = found.astype(np.float64)
-    states = exact.states(sample)
-    if relative_to not in (TERMS, SOLUTION):
-        largest = bounds.max(axis=1)
-    else:
-        scales = np.array([state.scales[OUTPUT] for state in states])
-        true = np.array([state.outputs[OUTPUT].value for state in states])
-        terms = np.array([state.terms[OUTPUT] for state in states])
-        size = terms if relative_to == TERMS else scaled_norm(true, scales)
-        largest = quotient(scaled_norm(bounds, scales), size)
-    return np.where(np.isnan(largest), math.inf, largest)
-
-
-@functools.lru_cache(maxsize=4)
-def _bounding_library(system: System) -> Library | None:
-    """Return the library of the output `error_bound` in double precision; None if the system has none."""
-    try:
-        return compiler.build(system, ("error_bound",), on_status="ignore")
-    except KanegenError:
-        return None
+    if relative_to == UNITS_OF_ENTRIES:
+        largest: Floats = entry_bounds(exact.system, sample, values).max(axis=1)
+        return largest
+    return normwise_bounds(exact, sample, values, relative_to == TERMS)
 
 
 def proof_words(proof: Mapping[str, Any]) -> str:

@@ -31,7 +31,8 @@ from kanegen.studies.bench.states import without_loads_and_parameters, write_sta
 from kanegen.studies.tradeoff import EXTRA
 from kanegen.studies.tradeoff.compilation import CompiledVariant, compile_variants
 from kanegen.studies.tradeoff.domain import Sample, rounded
-from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults
+from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations
+from kanegen.studies.tradeoff.state_bounds import normwise_bounds
 from kanegen.studies.tradeoff.variants import Candidate, Refusal
 
 _TASKS = (Task(LATENCY, DYNAMICS), Task(BATCH, DYNAMICS, batch=True))
@@ -75,6 +76,16 @@ class VariantEvaluator:
         own = variant.candidate.of(self.system)
         exact = self._exact_results(own)
         return exact.errors(variant.library, convert_sample(sample, self.system, own), objective)
+
+    def proven_bounds(self, variant: CompiledVariant, sample: Sample, objective: str) -> Floats:
+        """Return (B,) proven bounds on the normwise errors of a variant; see `state_bounds`.
+
+        The arguments are those of `errors`.
+        """
+        own = variant.candidate.of(self.system)
+        states = convert_sample(sample, self.system, own)
+        values = compute_accelerations(variant.library, states, objective)
+        return normwise_bounds(self._exact_results(own), states, values)
 
     def times(
         self, variants: Sequence[CompiledVariant], sample: Sample, rounds: Rounds

@@ -91,6 +91,7 @@ class ConfirmedVariant:
     Attributes:
         result: The result by which it was selected.
         errors: Errors in the fresh states.
+        proven: Median of the proven bounds on the errors in the fresh states; infinite where there are none.
         times: The second times, by objective.
         found: The largest error that a search found.
         state: x, y and tau of the state of this error.
@@ -99,6 +100,7 @@ class ConfirmedVariant:
 
     result: VariantResult
     errors: Measurement
+    proven: float
     times: Mapping[str, Times]
     found: float
     state: Mapping[str, tuple[float, ...]]

@@ -53,7 +53,8 @@ copy of the library whose errors were measured. *ops* is the number of operation
 Pareto front compares the times with {ranked_by}; times that differ by less than {tie:g} % count as equal.
 Its variants were measured again, in fresh states and other processes: *stays* says whether a variant is
 still on the front. A search then tried {options.search} states to find a larger error; *found* is the
-largest. All samples have the seed {options.seed}.
+largest. *proven* is the median, over the fresh states, of the bounds that the output `error_bound` proves for
+the errors of the variant. All samples have the seed {options.seed}.
 """
 
 
@@ -193,6 +194,7 @@ def _confirmed_record(confirmed: ConfirmedVariant, objective: str) -> dict[str, 
         "errors": _errors_record(confirmed.errors),
         "nanoseconds": list(confirmed.times[objective].rounds),
         "found_by_search": _finite(confirmed.found),
+        "proven": _finite(confirmed.proven),
         "worst_state": {name: [number.hex() for number in row] for name, row in confirmed.state.items()},
         "stays": confirmed.stays,
     }

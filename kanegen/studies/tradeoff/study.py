@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from kanegen.choices import require_one
 from kanegen.errors import OptionError
-from kanegen.measure.errors import QUANTILES
+from kanegen.measure.errors import QUANTILES, quantile
 from kanegen.measure.timing import OBJECTIVES, Rounds, Times
 from kanegen.measure.truth.measurement import Measurement
 from kanegen.model.description import require_unprescribed
@@ -132,6 +132,10 @@ class _Measuring:
         best = [point.item for point in pareto_front(points)]
         sample = self._domain.sample(options.states, (options.seed, VALIDATE))
         errors = {one: self._evaluator.errors(one, sample, objective) for one in best}
+        proven = {
+            one: quantile(self._evaluator.proven_bounds(one, sample, objective), QUANTILES["median"])
+            for one in best
+        }
         times = self._times(best)
         fresh = pareto_front(
             Point(one, times[one][objective].median, errors[one].quantile(share)) for one in best
@@ -139,7 +143,8 @@ class _Measuring:
         stay = [point.item for point in fresh]
         found = {one: self._search(one, sample, errors[one], objective) for one in best}
         return tuple(
-            ConfirmedVariant(results[one], errors[one], times[one], *found[one], one in stay) for one in best
+            ConfirmedVariant(results[one], errors[one], proven[one], times[one], *found[one], one in stay)
+            for one in best
         )
 
     def _hard_errors(self, built: CompiledVariant, hard: Sample | None) -> dict[str, dict[str, Measurement]]:

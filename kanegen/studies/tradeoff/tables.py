@@ -14,7 +14,7 @@ TITLES = {LATENCY: "one state a call", BATCH: "batches"}
 SHORT = ["variant", "ns", "median", "max", "hard states", "failed", ""]
 """Heads of the columns of `short_rows`."""
 
-FRESH = ["variant", "ns", "least", "median", "99 %", "max", "found", "stays"]
+FRESH = ["variant", "ns", "least", "median", "99 %", "max", "found", "proven", "stays"]
 """Heads of the columns of `fresh_rows`."""
 
 SIMULATION = ["error below", "variant", "method", "setting", "evaluations", "ms", "error"]
@@ -116,7 +116,8 @@ def _fresh_row(confirmed: ConfirmedVariant, objective: str) -> list[str]:
     times = confirmed.times[objective]
     speed = [_ns(times.median), _ns(times.least)]
     found, stays = _error(confirmed.found), "yes" if confirmed.stays else "no"
-    return [confirmed.result.label, *speed, *_quantiles(confirmed.errors), found, stays]
+    proven = _error(confirmed.proven)
+    return [confirmed.result.label, *speed, *_quantiles(confirmed.errors), found, proven, stays]
 
 
 def _remark(study: Study, result: VariantResult, objective: str) -> str:
