@@ -96,7 +96,7 @@ def argument_list(function: Function, not_finite: str) -> list[str]:
         names = " and ".join(function.may_be_inaccurate)
         lines += [
             "    -1 and below: minus such a place where nothing failed, but the error may be large, with the",
-            f"    largest correction at that freedom; {names} is filled all the same",
+            f"    most digits lost at that freedom; {names} is filled all the same",
         ]
     return lines
 

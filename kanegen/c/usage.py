@@ -111,11 +111,15 @@ def conditions(program: Program) -> dict[int, int]:
 
 
 def margins(program: Program) -> dict[int, int]:
-    """Return the place, from 1, of every value required positive for accuracy; the first of several."""
+    """Return the place, from 1, of every value required positive for accuracy; the first of several.
+
+    A positive constant needs no test and is left out.
+    """
     found: dict[int, int] = {}
     for output in program.outputs:
         for place, value in enumerate(output.accurate_if_positive, start=1):
-            found.setdefault(value, place)
+            if not program.instructions[value].number > 0.0:
+                found.setdefault(value, place)
     return found
 
 

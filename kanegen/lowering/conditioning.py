@@ -1,40 +1,57 @@
 """Conditioning: the solvers for {ydot} that lose no accuracy, and whether iterative refinement is needed.
 
-The loss of accuracy is measured before any code is generated: the solution is computed in doubles in a few
-random states, and a first correction estimates its error. Ordinary trees, robots among them, lose less than
-130 roundoffs; eight links whose masses grow outward by a factor of 30 lose 10^9, and five of them 10^5. The
-limit is 8192 roundoffs, 1e-12 of the solution in double precision and 5e-4 in single: far enough from
-ordinary trees that the decision is the same on every machine, whatever the last bits of its sines.
+The loss of accuracy is found before any code is generated, by a search over states with parameters at their
+defaults. The inverse of [A], scaled to a diagonal of ones, bounds what any solver loses; where it is large,
+first corrections measure what articulated bodies lose. Ordinary trees, robots among them, lose less than 130
+roundoffs; eight links whose masses grow outward by a factor of 30 lose 10^9, and five of them 10^5. Trees
+that may lose more than 1024 roundoffs are refined. The generated code reports what the search has missed and
+what other parameters change: losses of pivots larger than the search found, and where it refines, errors
+that may exceed 8192 roundoffs, 1e-12 of the solution in double precision and 5e-4 in single.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from kanegen.lowering.compilation import Candidate, Request
+from kanegen.lowering.losses import Losses, array_inputs, largest_losses
 from kanegen.lowering.lower import lower_definitions
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import AUTO
 from kanegen.program import precision as precisions
 from kanegen.program.evaluate import evaluate
-from kanegen.program.ir import Array, Program
+from kanegen.program.ir import Array
 from kanegen.program.passes.prune import prune
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.recursion import derive_correction_size, methods
 from kanegen.recursion.outputs import input_arrays, prerequisites
 from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.reference import equations as reference
-from kanegen.reference.states import States, random_states, ranges
-
-STATES = 16
-"""Number of states that are tried; half of them are nearly straight, where chains are worst conditioned."""
-
-WELL_CONDITIONED = 1e4
-"""Condition number of [A], scaled to a diagonal of ones, below which no solver loses too much."""
+from kanegen.reference.states import States, ranges
 
 LARGEST_ACCEPTED_ERROR = 2.0**13
-"""Largest error, in unit roundoffs, of a result without a status; results that may lose more are refined."""
+"""Largest error, in unit roundoffs, of a result without a status."""
+
+LARGEST_UNREFINED_ERROR = 2.0**10
+"""Largest error, in unit roundoffs, in the states of the search, of a result that is not refined."""
+
+LARGEST_FORMATION_LOSS = 2.0**12
+"""Largest loss of a pivot with which every solver is accurate if [A] is well conditioned."""
+
+UNTESTED_LOSS = 2.0**6
+"""Loss of a pivot that is never reported: few roundoffs of a solution are lost by it."""
+
+REPORTED_LOSS = 2.0**8
+"""Largest unreported loss of a pivot where a solution is not refined although it should be."""
+
+SLACK = 1.5
+"""Factor by which a loss of a pivot must exceed the largest one that the search found to be reported."""
+
+MATRIX_ENTRIES = 2**13
+"""Number of states in which the reference forms [A], times the freedoms and the bodies; at least 4 states."""
 
 CONTRACTION = 64.0
 """Largest ratio between the error after a step of refinement and the product of the errors before it and of
@@ -43,6 +60,10 @@ largest was 20."""
 
 WEIGHTLESS = 1e-12
 """Share of the Earth's gravity that replaces it as a scale of accelerations where there is no gravity."""
+
+STANDSTILL = 2.0**-48
+"""Acceleration below which a solution counts as zero, as a share of what gravity causes. Its square is far
+from underflow in single precision."""
 
 
 def condition(request: Request) -> tuple[Candidate, ...]:
@@ -56,18 +77,61 @@ def condition(request: Request) -> tuple[Candidate, ...]:
     if "forward_dynamics" not in ways[0]:
         return tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in ways)
     precision = precisions.precision_named(variant.precision)
-    if variant.refinement != AUTO:
+    if variant.refinement not in (AUTO, 0):
         refinement = refined(system, int(variant.refinement), precision)
         return tuple(Candidate(way, refinement, str(variant.refinement)) for way in ways)
-    states = _states(system)
-    if _condition_number(system, states.part(0, STATES // 2)) < WELL_CONDITIONED:
-        return tuple(Candidate(way, UNREFINED, "0 (auto: [A] is well conditioned)") for way in ways)
-    lost = measured_error(system, ways[0]["forward_dynamics"], states) / DOUBLE.roundoff
-    if lost <= LARGEST_ACCEPTED_ERROR:
+    losses = [largest_losses(system, way["forward_dynamics"]) for way in ways]
+    asked = "" if variant.refinement == AUTO else "0"
+    if is_well_conditioned(system, losses[0]):
+        reason = asked or "0 (auto: [A] is well conditioned in every state tried)"
+        return tuple(
+            Candidate(way, unrefined(found, accurate=True), reason)
+            for way, found in zip(ways, losses, strict=True)
+        )
+    lost = measured_error(system, ways[0]["forward_dynamics"], losses[0].states) / DOUBLE.roundoff
+    is_accurate = lost <= LARGEST_UNREFINED_ERROR
+    if asked:
+        return tuple(
+            Candidate(way, unrefined(found, accurate=is_accurate and way is ways[0]), asked)
+            for way, found in zip(ways, losses, strict=True)
+        )
+    if is_accurate:
         reason = f"0 (auto: it would repair about {_power_of_ten(lost)} roundoffs)"
-        return (Candidate(ways[0], UNREFINED, reason),)
+        return (Candidate(ways[0], unrefined(losses[0], accurate=True), reason),)
     reason = f"1 (auto: it repairs about {_power_of_ten(lost)} roundoffs)"
     return (Candidate(ways[0], refined(system, 1, precision), reason),)
+
+
+def is_well_conditioned(system: System, losses: Losses) -> bool:
+    """Return whether no solver loses much in the states of the search.
+
+    With a diagonal of ones, the largest diagonal entry of the inverse of [A] bounds the error of an
+    elimination in roundoffs (Higham 2002, section 10.1).
+    """
+    if not (losses.largest <= LARGEST_FORMATION_LOSS).all():
+        return False
+    regular = system.with_speeds("angular_velocity")  # [A] is singular at gimbal lock, where no solver fails
+    size, states = system.number_of_bodies * len(system.freedoms), losses.states
+    count = min(len(states), max(4, MATRIX_ENTRIES // size))
+    chosen = np.linspace(0, len(states) - 1, count).astype(int)
+    matrix = reference.mass_matrix(regular, states.x[chosen], states.prescribed[chosen])
+    return bool(_amplification(matrix) <= LARGEST_UNREFINED_ERROR)
+
+
+def unrefined(losses: Losses, *, accurate: bool) -> Refinement:
+    """Return no refinement, with a report of losses of pivots beyond those of the search.
+
+    Args:
+        losses: The losses that the search found.
+        accurate: Whether the solver is accurate where it found them.
+    """
+    least = np.maximum(SLACK * losses.largest, UNTESTED_LOSS)
+    with np.errstate(over="ignore"):
+        limits = np.exp2(np.ceil(np.log2(np.minimum(least, 2.0**100))))
+    limits = limits if accurate else np.minimum(limits, REPORTED_LOSS)
+    return replace(
+        UNREFINED, losses=tuple(limits.tolist()), bounded=tuple((losses.bounds <= limits).tolist())
+    )
 
 
 def refined(system: System, steps: int, precision: Precision) -> Refinement:
@@ -87,45 +151,31 @@ def measured_error(system: System, solver: str, states: States) -> float:
     )
     program = prune(program)
     with np.errstate(all="ignore"):
-        size, *corrections = evaluate(program, _inputs(system, program, states), np)["correction_size"]
+        size, *corrections = evaluate(program, array_inputs(system, program, states), np)["correction_size"]
         largest = np.max(np.broadcast_arrays(size, *corrections)[1:], axis=0)
         share = np.sqrt(np.where(largest == 0, 0.0, largest / size))
     return float(np.max(np.where(np.isnan(share), np.inf, share)))
 
 
-def _states(system: System) -> States:
-    """Return random states, the first half of them near the straight configuration {x} = {0}."""
-    states = random_states(system, STATES)
-    states.x[0] /= 128
-    states.x[1 : STATES // 2] /= 4
-    return states
-
-
-def _condition_number(system: System, states: States) -> float:
-    """Return the largest condition number of [A], scaled to a diagonal of ones, over the states."""
-    matrix = reference.mass_matrix(system, states.x, states.prescribed)
+def _amplification(matrix: Floats) -> float:
+    """Return the largest diagonal entry of the inverses of (B, n, n) matrices [A] with diagonals of ones."""
     scale = 1 / np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
-    condition: Floats = np.linalg.cond(matrix * scale[:, :, None] * scale[:, None, :])
-    return float(np.max(np.where(np.isnan(condition), np.inf, condition)))
-
-
-def _inputs(system: System, program: Program, states: States) -> dict[str, list[Floats]]:
-    """Return the elements of each input array of the program, (B,) over the states, by name of the array."""
-    count = len(states)
-    values = {array.name: np.zeros((array.size, count)) for array in program.inputs}
-    for parameter, row in zip(system.parameters, values.get("parameters", ()), strict=True):
-        row[:] = parameter.value
-    sampled = {"x": states.x, "y": states.y, "force": states.force, "torque": states.torque, **states.inputs}
-    values |= {name: v.reshape(count, -1).T for name, v in sampled.items() if v is not None}
-    return {name: list(rows) for name, rows in values.items()}
+    scaled = matrix * scale[:, :, None] * scale[:, None, :]
+    if not np.isfinite(scaled).all():
+        return np.inf
+    values, vectors = np.linalg.eigh(scaled)
+    values = np.where(values > 0, values, 0.0)
+    with np.errstate(all="ignore"):
+        entries = np.sum(vectors**2 / values[:, None, :], axis=2)
+    return float(np.max(np.where(np.isnan(entries), np.inf, entries)))
 
 
 def _accelerations(system: System) -> tuple[float, ...]:
-    """Return the acceleration that gravity causes, by freedom (rad/s^2, m/s^2)."""
+    """Return the acceleration below which a solution counts as zero, by freedom (rad/s^2, m/s^2)."""
     largest = ranges(system)
     weight = system.values().gravity
     share = 1.0 if weight.any() else WEIGHTLESS
-    found = share * largest.y * largest.y / largest.size
+    found = STANDSTILL * share * largest.y * largest.y / largest.size
     return tuple(found.tolist())
 
 

@@ -10,6 +10,13 @@ Only derivations belong here, as functions of a `Tree` that return the entries o
 code and numeric results do not. The notation is shared with `symbolic`, the mathematics is not.
 """
 
-from kanegen.recursion.derivation import Methods, RecursiveForm, derive, derive_correction_size, methods
+from kanegen.recursion.derivation import (
+    Methods,
+    RecursiveForm,
+    derive,
+    derive_correction_size,
+    derive_losses,
+    methods,
+)
 
-__all__ = ["Methods", "RecursiveForm", "derive", "derive_correction_size", "methods"]
+__all__ = ["Methods", "RecursiveForm", "derive", "derive_correction_size", "derive_losses", "methods"]

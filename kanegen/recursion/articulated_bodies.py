@@ -44,7 +44,10 @@ class ArticulatedBodies:
         paths: Path through the joint of each body, with the free components that are solved for, by body.
         pivots: Divisor of the elimination of each freedom.
         released: Freedoms of joints with three free translations or rotations.
+        together: True.
     """
+
+    together = True
 
     def __init__(self, tree: Tree) -> None:
         """Eliminate every free component, from the outermost body inward."""

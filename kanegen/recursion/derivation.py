@@ -11,7 +11,9 @@ from kanegen.recursion import factorisation
 from kanegen.recursion.articulated_bodies import ArticulatedBodies
 from kanegen.recursion.outputs.output import OfSolution, Recursion
 from kanegen.recursion.outputs.table import OUTPUTS
-from kanegen.recursion.refinement import UNREFINED, Refinement, Solution, Solver
+from kanegen.recursion.pivot_margins import PivotMargins
+from kanegen.recursion.refinement import UNREFINED, Refinement, Solution
+from kanegen.recursion.solver import Solver
 from kanegen.recursion.tree import Derived, Tree, tree, with_own_inertias
 from kanegen.symbolic.definitions import Definition
 
@@ -109,3 +111,11 @@ def derive_correction_size(system: System, solver: str) -> RecursiveForm:
     prepared = tree(system)
     size = Solution(SOLVERS[solver](prepared)).correction_size()
     return RecursiveForm(system, {}, prepared.definitions.listed(), {"correction_size": size})
+
+
+def derive_losses(system: System, solver: str) -> RecursiveForm:
+    """Derive the losses of the pivots of a solver and their bounds, under the names "losses" and "bounds"."""
+    prepared = tree(system)
+    margins = PivotMargins(SOLVERS[solver](prepared))
+    outputs = {"losses": Derived(margins.losses()), "bounds": Derived(margins.largest_losses())}
+    return RecursiveForm(system, {}, prepared.definitions.listed(), outputs)

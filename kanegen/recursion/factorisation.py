@@ -51,7 +51,10 @@ class Factorisation:
         pivots: Entries of [D] by freedom; positive where [A] is regular.
         released: Freedoms of joints with three free translations, and angular velocities.
         diagonal: Diagonal entries of [A] by freedom.
+        together: False.
     """
+
+    together = False
 
     def __init__(self, tree: Tree) -> None:
         """Form [A], and factorise it from the outermost freedom inward."""

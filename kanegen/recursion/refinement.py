@@ -16,50 +16,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import sympy
 from sympy import Expr
 
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.inverse_dynamics import BodyMotion, Carried, body_motions, required_wrenches
-from kanegen.recursion.solved_motion import Paths, solved_motions
-from kanegen.recursion.tree import Derived, Tree
+from kanegen.recursion.inverse_dynamics import BodyMotion, body_motions, required_wrenches
+from kanegen.recursion.pivot_margins import PivotMargins
+from kanegen.recursion.solved_motion import solved_motions
+from kanegen.recursion.solver import Solver
+from kanegen.recursion.tree import Derived
 from kanegen.recursion.vectors import Wrench, add, column, cross, dot, scale
 from kanegen.symbolic.definitions import Vector
-
-
-class Solver(Protocol):
-    """A factorised [A] that solves [A]{ydot} = {b} for several {b}.
-
-    Attributes:
-        tree: The tree.
-        paths: Path through the joint of each body, with the free components that are solved for, by body.
-        pivots: Divisor of the elimination of each freedom.
-        released: Freedoms behind which the bias starts from zero accelerations, as for `body_motions`.
-    """
-
-    tree: Tree
-    paths: Paths
-    pivots: Sequence[Expr]
-    released: frozenset[int]
-
-    @property
-    def regular_if_positive(self) -> Sequence[Expr]:
-        """Expressions by freedom, positive where [A] is regular: pivots, smaller near gimbal lock."""
-
-    @property
-    def diagonal(self) -> Sequence[Expr]:
-        """Inertia of the composite body by freedom: the pivot with every other freedom locked."""
-
-    def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
-        """Return the free components under {tau}, where the bodies require `bias` at zero components."""
-
-    def speed_rates(
-        self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]
-    ) -> list[Expr]:
-        """Return {ydot} from the free components, less the accelerations that the bias left out, by body."""
 
 
 @dataclass(frozen=True)
@@ -69,13 +38,17 @@ class Refinement:
     Attributes:
         steps: Number of steps.
         limit: Largest first correction over the solution, freedom by freedom.
-        floor: Acceleration by freedom that is added to the size of the solution, so that no result is
-            reported as inaccurate because forces cancel (rad/s^2, m/s^2).
+        floor: Acceleration by freedom below which a solution counts as zero (rad/s^2, m/s^2).
+        losses: Loss of a pivot by freedom, see `pivot_margins`, beyond which a result without refinement is
+            reported as inaccurate; empty if this is not tested.
+        bounded: By freedom whether no state has a larger loss while parameters stay near their defaults.
     """
 
     steps: int = 0
     limit: float = 0.0
     floor: tuple[float, ...] = ()
+    losses: tuple[float, ...] = ()
+    bounded: tuple[bool, ...] = ()
 
 
 UNREFINED = Refinement()
@@ -98,8 +71,17 @@ class Solution:
             components = [self._define(f"ydot_{i}", old + new) for i, (old, new) in enumerate(pairs)]
         carried = {k: motion.carried for k, motion in self._motions.items()}
         entries = self._solver.speed_rates(components, "ydot", carried)
-        margins = self._size.margins(refinement.limit, refinement.floor) if refinement.steps else ()
-        return Derived(entries, self._solver.regular_if_positive, margins)
+        return Derived(entries, self._solver.regular_if_positive, self._margins())
+
+    def _margins(self) -> Sequence[Expr]:
+        """Return expressions by freedom that are positive where {ydot} is accurate."""
+        refinement = self._refinement
+        if refinement.steps:
+            return self._size.margins(refinement.limit, refinement.floor)
+        if not refinement.losses:
+            return ()
+        margins = PivotMargins(self._solver).margins(refinement.losses, refinement.bounded)
+        return () if all(margin.is_positive and margin.is_number for margin in margins) else margins
 
     def error_estimate(self) -> Derived:
         """Derive the absolute change of each entry of {ydot} by the first step of refinement."""

@@ -61,6 +61,10 @@ class States:
         """Return the states with the indices `start` to `stop` - 1."""
         return self._mapped(lambda values: values[start:stop])
 
+    def repeated(self, count: int) -> Self:
+        """Return the states, each of them `count` times in a row."""
+        return self._mapped(lambda values: np.repeat(values, count, axis=0))
+
     def rounded(self, precision: Precision) -> Self:
         """Return the nearest states that `precision` can hold."""
         return self._mapped(lambda values: values.astype(precision.dtype).astype(np.float64))

@@ -207,9 +207,8 @@ class Status:
             )
         if status < 0:
             return (
-                "the largest correction was at "
-                f'{self._freedom(-status - 1)}; an output "error_estimate" says how large, a higher '
-                "precision helps."
+                f"most digits are lost at {self._freedom(-status - 1)}; an output "
+                '"error_estimate" says how many, refinement or a higher precision helps.'
             )
         return self._not_finite(inputs, results)
 

@@ -1,0 +1,48 @@
+"""What forward dynamics needs of a solver of [A]{ydot} = {b}."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from sympy import Expr
+
+from kanegen.recursion.inverse_dynamics import Carried
+from kanegen.recursion.solved_motion import Paths
+from kanegen.recursion.tree import Tree
+from kanegen.recursion.vectors import Wrench
+
+
+class Solver(Protocol):
+    """A factorised [A] that solves [A]{ydot} = {b} for several {b}.
+
+    Attributes:
+        tree: The tree.
+        paths: Path through the joint of each body, with the free components that are solved for, by body.
+        pivots: Divisor of the elimination of each freedom.
+        together: Whether three free angles, or three free translations, of a joint are eliminated as
+            components in the frame of the body.
+        released: Freedoms behind which the bias starts from zero accelerations, as for `body_motions`.
+    """
+
+    tree: Tree
+    paths: Paths
+    pivots: Sequence[Expr]
+    together: bool
+    released: frozenset[int]
+
+    @property
+    def regular_if_positive(self) -> Sequence[Expr]:
+        """Expressions by freedom, positive where [A] is regular: pivots, smaller near gimbal lock."""
+
+    @property
+    def diagonal(self) -> Sequence[Expr]:
+        """Inertia of the composite body by freedom: the pivot with every other freedom locked."""
+
+    def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
+        """Return the free components under {tau}, where the bodies require `bias` at zero components."""
+
+    def speed_rates(
+        self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]
+    ) -> list[Expr]:
+        """Return {ydot} from the free components, less the accelerations that the bias left out, by body."""
