@@ -17,8 +17,8 @@ from fractions import Fraction
 from math import factorial
 
 import mpmath
-from mpmath.libmp import to_rational
 
+from kanegen.program.constants import as_fraction
 from kanegen.program.precision import double_double_parts
 
 DECLARATION = """#ifndef KANEGEN_DOUBLE_DOUBLE
@@ -60,7 +60,7 @@ def _series(orders: Sequence[int], exact_count: int) -> Series:
 
 def _half_pi_parts() -> tuple[str, ...]:
     with mpmath.workprec(400):
-        rest = Fraction(*map(int, to_rational((mpmath.pi / 2)._mpf_)))
+        rest = as_fraction(mpmath.pi / 2)
     parts = []
     for k in range(_PARTS - 1):
         unit = Fraction(1, 2 ** (_PART_BITS * (k + 1) - 1))

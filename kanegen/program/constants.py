@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import mpmath
+from mpmath.libmp import to_rational
 
 from kanegen.errors import ModelError
 
@@ -25,6 +27,15 @@ MULTIPRECISION = mpmath.MPContext()
 """The context of mpmath in which constants of more than double precision are computed."""
 
 MULTIPRECISION.prec = 320  # three times the bits of a double-double, so that cancellation leaves enough
+
+
+def as_fraction(number: Any) -> Fraction:
+    """Return a number of mpmath as an exact fraction.
+
+    Its integers are Python's, also where mpmath computes with those of gmpy2.
+    """
+    numerator, denominator = to_rational(number._mpf_)
+    return Fraction(int(numerator), int(denominator))
 
 
 def quarter_turns(angle: float) -> int:

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import sympy
-from mpmath.libmp import to_rational
 from sympy import Expr, Rational
 
 from kanegen.model.numbers import Number, Parameter
-from kanegen.program.constants import MULTIPRECISION, Constants, sine_cosine
+from kanegen.program.constants import MULTIPRECISION, Constants, as_fraction, sine_cosine
 
 Matrix = Sequence[Sequence[Expr]]
 """A matrix, row by row."""
@@ -47,7 +46,7 @@ def constant_rotation(matrix: Matrix, constants: Constants) -> Matrix:
 
 def rational(number: Any) -> Rational:
     """Return a float or an mpmath number as an exact fraction."""
-    return Rational(number) if isinstance(number, float) else Rational(*to_rational(number._mpf_))
+    return Rational(number if isinstance(number, float) else as_fraction(number))
 
 
 def _rounded(entry: Rational) -> Rational:
