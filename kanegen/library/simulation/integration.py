@@ -9,12 +9,15 @@ import numpy as np
 
 from kanegen.errors import SingularError
 from kanegen.extras import module
-from kanegen.library.simulation.motion import Motion
+from kanegen.library.simulation.motion import Motion, StateLayout
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
 
 EXTRA = "study"
 """The extra that installs SciPy."""
+
+_MOST_ITERATIONS = 100
+"""Iterations of the implicit midpoint method; each gains a factor of about step times the fastest rate."""
 
 _SLACK = 1e-9
 """Relative excess of a step over the largest step that is ignored, so that rounding adds no step."""
@@ -45,12 +48,15 @@ def integrate_fixed(
         SingularError: If the state stops being finite.
     """
     total = (CompensatedSum if compensated else Sum)(start)
+    keep = LengthKeeper(motion.state, start) if motion.state.quaternions else None
     found = [start]
     for begin, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
         count = max(1, math.ceil((end - begin) / step * (1 - _SLACK)))
         length = (end - begin) / count
         for i in range(count):
             total.add(method(motion, begin + i * length, length, total.state))
+            if keep is not None:
+                keep(total)
         if not np.isfinite(total.state).all():
             raise SingularError(
                 f"at t = {end:.9g} s: the state is not finite. Take a smaller step than {step!r} s."
@@ -98,7 +104,8 @@ def runge_kutta(motion: Motion, time: float, step: float, state: Floats) -> Floa
 def semi_implicit_euler(motion: Motion, time: float, step: float, state: Floats) -> Floats:
     """Return the change of a state by a method of order 1, in one evaluation.
 
-    The speeds change first, and the coordinates change with the new speeds.
+    The speeds change first, and the coordinates change with the new speeds. Where [A] is constant and forces
+    depend on {x} alone, the method is symplectic, and the energy stays near its value. Elsewhere it drifts.
     """
     x, y = motion.state.x(state), motion.state.y(state)
     acceleration, power = motion.accelerations(time, x, y)
@@ -110,7 +117,9 @@ class Leapfrog:
     """Method of order 2: a step of the coordinates between two half steps of the speeds, in one evaluation.
 
     Accelerations that depend on speeds are evaluated with the speeds that the previous accelerations predict.
-    The method needs speeds that are rates of coordinates.
+    The method needs speeds that are rates of coordinates. Where [A] is constant and forces depend on {x}
+    alone, it is symplectic and symmetric in time, and the energy stays near its value. Elsewhere it is
+    neither, and the energy drifts.
     """
 
     def __init__(self) -> None:
@@ -127,6 +136,54 @@ class Leapfrog:
         return motion.state.join(change, (step / 2) * (before + after), (step / 2) * (power_before + power))
 
 
+def implicit_midpoint(motion: Motion, time: float, step: float, state: Floats) -> Floats:
+    """Return the change of a state by the rate in the middle of the straight line to the next state.
+
+    The method has order 2 and is symmetric in time. It keeps invariants that are quadratic in the state, such
+    as lengths of quaternions and the energy of a body that turns about its mass centre (Hairer, Lubich and
+    Wanner, Geometric Numerical Integration, sections IV.2 and XI.1). The rate is found by fixed-point
+    iteration, until its changes are rounding errors.
+
+    Raises:
+        SingularError: If the iteration does not converge.
+    """
+    roundoff = np.finfo(state.dtype).eps
+    rate, before = motion(time + step / 2, state), np.inf
+    for _ in range(_MOST_ITERATIONS):
+        found = motion(time + step / 2, state + (step / 2) * rate)
+        change, rate = np.abs(step * (found - rate)), found
+        size, largest = np.abs(step * rate), change.max()
+        is_stagnant = before <= largest <= np.sqrt(roundoff) * size.max()
+        if is_stagnant or (change <= 4 * roundoff * (np.abs(state) + size)).all():
+            return step * rate
+        before = largest
+    raise SingularError(
+        f"at t = {time:.9g} s: the implicit midpoint method does not converge. Take a smaller step than "
+        f"{step!r} s."
+    )
+
+
+class LengthKeeper:
+    """Keeps the lengths of quaternions within a factor of 2 of their first values.
+
+    Steps change them, and long motions would let them overflow. Factors are powers of two, so that nothing is
+    rounded.
+    """
+
+    def __init__(self, layout: StateLayout, start: Floats) -> None:
+        """Remember the lengths of a first state."""
+        self._layout = layout
+        self._lengths = layout.lengths(start)
+
+    def __call__(self, total: Sum) -> None:
+        """Scale the quaternions of a running sum whose lengths have changed by a factor of 2."""
+        with np.errstate(all="ignore"):
+            ratios = self._layout.lengths(total.state) / self._lengths
+            exponents = np.rint(np.log2(ratios))
+        if exponents.any() and np.isfinite(exponents).all():
+            total.scale(self._layout, np.ldexp(np.ones_like(ratios), -exponents.astype(np.int32)))
+
+
 class Sum:
     """The running sum of a state and its changes, rounded in every addition.
 
@@ -141,6 +198,10 @@ class Sum:
     def add(self, change: Floats) -> None:
         """Add the change of one step."""
         self.state = self.state + change
+
+    def scale(self, layout: StateLayout, factors: Floats) -> None:
+        """Multiply the quaternions of the state by powers of two, which rounds nothing."""
+        self.state = layout.scaled(self.state, factors)
 
 
 class CompensatedSum(Sum):
