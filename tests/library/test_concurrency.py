@@ -170,7 +170,7 @@ def test_a_thousand_kills_and_hundreds_of_builds(
     """The figures of docs/reliability.md; entries are used and libraries compiled."""
     entries = run(use_an_entry, workers=6, kills=700, longest=0.4, log=tmp_path / "entries")
     require_clean(entries, folder)
-    builds = run(compile_a_library(), workers=4, kills=320, longest=4.0, log=tmp_path / "builds")
+    builds = run(compile_a_library(), workers=4, kills=320, longest=5.0, log=tmp_path / "builds")
     require_clean(builds, folder)
     print(f"\n1020 kills; entries {dict(entries)}; libraries {dict(builds)}")
     record_property("entries", dict(entries))
