@@ -251,3 +251,21 @@ def test_unknown_refinements() -> None:
     for value in (3, -1, "always", True):
         with pytest.raises(kg.OptionError, match=f"^unknown refinement {value!r}"):
             Variant(refinement=value)
+
+
+def test_each_step_of_refinement_corrects_what_the_one_before_has_left() -> None:
+    """Where one step leaves thousands of roundoffs, a second leaves a few; it is not the first step again."""
+    system = rods(50.0)
+    states, tau = sample(system, 6, 3, DOUBLE)
+    exact, scale = (
+        np.stack(rows) for rows in zip(*(exactly(system, states, tau, i) for i in range(6)), strict=True)
+    )
+    once, twice = (
+        length(
+            (computed(system, states, tau, solver="factorisation", refinement=steps) - exact) * scale, axis=1
+        )
+        / length(exact * scale, axis=1)
+        for steps in (1, 2)
+    )
+    assert (once > 100 * DOUBLE.roundoff).all()
+    assert (twice <= 16 * DOUBLE.roundoff).all()

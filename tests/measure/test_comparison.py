@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import kanegen as kg
 from kanegen.errors import ArrayError, OptionError
+from kanegen.measure import comparison
 from kanegen.measure.comparison import compare
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
@@ -226,3 +227,35 @@ def test_bad_requests_are_refused() -> None:
         compare(system, Library(system, outputs=()))
     with pytest.raises(ArrayError, match=r"returned shape \(5, 2\); expected \(5, 2, 2\)"):
         compare(system, Library(system, matrix=lambda a: a[:, 0]), states=5)
+
+
+# States and batches
+
+
+class WrongInOneState(Library):
+    """The reference, but for one state of all that it is called with, in which an entry is off by 1e-9."""
+
+    def __init__(self, system: kg.System, wrong: int) -> None:
+        super().__init__(system, matrix=self._changed, outputs=("mass_matrix",))
+        self.wrong, self.seen = wrong, 0
+
+    def _changed(self, values: Numbers) -> Numbers:
+        values, place = values.copy(), self.wrong - self.seen
+        self.seen += len(values)
+        if 0 <= place < len(values):
+            values[place, 0, 0] *= 1 + 1e-9
+        return values
+
+
+@pytest.mark.parametrize("states", [1, 7, 8, 9, 12])
+def test_every_state_of_every_batch_is_compared(states: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whichever state is wrong is found and named; batches hold four states here."""
+    system = systems.chain(2)
+    monkeypatch.setattr(comparison, "BATCH_NUMBERS", 4 * 3 * 12**2)
+    assert compare(system, Library(system), states).passed
+    for wrong in range(states):
+        library = WrongInOneState(system, wrong)
+        report = compare(system, library, states)
+        assert library.seen == states
+        assert not report.passed
+        assert report.accuracies[0].worst.state == wrong
