@@ -75,10 +75,10 @@ def _check(name: object, label: str, pattern: re.Pattern[str], rule: str) -> str
         raise ModelError(f"{label}: {quoted(name)} is not a string.")
     if not name:
         raise ModelError(f"{label} is empty. {rule}")
+    if len(name) > MAX_LENGTH:
+        raise ModelError(f"{label}: {quoted(name)} is longer than {MAX_LENGTH} characters.")
     if not pattern.fullmatch(name):
         raise ModelError(f"{label}: {quoted(name)} cannot be used. {rule}")
     if name in KEYWORDS:
         raise ModelError(f"{label}: {quoted(name)} is a keyword of C or C++. Choose another name.")
-    if len(name) > MAX_LENGTH:
-        raise ModelError(f"{label}: {quoted(name)} is longer than {MAX_LENGTH} characters.")
     return name

@@ -79,12 +79,16 @@ def connection(lower: Sequence[int]) -> tuple[int, ...]:
     if not lower:
         raise ModelError("connection array is empty: a system needs at least one body.")
     if lower[0] != 0:
-        raise ModelError(f"connection array starts with {lower[0]}, but body 1 is connected to the ground.")
+        raise ModelError(
+            f"connection array starts with {quoted(lower[0])}, but body 1 is connected to the ground."
+        )
     for k, j in enumerate(lower, start=1):
         if j == k:
             raise ModelError(f"connection array: body {k} is its own lower body.")
         if j < 0 or j > len(lower):
-            raise ModelError(f"connection array: lower body {j} of body {k} is out of range 0..{k - 1}.")
+            raise ModelError(
+                f"connection array: lower body {quoted(j)} of body {k} is out of range 0..{k - 1}."
+            )
         if j > k:
             raise ModelError(
                 f"connection array: body {k} has the lower body {j}, a higher number. Number bodies outward, "

@@ -30,4 +30,4 @@ def reader_of(file: ModelFile) -> Reader:
         if not reader.root or reader.root == file.root.tag:
             return reader
     expected = " or ".join(f"a {reader.format} file has <{reader.root}>" for reader in readers)
-    raise file.root.error(f"the top element is <{file.root.tag}>, but {expected}.")
+    raise file.root.error(f"the top element is <{file.root.shown}>, but {expected}.")

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError
+from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
 from kanegen.model.description import GRAVITY
 from kanegen.model.system import System
 from kanegen.readers import toml_force_elements
@@ -21,6 +21,9 @@ KEYS = ("name", "gravity", "parameters", "outputs", "body", *toml_force_elements
 OUTPUT_KEYS = ("body_poses", "reaction_loads")
 
 NO_GRAVITY = "none"
+
+MOST_DOTS = 100
+"""Largest number of dots in a key."""
 
 
 def read_toml(file: ModelFile, options: ReadOptions) -> System:
@@ -57,6 +60,7 @@ def parse_toml(text: str, where: str | Path) -> Table:
     Raises:
         ReadError: If the text is not TOML; the message names the line where that is known.
     """
+    _require_short_keys(text, where)
     try:
         return tomllib.loads(text)
     except ValueError as error:  # TOMLDecodeError, and the plain one of an integer with too many digits
@@ -68,6 +72,20 @@ def parse_toml(text: str, where: str | Path) -> Table:
         raise ReadError(f"{where}: not valid TOML: {message}.") from None
     except RecursionError:
         raise ReadError(f"{where}: its arrays are nested too deeply.") from None
+
+
+def _require_short_keys(text: str, where: str | Path) -> None:
+    """Make sure that no key has more than `MOST_DOTS` dots: tomllib's time grows with their square.
+
+    Raises:
+        ReadError: If a key has more; the message names its line.
+    """
+    line = 1
+    parts = re.split(r"([=\]\[{},#\n])", text)
+    for part, ending in zip(parts[::2], parts[1::2], strict=False):
+        if ending in ("=", "]") and part.count(".") > MOST_DOTS:
+            raise ReadError(f"{where}:{line}: key {quoted(part.strip())} has more than {MOST_DOTS} dots.")
+        line += ending == "\n"
 
 
 def _system(table: Table, path: Path, tolerance: float) -> System:

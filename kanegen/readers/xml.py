@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from kanegen.errors import ReadError, quoted
+from kanegen.errors import QUOTED, ReadError, excerpt, quoted
 from kanegen.model.rotations import Triple
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -33,6 +33,11 @@ class Element:
     where: str
     children: list[Element] = field(default_factory=list)
 
+    @property
+    def shown(self) -> str:
+        """The tag for messages, shortened if it is long."""
+        return excerpt(self.tag, QUOTED)
+
     def error(self, message: str) -> ReadError:
         """Return an error whose message begins with file and line of this element."""
         return ReadError(f"{self.where}: {message}")
@@ -45,21 +50,21 @@ class Element:
         """Return the only child with this tag, or None; a second one is an error."""
         found = self.all(tag)
         if len(found) > 1:
-            raise found[1].error(f"<{self.tag}> holds a second <{tag}>. Keep one.")
+            raise found[1].error(f"<{self.shown}> holds a second <{tag}>. Keep one.")
         return found[0] if found else None
 
     def child(self, tag: str) -> Element:
         """Return the only child with this tag; none or a second one is an error."""
         found = self.optional(tag)
         if found is None:
-            raise self.error(f"<{self.tag}> lacks <{tag}>.")
+            raise self.error(f"<{self.shown}> lacks <{tag}>.")
         return found
 
     def text(self, name: str) -> str:
         """Return the text of an attribute, which must be there and not be empty."""
         value = self.attributes.get(name, "").strip()
         if not value:
-            raise self.error(f'<{self.tag}> lacks the attribute {name}="...".')
+            raise self.error(f'<{self.shown}> lacks the attribute {name}="...".')
         return value
 
     def number(self, name: str) -> float:
@@ -70,7 +75,9 @@ class Element:
         """Return the `count` finite numbers that an attribute contains."""
         words = self.text(name).split()
         if len(words) != count:
-            raise self.error(f'<{self.tag} {name}="{self.text(name)}">: expected {count} numbers.')
+            raise self.error(
+                f'<{self.shown} {name}="{excerpt(self.text(name), QUOTED)}">: expected {count} numbers.'
+            )
         return [self._number(word, name) for word in words]
 
     def vector(self, name: str) -> Triple:
@@ -84,11 +91,11 @@ class Element:
         """Return a word of an attribute as a finite number."""
         if "${" in word:
             raise self.error(
-                f"<{self.tag} {name}>: {quoted(word)} is a xacro expression. Run xacro on the file first."
+                f"<{self.shown} {name}>: {quoted(word)} is a xacro expression. Run xacro on the file first."
             )
         value = float(word) if _NUMBER.fullmatch(word) else math.nan
         if not math.isfinite(value):
-            raise self.error(f"<{self.tag} {name}>: {quoted(word)} is not a finite number.")
+            raise self.error(f"<{self.shown} {name}>: {quoted(word)} is not a finite number.")
         return value
 
 
