@@ -9,44 +9,44 @@ from contextlib import suppress
 from types import FrameType
 from typing import NoReturn
 
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells have it."""
+WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+"""What is printed after a signal that ends the command; the exit status is 128 and the signal's number."""
 
 
 def main() -> None:
-    """Run the command line; after Ctrl-C, one word is printed and the exit status is `INTERRUPTED`.
+    """Run the command line; Ctrl-C or SIGTERM ends it, and the compilers that it runs, with one word.
 
     Some packages answer an interruption of their import with an error of their own. Whatever ends the command
-    after Ctrl-C therefore counts as the interruption.
+    after the signal therefore counts as its answer.
     """
-    interrupted = False
+    received: list[signal.Signals] = []
 
-    def interrupt(_signal: int, _frame: FrameType | None) -> NoReturn:
-        nonlocal interrupted
-        interrupted = True
+    def end(number: int, _frame: FrameType | None) -> NoReturn:
+        received.append(signal.Signals(number))
         raise KeyboardInterrupt
 
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not where the signal is ignored
-        signal.signal(signal.SIGINT, interrupt)
+    for number in WORDS:
+        if signal.getsignal(number) in (signal.default_int_handler, signal.SIG_DFL):  # else it is ignored
+            signal.signal(number, end)
     try:
         from kanegen.cli import main as command_line
 
         command_line()
     except BaseException:
-        if not interrupted:
+        if not received:
             raise
-        _exit()
-    if interrupted:
-        _exit()
+    if received:
+        _exit(received[0])
 
 
-def _exit() -> NoReturn:
-    """End the process at once: what Ctrl-C interrupted may be in no state for the end of the interpreter."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _exit(number: signal.Signals) -> NoReturn:
+    """End the process at once: what was interrupted may be in no state for the end of the interpreter."""
+    for other in WORDS:
+        signal.signal(other, signal.SIG_IGN)
     with suppress(OSError, ValueError):  # whoever read the output may be gone
         sys.stdout.flush()
-        print("interrupted", file=sys.stderr, flush=True)
-    os._exit(INTERRUPTED)
+        print(WORDS[number], file=sys.stderr, flush=True)
+    os._exit(128 + number)
 
 
 if __name__ == "__main__":

@@ -91,7 +91,8 @@ def test_an_interrupted_import(tmp_path: Path, module: str, answer: str) -> None
     assert (process.returncode, printed) == (130, ("", "interrupted\n"))
 
 
-def test_an_interrupted_compiler(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("number", "word"), [(signal.SIGINT, "interrupted"), (signal.SIGTERM, "terminated")])
+def test_an_interrupted_compiler(tmp_path: Path, number: signal.Signals, word: str) -> None:
     """Ctrl-C while two files are compiled: the compilers are killed, and the cache holds nothing half."""
     compiler = tmp_path / "cc"
     compiler.write_text(
@@ -103,9 +104,9 @@ def test_an_interrupted_compiler(tmp_path: Path) -> None:
     deadline = time.monotonic() + 60
     while len(list(tmp_path.glob("*.pid"))) < 2 and time.monotonic() < deadline:
         time.sleep(0.02)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     printed = process.communicate(timeout=20)
-    assert (process.returncode, printed[1]) == (130, "interrupted\n")
+    assert (process.returncode, printed[1]) == (128 + number, f"{word}\n")
     for file in tmp_path.glob("*.pid"):
         command = ["ps", "-o", "stat=", "-p", file.read_text().strip()]
         state = subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
