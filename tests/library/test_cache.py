@@ -158,6 +158,16 @@ def test_the_home_folder_of_nobody(monkeypatch):
     refused(r"\$KANEGEN_CACHE: '~no-such-user/cache' is no folder")
 
 
+@pytest.mark.parametrize("name", ["x" * 300, "file/cache"])
+def test_a_folder_that_cannot_be(monkeypatch, tmp_path, name):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / name))
+    refused("cannot be used: ")
+    if name != "file/cache":
+        with pytest.raises(BuildError, match="cannot be used: File name too long"):
+            cache.entries()
+
+
 # Damage
 
 
@@ -183,6 +193,21 @@ def replaced_by_a_link(path):
     path.symlink_to(path.parents[2] / "elsewhere")
 
 
+def replaced_by_a_pipe(path):
+    """Reading it would wait for ever."""
+    path.unlink()
+    os.mkfifo(path)
+
+
+def replaced_by_a_folder(path):
+    path.unlink()
+    path.mkdir()
+
+
+def with_a_pipe_for_its_digests(path):
+    replaced_by_a_pipe(path.parent / "SHA256SUMS")
+
+
 def beside_another_file(path):
     (path.parent / "more").touch()
 
@@ -196,6 +221,7 @@ def listing_a_file_outside(path):
 
 HARMS = [
     *(truncated, Path.unlink, without_its_line, without_line_and_file, replaced_by_a_link),
+    *(replaced_by_a_pipe, replaced_by_a_folder, with_a_pipe_for_its_digests),
     *(beside_another_file, listing_a_file_outside),
 ]
 

@@ -148,13 +148,18 @@ def find(name: str, file: str) -> Path | None:
 
 
 def entries() -> list[Entry]:
-    """Return the entries of the cache, the one that was used last at the end."""
+    """Return the entries of the cache, the one that was used last at the end.
+
+    Raises:
+        BuildError: If the cache folder cannot be read.
+    """
     found = []
     root = folder()
-    for path in root.iterdir() if root.is_dir() else ():
-        if _NAME.fullmatch(path.name) and path.is_dir():
-            with suppress(OSError):
-                found.append(_entry(path))
+    with _reported(root):
+        for path in root.iterdir() if root.is_dir() else ():
+            with suppress(OSError):  # another process removes it
+                if _NAME.fullmatch(path.name) and path.is_dir():
+                    found.append(_entry(path))
     return sorted(found, key=lambda entry: (entry.last_use, entry.path))
 
 
@@ -170,11 +175,11 @@ def clear(unused_for: float = 0.0) -> list[Entry]:
         BuildError: If the cache folder cannot be used, or others can write in it.
     """
     root = folder()
-    if not root.is_dir():
-        return []
-    _require_private(root)
     unused = [entry for entry in entries() if time.time() - entry.last_use >= unused_for]
     with _reported(root):
+        if not root.is_dir():
+            return []
+        _require_private(root)
         return _remove(root, unused)
 
 
@@ -202,7 +207,7 @@ def _complete(root: Path, name: str, file: str, fill: Callable[[Path], None]) ->
         else:
             limit = environment.limit(environment.CACHE_MEGABYTES) * _MEGABYTE
             _make(complete, file, fill)
-            with suppress(OSError):
+            with suppress(OSError, BuildError):
                 _keep_below(root, limit)
     return complete
 
@@ -235,7 +240,7 @@ def _make(complete: Path, file: str, fill: Callable[[Path], None]) -> None:
         fill(content)
         for path in content.rglob("*"):
             _keep_from_others(path)
-        lines = [f"{_digest(content / name)}  {name}\n" for name in _files(content)]
+        lines = [f"{_digest(_content(content / name))}  {name}\n" for name in _files(content)]
         (content / _DIGESTS).write_text("".join(lines), encoding="utf-8")
         _keep_from_others(content / _DIGESTS)
         _publish(content, complete, file)
@@ -266,12 +271,12 @@ def _is_intact(complete: Path, file: str) -> bool:
     try:
         if not ownership.is_private(complete):
             return False
-        text = (complete / _DIGESTS).read_text(encoding="utf-8")
+        text = _content(complete / _DIGESTS).decode()
         listed = {name: digest for digest, _, name in (line.partition("  ") for line in text.splitlines())}
         return (
             file in listed
             and sorted(listed) == _files(complete)
-            and all(_digest(complete / name) == digest for name, digest in listed.items())
+            and all(_digest(_content(complete / name)) == digest for name, digest in listed.items())
         )
     except (OSError, ValueError):
         return False
@@ -283,15 +288,20 @@ def _files(entry: Path) -> list[str]:
     return sorted(name for path in paths if (name := path.relative_to(entry).as_posix()) != _DIGESTS)
 
 
-def _digest(path: Path) -> str:
-    """Return the SHA-256 digest of a file, in hexadecimal.
+def _content(path: Path) -> bytes:
+    """Return what is in a file of an entry.
 
     Raises:
-        OSError: If it is no file of the user's own.
+        OSError: If it is no file, or others can write it.
     """
-    if not ownership.is_private(path):
+    if not (ownership.is_private(path) and path.is_file()):
         raise PermissionError
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return path.read_bytes()
+
+
+def _digest(content: bytes) -> str:
+    """Return the SHA-256 digest of what is in a file, in hexadecimal."""
+    return hashlib.sha256(content).hexdigest()
 
 
 def _note_use(complete: Path) -> None:
