@@ -24,6 +24,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from kanegen.c.source import Source as Source
+    from kanegen.compiler import bound as bound
     from kanegen.compiler import build as build
     from kanegen.compiler import compare as compare
     from kanegen.compiler import derive as derive
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from kanegen.errors import WriteError as WriteError
     from kanegen.library.library import Library as Library
     from kanegen.library.simulation.simulate import simulate as simulate
+    from kanegen.measure.bounds.report import Bounds as Bounds
     from kanegen.measure.report import Report as Report
     from kanegen.model.body import Body as Body
     from kanegen.model.body import Point as Point
@@ -64,7 +66,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "c.source": ("Source",),
-    "compiler": ("build", "compare", "derive", "generate"),
+    "compiler": ("bound", "build", "compare", "derive", "generate"),
     "errors": (
         "ArrayError",
         "BudgetError",
@@ -82,6 +84,7 @@ _MODULES = {
     ),
     "library.library": ("Library",),
     "library.simulation.simulate": ("simulate",),
+    "measure.bounds.report": ("Bounds",),
     "measure.report": ("Report",),
     "model.body": ("Body", "Point"),
     "model.force_elements": (

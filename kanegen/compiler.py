@@ -23,7 +23,10 @@ this line stands the literal derivation, Eqs. (2)-(45) of the notes in SymPy as 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 from kanegen import library as libraries
 from kanegen import recursion, symbolic
@@ -32,12 +35,14 @@ from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
 from kanegen.choices import flag, several
+from kanegen.errors import OptionError
 from kanegen.library.native.status import OnStatus
 from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
 from kanegen.lowering.error_bound import error_bound
 from kanegen.lowering.lower import lower
+from kanegen.measure.bounds import Bounds, InputBox, bound_source, read_domain
 from kanegen.measure.comparison import Report
 from kanegen.measure.comparison import compare as compare_with_reference
 from kanegen.model.system import System
@@ -156,6 +161,7 @@ def generate(
     model = description(system)
     source = render(model, compiled.module, compiled.operations, variant, decided, target, functions)
     asked = several("artifacts", "artifact", artifacts, ARTIFACTS)
+    source = replace(source, system=system)
     return with_artifacts(source, [*asked, *(["reanchoring"] if flag("reanchoring", reanchoring) else [])])
 
 
@@ -218,3 +224,32 @@ def compare(
     progress("comparing")
     arithmetic, storage = precision_named(library.precision), precision_named(library.storage)
     return compare_with_reference(system, library, states, seed, arithmetic, storage)
+
+
+def bound(
+    source: Source | libraries.Library, domain: InputBox | Mapping[str, Any] | str | Path | None = None
+) -> Bounds:
+    """Return proven bounds of the errors of generated code, for all states of a box.
+
+    The bounds hold for every entry of every output, in every function that fills it. The precision, the
+    sines and the order of operations are those of the code.
+
+    Args:
+        source: Generated code, or a library that was compiled from it.
+        domain: Ranges of all inputs: a table such as `{"x": {"angles": [-1.0, 1.0]}}`, the path of a .toml
+            file or the content of one; see `measure.bounds.domain`. None is the box of random states.
+
+    Raises:
+        OptionError: If the domain is none of this system, or there are no bounds for the variant, as for
+            relaxed semantics and for double-double.
+        ReadError: If the file does not exist, or is not valid TOML.
+
+    Example:
+        library = kg.build(kg.load("models/double_pendulum.toml"), precision="float")
+        print(kg.bound(library, {"x": {"angles": [-1.0, 1.0]}, "y": {"angles": [-2.0, 2.0]}}))
+    """
+    if isinstance(source, libraries.Library):
+        source = source.source
+    if source.system is None:
+        raise OptionError("bound: this source does not carry its system. Generate it anew with kg.generate.")
+    return bound_source(source, read_domain(domain, source.system))

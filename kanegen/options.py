@@ -44,8 +44,8 @@ class Variant:
     """All choices between speed and accuracy.
 
     Attributes:
-        precision: Arithmetic of the C, one of `precision.PRECISIONS`. For "float", too, constants are
-            computed in double, for "long double" and "double-double" in 96 digits; they are rounded once.
+        precision: Arithmetic of the C, one of `precision.PRECISIONS`. Constants are computed in 96
+            digits and rounded once.
         solver: Solver for {ydot}, one of `SOLVERS`.
         without: Passes of the optimiser that are left out, of `passes.PASS_NAMES`; the C then takes more
             operations for the same results.

@@ -152,10 +152,10 @@ def _force_elements(model: ModelDescription) -> list[str]:
 def _about_arithmetic(model_formats: Formats, has_parameters: bool) -> str:
     """Return the sentences on the precisions for users; "" where all is double."""
     if model_formats == uniform(FLOAT):
-        prepared = ", by _prepare too" if has_parameters else ""
+        prepared = ", by _prepare in double," if has_parameters else ""
         return (
-            "Single precision: all numbers are of type float. Constants are computed in double and rounded "
-            f"once{prepared}; below 1.2e-38 they lose digits or become 0. {_NAMES}"
+            f"Single precision: all numbers are of type float. Constants are computed in 96 digits{prepared} "
+            f"and rounded once; below 1.2e-38 they lose digits or become 0. {_NAMES}"
         )
     if model_formats == uniform(DOUBLE):
         return ""

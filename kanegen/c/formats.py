@@ -4,7 +4,7 @@ States, loads and results have the precision that was chosen for storage. Parame
 precision of the arithmetic. Prepared constants and the workspace have the precision of the arithmetic and are
 not rounded.
 
-Constants are folded in double precision or more and rounded once. A constant that is too large is refused.
+Constants are folded in 320 bits and rounded once. A constant that is too large is refused.
 A constant that is too small becomes 0 or loses digits, which is harmless in a sum: `cos(pi/2)` leaves such
 constants in a model of ordinary numbers. But 0 is refused as a divisor, and where a value must be positive.
 """
@@ -95,8 +95,7 @@ def _require_constants(program: Program, precision: Precision, label: str) -> No
     vanished = set()
     for i, instruction in enumerate(program.instructions):
         if instruction.op is Op.CONSTANT:
-            number = float(instruction.number)
-            if precision.rounded(number, label) == 0.0 and number != 0.0:
+            if precision.rounded(instruction.number, label) == 0.0 and instruction.number != 0:
                 vanished.add(i)
     refused = vanished.intersection(_not_zero(program))
     if refused:

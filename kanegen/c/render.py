@@ -64,6 +64,7 @@ def render(
         cdef=printed.declarations,
         variant=variant,
         target=target.name,
+        module=render_input.selected,
     )
 
 

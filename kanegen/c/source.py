@@ -11,8 +11,10 @@ from kanegen.c.description import ModelDescription
 from kanegen.c.folder import write
 from kanegen.c.interface import Function
 from kanegen.files import path_of
+from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
 from kanegen.program import precision as precisions
+from kanegen.program.ir import Module
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,8 @@ class Source:
         target: Name of the language.
         artifacts: Names of the artifacts that can stand beside this source, see `kanegen.artifacts`.
         certificate: The fields of the certificate of a budget, {} without one.
+        module: The programs that were printed; None for a source that was not made by `render`.
+        system: The system that the programs compute; None where only the description is known.
 
     Example:
         >>> source = kg.generate(kg.load("models/double_pendulum.toml"))
@@ -49,6 +53,8 @@ class Source:
     target: str = "c99"
     artifacts: tuple[str, ...] = ()
     certificate: Mapping[str, Any] = field(default_factory=dict)
+    module: Module | None = field(default=None, repr=False, compare=False)
+    system: System | None = field(default=None, repr=False, compare=False)
 
     @property
     def precision(self) -> str:

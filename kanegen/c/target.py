@@ -48,10 +48,14 @@ class RenderInput:
     chosen: tuple[str, ...] | None = None
 
     @cached_property
+    def selected(self) -> Module:
+        """The programs that are printed."""
+        return self.module if self.chosen is None else select_functions(self.module, self.chosen)
+
+    @cached_property
     def programs(self) -> dict[Function, tuple[Program, ...]]:
         """Every function that is printed, with its parts."""
-        chosen = self.module if self.chosen is None else select_functions(self.module, self.chosen)
-        return signatures(chosen, self.longest_part)
+        return signatures(self.selected, self.longest_part)
 
     @property
     def functions(self) -> tuple[Function, ...]:

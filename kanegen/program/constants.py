@@ -1,8 +1,7 @@
 """Numbers that do not depend on the state: constant angles, and the arithmetic of folded constants.
 
-Rational numbers of a model stay rational until they are lowered to instructions; sines, square roots and
-folded products are rounded. Where C computes in double or single precision, doubles are accurate enough for
-these; where C computes in more digits, they are computed in 320 bits and rounded once, when C is printed.
+Rational numbers of a model stay rational until they are lowered to instructions. Sines, square roots and
+folded products are computed in 320 bits, and every constant is rounded once, when C is printed.
 """
 
 from __future__ import annotations
@@ -15,8 +14,6 @@ from typing import Any
 import mpmath
 from mpmath.libmp import to_rational
 
-from kanegen.errors import ModelError
-
 RIGHT_ANGLE_ULPS = 4
 """Units in the last place within which an angle counts as a multiple of pi/2, which no double equals."""
 
@@ -24,7 +21,7 @@ MOST_QUARTER_TURNS = 8
 """Multiples of pi/2 up to which angles are recognised; beyond two full turns an ulp is too coarse."""
 
 MULTIPRECISION = mpmath.MPContext()
-"""The context of mpmath in which constants of more than double precision are computed."""
+"""The context of mpmath in which constants are computed."""
 
 MULTIPRECISION.prec = 320  # three times the bits of a double-double, so that cancellation leaves enough
 
@@ -60,34 +57,24 @@ def sine_cosine(angle: float, functions: Any = math) -> tuple[Any, Any]:
 
 @dataclass(frozen=True)
 class Constants:
-    """The arithmetic in which the constants of a program are computed.
+    """The constants of a program: numbers of 320 bits, which are rounded once, when C is printed.
 
     Attributes:
-        functions: Module or context with `sin`, `cos` and `sqrt` of its numbers.
-        is_wide: Whether its numbers have more digits than doubles.
+        are_rotations_exact: Whether a matrix of doubles stands for the rotation nearest to it, not for itself.
     """
 
-    functions: Any
-    is_wide: bool
+    are_rotations_exact: bool
+
+    functions = MULTIPRECISION
+    """Context with `sin`, `cos` and `sqrt` of the numbers."""
 
     def quotient(self, numerator: int, denominator: int) -> Any:
-        """Return a rational number as a constant of a program.
-
-        Raises:
-            ModelError: If the number leaves the range of double precision.
-        """
-        try:
-            if self.is_wide:
-                return MULTIPRECISION.mpf(numerator) / denominator
-            return numerator / denominator
-        except OverflowError:
-            raise ModelError(
-                "a constant leaves the range of double precision; choose units nearer to 1."
-            ) from None
+        """Return a rational number as a constant of a program."""
+        return MULTIPRECISION.mpf(numerator) / denominator
 
 
-DOUBLE_CONSTANTS = Constants(math, is_wide=False)
-"""Doubles, for C in double and single precision."""
+DOUBLE_CONSTANTS = Constants(are_rotations_exact=False)
+"""For C in double and single precision, which rounds rotations as doubles do."""
 
-WIDE_CONSTANTS = Constants(MULTIPRECISION, is_wide=True)
-"""Numbers of 320 bits, for C in more than double precision."""
+WIDE_CONSTANTS = Constants(are_rotations_exact=True)
+"""For C in more than double precision."""

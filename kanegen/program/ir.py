@@ -65,7 +65,7 @@ class Instruction:
     Attributes:
         op: The operation.
         operands: Numbers of earlier values, as many as `ARITY` says.
-        number: The value of a `CONSTANT`: a float, or a number of mpmath where C computes in more digits.
+        number: The value of a `CONSTANT`: a number of mpmath, or a float that is exact.
         array: Name of the input array that an `INPUT` reads.
         index: Index of the element that an `INPUT` reads, row-major.
         name: Name of the quantity, such as `omega_7_x`; empty for a part of an expression.

@@ -66,7 +66,7 @@ class Precision:
 
     @property
     def constants(self) -> Constants:
-        """The arithmetic in which the constants of a program are computed before they are rounded."""
+        """The constants of a program before they are rounded."""
         return DOUBLE_CONSTANTS
 
     def c_function(self, name: str) -> str:
@@ -123,7 +123,7 @@ class LongDouble(Precision):
 
     @property
     def constants(self) -> Constants:
-        """The arithmetic of 320 bits, since constants need more digits than doubles have."""
+        """Constants whose rotations have more digits than doubles."""
         return WIDE_CONSTANTS
 
     def literal(self, number: Any) -> str:

@@ -1,4 +1,4 @@
-"""Constants of a model as exact SymPy numbers; irrational ones are computed to the digits that C needs."""
+"""Constants of a model as exact SymPy numbers; irrational ones have 320 bits."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def constant_rotation(matrix: Matrix, constants: Constants) -> Matrix:
     [C] <- [C] (3 [1] - [C]^T [C]) / 2, the Newton iteration for the polar factor (Higham, Functions of
     Matrices, section 8.3), keeps exact zeros and planar turns.
     """
-    if not constants.is_wide or any(entry.free_symbols for row in matrix for entry in row):
+    if not constants.are_rotations_exact or any(entry.free_symbols for row in matrix for entry in row):
         return matrix
     turned = sympy.Matrix(matrix)
     for _ in range(_NEWTON_STEPS):

@@ -2,8 +2,8 @@
 
 It evaluates operations on numbers, products with 0, 1 and -1, sums with 0, differences of equal values and
 double sign changes. A sign change costs nothing, so signs are moved outward through products and into sums,
-where they merge. An operation on the same operands as an earlier one is replaced by the earlier one. Floats
-fold in double precision, numbers of mpmath with the digits of their context.
+where they merge. An operation on the same operands as an earlier one is replaced by the earlier one. Numbers
+fold with the digits of their context of mpmath.
 """
 
 from __future__ import annotations

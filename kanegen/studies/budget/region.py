@@ -29,10 +29,15 @@ from typing import Any
 
 import numpy as np
 
-from kanegen.choices import did_you_mean
 from kanegen.errors import KanegenError, OptionError
-from kanegen.model.arrays import Floats
-from kanegen.model.coordinates import COORDINATE_KINDS
+from kanegen.measure.domain_tables import (
+    finite_number,
+    non_negative,
+    require_known_keys,
+    require_table,
+    set_load_ranges,
+    set_ranges,
+)
 from kanegen.model.system import System
 from kanegen.readers.reader import read_text
 from kanegen.readers.toml import parse_toml
@@ -41,18 +46,13 @@ from kanegen.studies.tradeoff.domain import GRID, Domain, default_domain
 OPTION = "--domain"
 """The command-line option that describes a region, named in error messages."""
 
-UNITS_OF_KINDS = {kind.group: kind.unit for kind in COORDINATE_KINDS}
-"""Keys that set the range of all coordinates of one kind, with the unit of this kind."""
-
 STATE_TABLES = ("x", "y", "tau")
 LOAD_TABLES = ("force", "torque")
 EXCLUSIONS = ("clearance", "cancellation")
 TABLES = (*STATE_TABLES, *LOAD_TABLES, "parameters", "exclude")
 
-ALL_BODIES = "all"
-"""Key that sets the loads of all bodies that take loads."""
-
-_LARGEST = float(np.finfo(GRID.dtype).max)
+_LARGEST = (float(np.finfo(GRID.dtype).max), "single precision")
+"""Largest number of a state."""
 
 
 @dataclass(frozen=True)
@@ -119,10 +119,11 @@ def region_from_table(system: System, table: Mapping[str, Any], where: str = "do
     Raises:
         OptionError: If a name is unknown or a value is no range; the message names the key.
     """
-    _require_known_keys(where, table, TABLES)
-    tables = {name: _require_table(where, name, table.get(name, {})) for name in TABLES}
+    require_known_keys(where, table, TABLES)
+    tables = {name: require_table(where, name, table.get(name, {})) for name in TABLES}
     parameters = {
-        name: _number(f"{where}: parameters.{name}", value) for name, value in tables["parameters"].items()
+        name: finite_number(f"{where}: parameters.{name}", value)
+        for name, value in tables["parameters"].items()
     }
     try:
         system = system.with_parameters(parameters)
@@ -131,12 +132,14 @@ def region_from_table(system: System, table: Mapping[str, Any], where: str = "do
     exclusions = _exclusions(f"{where}: exclude", tables["exclude"])
     box = default_domain(system, clearance=exclusions.get("clearance", 0.0))
     low, high = box.low.copy(), box.high.copy()
+    rows = {body.name: row for row, body in enumerate(system.bodies) if body.loads}
     for name, first in box.first.items():
         place = f"{where}: {name}"
         if name in LOAD_TABLES:
-            _set_load_ranges(place, system, tables[name], low[first:], high[first:])
+            set_load_ranges(place, rows, tables[name], low[first:], high[first:], _LARGEST)
         else:
-            _set_ranges(place, system, box.elements[name], tables[name], low[first:], high[first:])
+            elements = box.elements[name]
+            set_ranges(place, system.name, elements, tables[name], low[first:], high[first:], _LARGEST)
     try:
         domain = replace(box, low=low, high=high)
         domain.uniform(1, np.random.default_rng(0))
@@ -181,147 +184,8 @@ def _exclusions(where: str, table: Mapping[str, Any]) -> dict[str, float]:
     Raises:
         OptionError: If a key is unknown or a value out of range.
     """
-    _require_known_keys(where, table, EXCLUSIONS)
-    found = {name: _non_negative(f"{where}.{name}", value) for name, value in table.items()}
+    require_known_keys(where, table, EXCLUSIONS)
+    found = {name: non_negative(f"{where}.{name}", value) for name, value in table.items()}
     if found.get("clearance", 0.0) >= 1:
         raise OptionError(f"{where}.clearance: {found['clearance']!r} is not below 1.")
-    return found
-
-
-def _set_ranges(
-    where: str, system: System, units: Mapping[str, str], table: Mapping[str, Any], low: Floats, high: Floats
-) -> None:
-    """Write the ranges of a table of x, y or tau into the ends of a box.
-
-    Ranges of a kind, such as "angles", come first, so that the range of a single element overrides them.
-
-    Args:
-        where: Beginning of error messages.
-        system: The system, named in error messages.
-        units: Unit of every element, by its name.
-        table: Ranges by the name of an element or of a kind.
-        low: Lower ends of the box from the first element on; changed in place.
-        high: Upper ends of the box from the first element on; changed in place.
-
-    Raises:
-        OptionError: If a key is unknown or a value is no range.
-    """
-    _require_known_keys(where, table, (*units, *UNITS_OF_KINDS))
-    for kind, unit in UNITS_OF_KINDS.items():
-        if kind in table and kind not in units:
-            lowest, highest = _range(f"{where}.{kind}", table[kind])
-            places = [place for place, own in enumerate(units.values()) if own == unit]
-            if not places:
-                raise OptionError(f"{where}.{kind}: system {system.name!r} has no {kind}.")
-            low[places], high[places] = lowest, highest
-    for place, name in enumerate(units):
-        if name in table:
-            low[place], high[place] = _range(f"{where}.{name}", table[name])
-
-
-def _set_load_ranges(where: str, system: System, table: Mapping[str, Any], low: Floats, high: Floats) -> None:
-    """Write the ranges of a table of forces or torques into the ends of a box.
-
-    The range of "all" comes first, so that the range of a single body overrides it. Arguments and errors are
-    those of `_set_ranges`.
-    """
-    loaded = [body.name for body in system.bodies if body.loads]
-    _require_known_keys(where, table, (*loaded, *((ALL_BODIES,) if loaded else ())))
-    for name in sorted(table, key=lambda name: name != ALL_BODIES):
-        for k, body in enumerate(system.bodies):
-            if body.loads and (name == body.name or (name == ALL_BODIES and ALL_BODIES not in loaded)):
-                own = slice(3 * k, 3 * k + 3)
-                low[own], high[own] = _three_ranges(f"{where}.{name}", table[name]).T
-
-
-def _require_table(where: str, name: str, value: Any) -> Mapping[str, Any]:
-    """Return `value` if it is a table.
-
-    Raises:
-        OptionError: If `value` is no table.
-    """
-    if not isinstance(value, Mapping):
-        raise OptionError(f"{where}: {name}: write a table [{name}], or keys such as {name}.angles.")
-    return value
-
-
-def _require_known_keys(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
-    """Require that every key of a table is known.
-
-    Raises:
-        OptionError: If a key is unknown; the message names the key and the most similar known one.
-    """
-    for key in table:
-        if key not in known:
-            raise OptionError(f"{where}: unknown key {key!r}. {did_you_mean(key, known)}")
-
-
-def _number(where: str, value: Any) -> float:
-    """Return `value` as a finite number.
-
-    Raises:
-        OptionError: If it is none.
-    """
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise OptionError(f"{where}: {value!r} is not a number.")
-    try:
-        found = float(value)
-    except OverflowError:
-        found = math.inf
-    if not math.isfinite(found):
-        raise OptionError(f"{where}: {found!r} is not a finite number.")
-    return found
-
-
-def _non_negative(where: str, value: Any) -> float:
-    """Return `value` as a finite number that is not negative.
-
-    Raises:
-        OptionError: If it is none.
-    """
-    found = _number(where, value)
-    if found < 0:
-        raise OptionError(f"{where}: {found!r} is negative.")
-    return found
-
-
-def _range(where: str, value: Any) -> tuple[float, float]:
-    """Return the ends of a range [low, high]; both ends of a single number are this number.
-
-    Raises:
-        OptionError: If the value is neither, or an end exceeds single precision.
-    """
-    if not isinstance(value, list):
-        fixed = _number_of_state(where, value)
-        return fixed, fixed
-    if len(value) != 2:
-        raise OptionError(f"{where}: a range is [low, high], or one number that stays fixed; got {value!r}.")
-    low, high = (_number_of_state(where, end) for end in value)
-    if low > high:
-        raise OptionError(f"{where}: the range [{low!r}, {high!r}] is inverted. Write [{high!r}, {low!r}].")
-    return low, high
-
-
-def _three_ranges(where: str, value: Any) -> Floats:
-    """Return the (3, 2) ends of the ranges of three components, from one range or from three.
-
-    Raises:
-        OptionError: If the value is neither.
-    """
-    if isinstance(value, list) and any(isinstance(item, list) for item in value):
-        if len(value) != 3:
-            raise OptionError(f"{where}: expected one range or three, got {len(value)}.")
-        return np.array([_range(f"{where}[{k}]", item) for k, item in enumerate(value)])
-    return np.array([_range(where, value)] * 3)
-
-
-def _number_of_state(where: str, value: Any) -> float:
-    """Return `value` as a finite number that single precision holds.
-
-    Raises:
-        OptionError: If it is none.
-    """
-    found = _number(where, value)
-    if abs(found) > _LARGEST:
-        raise OptionError(f"{where}: {found!r} is beyond single precision, which all states have.")
     return found

@@ -1,0 +1,280 @@
+"""The box of inputs over which bounds hold, read from a table of plain data.
+
+The table has the form of a TOML file, that of `domain_tables` with all inputs that functions read:
+
+    [x]                             # coordinates, rad and m
+    angles = [-3.0, 3.0]            # all angles; there are also "translations" and "quaternions"
+    elbow = [0.1, 2.5]              # one coordinate, by its name; a single number fixes it
+    [y]                             # generalized speeds, rad/s and m/s
+    [ydot]                          # generalized accelerations, rad/s^2 and m/s^2
+    [tau]                           # generalized forces, N m and N
+    [force]                         # loads of a body, or of "all": one range, or one for each component
+    hand = [-10.0, 10.0]
+    [torque]
+    [point_force]                   # loads of a point, or of "all"
+    [point_moment]
+    [parameters]                    # run-time parameters
+    load = [0.0, 12.5]
+    [prescribed]                    # "values", "rates" and "accelerations" of the prescribed freedoms
+    values.angles = [-1.0, 1.0]
+    [time]
+    t = [0.0, 10.0]
+    [exclude]
+    clearance = 0.05                # states where |cos(theta2)| of a joint with three free angles is smaller
+
+A key that is left out keeps the range of `reference.states.ranges`; a parameter keeps its default.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kanegen.c.formats import Formats
+from kanegen.errors import OptionError
+from kanegen.measure.bounds.intervals import Intervals
+from kanegen.measure.domain_tables import (
+    non_negative,
+    read_range,
+    require_known_keys,
+    require_table,
+    set_load_ranges,
+    set_ranges,
+)
+from kanegen.model.arrays import Floats
+from kanegen.model.system import System
+from kanegen.program.ir import PARAMETERS
+from kanegen.readers.reader import read_text
+from kanegen.readers.toml import parse_toml
+from kanegen.reference.states import ranges
+
+PRESCRIBED = ("values", "rates", "accelerations")
+"""Rows of the array of prescribed freedoms."""
+
+TIME = "t"
+"""Name of the array of the time."""
+
+OPTION = "--domain"
+"""The command-line option that describes a domain, named in error messages."""
+
+SMALLEST_PIECES = 64
+"""Most pieces of the range of one angle between two neighbourhoods of gimbal lock."""
+
+
+@dataclass(frozen=True)
+class InputBox:
+    """Ranges of all inputs of a system.
+
+    Attributes:
+        system: The system.
+        low: Smallest number of every element, row-major, by name of the input array.
+        high: Largest number of every element.
+        clearance: Least |cos(theta2)| of joints with three free angles, or |sin(theta2)| where the first and
+            the last angle turn about the same axis.
+    """
+
+    system: System
+    low: Mapping[str, Floats]
+    high: Mapping[str, Floats]
+    clearance: float = 0.0
+
+    def intervals(self, formats: Formats) -> dict[str, Intervals]:
+        """Return intervals (size, B) by name of the array; B boxes together are this one.
+
+        Ends are moved outward to numbers of the precision of the array, so that inputs that are rounded to
+        this precision stay inside.
+
+        Args:
+            formats: Precisions of arrays.
+        """
+        columns = {
+            name: Intervals(
+                _moved(self.low[name], formats.of(name).dtype, -np.inf)[:, None],
+                _moved(self.high[name], formats.of(name).dtype, np.inf)[:, None],
+            )
+            for name in self.low
+        }
+        for place, lock in self._gimbal_lock_angles():
+            columns = self._away_from(columns, place, lock)
+        return columns
+
+    def _gimbal_lock_angles(self) -> list[tuple[int, float]]:
+        """Return places in x of middle angles, with an angle at which the joint is in gimbal lock (rad)."""
+        if self.clearance == 0:
+            return []
+        joints = [body.joint for body in self.system.bodies]
+        return [
+            (place, 0.0 if joints[coordinate.body - 1].gimbal_lock == "sin" else np.pi / 2)
+            for place, coordinate in enumerate(self.system.coordinates)
+            if coordinate.index == 1 and joints[coordinate.body - 1].gimbal_lock
+        ]
+
+    def _away_from(self, columns: dict[str, Intervals], place: int, lock: float) -> dict[str, Intervals]:
+        """Return boxes without the angles next to gimbal lock of one joint.
+
+        Raises:
+            OptionError: If nothing is left, or the range of the angle is too long.
+        """
+        x = columns["x"]
+        first, last = float(x.low[place].min()), float(x.high[place].max())
+        margin = np.arcsin(self.clearance) * (1 - 1e-9)
+        pieces = _pieces(first, last, lock, margin)
+        name = self.system.coordinate_names[place]
+        if not pieces:
+            raise OptionError(f"domain: at clearance {self.clearance:g} nothing of x.{name} is left.")
+        if len(pieces) > SMALLEST_PIECES:
+            raise OptionError(
+                f"domain: x.{name} passes gimbal lock {len(pieces)} times. Give a shorter range."
+            )
+        count = x.low.shape[1]
+        wider = {
+            key: Intervals(np.tile(part.low, len(pieces)), np.tile(part.high, len(pieces)))
+            for key, part in columns.items()
+        }
+        low, high = (np.repeat([piece[end] for piece in pieces], count) for end in (0, 1))
+        wider["x"].low[place], wider["x"].high[place] = low, high
+        return wider
+
+
+def read_domain(domain: InputBox | Mapping[str, Any] | str | Path | None, system: System) -> InputBox:
+    """Return a box from itself, from a table, from the path of a .toml file, or from the content of one.
+
+    Args:
+        domain: The box, or what describes it; in text, ";" may stand for the end of a line. None is the
+            default box.
+        system: The system whose inputs the box has.
+
+    Raises:
+        OptionError: If it describes no box of this system; the message names the file and the key.
+        ReadError: If the file does not exist, or the text is not valid TOML.
+    """
+    if isinstance(domain, InputBox):
+        return domain
+    if domain is None:
+        return box_from_table(system, {})
+    if isinstance(domain, Mapping):
+        return box_from_table(system, domain)
+    text = str(domain)
+    if text.lower().endswith(".toml"):
+        return box_from_table(system, parse_toml(read_text(Path(text)), text), text)
+    return box_from_table(system, parse_toml(text.replace(";", "\n"), OPTION), OPTION)
+
+
+def box_from_table(system: System, table: Mapping[str, Any], where: str = "domain") -> InputBox:
+    """Return the box that a table describes.
+
+    Raises:
+        OptionError: If a name is unknown or a value is no range; the message names the key.
+    """
+    largest = _default_sizes(system)
+    rows, tables = _rows(system), _tables(system)
+    require_known_keys(where, table, (*tables, "exclude"))
+    low = {name: -size for name, size in largest.items()}
+    high = {name: size.copy() for name, size in largest.items()}
+    for parameter, place in zip(system.parameters, range(len(system.parameters)), strict=True):
+        low[PARAMETERS][place] = high[PARAMETERS][place] = parameter.value
+    for name, units in tables.items():
+        own, at = require_table(where, name, table.get(name, {})), f"{where}: {name}"
+        if name in rows:
+            set_load_ranges(at, rows[name], own, low[name], high[name])
+        elif name == "prescribed":
+            _set_prescribed(at, system, units, own, low[name], high[name])
+        elif name in (PARAMETERS, "time"):
+            array = TIME if name == "time" else name
+            require_known_keys(at, own, tuple(units))
+            for place, key in enumerate(units):
+                if key in own:
+                    low[array][place], high[array][place] = read_range(f"{at}.{key}", own[key])
+        else:
+            set_ranges(at, system.name, units, own, low[name], high[name])
+    excluded = require_table(where, "exclude", table.get("exclude", {}))
+    require_known_keys(f"{where}: exclude", excluded, ("clearance",))
+    clearance = non_negative(f"{where}: exclude.clearance", excluded.get("clearance", 0.0))
+    if clearance >= 1:
+        raise OptionError(f"{where}: exclude.clearance: {clearance!r} is not below 1.")
+    return InputBox(system, low, high, clearance)
+
+
+def _tables(system: System) -> dict[str, dict[str, str]]:
+    """Return the tables of a system, each with its keys and their units."""
+    freedoms: dict[str, str] = {
+        name: freedom.unit for name, freedom in zip(system.freedom_names, system.freedoms, strict=True)
+    }
+    units = [coordinate.unit for coordinate in system.coordinates]
+    coordinates: dict[str, str] = dict(zip(system.coordinate_names, units, strict=True))
+    found: dict[str, dict[str, str]] = {"x": coordinates}
+    found |= {name: freedoms for name in ("y", "ydot", "tau")}
+    found |= {name: {} for name in _rows(system)}
+    if system.parameters:
+        found[PARAMETERS] = {parameter.name: "" for parameter in system.parameters}
+    if system.prescribed:
+        pairs = zip(system.prescribed_names, system.prescribed, strict=True)
+        found["prescribed"] = {name: freedom.unit for name, freedom in pairs}
+    if system.depends_on_time:
+        found["time"] = {TIME: "s"}
+    return found
+
+
+def _rows(system: System) -> dict[str, dict[str, int]]:
+    """Return the rows of bodies or points that take loads, by name of the array."""
+    bodies = {body.name: row for row, body in enumerate(system.bodies) if body.loads}
+    points = {point.name: row for row, (_, point) in enumerate(system.points) if point.loads}
+    found = {name: bodies for name in ("force", "torque") if bodies}
+    return found | {name: points for name in ("point_force", "point_moment") if points}
+
+
+def _default_sizes(system: System) -> dict[str, Floats]:
+    """Return the largest magnitudes of the elements of all input arrays, by name."""
+    found = ranges(system)
+    rate = found.y / found.size
+    n = len(system.freedoms)
+    sizes = {"x": found.x, "y": found.y, "ydot": found.y * rate, "tau": np.zeros(n)}
+    if any(body.loads for body in system.bodies):
+        sizes |= {"force": found.force.ravel(), "torque": found.torque.ravel()}
+    sizes |= {
+        name: np.atleast_1d(np.asarray(value, dtype=float)).ravel() for name, value in found.inputs.items()
+    }
+    if system.parameters:
+        sizes[PARAMETERS] = np.zeros(len(system.parameters))
+    return sizes
+
+
+def _set_prescribed(
+    where: str, system: System, units: Mapping[str, str], table: Mapping[str, Any], low: Floats, high: Floats
+) -> None:
+    """Write the ranges of the three rows of prescribed freedoms into the ends of a box; see `set_ranges`."""
+    require_known_keys(where, table, PRESCRIBED)
+    for row, name in enumerate(PRESCRIBED):
+        own = require_table(where, name, table.get(name, {}))
+        part = slice(row * len(units), (row + 1) * len(units))
+        set_ranges(f"{where}.{name}", system.name, units, own, low[part], high[part])
+
+
+def _moved(ends: Floats, dtype: np.dtype[Any], outward: float) -> Floats:
+    """Return ends, moved outward to numbers of a precision with fewer digits than double."""
+    if np.finfo(dtype).nmant >= np.finfo(np.float64).nmant:
+        return ends.astype(np.float64)
+    with np.errstate(over="ignore"):
+        nearest = ends.astype(dtype)
+    inside = nearest.astype(np.float64) > ends if outward < 0 else nearest.astype(np.float64) < ends
+    return np.where(inside, np.nextafter(nearest, dtype.type(outward)), nearest).astype(np.float64)
+
+
+def _pieces(first: float, last: float, lock: float, margin: float) -> list[tuple[float, float]]:
+    """Return the parts of a range that have the distance `margin` from `lock` and its half turns (rad)."""
+    found: list[tuple[float, float]] = []
+    start = first
+    turn = int(np.floor((first - lock) / np.pi))
+    while start <= last and len(found) <= SMALLEST_PIECES:
+        centre = lock + turn * np.pi
+        if centre - margin > start:
+            found.append((start, min(last, centre - margin)))
+        start = max(start, centre + margin)
+        turn += 1
+        if centre > last + margin:
+            break
+    return found

@@ -1,0 +1,75 @@
+"""The result of `kanegen.bound`: bounds by output, as numbers, as text and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kanegen.model.arrays import Floats
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Proven bounds of the errors of generated code over a box of inputs.
+
+    Attributes:
+        model: Name of the model.
+        precision: Name of the precision of the arithmetic.
+        outputs: Bounds of |computed - exact| of every entry, by output, in the shape and unit of the output;
+            infinite where there is none.
+        magnitudes: Bounds of |exact| of every entry, by output.
+        unbounded: Why there is no bound, by output.
+        assumptions: What the proof takes for granted, one sentence each.
+    """
+
+    model: str
+    precision: str
+    outputs: Mapping[str, Floats]
+    magnitudes: Mapping[str, Floats]
+    unbounded: Mapping[str, str]
+    assumptions: tuple[str, ...]
+
+    def __getitem__(self, output: str) -> Floats:
+        """Return the bounds of the entries of one output."""
+        return self.outputs[output]
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """The largest bound of each output."""
+        return {name: float(np.max(errors, initial=0.0)) for name, errors in self.outputs.items()}
+
+    def __str__(self) -> str:
+        """Return a table of the largest bound and the largest magnitude of each output."""
+        width = max(map(len, self.outputs), default=0)
+        lines = [f"{self.model}, {self.precision}: proven bounds of |computed - exact| in the whole box"]
+        for name, largest in self.largest.items():
+            size = float(np.max(self.magnitudes[name], initial=0.0))
+            ends = self.unbounded.get(name) or f"{largest:.3g}  where entries reach {size:.3g}"
+            lines.append(f"  {name:<{width}}  {ends}")
+        return "\n".join([*lines, *(f"Assumed: {sentence}" for sentence in self.assumptions)])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as plain data for JSON; None stands for infinity."""
+        return {
+            "model": self.model,
+            "precision": self.precision,
+            "outputs": {
+                name: {
+                    "bounds": _plain(errors),
+                    "magnitudes": _plain(self.magnitudes[name]),
+                    "no bound because": self.unbounded.get(name),
+                }
+                for name, errors in self.outputs.items()
+            },
+            "assumptions": list(self.assumptions),
+        }
+
+
+def _plain(values: Floats) -> Any:
+    """Return an array as nested lists with None for numbers that are not finite."""
+    if values.ndim == 0:
+        return float(values) if np.isfinite(values) else None
+    return [_plain(np.asarray(row)) for row in values]

@@ -1,0 +1,79 @@
+"""Bounds of a generated source: its programs, precisions, sines and outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from kanegen.c.formats import Formats, formats
+from kanegen.c.sincos import sincos_named
+from kanegen.c.source import Source
+from kanegen.errors import OptionError
+from kanegen.measure.bounds.domain import InputBox
+from kanegen.measure.bounds.outputs import Bounder, OutputBound
+from kanegen.measure.bounds.report import Bounds
+from kanegen.measure.bounds.rounding import Roundings, Sines
+from kanegen.measure.bounds.sines import LibmSines, kanegen_sines
+from kanegen.options import Variant
+from kanegen.program.precision import DOUBLE_DOUBLE, Precision
+from kanegen.recursion.outputs import OUTPUTS
+
+
+def bound_source(source: Source, box: InputBox) -> Bounds:
+    """Return proven bounds of all outputs of a source over a box.
+
+    Raises:
+        OptionError: If the source does not carry its programs, or its variant has no bounds.
+    """
+    if source.module is None:
+        raise OptionError("bound: this source does not carry its programs. Generate it anew.")
+    _require_strict(source.variant)
+    arrays = formats(source.variant)
+    sines = {
+        precision: _sines(source.variant, precision) for precision in {arrays.arithmetic, arrays.preparing}
+    }
+    bounder = Bounder(source.module, arrays, Roundings(sines), box.intervals(arrays))
+    found: dict[str, OutputBound] = {
+        name: bounder.bound(OUTPUTS[name].array(box.system).name) for name in source.outputs
+    }
+    return Bounds(
+        model=source.model.name,
+        precision=source.precision,
+        outputs={name: one.errors for name, one in found.items()},
+        magnitudes={name: one.magnitudes for name, one in found.items()},
+        unbounded={name: one.reason for name, one in found.items() if one.reason},
+        assumptions=tuple(_assumptions(source.variant, arrays)),
+    )
+
+
+def _require_strict(variant: Variant) -> None:
+    """Make sure that bounds are proven for a variant.
+
+    Raises:
+        OptionError: If its semantics or its precision have none.
+    """
+    if not variant.is_strict:
+        raise OptionError(
+            f"bound: there are no bounds for semantics {', '.join(variant.semantics)}. Take strict semantics."
+        )
+    if variant.precision == DOUBLE_DOUBLE.name:
+        raise OptionError("bound: there are no bounds for precision 'double-double'. Take another precision.")
+
+
+def _sines(variant: Variant, precision: Precision) -> Sines:
+    """Return the errors of sine and cosine of a variant in one of its precisions."""
+    sincos = sincos_named(variant.sincos, precision)
+    return LibmSines(precision) if sincos is None else kanegen_sines(sincos)
+
+
+def _assumptions(variant: Variant, arrays: Formats) -> Iterator[str]:
+    """Yield what the bounds of a variant take for granted."""
+    yield (
+        "operations are rounded to nearest as IEEE 754 says, in the order of the program, as kanegen's "
+        "default flags keep it."
+    )
+    yield (
+        "exact is the function of the very numbers of the model and of the inputs; inputs are numbers of "
+        f"{arrays.storage.label} precision in the box."
+    )
+    if sincos_named(variant.sincos, arrays.arithmetic) is None:
+        yield "sine and cosine of the C library err by at most one unit in the last place."

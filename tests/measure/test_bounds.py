@@ -1,0 +1,332 @@
+"""Proven bounds hold in every state that is looked for: at random, in corners, by hill climbs, with truth."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.c.formats import uniform
+from kanegen.c.sincos import SHARED, sincos_named
+from kanegen.errors import OptionError
+from kanegen.measure import truth
+from kanegen.measure.bounds import read_domain
+from kanegen.measure.bounds.approximation import largest_error
+from kanegen.measure.bounds.arcs import Arcs
+from kanegen.measure.bounds.intervals import Intervals
+from kanegen.measure.bounds.reduction import reduction
+from kanegen.measure.bounds.rounding import half_ulp
+from kanegen.measure.bounds.sines import kanegen_sines
+from kanegen.model.arrays import Floats
+from kanegen.options import Variant
+from kanegen.program.precision import DOUBLE, FLOAT, Precision
+from tests.support.bound_search import MARGIN, Search
+from tests.support.cases import slow_except
+
+MODELS = Path("models")
+OUTPUTS = ("mass_matrix", "inverse_dynamics")
+DOMAIN = {"y": {"angles": [-2.0, 2.0]}, "ydot": {"angles": [-5.0, 5.0]}}
+ONE_BODY = (
+    'name = "arm"\n[[body]]\nname = "arm"\nconnection = "ground"\nmass = 1.0\n'
+    'inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\njoint.free = ["theta3"]\n'
+)
+
+
+def model(name: str) -> kg.System:
+    return kg.load(MODELS / f"{name}.toml")
+
+
+def search(
+    system: kg.System, table: dict, outputs: tuple[str, ...], variant: Variant | None = None
+) -> Search:
+    library = kg.build(system, outputs, tier=variant or Variant(), flags=("-O1", "-ffp-contract=off"))
+    return Search(library, read_domain(table, system))
+
+
+def ratios(found: Search, bounds: kg.Bounds, output: str, states: dict[str, Floats]) -> Floats:
+    """Return the largest error of every entry over its bound; 0 where both are 0."""
+    errors, limits = found.errors(output, states).max(axis=0), bounds[output].ravel()
+    assert (errors[limits == 0] == 0).all()
+    return errors / np.where(limits > 0, limits, 1.0)
+
+
+# Intervals and arcs
+
+
+def test_operations_on_intervals_enclose_exact_results() -> None:
+    rng = np.random.default_rng(0)
+    ends = np.sort(rng.normal(size=(2, 4, 500)) * 10.0 ** rng.integers(-8, 8, (2, 4, 500)), axis=0)
+    ends[:, :, ::5] = np.round(ends[:, :, ::5])
+    a, b = Intervals(ends[0, 0], ends[1, 0]), Intervals(ends[0, 1], ends[1, 1])
+    for operation, exact in (
+        (a + b, lambda u, v: u + v),
+        (a.plus(b), lambda u, v: u + v),
+        (a - b, lambda u, v: u - v),
+        (a * b, lambda u, v: u * v),
+        (a.times(b), lambda u, v: u * v),
+    ):
+        for k in range(500):
+            pairs = itertools.product((a.low[k], a.high[k]), (b.low[k], b.high[k]))
+            values = [exact(Fraction(float(u)), Fraction(float(v))) for u, v in pairs]
+            assert Fraction(float(operation.low[k])) <= min(values)
+            assert Fraction(float(operation.high[k])) >= max(values)
+
+
+def test_sums_and_products_with_powers_of_two_stay_exact() -> None:
+    two, odd = Intervals(np.array([-2.0]), np.array([2.0])), Intervals(np.array([-0.7]), np.array([0.7]))
+    assert two.times(odd).high[0] == 1.4
+    assert two.plus(two).high[0] == 4.0
+    assert (odd * odd).high[0] > 0.7 * 0.7
+
+
+@pytest.mark.parametrize("length", [1e-3, 0.2, 2.0, 5.0, 6.5])
+def test_sine_and_cosine_together_have_the_range_of_samples(length: float) -> None:
+    rng = np.random.default_rng(int(100 * length))
+    starts = rng.uniform(-10, 10, 50)
+    x, y = (np.sort(rng.normal(size=(2, 50)), axis=0) for _ in range(2))
+    arcs = Arcs(starts, starts + length)
+    found = arcs.combination(Intervals(*x), Intervals(*y))
+    angles = starts + length * np.linspace(0, 1, 2001)[:, None]
+    corners = [
+        a * np.cos(angles) + b * np.sin(angles) for a, b in itertools.product((x[0], x[1]), (y[0], y[1]))
+    ]
+    low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    assert (found.low <= low + 1e-15).all() and (found.high >= high - 1e-15).all()
+    assert (found.high - high <= 1e-5 * np.hypot(*np.abs([x, y]).max(axis=1))).all()  # of the grid of angles
+
+
+# Sine and cosine
+
+
+@pytest.mark.parametrize("precision", [DOUBLE, FLOAT])
+def test_half_a_unit_bounds_the_rounding_error_of_all_smaller_numbers(precision: Precision) -> None:
+    rng = np.random.default_rng(0)
+    largest = 2.0 ** rng.uniform(-20, 20, 300)
+    largest[::3] = 2.0 ** np.round(np.log2(largest[::3])) * (1 + rng.choice([0, 1e-9, 1e-12], 100))
+    bounds = half_ulp(largest, precision)
+    for most, bound in zip(largest, bounds, strict=True):
+        numbers = most * np.concatenate([rng.uniform(0.4, 1, 200), [1.0]]).astype(np.longdouble)
+        numbers *= 1 - np.longdouble(2.0**-62)
+        assert np.abs(numbers - numbers.astype(precision.dtype)).max() <= bound * (1 + 1e-15)
+
+
+@pytest.mark.parametrize("precision", [DOUBLE, FLOAT], ids=lambda precision: precision.name)
+@pytest.mark.parametrize(
+    "name", slow_except(["shared", "polynomial-5", "polynomial-15"], "shared", "polynomial-15")
+)
+def test_errors_of_kanegens_sines_stay_below_their_proven_bounds(
+    name: str, precision: Precision, tmp_path: Path
+) -> None:
+    path = tmp_path / "arm.toml"
+    path.write_text(ONE_BODY)
+    variant = Variant(precision=precision.name, sincos=name)
+    library = kg.build(kg.load(path), ["body_poses"], tier=variant)
+    sincos = sincos_named(name, precision)
+    assert sincos is not None
+    proven, limit = kanegen_sines(sincos), float(sincos.limit)
+    rng = np.random.default_rng(1)
+    near = np.pi / 2 * rng.integers(-60000, 60000, 2000) + rng.choice([0, 1e-9, 1e-3], 2000)
+    angles = np.concatenate([rng.uniform(-0.785, 0.785, 4000), rng.uniform(-4, 4, 4000), near])
+    angles = angles[np.abs(angles) <= limit].astype(precision.dtype).astype(np.float64)
+    poses = library.body_poses(angles[:, None])[:, 0]
+    with mpmath.workprec(160):
+        exact = np.array([[mpmath.sin(mpmath.mpf(a)), mpmath.cos(mpmath.mpf(a))] for a in map(float, angles)])
+        computed = np.array(
+            [[mpmath.mpf(float(s)), mpmath.mpf(float(c))] for s, c in poses[:, [1, 0], [0, 0]]]
+        )
+        computed *= np.sign((computed * exact).astype(np.float64))
+        errors = np.abs(computed - exact).astype(np.float64)
+    point = Intervals(angles, angles)
+    for column, is_sine in enumerate((True, False)):
+        size = np.abs(exact[:, column]).astype(np.float64)
+        assert (errors[:, column] <= proven.error(is_sine, point, size)).all()
+    whole = Intervals(np.array([-limit]), np.array([limit]))
+    assert errors.max() > 0.5 * proven.error(True, whole, np.ones(1))[0]  # proven, and not far from the truth
+
+
+def test_the_shared_sine_is_proven_to_nine_tenths_of_the_last_place() -> None:
+    for precision, sincos in SHARED.items():
+        whole = Intervals(np.array([-1e4]), np.array([1e4]))
+        assert kanegen_sines(sincos).error(True, whole, np.ones(1))[0] < 0.9 * precision.roundoff
+
+
+def test_a_reduction_that_is_not_exact_is_refused() -> None:
+    with pytest.raises(ArithmeticError, match="too many bits"):
+        reduction(replace(SHARED[DOUBLE], limit="1e6"))
+
+
+def test_differences_to_sine_and_cosine_are_largest_where_samples_say_so() -> None:
+    sincos = SHARED[DOUBLE]
+    with mpmath.workprec(200):
+        z = [mpmath.mpf(k) / 4000 for k in range(1, 2468)]
+        sizes = [
+            mpmath.sqrt(v) ** 3
+            * abs(
+                mpmath.polyval(list(reversed(sincos.sine)), v)
+                - (mpmath.sqrt(v) - mpmath.sin(mpmath.sqrt(v))) / mpmath.sqrt(v) ** 3
+            )
+            for v in z
+        ]
+    proven = largest_error(sincos.sine, 3, 1, 3, Fraction(2467, 4000))
+    assert float(max(sizes)) <= proven < 1.2 * float(max(sizes))
+
+
+# Bounds of models
+
+
+CASES = [
+    (name, size, precision)
+    for name in ("double_pendulum", "scara", "panda_arm", "gantry_crane", "spinning_top", "satellite")
+    for size in ("full", "small")
+    for precision in ("double", "float")
+]
+
+
+def table(system: kg.System, size: str) -> dict:
+    """The ranges of a case: whole turns, or 0.1 rad about 0."""
+    found: dict = {name: dict(part) for name, part in DOMAIN.items()}
+    if size == "small":
+        found["x"] = {"angles": [-0.1, 0.1]}
+        if system.parameters:
+            found["parameters"] = {p.name: [0.9 * p.value, 1.1 * p.value] for p in system.parameters[:1]}
+    return found
+
+
+@pytest.mark.parametrize(
+    "case",
+    slow_except(
+        CASES,
+        ("double_pendulum", "small", "double"),
+        ("panda_arm", "full", "double"),
+        ("scara", "full", "float"),
+    ),
+    ids=" ".join,
+)
+def test_no_state_breaks_a_bound(case: tuple[str, str, str]) -> None:
+    name, size, precision = case
+    system = model(name)
+    found = search(system, table(system, size), OUTPUTS, Variant(precision=precision))
+    bounds = kg.bound(found.library, found.box)
+    assert not bounds.unbounded
+    for output in OUTPUTS:
+        starts = [found.random(4000), found.corners(1000)]
+        worst = max((ratios(found, bounds, output, states) for states in starts), key=np.max)
+        entry = int(np.argmax(worst))
+        starts.append(found.climbed(output, entry))
+        for states in starts:
+            assert (ratios(found, bounds, output, states) <= MARGIN).all()
+
+
+@pytest.mark.parametrize(
+    "name", slow_except(["double_pendulum", "scara", "panda_arm"], "double_pendulum", "scara")
+)
+def test_bounds_hold_against_certified_truth(name: str) -> None:
+    system = model(name)
+    found = search(system, dict(DOMAIN), OUTPUTS)
+    bounds = kg.bound(found.library, found.box)
+    states = found.random(6)
+    for k in range(6):
+        x, y, ydot = (states[part][k] for part in ("x", "y", "ydot"))
+        exact = truth.truth(system, x, y, ydot=ydot, outputs=OUTPUTS)
+        for output in OUTPUTS:
+            row = {part: values[k : k + 1] for part, values in states.items()}
+            computed = found.computed(output, row).reshape(bounds[output].shape)
+            gap = np.abs(computed - exact[output].value) + exact[output].radius
+            assert (gap <= bounds[output]).all()
+
+
+def test_a_bound_holds_for_the_function_of_all_outputs() -> None:
+    system = model("scara")
+    found = search(system, dict(DOMAIN), OUTPUTS)
+    bounds, states = kg.bound(found.library, found.box), found.random(3000)
+    together = found.library.evaluate(states["x"], states["y"], ydot=states["ydot"])
+    for output, computed in zip(OUTPUTS, together, strict=True):
+        exact = found.exact(output, states).reshape(computed.shape)
+        assert (np.abs(computed - exact).max(axis=0) <= MARGIN * bounds[output]).all()
+
+
+def test_bounds_of_kinematics_and_energies_hold() -> None:
+    system = model("panda_arm")
+    outputs = (
+        "kinetic_energy",
+        "potential_energy",
+        "momentum",
+        "mass_center",
+        "body_poses",
+        "point_jacobians",
+    )
+    found = search(system, dict(DOMAIN), outputs)
+    bounds = kg.bound(found.library, found.box)
+    for output in outputs:
+        assert (ratios(found, bounds, output, found.random(2000)) <= MARGIN).all()
+
+
+def test_fixed_inputs_are_computed_not_bounded() -> None:
+    system = model("double_pendulum")
+    fixed = {"x": {"angles": 0.0}, "y": {"angles": 0.0}}
+    bounds = kg.bound(kg.generate(system), fixed)
+    assert bounds.largest["mass_matrix"] < 4 * 2.0**-53 * bounds.magnitudes["mass_matrix"].max()
+
+
+# What has no bound, and what is refused
+
+
+def test_a_divisor_that_may_be_zero_has_no_bound_and_a_name() -> None:
+    system = kg.load(MODELS / "free_body.toml")
+    bounds = kg.bound(kg.generate(system, ["coordinate_rates"], speeds="angular_velocity"))
+    assert np.isinf(bounds.largest["coordinate_rates"])
+    assert "may be 0 in the box" in bounds.unbounded["coordinate_rates"]
+    away = kg.bound(
+        kg.generate(system, ["coordinate_rates"], speeds="angular_velocity"), {"exclude": {"clearance": 0.1}}
+    )
+    assert not away.unbounded
+
+
+def test_an_angle_beyond_the_proven_reduction_has_no_bound() -> None:
+    bounds = kg.bound(kg.generate(model("double_pendulum")), {"x": {"angles": [0.0, 1e6]}})
+    assert "angle" in bounds.unbounded["mass_matrix"]
+
+
+def test_overflow_has_no_bound() -> None:
+    source = kg.generate(model("double_pendulum"), precision="float")
+    bounds = kg.bound(source, {"y": {"angles": [0.0, 1e25]}})
+    assert "single precision" in bounds.unbounded["forcing"]
+    assert "mass_matrix" not in bounds.unbounded
+
+
+@pytest.mark.parametrize("variant", ["fast", "exact"])
+def test_variants_without_bounds_are_refused(variant: str) -> None:
+    with pytest.raises(OptionError, match="no bounds for"):
+        kg.bound(kg.generate(model("double_pendulum"), tier=variant))
+
+
+@pytest.mark.parametrize(
+    ("domain", "message"),
+    [
+        ({"z": {}}, "unknown key 'z'"),
+        ({"x": {"elbow": [0, 1]}}, "unknown key 'elbow'"),
+        ({"y": {"angles": [1, 0]}}, "is inverted"),
+        ({"parameters": {"m": "heavy"}}, "unknown key 'm'"),
+        ({"exclude": {"clearance": 1.5}}, "is not below 1"),
+        ({"x": {"angles": [0.0, float("inf")]}}, "not a finite number"),
+    ],
+)
+def test_a_bad_domain_is_one_clear_error(domain: dict, message: str) -> None:
+    with pytest.raises(OptionError, match=message):
+        kg.bound(kg.generate(model("double_pendulum")), domain)
+
+
+def test_inputs_that_are_rounded_to_single_precision_stay_in_the_box() -> None:
+    system = model("double_pendulum")
+    box = read_domain({"x": {"angles": [0.1, 0.7]}}, system)
+    ends = box.intervals(uniform(FLOAT))["x"]
+    assert (ends.low[:, 0] <= float(np.float32(0.1))).all() and (ends.high[:, 0] >= 0.7).all()
+    assert (ends.low.astype(np.float32) == ends.low).all() and (
+        ends.high.astype(np.float32) == ends.high
+    ).all()
