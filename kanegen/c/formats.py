@@ -92,11 +92,8 @@ def require_range(
 
 
 def _require_constants(program: Program, precision: Precision, label: str) -> None:
-    vanished = set()
-    for i, instruction in enumerate(program.instructions):
-        if instruction.op is Op.CONSTANT:
-            if precision.rounded(instruction.number, label) == 0.0 and instruction.number != 0:
-                vanished.add(i)
+    numbers = {i: x.number for i, x in enumerate(program.instructions) if x.op is Op.CONSTANT}
+    vanished = {i for i, number in numbers.items() if precision.rounded(number, label) == 0.0 and number != 0}
     refused = vanished.intersection(_not_zero(program))
     if refused:
         number = float(program.instructions[min(refused)].number)

@@ -60,7 +60,7 @@ class Constants:
     """The constants of a program: numbers of 320 bits, which are rounded once, when C is printed.
 
     Attributes:
-        are_rotations_exact: Whether a matrix of doubles stands for the rotation nearest to it, not for itself.
+        are_rotations_exact: Whether a matrix of doubles stands for the rotation that is nearest to it.
     """
 
     are_rotations_exact: bool

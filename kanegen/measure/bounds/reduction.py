@@ -1,9 +1,9 @@
 """The reduced angle of kanegen's sine and cosine: which operations are exact, and what the others lose.
 
 An angle is reduced to r = angle - n pi/2 with pi/2 as a sum of parts. Products of n with parts of few bits
-are exact, and so is a difference of multiples of a power of two g that is at most 2^p g, in p bits. `reduction` checks
-these conditions for angles between successive powers of two. What is left is r = high - excess plus a
-small error.
+are exact, and so is a difference of multiples of a power of two g that is at most 2^p g, in p bits.
+`reduction` checks these conditions for angles between successive powers of two. What is left is
+r = high - excess plus a small error.
 """
 
 from __future__ import annotations
