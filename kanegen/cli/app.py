@@ -10,6 +10,7 @@ import typer
 from kanegen import __version__
 from kanegen.cli import cache
 from kanegen.cli.bench import bench
+from kanegen.cli.bound import bound
 from kanegen.cli.check import check
 from kanegen.cli.equations import equations
 from kanegen.cli.explain import explain
@@ -24,6 +25,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     generate,
     verify,
     check,
+    bound,
     equations,
     info,
     explain,

@@ -60,7 +60,8 @@ class Constants:
     """The constants of a program: numbers of 320 bits, which are rounded once, when C is printed.
 
     Attributes:
-        are_rotations_exact: Whether a matrix of doubles stands for the rotation that is nearest to it.
+        are_rotations_exact: Whether a matrix of doubles stands for the rotation that is nearest to it; else
+            it is taken as it is written, with its zeros and ones, which cost nothing.
     """
 
     are_rotations_exact: bool
@@ -74,7 +75,7 @@ class Constants:
 
 
 DOUBLE_CONSTANTS = Constants(are_rotations_exact=False)
-"""For C in double and single precision, which rounds rotations as doubles do."""
+"""For C in double and single precision."""
 
 WIDE_CONSTANTS = Constants(are_rotations_exact=True)
 """For C in more than double precision."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any
 
 import sympy
 from sympy import Expr, Rational
 
+from kanegen.model.joint import Joint
 from kanegen.model.numbers import Number, Parameter
 from kanegen.program.constants import MULTIPRECISION, Constants, as_fraction, sine_cosine
 
@@ -30,18 +32,33 @@ def constant_sine_cosine(angle: float, constants: Constants) -> tuple[Expr, Expr
 
 
 def constant_rotation(matrix: Matrix, constants: Constants) -> Matrix:
-    """Return the rotation that a matrix of doubles stands for: itself, or the nearest rotation.
+    """Return the rotation that a matrix of doubles stands for: itself, or the nearest rotation."""
+    if not constants.are_rotations_exact or any(entry.free_symbols for row in matrix for entry in row):
+        return matrix
+    return nearest_rotation(matrix)
+
+
+def nearest_rotation(matrix: Matrix) -> Matrix:
+    """Return the rotation nearest to a matrix of doubles, itself where it is exact.
 
     [C] <- [C] (3 [1] - [C]^T [C]) / 2, the Newton iteration for the polar factor (Higham, Functions of
     Matrices, section 8.3), keeps exact zeros and planar turns.
     """
-    if not constants.are_rotations_exact or any(entry.free_symbols for row in matrix for entry in row):
-        return matrix
     turned = sympy.Matrix(matrix)
     for _ in range(_NEWTON_STEPS):
         turned = (turned * (3 * sympy.eye(3) - turned.T * turned) / 2).applyfunc(_rounded)
     rows: Matrix = turned.tolist()
     return rows
+
+
+def distance_from_rotation(joint: Joint) -> float:
+    """Return the largest difference of the constant orientation of a joint to the nearest rotation."""
+    orientation = joint.orientation
+    rows = [[exact(entry) for entry in row] for row in orientation if isinstance(row, tuple)]
+    if any(entry.free_symbols for row in rows for entry in row) or not rows:
+        return 0.0
+    pairs = zip(chain(*rows), chain(*nearest_rotation(rows)), strict=True)
+    return max(float(abs(one - other)) for one, other in pairs)
 
 
 def rational(number: Any) -> Rational:

@@ -22,12 +22,13 @@ from tests.support.paths import MODELS, PENDULUM
 
 def test_help_names_every_command() -> None:
     text = process("--help").stdout
-    for command in ("generate", "verify", "check", "equations", "info", "bench", "tradeoff", "--version"):
+    for command in ("generate", "verify", "check", "bound", "equations", "info", "bench", "tradeoff"):
         assert command in text
+    assert "--version" in text
     assert "Exit status" in text
 
 
-@pytest.mark.parametrize("command", ["generate", "check", "equations", "info", "bench", "tradeoff"])
+@pytest.mark.parametrize("command", ["generate", "check", "bound", "equations", "info", "bench", "tradeoff"])
 def test_every_command_has_help(command: str) -> None:
     assert "MODEL" in kanegen(command, "--help").stdout
 

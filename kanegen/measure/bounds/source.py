@@ -13,8 +13,10 @@ from kanegen.measure.bounds.outputs import Bounder, OutputBound
 from kanegen.measure.bounds.report import Bounds
 from kanegen.measure.bounds.rounding import Roundings, Sines
 from kanegen.measure.bounds.sines import LibmSines, kanegen_sines
+from kanegen.model.system import System
 from kanegen.options import Variant
-from kanegen.program.precision import DOUBLE_DOUBLE, Precision
+from kanegen.program.precision import DOUBLE_DOUBLE, Precision, precision_named
+from kanegen.recursion.constants import distance_from_rotation
 from kanegen.recursion.outputs import OUTPUTS
 
 
@@ -41,7 +43,7 @@ def bound_source(source: Source, box: InputBox) -> Bounds:
         outputs={name: one.errors for name, one in found.items()},
         magnitudes={name: one.magnitudes for name, one in found.items()},
         unbounded={name: one.reason for name, one in found.items() if one.reason},
-        assumptions=tuple(_assumptions(source.variant, arrays)),
+        assumptions=tuple(_assumptions(source.variant, arrays, box.system)),
     )
 
 
@@ -65,7 +67,7 @@ def _sines(variant: Variant, precision: Precision) -> Sines:
     return LibmSines(precision) if sincos is None else kanegen_sines(sincos)
 
 
-def _assumptions(variant: Variant, arrays: Formats) -> Iterator[str]:
+def _assumptions(variant: Variant, arrays: Formats, system: System) -> Iterator[str]:
     """Yield what the bounds of a variant take for granted."""
     yield (
         "operations are rounded to nearest as IEEE 754 says, in the order of the program, as kanegen's "
@@ -77,3 +79,11 @@ def _assumptions(variant: Variant, arrays: Formats) -> Iterator[str]:
     )
     if sincos_named(variant.sincos, arrays.arithmetic) is None:
         yield "sine and cosine of the C library err by at most one unit in the last place."
+    if not precision_named(variant.precision).constants.are_rotations_exact:
+        distances = {body.name: distance_from_rotation(body.joint) for body in system.bodies}
+        inexact = [name for name, distance in distances.items() if distance]
+        if inexact:
+            yield (
+                f"the joint orientations of {', '.join(map(repr, inexact))} count as they are written; they "
+                f"differ from rotations by {max(distances.values()):.1e}."
+            )

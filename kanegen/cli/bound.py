@@ -1,0 +1,67 @@
+"""`kanegen bound`: proven bounds of the errors of the C, for all states of a box."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from kanegen.cli.loading import load_system
+from kanegen.cli.options import (
+    AS_WRITTEN,
+    DEFAULT_OUTPUTS,
+    AsJson,
+    Coordinates,
+    FloatingBase,
+    Model,
+    Outputs,
+    Precision,
+    RightAngles,
+    Sincos,
+    Speeds,
+    Storage,
+)
+from kanegen.cli.terminal import FAILED, print_plain, progress
+
+
+def bound(
+    model: Model,
+    domain: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="Ranges of all inputs: a TOML file, or its content with ; for the ends of lines, such as "
+            "'x.angles = [-1.0, 1.0]; y.angles = [-2.0, 2.0]'. What is left out has the scale of the model.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Outputs = DEFAULT_OUTPUTS,
+    floating_base: FloatingBase = False,
+    right_angles: RightAngles = AS_WRITTEN,
+    precision: Precision = None,
+    storage: Storage = None,
+    sincos: Sincos = None,
+    speeds: Speeds = None,
+    coordinates: Coordinates = None,
+    as_json: AsJson = False,
+) -> None:
+    """Prove bounds of |computed - exact| for every output of the C for MODEL, over a whole box of inputs.
+
+    Nothing is sampled: ranges of all values are enclosed, and every rounding error counts, also those of
+    sine, cosine and constants. The exit status is 1 if an output has no bound in the box, with the reason.
+    """
+    from kanegen import compiler, options
+
+    system = load_system(model, floating_base, right_angles, speeds, coordinates)
+    with progress() as report:
+        variant = options.chosen_variant(precision=precision, storage=storage, sincos=sincos)
+        source = compiler.generate(system, output, report, tier=variant)
+        report("bounding")
+        found = compiler.bound(source, domain)
+    if as_json:
+        typer.echo(json.dumps(found.as_dict(), indent=2))
+    else:
+        print_plain(str(found))
+    if found.unbounded:
+        raise typer.Exit(FAILED)
