@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy
+from mpmath.libmp import to_rational
 
 import kanegen as kg
 from kanegen.compiler import compile_module
+from kanegen.program.constants import MULTIPRECISION
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Program
 from kanegen.reference import equations as reference
@@ -64,10 +66,15 @@ def test_both_forms_are_equal_symbolically(name: str) -> None:
         "torque": [torque(k, i) for k in range(1, system.number_of_bodies + 1) for i in range(3)],
     }
     if module.prepare:
-        symbols |= evaluate(module.prepare, symbols, sympy, sympy.Rational)
-    recursive = evaluate(module.functions["evaluate"], symbols, sympy, sympy.Rational)
+        symbols |= evaluate(module.prepare, symbols, sympy, fraction)
+    recursive = evaluate(module.functions["evaluate"], symbols, sympy, fraction)
     for ours, theirs in zip(recursive["A"] + recursive["f"], [*literal.A, *literal.f], strict=True):
         assert sympy.simplify(sympy.expand(ours - rational(theirs))) == 0
+
+
+def fraction(number: object) -> sympy.Rational:
+    """Return a constant of a program, a number of mpmath or a float, as the fraction that it is."""
+    return sympy.Rational(*to_rational(MULTIPRECISION.mpf(number)._mpf_))
 
 
 def rational(expression: sympy.Expr) -> sympy.Expr:
