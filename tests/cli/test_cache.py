@@ -105,7 +105,7 @@ def test_an_interrupted_compiler(tmp_path: Path, number: signal.Signals, word: s
     while len(list(tmp_path.glob("*.pid"))) < 2 and time.monotonic() < deadline:
         time.sleep(0.02)
     process.send_signal(number)
-    printed = process.communicate(timeout=20)
+    printed = process.communicate(timeout=40)
     assert (process.returncode, printed[1]) == (128 + number, f"{word}\n")
     for file in tmp_path.glob("*.pid"):
         command = ["ps", "-o", "stat=", "-p", file.read_text().strip()]

@@ -293,10 +293,10 @@ def test_a_compiler_that_hangs_is_stopped(folder, script, monkeypatch, tmp_path)
     hanging = script(HANGS.format(cc=CC, child=tmp_path / "child"))
     compilers.find(hanging)
     selftest.sound_flags(compilers.find(hanging), source())
-    monkeypatch.setenv("KANEGEN_COMPILE_SECONDS", "0.5")
+    monkeypatch.setenv("KANEGEN_COMPILE_SECONDS", "1.5")
     with pytest.raises(
         BuildError,
-        match=r"took more than 0\.5 s\. If the compiler does not hang, set \$KANEGEN_COMPILE_SECONDS",
+        match=r"took more than 1\.5 s\. If the compiler does not hang, set \$KANEGEN_COMPILE_SECONDS",
     ):
         build(source(), hanging)
     assert not is_running((tmp_path / "child").read_text().strip())
@@ -328,7 +328,7 @@ def test_an_interrupted_build_kills_its_compilers(folder, script, tmp_path):
     begun = time.monotonic()
     process.send_signal(signal.SIGINT)
     process.communicate()
-    assert time.monotonic() - begun < 10
+    assert time.monotonic() - begun < 40  # the compilers would take 60 s
     assert process.returncode == -signal.SIGINT  # an interpreter that KeyboardInterrupt ends
     children = [path.read_text().strip() for path in tmp_path.glob("child-*")]
     assert len(children) == 2
