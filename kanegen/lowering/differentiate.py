@@ -1,9 +1,17 @@
 """Programs of the outputs that are derivatives, made by differentiating the lowered program of other outputs.
 
-{f} and the generalized forces of inverse dynamics are differentiated instruction by instruction. The
-derivative of the solution {ydot} of [A]{ydot} = {f} + {tau} by {x}, {y} or a parameter is -[A]^-1 times the
-derivative of inverse dynamics at constant {ydot} (Carpentier and Mansard 2018, section III); by {tau} it is
-[A]^-1. The elimination itself is not differentiated, so these are the derivatives of the exact solution.
+{f} and the generalized forces of inverse dynamics are differentiated instruction by instruction. For the
+solution {ydot} of [A]{ydot} = {f} + {tau} there are two ways.
+
+The derivative by {x}, {y} or a parameter is -[A]^-1 times the derivative of inverse dynamics at constant
+{ydot} (Carpentier and Mansard 2018, section III); by {tau} it is [A]^-1. This is cheap, because one
+elimination of [A] serves all columns. But where a joint has three angles, [A] is nearly singular next to
+gimbal lock, and where {ydot} is refined, [A] is ill-conditioned; the derivative would lose there what {ydot}
+does not.
+
+So there the solver itself is differentiated instruction by instruction: with the components of angular
+accelerations that it solves for, and with its refinement. It costs less, too, where several bodies translate
+freely and rotate, because the solver never couples them.
 """
 
 from __future__ import annotations
@@ -20,6 +28,7 @@ from kanegen.program.ir import Op, Output, Program
 from kanegen.program.tangent import Tangent, tangents
 from kanegen.recursion.factorisation import carriers
 from kanegen.recursion.outputs import DERIVATIVES
+from kanegen.recursion.refinement import UNREFINED, Refinement
 
 
 def differentiated(
@@ -28,6 +37,7 @@ def differentiated(
     outputs: Mapping[str, Output],
     names: Sequence[str],
     constants: Constants,
+    refinement: Refinement = UNREFINED,
 ) -> Program:
     """Return the program with the outputs `names`, of which some are derivatives.
 
@@ -37,6 +47,7 @@ def differentiated(
         outputs: Outputs of the program, by name.
         names: Names of the outputs of the result, in order.
         constants: Precision of exact numbers.
+        refinement: Refinement of {ydot} in the program.
     """
     if not DERIVATIVES.keys() & set(names):
         return program
@@ -47,12 +58,19 @@ def differentiated(
     wanted = []
     for name in names:
         if name in DERIVATIVES:
-            wanted.append(
-                _Differentiation(builder, program, moved, system, outputs, constants, name).output()
-            )
+            differentiation = _Differentiation(builder, program, moved, system, outputs, constants, name)
+            wanted.append(differentiation.output(through_solver=_needs_solver(system, refinement)))
         else:
             wanted.append(outputs[name].renumbered(moved))
     return check(builder.program(wanted))
+
+
+def _needs_solver(system: System, refinement: Refinement) -> bool:
+    """Return whether to differentiate the solver of {ydot} instead of inverse dynamics."""
+    joints = [body.joint for body in system.bodies]
+    may_lock = any(joint.speeds_are_rates and all(joint.free[:3]) for joint in joints)
+    fall_freely = sum(all(joint.free[3:]) and any(joint.free[:3]) for joint in joints)
+    return may_lock or fall_freely > 1 or refinement.steps > 0
 
 
 class _Differentiation:
@@ -78,17 +96,22 @@ class _Differentiation:
         self._zero = builder.constant(constants.quotient(0, 1))
         self._one = builder.constant(constants.quotient(1, 1))
 
-    def output(self) -> Output:
-        """Return the output, added to the builder."""
-        if "forward_dynamics" in self._derivative.needs:
+    def output(self, *, through_solver: bool) -> Output:
+        """Return the output, added to the builder.
+
+        A derivative of {ydot} exists and is accurate where {ydot} is.
+
+        Args:
+            through_solver: Whether a derivative of {ydot} is that of its solver, instruction by instruction.
+        """
+        base = self._outputs[self._derivative.needs[-1]]
+        if "forward_dynamics" in self._derivative.needs and not through_solver:
             rows = self._rows_of_solution()
-            positive = self._outputs["forward_dynamics"].renumbered(self._moved).exists_if_positive
         else:
-            (base,) = self._derivative.needs
-            rows, positive = self._rows(self._outputs[base], self._moved), ()
+            rows = self._rows(base, self._moved)
         width = self._array.row
-        values = [row.get(column, self._zero) for row in rows for column in range(width)]
-        return Output(self._array, tuple(values), positive)
+        values = tuple(row.get(column, self._zero) for row in rows for column in range(width))
+        return replace(base.renumbered(self._moved), array=self._array, values=values)
 
     def _rows(self, output: Output, moved: Mapping[int, int]) -> list[Tangent]:
         """Return the derivatives of the elements of an output, by column."""

@@ -33,7 +33,7 @@ def lower(form: RecursiveForm, outputs: Sequence[str], constants: Constants = DO
     arrays = {output_array(form.system, name, form.methods): found for name, found in form.outputs.items()}
     program = lower_definitions(input_arrays(form.system), form.definitions, arrays, constants)
     lowered = dict(zip(form.outputs, program.outputs, strict=True))
-    return differentiated(program, form.system, lowered, outputs, constants)
+    return differentiated(program, form.system, lowered, outputs, constants, form.refinement)
 
 
 def lower_definitions(

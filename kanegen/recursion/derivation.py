@@ -36,12 +36,14 @@ class RecursiveForm:
         methods: The method by output.
         definitions: Intermediate values in order of evaluation; every expression is small.
         outputs: The derived entries by name of output.
+        refinement: Iterative refinement of {ydot}.
     """
 
     system: System
     methods: Methods
     definitions: tuple[Definition, ...]
     outputs: dict[str, Derived]
+    refinement: Refinement = UNREFINED
 
 
 def methods(system: System, outputs: Sequence[str], solver: str = "cheapest") -> tuple[Methods, ...]:
@@ -98,7 +100,7 @@ def derive(
             outputs[name] = derivation.derive(solution)
         elif isinstance(derivation, Recursion):
             outputs[name] = derivation.derive(prepared)
-    return RecursiveForm(system, methods, prepared.definitions.listed(), outputs)
+    return RecursiveForm(system, methods, prepared.definitions.listed(), outputs, refinement)
 
 
 def _solved_tree(prepared: Tree, methods: Methods, refinement: Refinement) -> Tree:

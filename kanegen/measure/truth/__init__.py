@@ -2,6 +2,7 @@
 
 - `certify` runs two algorithms, `kane` and `newton_euler`, in ball arithmetic (`balls`) and doubles the
   working precision until both `enclosure`s are narrow. Both read the model through `tree`, and only that.
+- `certified_derivatives` does the same for derivatives, by differences with a proven remainder.
 - `errors` compares results with exact ones; `conditioning` says how much accuracy the problem costs every
   program; `bounds` combines both into bounds on the errors of generated code.
 - `measurement` does all of this for a compiled library, and `calibration` fits the bounds to libraries.
@@ -13,6 +14,7 @@ arithmetic and the reading of the model. Only conditioning and bounds use magnit
 
 from kanegen.measure.truth.bounds import Fit, bound, fit
 from kanegen.measure.truth.calibration import calibrate
+from kanegen.measure.truth.certified_derivatives import derivatives
 from kanegen.measure.truth.certify import DisagreementError, Truth, truth
 from kanegen.measure.truth.conditioning import Conditioning, conditioning
 from kanegen.measure.truth.enclosure import Enclosure
@@ -31,6 +33,7 @@ __all__ = [
     "bound",
     "calibrate",
     "conditioning",
+    "derivatives",
     "errors",
     "fit",
     "measure",
