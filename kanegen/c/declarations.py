@@ -55,7 +55,7 @@ def simd_call(model: str, function: Function) -> list[str]:
 def simd_failures(function: Function) -> list[str]:
     """Return the statement that counts the states of a SIMD vector whose status is not 0."""
     bits = ["valid"] * bool(function.may_fail) + ["accurate"] * bool(function.may_be_inaccurate)
-    bits += [f"simd_all_finite({array.name}_simd, {array.size})" for array in function.outputs]
+    bits.append("finite")
     text = f"failed += rows - simd_count({f' &{BREAK}'.join(bits)}, rows);"
     return wrap(text, indent=" " * 8, hanging=" " * 12)
 

@@ -169,9 +169,8 @@ def test_a_batch_names_the_first_state_of_each_kind() -> None:
     doubtful = kinds.count(INACCURATE)
     assert doubtful > 0
     assert batch.states == doubtful + kinds.count(MISSING)
-    assert (
-        f"in {doubtful} of 64 states the result is not accurate; in state {kinds.index(INACCURATE)} the"
-        in (batch.message)
+    assert f"in {doubtful} of 64 states the result is not accurate; in state {kinds.index(INACCURATE)} " in (
+        batch.message
     )
 
 
