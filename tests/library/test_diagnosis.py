@@ -35,6 +35,7 @@ def built(system: kg.System, outputs: tuple[str, ...] = OUTPUTS, **choices: obje
     return kg.build(system, outputs, tier=Variant(**choices))
 
 
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
 @pytest.mark.parametrize(
     ("ratio", "precision", "solver"),
     [

@@ -21,11 +21,14 @@ from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import PARAMETERS, Array, Module, Output, Program
 from kanegen.program.precision import Precision, precision_named
 from kanegen.reference import equations as reference
+from kanegen.reference.kinematics import kinematics
+from kanegen.reference.magnitudes import forcing_magnitude, path_maxima
+from kanegen.reference.matrices import length
 
 FORWARD = ("forward_dynamics",)
 
-LARGEST_CHI = 100.0
-"""Cancellation of forces up to which errors count."""
+LARGEST_CANCELLATION = 100.0
+"""Cancellation of forces up to which errors count: chi, and the terms inside {f} over their sums."""
 
 LARGEST_ERROR = 8192.0
 """Largest error without a status, in unit roundoffs."""
@@ -40,7 +43,7 @@ class Tried:
         y: (B, n) speeds.
         tau: (B, n) generalized forces.
         error: (B,) error of {ydot} in unit roundoffs, as a whole.
-        chi: (B,) cancellation of the forces.
+        cancellation: (B,) cancellation of the forces, of each other (chi) and inside {f}.
         silent: (B,) whether the status is 0.
     """
 
@@ -48,13 +51,13 @@ class Tried:
     y: Floats
     tau: Floats
     error: Floats
-    chi: Floats
+    cancellation: Floats
     silent: Floats
 
     @cached_property
     def unreported(self) -> Floats:
         """(B,) error of states without a status in which forces do not cancel, else 0."""
-        counts = (self.silent > 0) & (self.chi <= LARGEST_CHI) & np.isfinite(self.error)
+        counts = (self.silent > 0) & (self.cancellation <= LARGEST_CANCELLATION) & np.isfinite(self.error)
         found: Floats = np.where(counts, self.error, 0.0)
         return found
 
@@ -99,8 +102,9 @@ class Evaluator:
             size = np.sqrt((true**2).sum(axis=1))
             error = np.sqrt(((value - true) ** 2).sum(axis=1)) / size
             chi = np.sqrt((parts**2).sum(axis=1)).sum(axis=1) / size
+            cancellation = np.maximum(chi.astype(float), _formation(self.system, x, y, tau))
         roundoffs = (error / self.precision.roundoff).astype(float)
-        return Tried(x, y, tau, roundoffs, chi.astype(float), silent)
+        return Tried(x, y, tau, roundoffs, cancellation, silent)
 
     def certified_error(self, found: Tried, i: int) -> float:
         """Return the error of {ydot} in a state by certified truth, in unit roundoffs."""
@@ -150,6 +154,20 @@ def _accelerations(system: kg.System, precision: Precision, x: Floats, y: Floats
         terms = reference.forcing_terms(arrays, x.astype(wide), y.astype(wide))
         right = np.stack([tau.astype(wide), terms.gravity, terms.total - terms.gravity], axis=-1)
         return _solved(matrix.astype(np.longdouble), right.astype(np.longdouble))
+
+
+def _formation(system: kg.System, x: Floats, y: Floats, tau: Floats) -> Floats:
+    """Return the (B,) magnitudes of the terms of {f} over their sums, after units are taken away."""
+    arrays = system.values()
+    matrix = reference.mass_matrix(arrays, x)
+    scale = 1 / np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
+    none = np.zeros((len(x), system.number_of_bodies, 3))
+    magnitude = forcing_magnitude(arrays, path_maxima(arrays, kinematics(arrays, x, y), y), none, none)
+    terms = reference.forcing_terms(arrays, x, y)
+    sums = np.abs(terms.gravity) + np.abs(terms.total - terms.gravity)
+    sizes = [length((part + np.abs(tau)) * scale, axis=1) for part in (magnitude, sums)]
+    found: Floats = sizes[0] / sizes[1]
+    return found
 
 
 def _widened(arrays: SystemArrays, dtype: type) -> SystemArrays:
