@@ -89,7 +89,7 @@ LOCKING = {
 
 
 @pytest.mark.parametrize("name", LOCKING)
-@pytest.mark.parametrize("distance", slow_except([10.0**-k for k in range(1, 10)], 1e-2, 1e-6, 1e-9))
+@pytest.mark.parametrize("distance", slow_except([10.0**-k for k in range(1, 10)], 1e-6, 1e-9))
 def test_derivatives_keep_their_accuracy_next_to_gimbal_lock(name: str, distance: float) -> None:
     """Through [A] of the angle rates they would lose 1 / distance^2: 1e-3 at 1e-6, everything at 1e-8."""
     system = LOCKING[name]()
@@ -109,7 +109,9 @@ def test_derivatives_of_refined_trees_are_refined(ratio: float, bodies: int) -> 
     assert max(errors(system, plain, states, i, tau)[1] for i in range(3)) > 1000
 
 
-@pytest.mark.parametrize("kind", ["any freedoms", "hinges", "falling", "rods"])
+@pytest.mark.parametrize(
+    "kind", slow_except(["any freedoms", "hinges", "falling", "rods"], "falling", "rods")
+)
 @pytest.mark.parametrize("seed", slow_except(range(12), 0))
 def test_the_bound_of_ordinary_trees(kind: str, seed: int) -> None:
     """A counterexample search: states of random trees, climbed from the worst."""
