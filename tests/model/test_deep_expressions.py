@@ -14,6 +14,7 @@ import kanegen as kg
 from kanegen.model.force_elements.grammar import MAX_CHARACTERS, MAX_DEPTH, MAX_EXPONENT, MAX_OPERATIONS
 from kanegen.reference import expressions
 from kanegen.symbolic.expressions import LONGEST_PART
+from kanegen.symbolic.printing.formats import FORMATS, render
 
 X = 0.3
 UNIT = 2.0**-53
@@ -124,6 +125,13 @@ def test_closed_form_of_a_deep_expression_is_refused() -> None:
     equations = kg.derive(sliders(kg.Drive("b0.s1", nested("sin(", 150))))
     with pytest.raises(kg.OptionError, match="too long to be read without intermediates"):
         equations.closed_form()
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_documents_define_the_parts(format: str) -> None:
+    text = render(kg.derive(sliders(kg.Drive("b0.s1", nested("sin(", 150)))), format)
+    assert "loads on points" in text or format == "python"
+    assert max(map(len, text.splitlines())) < 1500
 
 
 @pytest.mark.parametrize("depth", [1, MAX_DEPTH - 1])

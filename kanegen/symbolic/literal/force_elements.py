@@ -64,6 +64,7 @@ class ElementForces:
     @cached_property
     def _derived(self) -> tuple[ImmutableMatrix, tuple[Definition, ...]]:
         """The generalized forces, and the definitions of their intermediates."""
+        self.intermediates.about("Force elements and loads on points")
         none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
         forces = total([none, *self._joint_forces(), *self._spring_forces(), *self._point_loads()])
         return forces, self.intermediates.listed()
