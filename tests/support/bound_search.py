@@ -71,10 +71,11 @@ class Search:
         return states
 
     def errors(self, output: str, states: dict[str, Floats]) -> Floats:
-        """Return (states, entries) errors against the same program in long double."""
+        """Return (states, entries) errors against the same program in long double, less its last rounding."""
         computed = self.computed(output, states)
         exact = self.exact(output, states)
-        return np.abs(computed.astype(np.longdouble) - exact).astype(np.float64)
+        errors = np.abs(computed.astype(np.longdouble) - exact) - np.longdouble(2.0**-63) * np.abs(exact)
+        return np.maximum(errors, 0.0).astype(np.float64)
 
     def computed(self, output: str, states: dict[str, Floats]) -> NDArray[Any]:
         """Return (states, entries) results of the library, one state at a time with its own parameters."""

@@ -7,8 +7,9 @@ share goes in front. Of all routes to a bound the best one is kept, to be used a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -39,66 +40,45 @@ class Route:
     factor: int | None = None
 
 
-@dataclass
 class Routes:
-    """The best routes, by components; None where the magnitudes of the components are the best bound."""
-
-    best: dict[Components, Route | None] = field(default_factory=dict)
-
-
-class Lengths:
-    """Bounds of lengths of vectors of exact values, over B boxes.
+    """The best routes, chosen by the magnitudes of values in one box, for this box and parts of it.
 
     Args:
         steps: Steps of a function.
         relations: Their structure.
-        exact: Ranges of the exact values, to which the caller appends while they are found.
-        routes: Routes that are known; new ones are added.
     """
 
-    def __init__(
-        self, steps: Sequence[Step], relations: Relations, exact: Sequence[Intervals], routes: Routes
-    ) -> None:
+    def __init__(self, steps: Sequence[Step], relations: Relations) -> None:
         self._steps = steps
         self._relations = relations
-        self._exact = exact
-        self._routes = routes
-        self._known: dict[Components, Floats] = {}
+        self._sizes: list[float] = []
+        self._best: dict[Components, tuple[float, Route | None]] = {}
 
-    def of_pair(self, a: int, b: int) -> Floats:
-        """Return a bound (B,) of the length of the vector with the components a and b."""
-        return self._length(_sorted(((1, a),), ((1, b),)))
+    def best(self, key: Components, exact: Sequence[Intervals]) -> Route | None:
+        """Return the best route; None where the magnitudes of the components are the best bound.
 
-    def _length(self, key: Components) -> Floats:
-        """Return a bound of the length of a vector."""
-        if key not in self._known:
-            self._known[key] = self._by_magnitudes(key)
-            if len(key) > 1 and key not in self._routes.best:
-                self._routes.best[key] = self._best(key)
-            route = self._routes.best.get(key)
-            if route is not None:
-                self._known[key] = np.minimum(self._known[key], self._by_route(route))
-        return self._known[key]
+        Args:
+            key: Components of a vector.
+            exact: Ranges of the values that are known so far.
+        """
+        self._sizes += [float(np.max(one.magnitude)) for one in exact[len(self._sizes) :]]
+        self._estimate(key)
+        return self._best[key][1]
 
-    def _best(self, key: Components) -> Route | None:
-        """Return the route with the least bound, in the mean over boxes."""
-        best, least = None, float(np.mean(self._known[key]))
-        for route in self._possible(key):
-            mean = float(np.mean(self._by_route(route)))
-            if mean < least:
-                best, least = route, mean
-        return best
+    def _estimate(self, key: Components) -> float:
+        """Return the length by the best route, without care for rounding."""
+        if key not in self._best:
+            self._best[key] = self._by_magnitudes(key), None
+            for route in self._possible(key) if len(key) > 1 else ():
+                length = sum(map(self._estimate, route.parts))
+                length *= 1.0 if route.factor is None else self._sizes[route.factor]
+                if length < self._best[key][0]:
+                    self._best[key] = length, route
+        return self._best[key][0]
 
-    def _by_route(self, route: Route) -> Floats:
-        """Return the bound of a route."""
-        total = up_sum([self._length(part) for part in route.parts])
-        return total if route.factor is None else up_product(self._exact[route.factor].magnitude, total)
-
-    def _by_magnitudes(self, key: Components) -> Floats:
+    def _by_magnitudes(self, key: Components) -> float:
         """Return the length of a vector whose components have their largest magnitudes."""
-        sizes = [up_sum(self._exact[number].magnitude for _, number in component) for component in key]
-        length: Floats = np.sqrt(sum((size * size for size in sizes), start=np.zeros(()))) * _SLACK
-        return length
+        return math.hypot(*(sum(self._sizes[number] for _, number in component) for component in key))
 
     def _possible(self, key: Components) -> Iterator[Route]:
         """Yield routes to the length of a vector with two or three components."""
@@ -124,7 +104,7 @@ class Lengths:
             a, b = (component[0][1] for component in key)
             companions = self._relations.companions
             for other in sorted((companions[a] | companions[b]) - {a, b}):
-                if other < len(self._exact):
+                if other < len(self._sizes):
                     yield Route((_sorted(*key, ((1, other),)),))
 
     def _by_largest_terms(self, key: Components) -> Iterator[Route]:
@@ -161,7 +141,46 @@ class Lengths:
         return self._relations.terms(number, sign)
 
     def _size(self, term: Term) -> float:
-        return float(np.max(self._exact[term[1]].magnitude))
+        """Return the largest magnitude of a term."""
+        return self._sizes[term[1]]
+
+
+class Lengths:
+    """Bounds of lengths of vectors of exact values, over B boxes.
+
+    Args:
+        exact: Ranges of the exact values, to which the caller appends while they are found.
+        routes: The routes to take.
+    """
+
+    def __init__(self, exact: Sequence[Intervals], routes: Routes) -> None:
+        self._exact = exact
+        self._routes = routes
+        self._known: dict[Components, Floats] = {}
+
+    def of_pair(self, a: int, b: int) -> Floats:
+        """Return a bound (B,) of the length of the vector with the components a and b."""
+        return self._length(_sorted(((1, a),), ((1, b),)))
+
+    def _length(self, key: Components) -> Floats:
+        """Return a bound of the length of a vector."""
+        if key not in self._known:
+            self._known[key] = self._by_magnitudes(key)
+            route = self._routes.best(key, self._exact)
+            if route is not None:
+                self._known[key] = np.minimum(self._known[key], self._by_route(route))
+        return self._known[key]
+
+    def _by_route(self, route: Route) -> Floats:
+        """Return the bound of a route."""
+        total = up_sum([self._length(part) for part in route.parts])
+        return total if route.factor is None else up_product(self._exact[route.factor].magnitude, total)
+
+    def _by_magnitudes(self, key: Components) -> Floats:
+        """Return the length of a vector whose components have their largest magnitudes."""
+        sizes = [up_sum(self._exact[number].magnitude for _, number in component) for component in key]
+        length: Floats = np.sqrt(sum((size * size for size in sizes), start=np.zeros(()))) * _SLACK
+        return length
 
 
 def _sorted(*components: Component) -> Components:

@@ -91,7 +91,8 @@ class Bounder:
         return self._known[key]
 
     def _of_steps(self, alone: Evaluation, array: Array) -> OutputBound:
-        steps, relations, routes = alone.steps, Relations(alone.steps), Routes()
+        steps, relations = alone.steps, Relations(alone.steps)
+        routes = Routes(steps, relations)
         numbers = sorted({number for _, number in alone.outputs[array]})
 
         def bounds(box: Box) -> Floats:

@@ -67,7 +67,7 @@ def ranges(
         relations,
         box,
         found,
-        Lengths(steps, relations, found.exact, Routes() if routes is None else routes),
+        Lengths(found.exact, routes or Routes(steps, relations)),
     )
     with np.errstate(all="ignore"):
         for number, step in enumerate(steps):
@@ -165,10 +165,10 @@ class _Sweep:
         if double is not None and len(double.values) <= MOST_VALUES:
             return self._double_turn(double).within(plain)
         total = None
-        while (turn := next(self.relations.turns(terms), None)) is not None:
-            part = self._turn(turn)
+        while turns := self.relations.turns(terms):
+            part = self._turn(turns[0])
             total = part if total is None else total.plus(part)
-            terms = turn.others
+            terms = turns[0].others
         return plain if total is None else self._plus(total, terms).within(plain)
 
     def _turn(self, turn: Turn) -> Intervals:

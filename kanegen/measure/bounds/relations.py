@@ -97,6 +97,8 @@ class Relations:
             for i, step in enumerate(steps)
             if step.op in (Op.SIN, Op.COS)
         }
+        self._sums: dict[Term, Component] = {}
+        self._turns: dict[Component, tuple[Turn, ...]] = {}
         self._scaled = {i: (factor, 1.0) for i, factor in self.factors.items()} | dict(self._multiples())
 
     @cached_property
@@ -114,11 +116,18 @@ class Relations:
 
     def terms(self, number: int, sign: int = 1) -> Component:
         """Return a step as a sum of terms; sums that other steps use, too, are one term."""
-        found = tuple(self._terms(number, sign, outermost=True))
-        return found if len(found) <= LONGEST_SUM else ((sign, number),)
+        if (number, sign) not in self._sums:
+            found = tuple(self._terms(number, sign, outermost=True))
+            self._sums[number, sign] = found if len(found) <= LONGEST_SUM else ((sign, number),)
+        return self._sums[number, sign]
 
-    def turns(self, terms: Component) -> Iterator[Turn]:
-        """Yield every turn among terms."""
+    def turns(self, terms: Component) -> tuple[Turn, ...]:
+        """Return every turn among terms."""
+        if terms not in self._turns:
+            self._turns[terms] = tuple(self._found_turns(terms))
+        return self._turns[terms]
+
+    def _found_turns(self, terms: Component) -> Iterator[Turn]:
         for i, (sign, number) in enumerate(terms):
             for factor, other in self._products(number):
                 for k, (other_sign, other_number) in enumerate(terms) if not factor.is_sine else ():
