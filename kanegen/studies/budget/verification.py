@@ -48,6 +48,9 @@ from kanegen.studies.tradeoff.variants import Candidate
 MEASURED = ("claim", "validation", "search", "proof", "bits")
 """Sections that depend on the results of the variant, and so on the machine if it is not reproducible."""
 
+GIVEN = ("request", "model", "domain", "variant")
+"""Sections from which the other statements are derived; these no longer follow if one of them is changed."""
+
 SHOWN = 3
 """Number of differences that a finding names."""
 
@@ -232,7 +235,8 @@ class _Checks:
         for name, derived in self._derived.items():
             found = list(differences(name, self.certificate.section(name), derived))
             if not found:
-                yield Finding(name, True, "derived again and the same")
+                how = "given, in full" if name in GIVEN else "derived again and the same"
+                yield Finding(name, True, how)
                 continue
             listed = "; ".join(found[:SHOWN])
             more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
