@@ -372,14 +372,18 @@ def test_bounds_by_state_are_never_below_errors(yardstick: str) -> None:
         assert np.median(bounds[:10] / errors[:10]) < (1e2 if precision == "double" else 10)
 
 
-def test_a_budget_in_units() -> None:
+def test_a_budget_in_units(tmp_path: Path) -> None:
     found = certify_variant(
         MODEL, read_region(BOX, MODEL), request(error=1e-9, relative_to="units"), CANDIDATES
     )
-    assert "error at most 1e-09 in rad/s^2 and m/s^2" in found.certificate.content["claim"]["words"]
-    sample = sample_from_table(
-        read_region(BOX, MODEL).domain, found.certificate.content["validation"]["worst"]["state"]
-    )
+    content = found.certificate.content
+    assert "error at most 1e-09 in rad/s^2 and m/s^2" in content["claim"]["words"]
+    assert content["claim"]["evidence"] == "proven"
+    assert "in every state of the domain" in content["claim"]["words"]
+    assert "an upper bound on the error in every state of the domain" not in content["not_claimed"]
+    assert found.choice.worst.error <= content["proof"]["domain"]["bound"] <= 1e-9
+    assert verify(found.source.write(tmp_path / "out") / FILE, states=8).passed
+    sample = sample_from_table(read_region(BOX, MODEL).domain, content["validation"]["worst"]["state"])
     library = kg.build(MODEL, ("forward_dynamics",), tier=found.choice.candidate.variant)
     (exact,) = ExactResults(MODEL).states(sample)
     off = exact.outputs["forward_dynamics"].distance(

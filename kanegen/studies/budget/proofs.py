@@ -10,18 +10,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kanegen.errors import KanegenError
+from kanegen.measure.bounds.domain import box_from_table
+from kanegen.measure.bounds.source import bound_source
 from kanegen.model.arrays import Floats
 from kanegen.studies.budget.budget_evaluator import BudgetEvaluator
 from kanegen.studies.budget.confirmation import Confirmation, fresh_sample
 from kanegen.studies.budget.request import TERMS, UNITS_OF_ENTRIES, Request
 from kanegen.studies.tradeoff.domain import Sample
-from kanegen.studies.tradeoff.exact_results import ExactResults, compute_accelerations
+from kanegen.studies.tradeoff.exact_results import OUTPUT, ExactResults, compute_accelerations
 from kanegen.studies.tradeoff.state_bounds import entry_bounds, normwise_bounds
 from kanegen.studies.tradeoff.variants import Candidate
 
@@ -48,7 +52,31 @@ def proof(evaluator: BudgetEvaluator, request: Request, found: Confirmation[Cand
         "kept": kept,
         "median_bound": float(np.median(known)) if known.size else None,
     }
-    return {"kind": BY_STATE if kept == len(bounds) else SAMPLED, "by_state": by_state}
+    everywhere, reason = bound_over_domain(evaluator, request, found.candidate)
+    kind = PROVEN if everywhere <= claim else BY_STATE if kept == len(bounds) else SAMPLED
+    domain = {"bound": everywhere if everywhere < math.inf else None, "no_bound_because": reason}
+    return {"kind": kind, "domain": domain, "by_state": by_state}
+
+
+def bound_over_domain(
+    evaluator: BudgetEvaluator, request: Request, candidate: Candidate
+) -> tuple[float, str]:
+    """Return a proven bound on the error in every state of the domain, and why there is none.
+
+    The bound is infinite where there is none. The states that a domain excludes for their cancellation are
+    covered as well.
+    """
+    if request.relative_to != UNITS_OF_ENTRIES:
+        return math.inf, "only errors in units are bounded over a domain"
+    region = evaluator.region
+    table = {name: part for name, part in region.as_table().items() if part}
+    table["exclude"] = {"clearance": region.domain.clearance}
+    try:
+        box = box_from_table(region.system, table)
+        found = bound_source(evaluator.library(candidate).source, box)
+    except KanegenError as error:
+        return math.inf, str(error)
+    return found.largest[OUTPUT], found.unbounded.get(OUTPUT, "")
 
 
 def bounds_by_state(exact: ExactResults, sample: Sample, values: NDArray[Any], relative_to: str) -> Floats:
@@ -69,6 +97,8 @@ def bounds_by_state(exact: ExactResults, sample: Sample, values: NDArray[Any], r
 def proof_words(proof: Mapping[str, Any]) -> str:
     """Return the clause of a claim that names its kind of evidence, from the section "proof"."""
     by_state = proof["by_state"]
+    if proof["kind"] == PROVEN:
+        return f"proven: at most {proof['domain']['bound']:.3g} in every state of the domain"
     if proof["kind"] == SAMPLED:
         return f"sampled: the output error_bound proves it in {by_state['kept']} of these fresh states"
     return "proven by state: the output error_bound proves it in every one of these fresh states"

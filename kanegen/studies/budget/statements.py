@@ -25,7 +25,7 @@ from kanegen.studies.budget.certificate import (
 )
 from kanegen.studies.budget.confirmation import Confirmation, fresh_sample
 from kanegen.studies.budget.counterexample import conditioning_ranges
-from kanegen.studies.budget.proofs import proof, proof_words
+from kanegen.studies.budget.proofs import PROVEN, proof, proof_words
 from kanegen.studies.budget.request import METRICS, SOLUTION, TERMS, UNITS_OF_ENTRIES, Effort, Request
 from kanegen.studies.budget.sampling import state_table
 from kanegen.studies.tradeoff.exact_results import OUTPUT
@@ -71,7 +71,7 @@ def statements(
     }
     return {
         "claim": {**claim, "words": claim_words(claim, **measured)},
-        "not_claimed": _not_claimed(found.candidate),
+        "not_claimed": _not_claimed(found.candidate, proven["kind"]),
         "request": {**asdict(request), "seed": seed},
         "model": {"name": source.model.name, "text": text},
         "domain": evaluator.region.as_table(),
@@ -122,13 +122,21 @@ def request_from_table(table: Mapping[str, Any]) -> tuple[Request, int]:
     return request, seed
 
 
-def _not_claimed(candidate: Candidate) -> list[str]:
-    """Return the section "not_claimed": statements that a reader must not infer from a certificate."""
+def _not_claimed(candidate: Candidate, kind: str) -> list[str]:
+    """Return the section "not_claimed": statements that a reader must not infer from a certificate.
+
+    Args:
+        candidate: The variant.
+        kind: The kind of evidence of the claim; a proof covers every state of the domain.
+    """
     others = [name for name, variant in TIERS.items() if variant != candidate.variant]
-    beyond = [
+    untried = [
         "an upper bound on the error in every state of the domain",
-        "states outside the domain, and other values of run-time parameters",
         "states whose numbers need more than single precision; all that were tried have that",
+    ]
+    beyond = [
+        *(untried if kind != PROVEN else ()),
+        "states outside the domain, and other values of run-time parameters",
         "the error of trajectories, and of other outputs",
         "times on other machines, and with loads or run-time parameters",
     ]
