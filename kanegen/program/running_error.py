@@ -9,7 +9,7 @@ holds for all rounding to nearest, whether the compiler contracts products and s
     a b           E = E_a (|b| + u E_b) + E_b |a| + |v| + t
     a / b         E = (E_a + |v| E_b) / (|b| - u E_b) + |v| + t,   where |b| > 2 u E_b
     sqrt a        E = E_a / |v| + |v|
-    sin a, cos a  E = E_a + c |v| + t
+    sin a, cos a  E = E_a + c
 
 Here v is what the operation computed, t covers a result or a product of errors that underflows, and c is the
 error of the functions. What is exact has no E: inputs, sign changes, constants that the precision holds, and
@@ -47,7 +47,7 @@ class Arithmetic:
 
     Attributes:
         precision: Precision of all operations, with rounding to nearest.
-        sine_error: Bound on the error of a computed sine or cosine v, in units of u |v|.
+        sine_error: Bound on the error of a computed sine or cosine, in units of u.
     """
 
     precision: Precision
@@ -165,8 +165,7 @@ class RunningErrors:
             moved = None if inner is None else self._builder.divide(inner, self.size(i))
             return self._sum([moved, self.size(i)])
         assert op in _SINES
-        own = self._builder.constant(self._arithmetic.sine_error)
-        return self._sum([inner, self._builder.multiply(own, self.size(i)), self.least])
+        return self._sum([inner, self._builder.constant(self._arithmetic.sine_error)])
 
     def _error_of_product(self, i: int, a: int, b: int) -> int | None:
         """Return E of a product; a power of two of at least 1 only moves the error of its other factor."""

@@ -110,6 +110,8 @@ class _Sweep:
                 return a / b
             case Op.NEGATE, (a,):
                 return -a
+            case Op.ABS, (a,):
+                return Intervals(np.maximum(0.0, np.maximum(a.low, -a.high)), a.magnitude)
             case Op.SQRT, (a,):
                 return a.root()
             case ((Op.SIN | Op.COS), _):

@@ -62,7 +62,7 @@ class Roundings:
         """
         precision = step.precision
         match step.op:
-            case Op.INPUT | Op.NEGATE:
+            case Op.INPUT | Op.NEGATE | Op.ABS:
                 return np.zeros(())
             case Op.CONSTANT:
                 return np.asarray(constant_error(step))

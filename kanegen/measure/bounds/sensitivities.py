@@ -111,6 +111,8 @@ class _ReverseSweep:
                 slope = adjoint * self._found.computed[b].reciprocal()
                 waiting[a].add(slope)
                 waiting[b].add(-(slope * self._found.exact[number]))
+            case Op.ABS, (a,):
+                waiting[a].add(adjoint * point(1.0).symmetric())
             case Op.SQRT, (a,):
                 waiting[a].add(adjoint * root_slope(self._found.exact[a], self._found.computed[a]))
             case ((Op.SIN | Op.COS), (a,)):
