@@ -295,7 +295,8 @@ def test_units_do_not_matter(mass: float, length: float, time: float) -> None:
     forces = mass * length**2 / time**2 / lengths
     assert (other["forcing"].value == found["forcing"].value * forces).all()
     assert (other["forward_dynamics"].value == found["forward_dynamics"].value * lengths / time**2).all()
-    assert truth.conditioning(other) == truth.conditioning(found)
+    plain, rescaled = truth.conditioning(found), truth.conditioning(other)
+    assert replace(rescaled, terms=rescaled.terms / length * time**2) == plain
 
 
 @pytest.mark.parametrize("module", ["balls", "enclosure", "tree", "kane", "newton_euler"])
