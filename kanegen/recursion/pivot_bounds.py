@@ -193,7 +193,9 @@ def _least_of_joint(body: Body, joint: JointMotion, together: bool) -> dict[int,
     if rotations and not (together and joint.translates_freely):
         # The body may turn instead of following with its mass centre.
         offset = mass * sum((one**2 for one in center), S.Zero)
-        carried = mass if offset == 0 else S.Zero if least == 0 else mass * least / (least + offset)
+        carried = mass if offset == 0 else S.Zero
+        if least != 0 and not offset.free_symbols:
+            carried = mass * least / (least + offset)
     return found | {one.freedom: carried for one in joint.translations}
 
 
@@ -207,12 +209,13 @@ def _are_orthogonal(angles: list[Step], together: bool) -> bool:
 def _least_inertia(body: Body) -> Expr:
     """Return a lower bound of the smallest principal inertia: 4 det[I] / trace[I]^2.
 
-    The product of the two other principal inertias is not larger than the square of half their sum.
+    The product of the two other principal inertias is not larger than the square of half their sum. Where
+    the inertia depends on parameters, zero.
     """
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = ([exact(value) for value in row] for row in body.inertia)
     trace = xx + yy + zz
-    if trace == 0:
-        return S.Zero
+    if trace == 0 or trace.free_symbols:
+        return S.Zero  # a parameter may become zero
     determinant = xx * (yy * zz - yz**2) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
     return 4 * determinant / trace**2
 
