@@ -36,7 +36,7 @@ bench: $(VENV)/.bench
 growth: $(VENV)/.bench
 	$(BIN)/python -m benchmarks.growth
 
-# Try the C where arithmetic is hardest and rewrite docs/extremes.md; takes about a quarter of an hour.
+# Try the C where arithmetic is hardest and rewrite docs/extremes.md; takes about half an hour.
 extremes: $(VENV)/.tests $(VENV)/.bench
 	$(BIN)/python -m tests.battery
 

@@ -2,7 +2,7 @@
 
     python -m tests.battery [--quick | --nightly] [--only X1 ...] [--docs FOLDER]
 
-Needs the extras `truth`, `bench`, `study` and `test`. The full size takes about ten minutes, the nightly size
+Needs the extras `truth`, `bench`, `study` and `test`. The full size takes about half an hour, the nightly size
 hours.
 """
 
