@@ -110,7 +110,8 @@ def is_well_conditioned(system: System, losses: Losses) -> bool:
     """
     if not (losses.largest <= LARGEST_FORMATION_LOSS).all():
         return False
-    regular = system.with_speeds("angular_velocity")  # [A] is singular at gimbal lock, where no solver fails
+    # [A] is singular at gimbal lock, where no solver fails; force elements, which name rates, are not in [A].
+    regular = replace(system, force_elements=()).with_speeds("angular_velocity")
     size, states = system.number_of_bodies * len(system.freedoms), losses.states
     count = min(len(states), max(4, MATRIX_ENTRIES // size))
     chosen = np.linspace(0, len(states) - 1, count).astype(int)
