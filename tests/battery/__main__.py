@@ -2,8 +2,8 @@
 
     python -m tests.battery [--quick | --nightly] [--only X1 ...] [--docs FOLDER]
 
-Needs the extras `truth`, `bench`, `study` and `test`. The full size takes about half an hour, the nightly size
-hours.
+Needs the extras `truth`, `bench`, `study` and `test`. The full size takes about half an hour, the nightly
+size hours.
 """
 
 from __future__ import annotations

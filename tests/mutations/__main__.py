@@ -15,7 +15,7 @@ from pathlib import Path
 from queue import Queue
 
 from tests.mutations.faults import Fault, faults
-from tests.mutations.runner import copy, is_seen
+from tests.mutations.runner import copy, is_seen, require_sound
 
 
 def main() -> None:
@@ -26,6 +26,7 @@ def main() -> None:
         folders: Queue[Path] = Queue()
         for k in range(options.processes):
             folders.put(copy(Path(name) / str(k)))
+        require_sound(sorted({test for fault in chosen for test in fault.tests}), Path(name) / "0")
         with ThreadPoolExecutor(options.processes) as pool:
             found = list(pool.map(lambda fault: _tried(fault, folders), chosen))
     counted = [(fault, seen) for fault, seen in zip(chosen, found, strict=True) if not fault.harmless]
