@@ -101,6 +101,36 @@ def test_wrong_argument_is_one_bounded_line(name: str, argument: str) -> None:
             assert str(error).isprintable(), repr(str(error))
 
 
+@pytest.mark.parametrize(
+    ("function", "argument"),
+    [
+        *((kg.derive, argument) for argument in ("speeds", "coordinates")),
+        *((kg.generate, name) for name in ("outputs", "without", "functions", "artifacts", "reanchoring")),
+        *((kg.build, argument) for argument in ("compiler", "flags", "threads", "outputs")),
+        *((kg.compare, argument) for argument in ("states", "seed")),
+    ],
+)
+def test_wrong_option_is_one_bounded_line(function: Callable[..., Any], argument: str) -> None:
+    """Values of types that no option has; strings and small numbers are options of some."""
+    wrong = (
+        1j,
+        object(),
+        Unprintable(),
+        np.zeros((2, 2)),
+        np.array(3),
+        np.array([None]),
+        10**5000,
+        [[1]],
+        {1: 2},
+    )
+    for value in wrong:
+        try:
+            function(SYSTEM, **{argument: value})
+        except kg.KanegenError as error:
+            assert len(str(error)) <= LONGEST_MESSAGE
+            assert str(error).isprintable(), repr(str(error))
+
+
 @pytest.mark.parametrize("value", WRONG, ids=map(quoted, WRONG))
 def test_library_refuses_tables_of_other_types(value: Any) -> None:
     library = kg.build(SYSTEM, ("mass_matrix",))
