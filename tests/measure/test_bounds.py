@@ -192,8 +192,11 @@ CASES = [
 def table(system: kg.System, size: str) -> dict:
     """The ranges of a case: whole turns, or 0.1 rad about 0."""
     found: dict = {name: dict(part) for name, part in DOMAIN.items()}
-    if size == "small":
-        found["x"] = {"angles": [-0.1, 0.1]}
+    kinds = {coordinate.unit for coordinate in system.coordinates}
+    if "1" in kinds:
+        found["x"] = {"quaternions": [0.4, 0.6]}  # away from length 0
+    if size == "small" and "rad" in kinds:
+        found["x"] = {**found.get("x", {}), "angles": [-0.1, 0.1]}
         if system.parameters:
             found["parameters"] = {p.name: [0.9 * p.value, 1.1 * p.value] for p in system.parameters[:1]}
     return found
