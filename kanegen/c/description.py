@@ -19,6 +19,8 @@ class ModelDescription:
         freedom_units: Unit of each freedom, "rad" or "m".
         coordinate_names: Names in the order of {x}: the freedoms, or the four elements of a quaternion.
         coordinate_units: Unit of each coordinate, "rad", "m" or "1".
+        homogeneous: For each orientation whose coordinates have a length without meaning, such as a
+            quaternion, the places of these coordinates in {x}.
         body_names: N names of the bodies.
         loaded: For each body whether it takes a force and a torque.
         parameters: Name and default of each run-time parameter, in the order of the C array.
@@ -55,6 +57,7 @@ class ModelDescription:
     reactions: tuple[tuple[str, str], ...] = ()
     prescribed: tuple[tuple[str, str], ...] = ()
     reanchorable: tuple[ReanchorableJoint, ...] = ()
+    homogeneous: tuple[tuple[int, ...], ...] = ()
 
     @property
     def prefix(self) -> str:
@@ -132,7 +135,17 @@ def description(system: System) -> ModelDescription:
             for name, freedom in zip(system.prescribed_names, system.prescribed, strict=True)
         ),
         reanchorable=reanchorable_joints(system),
+        homogeneous=_homogeneous(system),
     )
+
+
+def _homogeneous(system: System) -> tuple[tuple[int, ...], ...]:
+    """Return by body the places in {x} of coordinates without a unit: only their ratios have a meaning."""
+    places: dict[int, list[int]] = {}
+    for coordinate, place in system.coordinate_places.items():
+        if coordinate.unit == "1":
+            places.setdefault(coordinate.body, []).append(place)
+    return tuple(tuple(found) for found in places.values())
 
 
 def _sequences(system: System) -> tuple[tuple[str, str], ...]:

@@ -48,7 +48,7 @@ def integrate_fixed(
         SingularError: If the state stops being finite.
     """
     total = (CompensatedSum if compensated else Sum)(start)
-    keep = LengthKeeper(motion.state, start) if motion.state.quaternions else None
+    keep = LengthKeeper(motion.state, start) if motion.state.homogeneous else None
     found = [start]
     for begin, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
         count = max(1, math.ceil((end - begin) / step * (1 - _SLACK)))
@@ -164,7 +164,7 @@ def implicit_midpoint(motion: Motion, time: float, step: float, state: Floats) -
 
 
 class LengthKeeper:
-    """Keeps the lengths of quaternions within a factor of 2 of their first values.
+    """Keeps the lengths of homogeneous coordinates within a factor of 2 of their first values.
 
     Steps change them, and long motions would let them overflow. Factors are powers of two, so that nothing is
     rounded.
@@ -176,7 +176,7 @@ class LengthKeeper:
         self._lengths = layout.lengths(start)
 
     def __call__(self, total: Sum) -> None:
-        """Scale the quaternions of a running sum whose lengths have changed by a factor of 2."""
+        """Scale the homogeneous coordinates of a running sum whose lengths have changed by a factor of 2."""
         with np.errstate(all="ignore"):
             ratios = self._layout.lengths(total.state) / self._lengths
             exponents = np.rint(np.log2(ratios))
@@ -200,7 +200,7 @@ class Sum:
         self.state = self.state + change
 
     def scale(self, layout: StateLayout, factors: Floats) -> None:
-        """Multiply the quaternions of the state by powers of two, which rounds nothing."""
+        """Multiply homogeneous coordinates of the state by powers of two, which rounds nothing."""
         self.state = layout.scaled(self.state, factors)
 
 

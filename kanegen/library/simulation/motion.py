@@ -29,18 +29,18 @@ class StateLayout:
 
     Attributes:
         coordinates: Number m of coordinates.
-        quaternions: For each quaternion the place in {x} of its first element.
+        homogeneous: For each orientation by homogeneous coordinates, such as a quaternion, their places in
+            {x}. Their length has no meaning.
     """
 
     coordinates: int
-    quaternions: tuple[int, ...] = ()
+    homogeneous: tuple[tuple[int, ...], ...] = ()
 
     @classmethod
     def of(cls, library: Library) -> StateLayout:
         """Return the layout of the states of a library."""
-        units = library.source.model.coordinate_units
-        elements = [place for place, unit in enumerate(units) if unit == "1"]
-        return cls(len(units), tuple(elements[::4]))
+        model = library.source.model
+        return cls(len(model.coordinate_units), model.homogeneous)
 
     def join(self, x: Floats, y: Floats, work: Floats) -> Floats:
         """Return one array of (..., m) coordinates, (..., n) speeds and (...) work."""
@@ -55,18 +55,18 @@ class StateLayout:
         return np.ascontiguousarray(state[..., self.coordinates : -1])
 
     def lengths(self, state: Floats) -> Floats:
-        """Return the (..., Q) lengths of the quaternions of a state, or of its coordinates."""
-        parts = [state[..., place : place + 4] for place in self.quaternions]
+        """Return the (..., H) lengths of the homogeneous coordinates of a state, or of its coordinates."""
+        parts = [state[..., list(places)] for places in self.homogeneous]
         return np.stack([np.sqrt(np.sum(part * part, axis=-1)) for part in parts], axis=-1)
 
     def scaled(self, state: Floats, factors: Floats) -> Floats:
-        """Return a state, or its coordinates, with quaternions multiplied by (..., Q) factors.
+        """Return a state, or its coordinates, with homogeneous coordinates multiplied by (..., H) factors.
 
-        That changes no orientation: neither rates nor accelerations depend on the lengths of quaternions.
+        That changes no orientation: neither rates nor accelerations depend on their lengths.
         """
         found = state.copy()
-        for k, place in enumerate(self.quaternions):
-            found[..., place : place + 4] *= factors[..., k, None]
+        for k, places in enumerate(self.homogeneous):
+            found[..., list(places)] *= factors[..., k, None]
         return found
 
 

@@ -124,7 +124,7 @@ def simulate(
     motion.report_inaccurate()
     driven = None if prescribed is None else np.array([prescribed(time) for time in moments], start.dtype)
     coordinates = layout.x(states)
-    if layout.quaternions:
+    if layout.homogeneous:
         factors = layout.lengths(start_x) / layout.lengths(coordinates)
         coordinates = layout.scaled(coordinates, factors)
     found = coordinates, layout.y(states), states[..., -1]
