@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import chain
 from typing import Any
@@ -26,8 +27,11 @@ def exact(value: Number) -> Expr:
 
 
 def constant_sine_cosine(angle: float, constants: Constants) -> tuple[Expr, Expr]:
-    """Return sine and cosine of a constant angle (rad), exact at right angles."""
-    sine, cosine = sine_cosine(angle, constants.functions)
+    """Return sine and cosine of a constant angle (rad), exact at right angles.
+
+    For C in double and single precision they are doubles; fractions of 320 bits grow too long in products.
+    """
+    sine, cosine = sine_cosine(angle, constants.functions if constants.are_rotations_exact else math)
     return rational(sine), rational(cosine)
 
 

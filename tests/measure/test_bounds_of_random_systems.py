@@ -27,7 +27,7 @@ KINDS: dict[str, Callable[[int], kg.System]] = {
     "quaternions": with_quaternions,
     "acted on": lambda seed: acted_on(systems.random_system(np.random.default_rng(seed), bodies=2), seed),
 }
-CASES = [(kind, seed) for kind in KINDS for seed in range(9)]
+CASES = [(kind, seed) for kind in KINDS for seed in range(12)]
 
 
 def outputs(system: kg.System, rng: np.random.Generator) -> list[str]:

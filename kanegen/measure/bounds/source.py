@@ -97,3 +97,7 @@ def _assumptions(variant: Variant, arrays: Formats, system: System) -> Iterator[
                 f"the joint orientations of {', '.join(map(repr, inexact))} count as they are written; they "
                 f"differ from rotations by {max(distances.values()):.1e}."
             )
+        if any(
+            isinstance(angle, float) and angle for body in system.bodies for angle in body.joint.locked[:3]
+        ):
+            yield "sines and cosines of locked angles count as the doubles nearest to them."
