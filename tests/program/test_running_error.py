@@ -25,11 +25,25 @@ CORRECTLY_ROUNDED = 0.53
 """Error of Python's sines and cosines, in units of u: at most 0.52 units in the last place."""
 
 
+class Functions:
+    """The functions of mpmath, but for sines and cosines of angles that would need endless digits of pi."""
+
+    fabs, sqrt = staticmethod(mpmath.fabs), staticmethod(mpmath.sqrt)
+
+    @staticmethod
+    def sin(angle: mpmath.mpf) -> mpmath.mpf:
+        return mpmath.sin(angle) if abs(angle) < 1e100 else mpmath.nan
+
+    @staticmethod
+    def cos(angle: mpmath.mpf) -> mpmath.mpf:
+        return mpmath.cos(angle) if abs(angle) < 1e100 else mpmath.nan
+
+
 def exact_values(program: Program, x: list[float]) -> list[mpmath.mpf]:
     """Return the outputs of a program in 400 digits."""
     with mpmath.workdps(400):
         numbers = {"x": [mpmath.mpf(value) for value in x]}
-        return run(program, numbers, mpmath, mpmath.mpf)["f"]
+        return run(program, numbers, Functions, mpmath.mpf)["f"]
 
 
 def bounded(program: Program, arithmetic: Arithmetic) -> tuple[Program, list[int]]:
@@ -60,7 +74,7 @@ def test_no_error_exceeds_its_bound(precision: Precision, data: st.DataObject) -
     found = evaluate(both, precision.dtype.type, x=x)["f"].astype(np.float64)
     values, errors = np.split(found, 2)
     for place, truth in enumerate(exact):
-        if not math.isfinite(values[place]) or not math.isfinite(errors[place]):
+        if not math.isfinite(values[place]) or not math.isfinite(errors[place]) or mpmath.isnan(truth):
             continue
         assert isinstance(truth, mpmath.mpf)  # the square root of a negative number has no bound
         with mpmath.workdps(400):
