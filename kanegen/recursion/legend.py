@@ -87,6 +87,7 @@ NAMES = (
     ("h_{K}_{x}", "first moment of mass of body K about its origin (kg m)"),
     ("hr_{K}_{x}", "first moment times position of the mass centre of body K (kg m^2)"),
     ("I_{K}_{xx}", "inertia of body K about its origin (kg m^2)"),
+    ("Im_{K}_{xx}", "inertia of body K about its origin, less the part that moves as J does (kg m^2)"),
     ("I_{K}_h{x}", "half of a diagonal entry of I_K"),
     ("I_{K}_d{i}", "difference of the diagonal entries of I_K after entry i, from 0"),
     ("m_{K}h", "half the mass of body K (kg)"),

@@ -150,7 +150,9 @@ def _split(own: Inertia, joint: JointMotion, definitions: Definitions) -> tuple[
     if not joint.rotates:
         return Inertia(), _seen_below(own, joint, joint.offset, definitions)
     fixed = _on_axis(own, joint.hinge.axis) if joint.hinge else Inertia(mass=own.mass)
-    return _difference(own, fixed), _seen_below(fixed, joint, joint.offset, definitions)
+    return _difference(own, fixed, joint.body, definitions), _seen_below(
+        fixed, joint, joint.offset, definitions
+    )
 
 
 def _on_axis(own: Inertia, axis: int) -> Inertia:
@@ -164,12 +166,13 @@ def _on_axis(own: Inertia, axis: int) -> Inertia:
     return Inertia(own.mass, scale(own.moment[axis], unit(axis)), Symmetric(**inertia))
 
 
-def _difference(own: Inertia, part: Inertia) -> Inertia:
-    """Return an inertia less a part of it."""
+def _difference(own: Inertia, part: Inertia, k: int, definitions: Definitions) -> Inertia:
+    """Return the inertia of body `k` less a part of it."""
+    inertia = Symmetric(*(a - b for a, b in zip(own.inertia, part.inertia, strict=True)))
     return Inertia(
         own.mass - part.mass,
         Vector(*(a - b for a, b in zip(own.moment, part.moment, strict=True))),
-        Symmetric(*(a - b for a, b in zip(own.inertia, part.inertia, strict=True))),
+        definitions.symmetric(f"Im_{k}", inertia),
     )
 
 

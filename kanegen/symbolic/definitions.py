@@ -15,6 +15,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
+from kanegen.symbolic.constant_sums import ConstantSums
 
 AXES = "xyz"
 """Endings of the names of vector components."""
@@ -58,14 +59,15 @@ class Definitions:
     """Collects definitions during a recursion.
 
     Args:
-        taken: Names that definitions must not use, such as those of parameters.
+        parameters: Names of the parameters, which definitions must not use.
         constants: Arithmetic in which the sines and cosines of constant angles are computed.
     """
 
-    def __init__(self, taken: Iterable[str] = (), constants: Constants = DOUBLE_CONSTANTS) -> None:
+    def __init__(self, parameters: Iterable[str] = (), constants: Constants = DOUBLE_CONSTANTS) -> None:
         self.constants = constants
         self._list: list[Definition] = []
-        self._names = set(taken)
+        self._names = set(parameters)
+        self._sums = ConstantSums(Symbol(name, real=True) for name in self._names)
         self._known: dict[Expr, Symbol] = {}
         self._numbers: dict[str, int] = {}
         self._note = ""
@@ -81,8 +83,12 @@ class Definitions:
     def define(self, name: str, value: Expr) -> Expr:
         """Return a symbol for `value`, or `value` itself where it is a number or a symbol up to its sign.
 
-        Equal values share one symbol. A name that is taken gets an underscore at its end.
+        Equal values share one symbol. A name that is taken gets an underscore at its end. Terms that cancel
+        in a sum of constants are left out, see `ConstantSums`.
         """
+        is_constant = self._sums.is_constant(value)
+        if is_constant:
+            value = self._sums.without_cancellation(value)
         if is_atom(value):
             return value
         known = self._known.get(value)
@@ -93,6 +99,8 @@ class Definitions:
         symbol = Symbol(name, real=True)
         self._names.add(name)
         self._known[value] = symbol
+        if is_constant:
+            self._sums.record(symbol, value)
         self._list.append(Definition(symbol, value, self._note))
         return symbol
 

@@ -127,8 +127,8 @@ class Equations:
     @cached_property
     def _elements(self) -> ElementForces:
         """The generalized forces of force elements and loads on points."""
-        taken = [parameter.name for parameter in self.system.parameters]
-        return ElementForces(self.system, self.bodies, Definitions(taken), self.intermediates)
+        parameters = [parameter.name for parameter in self.system.parameters]
+        return ElementForces(self.system, self.bodies, Definitions(parameters), self.intermediates)
 
     @cached_property
     def definitions(self) -> tuple[Definition, ...]:

@@ -125,8 +125,10 @@ class Evaluator:
         }
         given[PARAMETERS] = list(self._parameters.astype(dtype))
         with np.errstate(all="ignore"):
-            if self._module.prepare is not None:
-                given |= evaluate(self._module.prepare, given, np, dtype)
+            if self._module.prepare is not None:  # computed at least in double precision, as in C
+                wide = np.promote_types(dtype, np.float64).type
+                prepared = evaluate(self._module.prepare, {PARAMETERS: list(self._parameters)}, np, wide)
+                given |= {name: [dtype(value) for value in values] for name, values in prepared.items()}
             rows = evaluate(_with_status(self._module.functions["forward_dynamics"]), given, np, dtype)
         value, *conditions = (
             np.stack([np.broadcast_to(row, count) for row in array], axis=-1) for array in rows.values()
