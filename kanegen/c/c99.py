@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from kanegen.c import usage
 from kanegen.c.context import Context, context
 from kanegen.c.declarations import prepared_places
 from kanegen.c.dialect import Dialect, finite_test, scalar
@@ -134,8 +135,13 @@ class FiniteTest:
 
 
 def _finite_tests(render_input: RenderInput) -> list[FiniteTest]:
-    """Return the test for every precision that results have."""
-    outputs = [array.name for function in render_input.functions for array in function.outputs]
+    """Return the test for every precision of results that may be infinite or NaN."""
+    outputs = [
+        array.name
+        for function, parts in render_input.programs.items()
+        for array in function.outputs
+        if usage.variable_runs(parts, array)
+    ]
     precisions = dict.fromkeys(map(render_input.formats.of, outputs))
     return [FiniteTest(finite_test(one), one.c_type, SIMD.get(one)) for one in precisions]
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from kanegen.c.expression import Expression, Notation, converted, literal, notation
 from kanegen.c.formats import Formats, uniform
-from kanegen.c.usage import NO_NAMES, element
+from kanegen.c.usage import NO_NAMES, Run, element
 from kanegen.program.ir import Array, Op
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS, Precision
 
@@ -200,9 +200,10 @@ class Dialect:
         """Return the expression of the status that the tests of a function give."""
         return "failed ? failed : inaccurate" if has_margins else "failed"
 
-    def all_finite(self, array: Array) -> str:
-        """Return the condition that every number of an output array is finite."""
-        return f"{finite_test(self.formats.of(array.name))}({array.name}, {array.size})"
+    def all_finite(self, run: Run) -> str:
+        """Return the condition that every number in a run of an output array is finite."""
+        first = f"&{self.element(run.array, run.start)}" if run.start else run.array.name
+        return f"{finite_test(self.formats.of(run.array.name))}({first}, {run.stop - run.start})"
 
 
 @dataclass(frozen=True)

@@ -161,7 +161,7 @@ def code(
     names = frozenset(name for one in bodies for name in one.locals)
     status = bodies[-1].status
     if len(programs) == 1 and not flushes:
-        lines = [*bodies[0].lines, *_ending(function, dialect, status, infinite)]
+        lines = [*bodies[0].lines, *_ending(function, programs, dialect, status, infinite)]
         return Code(lines, (), most, has_sines, names, takes_sines)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
@@ -171,7 +171,7 @@ def code(
         calls += part.call()
     if flushes:
         calls.append("    restore_mode(before);")
-    calls += _ending(function, dialect, status and "status", infinite)
+    calls += _ending(function, programs, dialect, status and "status", infinite)
     return Code(calls, tuple(parts), most, has_sines, names, takes_sines)
 
 
@@ -191,23 +191,29 @@ def _returned(status: str) -> list[str]:
     return [f"    return {status};"] if status else []
 
 
-def _ending(function: Function, dialect: Dialect, status: str, infinite: str) -> list[str]:
+def _ending(
+    function: Function, programs: Sequence[Program], dialect: Dialect, status: str, infinite: str
+) -> list[str]:
     """Return the lines that return the status of a function.
 
     Args:
         function: The function, all of whose outputs are filled.
+        programs: The parts of the function.
         dialect: Notation of the statements.
         status: Expression of what the tests of conditions gave, "" where there are none.
         infinite: Name of the status of a result that is not finite.
     """
     if not dialect.is_scalar:
         return _returned(status)
-    finite = f" &&{BREAK}".join(dialect.all_finite(array) for array in function.outputs)
+    runs = [run for array in function.outputs for run in usage.variable_runs(programs, array)]
+    if not runs:
+        return _returned(status or "0")
+    finite = f" &&{BREAK}".join(map(dialect.all_finite, runs))
     if not status:
         return wrap(f"return {finite} ? 0 : {infinite};")
     lines = [] if status.isidentifier() else [f"    const int status = {status};"]
     status = status if status.isidentifier() else "status"
-    finite = f"({finite})" if len(function.outputs) > 1 else finite
+    finite = f"({finite})" if len(runs) > 1 else finite
     return [*lines, *wrap(f"return {status} > 0 ||{BREAK}{finite} ? {status} : {infinite};")]
 
 

@@ -17,6 +17,9 @@ NO_NAMES: Mapping[str, Sequence[str]] = MappingProxyType({})
 LOOPED = 8
 """Number of neighbouring zeros from which a loop of wide stores is faster than one store each."""
 
+JOINED = 16
+"""Most numbers between two runs that are tested together, because one more run takes longer."""
+
 
 def element(array: Array, index: int, names: Sequence[str] = ()) -> str:
     """Return element `index` of an array in C; of a matrix as `A[48*row + column]`.
@@ -63,14 +66,14 @@ def places(
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Elements `start` to before `stop` of one row of an output array."""
+    """Elements `start` to before `stop` of an output array."""
 
     array: Array
     start: int
     stop: int
 
     def loop(self, value: str) -> str:
-        """Return a C loop that stores `value` in the elements."""
+        """Return a C loop that stores `value` in the elements, which lie in one row."""
         width = self.array.row
         row, start = divmod(self.start, width)
         stop = start + self.stop - self.start
@@ -90,6 +93,30 @@ def zero_runs(program: Program) -> list[Run]:
             if len(indices) >= LOOPED:
                 runs.append(Run(output.array, indices[0], indices[-1] + 1))
     return runs
+
+
+def variable_runs(parts: Sequence[Program], array: Array) -> list[Run]:
+    """Return runs of elements of an output array, all of which are finite only if the whole array is.
+
+    Constants are finite, and the first of the elements that hold the same value stands for all of them.
+
+    Args:
+        parts: The programs that fill the array in turn.
+        array: The array.
+    """
+    runs: list[Run] = []
+    for index in sorted(index for part in parts for index in _first_places(part, array)):
+        start = runs.pop().start if runs and index - runs[-1].stop <= JOINED else index
+        runs.append(Run(array, start, index + 1))
+    return runs
+
+
+def _first_places(part: Program, array: Array) -> list[int]:
+    """Return, for each value that is no constant, the first element of an output array that holds it."""
+    filled = [output for output in part.outputs if output.array.name == array.name]
+    elements = sorted(pair for output in filled for pair in output.elements())
+    first = {value: index for index, value in reversed(elements)}
+    return [index for value, index in first.items() if part.instructions[value].op is not Op.CONSTANT]
 
 
 def _is_zero(program: Program, value: int) -> bool:
