@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,12 @@ import pytest
 import kanegen as kg
 from kanegen.measure.comparison import compare
 from kanegen.measure.truth import truth
+from kanegen.model.force_elements.elements import JointSpring, Spring
+from kanegen.model.numbers import value_of
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
 from kanegen.symbolic import derive
-from tests.support import random_trees
+from tests.support import moving_bodies, random_trees
 from tests.support.cases import slow_except
 from tests.support.programs import values
 
@@ -99,3 +102,33 @@ def test_every_pairing_is_drawn() -> None:
     for turn in range(4 * 8):
         pairs.add((turn % len(random_trees.ROTATIONS), turn % len(random_trees.ORIENTATIONS)))
     assert len(pairs) == len(random_trees.ROTATIONS) * len(random_trees.ORIENTATIONS)
+
+
+@pytest.mark.parametrize("seed", slow_except(range(12), 1, 6))
+def test_the_energy_of_springs_and_gravity(seed: int) -> None:
+    """The potential energy is that of the weights and of springs of known stiffness, rest and length."""
+    system = random_trees.everything(seed)
+    springs = tuple(e for e in system.force_elements if isinstance(e, Spring | JointSpring))
+    system = replace(system, force_elements=springs)
+    given = state(random_states(system, 1, seed), system)
+    theirs = moving_bodies.expected(system.values(), given["x"], given["y"])
+    energy = float(theirs["potential_energy"])
+    places = {point.name: _place(theirs["body_poses"][k - 1], point) for k, point in system.points}
+    for spring in springs:
+        if isinstance(spring, Spring):
+            one, two = (places[end] if isinstance(end, str) else _numbers(end) for end in spring.between)
+            stretch = np.linalg.norm(two - one) - value_of(spring.rest_length)
+        else:
+            stretch = given["x"][system.coordinate_names.index(spring.freedom)] - value_of(spring.rest)
+        energy += value_of(spring.stiffness) * stretch**2 / 2
+    found = values(system, ("potential_energy",), given)["potential_energy"]
+    assert found == pytest.approx(energy, rel=1e-12, abs=1e-11)
+
+
+def _place(pose: Any, point: kg.Point) -> Any:
+    """Return the position of a point of a body (m) from the rotation and the origin of the body."""
+    return pose[3] + pose[:3].T @ _numbers(point.position)
+
+
+def _numbers(vector: Any) -> Any:
+    return np.array([value_of(value) for value in vector])
