@@ -174,7 +174,7 @@ def test_diagnose_of_one_state_and_of_a_singular_one() -> None:
         broken = library.diagnose(np.full(len(x), np.nan), y)
     assert (broken.singular, broken.estimate) == (1, None)
     assert np.isnan(broken.pivot.value)
-    assert "1 states, 1 of them singular\nsmallest pivot" in str(broken)
+    assert "1 state, 1 of them singular\nsmallest pivot" in str(broken)
 
 
 def test_a_chain_of_hinges_has_no_gimbal_lock() -> None:
