@@ -35,7 +35,7 @@ from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
 from kanegen.choices import flag, several
-from kanegen.errors import OptionError
+from kanegen.errors import OptionError, quoted
 from kanegen.library.native.status import OnStatus
 from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
@@ -237,19 +237,29 @@ def bound(
     Args:
         source: Generated code, or a library that was compiled from it.
         domain: Ranges of all inputs: a table such as `{"x": {"angles": [-1.0, 1.0]}}`, the path of a .toml
-            file or the content of one; see `measure.bounds.domain`. None is the box of random states.
+            file or the content of one; see `measure.bounds.domain`. None is the box of random states. A
+            run-time parameter without a range has the value of the library, or the model's default.
 
     Raises:
-        OptionError: If the domain is none of this system, or there are no bounds for the variant, as for
-            relaxed semantics and for double-double.
+        OptionError: If `source` is neither, the domain is none of this system, or there are no bounds for
+            the variant, as for relaxed semantics and for double-double.
+        ModelError: If no model has the values of the library's parameters, such as a negative mass.
         ReadError: If the file does not exist, or is not valid TOML.
 
     Example:
         library = kg.build(kg.load("models/double_pendulum.toml"), precision="float")
         print(kg.bound(library, {"x": {"angles": [-1.0, 1.0]}, "y": {"angles": [-2.0, 2.0]}}))
     """
-    if isinstance(source, libraries.Library):
-        source = source.source
-    if source.system is None:
+    code = source.source if isinstance(source, libraries.Library) else source
+    if isinstance(code, System):
+        raise OptionError(f"bound: system {code.name!r} is no code yet. Give kg.build(system), for example.")
+    if not isinstance(code, Source):
+        raise OptionError(
+            f"bound: {quoted(source)} is not generated code. Give what kg.build or kg.generate returns."
+        )
+    if code.system is None:
         raise OptionError("bound: this source does not carry its system. Generate it anew with kg.generate.")
-    return bound_source(source, read_domain(domain, source.system))
+    system = code.system
+    if isinstance(source, libraries.Library) and source.parameters:
+        system = system.with_parameters(source.parameters)
+    return bound_source(code, read_domain(domain, system))

@@ -1,8 +1,9 @@
 """Ranges of states in tables of plain data, such as TOML files: names, kinds and bodies to ends of a box.
 
-A range is [low, high], or one number that stays fixed. Tables of coordinates, speeds and generalized forces
-have ranges by the name of an element, or by a kind: "angles", "translations", "quaternions". Tables of loads
-have them by the name of a body or point, or for "all" of them: one range, or one for each component.
+A range is [low, high], or one number that stays fixed; in Python also a tuple or an array. Tables of
+coordinates, speeds and generalized forces have ranges by the name of an element, or by a kind: "angles",
+"translations", "quaternions". Tables of loads have them by the name of a body or point, or for "all" of them:
+one range, or one for each component.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import OptionError
+from kanegen.errors import OptionError, quoted
 from kanegen.model.arrays import Floats
 from kanegen.model.coordinates import COORDINATE_KINDS
 
@@ -119,7 +120,7 @@ def require_known_keys(where: str, table: Mapping[str, Any], known: tuple[str, .
     """
     for key in table:
         if key not in known:
-            raise OptionError(f"{where}: unknown key {key!r}. {did_you_mean(key, known)}")
+            raise OptionError(f"{where}: unknown key {quoted(key)}. {did_you_mean(key, known)}")
 
 
 def finite_number(where: str, value: Any) -> float:
@@ -128,8 +129,9 @@ def finite_number(where: str, value: Any) -> float:
     Raises:
         OptionError: If it is none.
     """
+    value = _plain(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise OptionError(f"{where}: {value!r} is not a number.")
+        raise OptionError(f"{where}: {quoted(value)} is not a number.")
     try:
         found = float(value)
     except OverflowError:
@@ -157,11 +159,14 @@ def read_range(where: str, value: Any, largest: Precise = DOUBLE_NUMBERS) -> tup
     Raises:
         OptionError: If the value is neither, or an end is larger than `largest`.
     """
+    value = _plain(value)
     if not isinstance(value, list):
         fixed = _number_of_state(where, value, largest)
         return fixed, fixed
     if len(value) != 2:
-        raise OptionError(f"{where}: a range is [low, high], or one number that stays fixed; got {value!r}.")
+        raise OptionError(
+            f"{where}: a range is [low, high], or one number that stays fixed; got {quoted(value)}."
+        )
     low, high = (_number_of_state(where, end, largest) for end in value)
     if low > high:
         raise OptionError(f"{where}: the range [{low!r}, {high!r}] is inverted. Write [{high!r}, {low!r}].")
@@ -174,11 +179,19 @@ def _three_ranges(where: str, value: Any, largest: Precise) -> Floats:
     Raises:
         OptionError: If the value is neither.
     """
+    value = _plain(value)
     if isinstance(value, list) and any(isinstance(item, list) for item in value):
         if len(value) != 3:
             raise OptionError(f"{where}: expected one range or three, got {len(value)}.")
         return np.array([read_range(f"{where}[{k}]", item, largest) for k, item in enumerate(value)])
     return np.array([read_range(where, value, largest)] * 3)
+
+
+def _plain(value: Any) -> Any:
+    """Return a tuple or an array as a list of its items, and a number of NumPy as a plain one."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return [_plain(item) for item in value] if isinstance(value, tuple | list) else value
 
 
 def _number_of_state(where: str, value: Any, largest: Precise) -> float:

@@ -6,6 +6,7 @@ import itertools
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 import kanegen as kg
 from kanegen.c.formats import uniform
 from kanegen.c.sincos import SHARED, sincos_named
-from kanegen.errors import OptionError
+from kanegen.errors import KanegenError, OptionError
 from kanegen.measure import truth
 from kanegen.measure.bounds import read_domain
 from kanegen.measure.bounds.approximation import largest_error
@@ -319,11 +320,68 @@ def test_variants_without_bounds_are_refused(variant: str) -> None:
         ({"parameters": {"m": "heavy"}}, "unknown key 'm'"),
         ({"exclude": {"clearance": 1.5}}, "is not below 1"),
         ({"x": {"angles": [0.0, float("inf")]}}, "not a finite number"),
+        ({"force": {"all": [-1, 1]}}, "no body takes loads"),
+        ({"prescribed": {}}, "no freedom is prescribed"),
+        ({"x": {"angles": np.array([0.0, 1.0, 2.0])}}, "a range is"),
+        ([1.0], r"\[1.0\] has no ranges"),
+        (3, "3 has no ranges"),
+        ("angles", "'angles' has no ranges"),
+        ("x.angles = [0", "^domain:1: not valid TOML"),
     ],
 )
-def test_a_bad_domain_is_one_clear_error(domain: dict, message: str) -> None:
-    with pytest.raises(OptionError, match=message):
+def test_a_bad_domain_is_one_clear_error(domain: Any, message: str) -> None:
+    with pytest.raises(KanegenError, match=message):
         kg.bound(kg.generate(model("double_pendulum")), domain)
+
+
+@pytest.mark.parametrize("source", [None, 3, "x"])
+def test_what_is_no_generated_code_is_one_clear_error(source: Any) -> None:
+    with pytest.raises(OptionError, match="is not generated code"):
+        kg.bound(source)
+
+
+def test_a_system_has_to_be_built_first() -> None:
+    unbuilt: Any = model("double_pendulum")
+    with pytest.raises(OptionError, match=r"'double_pendulum' is no code yet\. Give kg.build\(system\)"):
+        kg.bound(unbuilt)
+
+
+def test_an_unknown_output_is_one_clear_error() -> None:
+    bounds = kg.bound(kg.generate(model("double_pendulum")))
+    with pytest.raises(OptionError, match=r"unknown output 'masses'\. Known are 'mass_matrix'"):
+        bounds["masses"]
+
+
+def test_the_box_of_another_system_is_refused() -> None:
+    with pytest.raises(OptionError, match="one of system 'scara', whose inputs differ"):
+        kg.bound(kg.generate(model("double_pendulum")), read_domain(None, model("scara")))
+
+
+def test_ranges_are_lists_tuples_or_arrays(tmp_path: Path) -> None:
+    system = model("double_pendulum")
+    path = tmp_path / "box.TXT"
+    path.write_text("x.angles = [-0.5, 1.0]")
+    boxes = [
+        read_domain({"x": {"angles": angles}}, system)
+        for angles in ([-0.5, 1.0], (-0.5, 1.0), np.array([-0.5, 1.0], dtype=np.float32))
+    ]
+    for box in (*boxes, read_domain(path, system), read_domain("x.angles = [-0.5, 1.0]", system)):
+        assert box.low["x"].tolist() == [-0.5, -0.5] and box.high["x"].tolist() == [1.0, 1.0]
+
+
+def test_a_library_is_bounded_at_its_own_parameters() -> None:
+    system = model("double_pendulum")
+    library = kg.build(system, ("mass_matrix", "forcing"))
+    heavy = library.with_parameters({"m1": 1e3, "l2": 50.0, "g": 900.0})
+    bounds = kg.bound(heavy, DOMAIN)
+    found = Search(heavy, read_domain(DOMAIN, system.with_parameters(heavy.parameters)))
+    states = found.random(500)
+    at_defaults = kg.bound(library, DOMAIN)
+    for output in library.source.outputs:
+        assert (ratios(found, bounds, output, states) <= MARGIN).all()
+        assert (ratios(found, at_defaults, output, states) > 10).any()
+    given = kg.bound(heavy, {**DOMAIN, "parameters": dict(library.parameters), "x": {"angles": [-1, 1]}})
+    assert given.largest == kg.bound(library, {**DOMAIN, "x": {"angles": [-1, 1]}}).largest
 
 
 def test_inputs_that_are_rounded_to_single_precision_stay_in_the_box() -> None:

@@ -22,7 +22,8 @@ The table has the form of a TOML file, that of `domain_tables` with all inputs t
     [exclude]
     clearance = 0.05                # states where |cos(theta2)| of a joint with three free angles is smaller
 
-A key that is left out keeps the range of `reference.states.ranges`; a parameter keeps its default.
+A key that is left out keeps the range of `reference.states.ranges`; {tau} is 0, and a parameter has its
+default, or the value that a library has.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from typing import Any
 import numpy as np
 
 from kanegen.c.formats import Formats
-from kanegen.errors import OptionError
+from kanegen.errors import OptionError, quoted
 from kanegen.measure.bounds.intervals import Intervals
 from kanegen.measure.domain_tables import (
     non_negative,
@@ -58,8 +59,17 @@ PRESCRIBED = ("values", "rates", "accelerations")
 TIME = "t"
 """Name of the array of the time."""
 
-OPTION = "--domain"
-"""The command-line option that describes a domain, named in error messages."""
+DOMAIN = "domain"
+"""Beginning of error messages about a domain that is no file."""
+
+_ABSENT = {
+    **dict.fromkeys(("force", "torque"), "no body takes loads (loads = true)"),
+    **dict.fromkeys(("point_force", "point_moment"), "no point takes loads (loads = true)"),
+    PARAMETERS: "there are no run-time parameters",
+    "prescribed": "no freedom is prescribed",
+    "time": "nothing depends on the time",
+}
+"""Why a system may lack a table."""
 
 SMALLEST_PIECES = 64
 """Most pieces of the range of one angle between two neighbourhoods of gimbal lock."""
@@ -146,25 +156,45 @@ def read_domain(domain: InputBox | Mapping[str, Any] | str | Path | None, system
     Args:
         domain: The box, or what describes it; in text, ";" may stand for the end of a line. None is the
             default box.
-        system: The system whose inputs the box has.
+        system: The system whose inputs the box has. A parameter without a range has the value of `system`;
+            a box that is given keeps its own ranges.
 
     Raises:
         OptionError: If it describes no box of this system; the message names the file and the key.
         ReadError: If the file does not exist, or the text is not valid TOML.
     """
     if isinstance(domain, InputBox):
-        return domain
+        return _of_system(domain, system)
     if domain is None:
         return box_from_table(system, {})
     if isinstance(domain, Mapping):
         return box_from_table(system, domain)
-    text = str(domain)
-    if text.lower().endswith(".toml"):
-        return box_from_table(system, parse_toml(read_text(Path(text)), text), text)
-    return box_from_table(system, parse_toml(text.replace(";", "\n"), OPTION), OPTION)
+    if isinstance(domain, Path) or (isinstance(domain, str) and domain.lower().endswith(".toml")):
+        return box_from_table(system, parse_toml(read_text(Path(domain)), domain), str(domain))
+    if not isinstance(domain, str) or (domain.strip() and not set(domain) & set("=[#")):
+        raise OptionError(
+            f"{DOMAIN}: {quoted(domain)} has no ranges. Give a table such as x.angles = [-1.0, 1.0], in "
+            'Python {"x": {"angles": [-1.0, 1.0]}}, or the path of a .toml file.'
+        )
+    return box_from_table(system, parse_toml(domain.replace(";", "\n"), DOMAIN))
 
 
-def box_from_table(system: System, table: Mapping[str, Any], where: str = "domain") -> InputBox:
+def _of_system(box: InputBox, system: System) -> InputBox:
+    """Return a box if it has the inputs of a system.
+
+    Raises:
+        OptionError: If it is the box of a system with other inputs.
+    """
+    sizes = {name: size.shape for name, size in _default_sizes(system).items()}
+    if {name: low.shape for name, low in box.low.items()} != sizes:
+        raise OptionError(
+            f"{DOMAIN}: the box is one of system {box.system.name!r}, whose inputs differ from those of "
+            f"{system.name!r}."
+        )
+    return box
+
+
+def box_from_table(system: System, table: Mapping[str, Any], where: str = DOMAIN) -> InputBox:
     """Return the box that a table describes.
 
     Raises:
@@ -172,6 +202,9 @@ def box_from_table(system: System, table: Mapping[str, Any], where: str = "domai
     """
     largest = _default_sizes(system)
     rows, tables = _rows(system), _tables(system)
+    for name, reason in _ABSENT.items():
+        if name in table and name not in tables:
+            raise OptionError(f"{where}: {name}: {reason} in system {system.name!r}. Leave it out.")
     require_known_keys(where, table, (*tables, "exclude"))
     low = {name: -size for name, size in largest.items()}
     high = {name: size.copy() for name, size in largest.items()}

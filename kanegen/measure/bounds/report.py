@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from kanegen.choices import require_one
 from kanegen.model.arrays import Floats
 
 
@@ -33,7 +34,12 @@ class Bounds:
     assumptions: tuple[str, ...]
 
     def __getitem__(self, output: str) -> Floats:
-        """Return the bounds of the entries of one output."""
+        """Return the bounds of the entries of one output.
+
+        Raises:
+            OptionError: If the generated code does not have this output.
+        """
+        require_one("output", output, self.outputs)
         return self.outputs[output]
 
     @property
