@@ -111,7 +111,8 @@ class Derivatives(CompiledModel):
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If the library was built without this output.
             StatusError: See `with_on_status`; by default a `SingularError` if [A] is singular in a single
-                state, or the state is not finite.
+                state, or an infinite or NaN input makes a pivot NaN; other such inputs are reported as not
+                finite.
 
         Example:
             by = library.derivative_columns("forward_dynamics_derivatives")

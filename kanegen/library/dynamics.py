@@ -192,7 +192,8 @@ class Dynamics(CompiledModel):
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If the library was built without this output.
             StatusError: See `with_on_status`; by default a `SingularError` if [A] is singular in a single
-                state, or the state is not finite. The message names the freedom.
+                state, or an infinite or NaN input makes a pivot NaN; other such inputs are reported as not
+                finite. The message names the freedom.
 
         Example:
             ydot = library.forward_dynamics(x, y, tau=[1.0, 0.0])
@@ -264,8 +265,9 @@ class Dynamics(CompiledModel):
         Raises:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.
             OptionError: If the library was built without this output.
-            SingularError: If no bound is proven in a single state, because [A] is singular but for rounding,
-                or the state is not finite.
+            StatusError: See `with_on_status`; by default a `SingularError` if no bound is proven in a single
+                state, because [A] is singular but for rounding or an infinite or NaN input makes a pivot NaN;
+                other such inputs are reported as not finite.
 
         Example:
             bound = library.error_bound(x, y, ydot=library.forward_dynamics(x, y))

@@ -14,6 +14,7 @@ from kanegen.c import interface, render
 from kanegen.library import load
 from kanegen.library.native.status import INACCURATE, MISSING, NOT_FINITE, StatusReport
 from kanegen.library.simulation import simulate
+from kanegen.library.simulation.simulate import ADAPTIVE, FIXED
 from kanegen.options import TIERS, Variant
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
@@ -216,14 +217,26 @@ def test_simulations_report_once() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         simulate(library.with_on_status("ignore"), *start, [0.0, 1e-4], step=1e-5)
-    with pytest.raises(kg.SingularError, match=r"^at t = 0 s: forward_dynamics: .* 1.0 / x.* A smaller step"):
-        simulate(
-            kg.build(quotient(), "forward_dynamics", flags=QUICK),
-            [0.1, 0.0],
-            [0.0, 0.0],
-            [0.0, 1.0],
-            step=0.1,
-        )
+
+
+@pytest.mark.parametrize("on_status", ["warn", "raise", "ignore"])
+@pytest.mark.parametrize("method", [*FIXED, *ADAPTIVE])
+def test_a_motion_through_an_undefined_force_element(method: str, on_status: str) -> None:
+    """[A] is regular; at the first time no step helps, later a smaller one might."""
+    library = kg.build(quotient(), "forward_dynamics", flags=QUICK, on_status=on_status)
+    options = {"step": 0.125} if method in FIXED else {}
+    with pytest.raises(kg.StatusError, match=r"^at t = \S+ s: forward_dynamics: .* 1.0 / x[^ ]*\.$") as first:
+        simulate(library, [0.1, 0.0], [0.0, 0.0], [0.0, 1.0], method, **options)
+    assert not isinstance(first.value, kg.SingularError)
+
+
+@pytest.mark.parametrize("on_status", ["warn", "ignore"])
+def test_a_motion_that_stops_being_finite(on_status: str) -> None:
+    """The second evaluation of a step of 1 s is at angle 0, where 1/x is undefined; that of 0.5 s is not."""
+    library = kg.build(quotient(), "forward_dynamics", flags=QUICK, on_status=on_status)
+    with pytest.raises(kg.StatusError, match=r"^at t = \S+ s: .* smaller step") as found:
+        simulate(library, [0.1, 1.0], [0.0, -2.0], [0.0, 1.0], step=1.0)
+    assert not isinstance(found.value, kg.SingularError)
 
 
 def test_an_argument_of_another_function_is_named() -> None:

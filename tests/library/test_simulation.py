@@ -164,7 +164,7 @@ def test_speeds_that_are_no_rates() -> None:
         simulate(spinner("angular_velocity"), x, omega, [0.0, 1.0], "leapfrog", step=0.1)
     with pytest.raises(kg.OptionError, match="built without the output 'coordinate_rates'"):
         simulate(spinner("angular_velocity", OUTPUTS), x, omega, [0.0, 1.0], step=0.1)
-    with pytest.raises(kg.SingularError, match=r"at t = 0 s: .*smaller step"):
+    with pytest.raises(kg.SingularError, match=r"^at t = 0 s: coordinate_rates: .* in this state\.$"):
         simulate(spinner("angular_velocity", sequence="3-1-3"), np.zeros(6), omega, [0.0, 1.0], step=0.1)
 
 
@@ -246,7 +246,7 @@ def test_states_that_stop_being_finite_and_other_failures() -> None:
     def runaway(t: float, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return 1e6 * y
 
-    with pytest.raises(kg.SingularError, match=r"at t = .* s: .*smaller step"), np.errstate(all="ignore"):
+    with pytest.raises(kg.StatusError, match=r"at t = .* s: .*smaller step"), np.errstate(all="ignore"):
         simulate(pendulum(), [0.0], [1.0], [0.0, 500.0], step=1.0, effort=runaway)
     with pytest.raises(kg.ArrayError, match="method 'DOP853' takes one state, got 2"):
         simulate(pendulum(), [[0.0], [1.0]], [[0.0], [1.0]], TIMES, "DOP853")

@@ -115,7 +115,7 @@ def test_simulations_in_the_documents(outcome: Study) -> None:
 
 def test_a_simulation_that_fails_has_an_infinite_error() -> None:
     def fails(library: kg.Library) -> Any:
-        raise kg.SingularError("nothing")
+        raise kg.StatusError("nothing")
 
     way = simulation.Integration("RK4", "1 step", fails)
     assert simulation.run_integration(way, kg.build(HINGES, (OUTPUT,)), None) == (np.inf, 0)  # type: ignore[arg-type]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kanegen.errors import SingularError
+from kanegen.errors import SingularError, StatusError
 from kanegen.extras import module
 from kanegen.library.simulation.motion import Motion, StateLayout
 from kanegen.model.arguments import Floats
@@ -45,7 +45,7 @@ def integrate_fixed(
         (T, ..., k) states.
 
     Raises:
-        SingularError: If the state stops being finite.
+        StatusError: If the state stops being finite.
     """
     total = (CompensatedSum if compensated else Sum)(start)
     keep = LengthKeeper(motion.state, start) if motion.state.homogeneous else None
@@ -58,7 +58,7 @@ def integrate_fixed(
             if keep is not None:
                 keep(total)
         if not np.isfinite(total.state).all():
-            raise SingularError(
+            raise StatusError(
                 f"at t = {end:.9g} s: the state is not finite. Take a smaller step than {step!r} s."
             )
         found.append(total.state)

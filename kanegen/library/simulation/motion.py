@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen.errors import OptionError, SingularError
+from kanegen.errors import OptionError
 from kanegen.library import Library
 from kanegen.library.native.status import INACCURATE, StatusReport, report
 from kanegen.model.arguments import Floats, NamedInputs
@@ -103,8 +103,8 @@ class Motion:
 
         Raises:
             OptionError: If the generalized forces have another shape than {y}.
-            SingularError: If [A] is singular or a result is not finite; the message has the time.
-            StatusError: If a result may be inaccurate and the library raises on that.
+            StatusError: If a result is missing, as a `SingularError`, or is not finite; or if it may be
+                inaccurate and the library raises on that. The message has the time.
         """
         self.evaluations += 1
         tau = None if self.effort is None else self._efforts(self.effort, time, x, y)
@@ -120,7 +120,8 @@ class Motion:
         """Return {xdot}: the speeds themselves, Eq. (45), or the output `coordinate_rates`, Eq. (9).
 
         Raises:
-            SingularError: If the rates do not exist in this state; the message has the time.
+            StatusError: If the rates do not exist in this state, as a `SingularError`, or are not finite;
+                the message has the time.
         """
         if speeds_are_rates(self.library):
             return y
@@ -134,16 +135,24 @@ class Motion:
             report(replace(first, message=message), self.library.on_status)
 
     def _library_at(self, time: float) -> Library:
-        """Return the library, which passes what it has to report to `_react` with the time (s)."""
-        if self.library.on_status == "ignore":
+        """Return the library, which passes what it has to report to `_react` with the time (s).
+
+        A library that ignores reports does so from the second evaluation on: no motion begins in a state
+        that has no finite rates.
+        """
+        if self.library.on_status == "ignore" and self.evaluations > 1:
             return self.library
         return self.library.with_on_status(partial(self._react, time))
 
     def _react(self, time: float, found: StatusReport) -> None:
-        """Stop where a result is missing or not finite; keep the report of one that may be inaccurate."""
+        """Stop where a result is missing or not finite; keep the report of one that may be inaccurate.
+
+        The first evaluation is in the first state, which does not depend on the step.
+        """
         message = f"at t = {time:.9g} s: {found.message}"
         if found.kind != INACCURATE:
-            raise SingularError(f"{message} A smaller step may avoid this.")
+            advice = " A smaller step may avoid this." if self.evaluations > 1 else ""
+            raise replace(found, message=message + advice).error
         if self.library.on_status != "warn":
             report(replace(found, message=message), self.library.on_status)
         else:

@@ -97,9 +97,10 @@ def simulate(
         OptionError: If an option does not exist, or does not fit the method or the library, or the motion of
             prescribed freedoms is missing.
         MissingError: If an adaptive method is asked for and SciPy is not installed.
-        SingularError: If [A] becomes singular or the state stops being finite; the message has the time.
-        StatusError: If accelerations may be inaccurate and the library raises on that. One that warns gives
-            one warning for all, with the first time.
+        SingularError: If [A] becomes singular or the method gives up; the message has the time.
+        StatusError: If accelerations or the state stop being finite, also where the library ignores that; or
+            if accelerations may be inaccurate and the library raises on that. One that warns gives one
+            warning for all, with the first time.
 
     Example:
         library = kg.build(system, outputs=("forward_dynamics", "kinetic_energy", "potential_energy"))

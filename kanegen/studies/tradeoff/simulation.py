@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kanegen import library
-from kanegen.errors import SingularError
+from kanegen.errors import StatusError
 from kanegen.library import Library
 from kanegen.library.simulation import Trajectory, mescd, simulate
 from kanegen.measure.timing import LATENCY
@@ -71,7 +71,7 @@ def with_simulations(system: System, study: Study, progress: Progress = quiet) -
 
     Raises:
         BuildError: If there is no C compiler.
-        SingularError: If the reference meets a singular state.
+        StatusError: If the reference meets a state without finite accelerations.
     """
     model, _ = without_loads_and_parameters(system)
     sample = study.domain.sample(1, (study.options.seed, START))
@@ -127,11 +127,11 @@ def run_integration(one: Integration, built: Library, exact: Trajectory) -> tupl
 
     Returns:
         The error of the coordinates at the end, relative to 1 rad or 1 m plus their size, infinite if the
-        motion meets a singular state; and the number of evaluations of forward dynamics.
+        motion meets a state without finite accelerations; and the number of evaluations of forward dynamics.
     """
     try:
         found = one.motion(built)
-    except SingularError:
+    except StatusError:
         return np.inf, 0
     return 10.0 ** -mescd(found.x[-1], exact.x[-1]), found.evaluations
 
