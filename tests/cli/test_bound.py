@@ -42,6 +42,11 @@ def test_an_output_without_bound_has_a_reason_and_exit_status_1() -> None:
     assert "may be 0 in the box" in found.stdout
 
 
+def test_a_bound_itself_needs_none() -> None:
+    found = kanegen("bound", PENDULUM, "--output", "error_bound", "--output", "forcing", status=0)
+    assert "it is a bound itself" in found.stdout
+
+
 @pytest.mark.parametrize(
     "domain", ["x.elbow = [0, 1]", "x.angles = [1, 0]", "x.angles = [0, 1", "missing.toml"]
 )
