@@ -6,6 +6,7 @@ folded products are computed in 320 bits, and every constant is rounded once, wh
 
 from __future__ import annotations
 
+import copyreg
 import math
 from dataclasses import dataclass
 from fractions import Fraction
@@ -26,6 +27,17 @@ MULTIPRECISION = mpmath.MPContext()
 MULTIPRECISION.prec = 320  # three times the bits of a double-double, so that cancellation leaves enough
 
 
+def _restored(numerator: int, denominator: int) -> Any:
+    """Return the constant that a pickled fraction stands for."""
+    return MULTIPRECISION.mpf(numerator) / denominator
+
+
+def _pickled(number: Any) -> tuple[Any, tuple[int, int]]:
+    """Return how pickle restores a constant: from a fraction, because mpmath makes a class for every context."""
+    fraction = as_fraction(number)
+    return _restored, (fraction.numerator, fraction.denominator)
+
+
 def as_fraction(number: Any) -> Fraction:
     """Return a number of mpmath as an exact fraction.
 
@@ -33,6 +45,9 @@ def as_fraction(number: Any) -> Fraction:
     """
     numerator, denominator = to_rational(number._mpf_)
     return Fraction(int(numerator), int(denominator))
+
+
+copyreg.pickle(MULTIPRECISION.mpf, _pickled)
 
 
 def quarter_turns(angle: float) -> int:

@@ -324,6 +324,14 @@ def test_an_edited_certificate_is_an_error(written: Path, tmp_path: Path) -> Non
         verify(tmp_path / "nothing.json")
 
 
+def test_a_key_that_occurs_twice_is_an_error(written: Path, tmp_path: Path) -> None:
+    """A reader would see the first claim, a program the last."""
+    path = copied(written, tmp_path)
+    path.write_text(path.read_text().replace('"claim": {', '"claim": {"error": 1e-15}, "claim": {', 1))
+    with pytest.raises(CertificateError, match="the key 'claim' occurs twice"):
+        verify(path)
+
+
 def test_single_precision_where_it_is_good_enough() -> None:
     """Single precision keeps a budget of 1e-2 but not one of 1e-9."""
     found = certify_variant(MODEL, read_region(BOX, MODEL), request(error=1e-2), (SINGLE,))

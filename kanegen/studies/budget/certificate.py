@@ -20,7 +20,7 @@ import numpy as np
 from kanegen import __version__
 from kanegen.c import Source
 from kanegen.c.folder import is_unchanged
-from kanegen.errors import CertificateError, KanegenError
+from kanegen.errors import CertificateError, KanegenError, quoted
 from kanegen.library import Library
 from kanegen.measure.machine import Machine
 from kanegen.model.saving import toml_text
@@ -88,7 +88,7 @@ def read_certificate(path: Path) -> Certificate:
     """
     text = read_text(path)
     try:
-        content = json.loads(text)
+        content = json.loads(text, object_pairs_hook=_without_duplicates)
     except (ValueError, RecursionError) as error:
         raise CertificateError(f"{path}: not a certificate: it is not valid JSON: {error}.") from None
     if not isinstance(content, dict) or content.get("kind") != KIND:
@@ -101,6 +101,16 @@ def read_certificate(path: Path) -> Certificate:
     if not is_unchanged(text):
         raise CertificateError(f"{path}: edited since kanegen wrote it. Generate the model anew.")
     return Certificate(content)
+
+
+def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a JSON object; of two values with one key, a reader sees the first and a program the last."""
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"the key {quoted(twice)} occurs twice in one object")
+    return content
 
 
 @dataclass(frozen=True)
