@@ -33,7 +33,7 @@ def _restored(numerator: int, denominator: int) -> Any:
 
 
 def _pickled(number: Any) -> tuple[Any, tuple[int, int]]:
-    """Return how pickle restores a constant: from a fraction, because mpmath makes a class for every context."""
+    """Return how pickle restores a constant: from a fraction, as mpmath makes a class for every context."""
     fraction = as_fraction(number)
     return _restored, (fraction.numerator, fraction.denominator)
 
