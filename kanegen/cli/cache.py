@@ -11,8 +11,8 @@ import typer
 from kanegen.cli.options import AsJson
 from kanegen.cli.terminal import print_plain, screen, text_table
 
-_DAY = 24 * 3600.0
-"""Seconds of a day."""
+_MINUTE, _HOUR, _DAY = 60.0, 3600.0, 24 * 3600.0
+"""Seconds of a minute, an hour and a day."""
 
 _MEGABYTE = 1e6
 """Bytes of a megabyte."""
@@ -39,16 +39,23 @@ def list_entries(as_json: AsJson = False) -> None:
             {"path": str(entry.path), "file": entry.name, "bytes": entry.size, "last_use": entry.last_use}
             for entry in found
         ]
-        typer.echo(json.dumps({"folder": str(cache.folder()), "limit_megabytes": limit, "entries": rows}))
+        table = {"folder": str(cache.folder()), "limit_megabytes": limit, "entries": rows}
+        typer.echo(json.dumps(table, indent=2))
         return
     if found:
-        lines = [
-            [entry.name, f"{entry.size / _MEGABYTE:.3f}", f"{(now - entry.last_use) / _DAY:.1f}"]
-            for entry in found
-        ]
-        screen.print(text_table(["file", "MB", "days since use"], lines))
+        lines = [[entry.name, f"{entry.size / _MEGABYTE:.3f}", _age(now - entry.last_use)] for entry in found]
+        screen.print(text_table(["file", "MB", "last use"], lines))
     size = sum(entry.size for entry in found) / _MEGABYTE
     print_plain(f"{len(found)} entries, {size:.1f} MB of at most {limit:g} MB, in {cache.folder()}")
+
+
+def _age(seconds: float) -> str:
+    """Return a time since the last use in words; uses are noted to within ten minutes."""
+    if seconds >= _DAY:
+        return f"{seconds / _DAY:.1f} days ago"
+    if seconds >= _HOUR:
+        return f"{seconds / _HOUR:.1f} hours ago"
+    return f"{max(seconds, 0.0) / _MINUTE:.0f} minutes ago"
 
 
 @app.command("clear")

@@ -169,7 +169,9 @@ class CompiledModel:
         checked = {name: finite(value, f"parameter {quoted(name)}") for name, value in values.items()}
         for name, value in checked.items():
             precision_named(self.precision).rounded(value, f"parameter {quoted(name)}")
-        return type(self)(self._native, {**self._parameters, **checked}, self._on_status)
+        parameters = {**self._parameters, **checked}
+        constants = self._native.constants(parameters, self._on_status, changed=checked)
+        return type(self)(self._native, parameters, self._on_status, constants)
 
     @property
     def on_status(self) -> OnStatus:

@@ -26,6 +26,11 @@ def test_list_and_clear(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     text = kanegen("cache", "list", KANEGEN_CACHE_MB="0.5").stdout
     assert "libhandmade.so" in text
     assert "of at most 0.5 MB" in text
+    for age, words in ((120.0, "2 minutes ago"), (5400.0, "1.5 hours ago"), (2.5 * 86400.0, "2.5 days ago")):
+        moment = time.time() - age
+        os.utime(path.parent / "SHA256SUMS", (moment, moment))
+        assert words in kanegen("cache", "list").stdout
+    os.utime(path.parent / "SHA256SUMS")
     listed = json.loads(kanegen("cache", "list", "--json").stdout)
     assert str(path.parent) in [entry["path"] for entry in listed["entries"]]
     assert listed["folder"] == str(tmp_path / "cache")

@@ -138,10 +138,14 @@ def test_what_storage_rounds_to_infinity_is_not_finite() -> None:
 def test_prepared_constants() -> None:
     """What depends on parameters alone is reported where the parameters are set."""
     library = load(source(), flags=QUICK)
-    with pytest.warns(kg.KanegenWarning, match=r"^prepare: prepared\[0\] is inf, although") as caught:
+    with pytest.warns(
+        kg.KanegenWarning, match=r"^prepare: prepared\[0\] is inf, .* set were m1 = 1e\+200, sin = 1e\+200\.$"
+    ) as caught:
         library.with_parameters({"m1": 1e200, "sin": 1e200})
     assert caught[0].filename == __file__
-    with pytest.raises(kg.StatusError, match=r"^prepare: prepared\[0\] is inf"):
+    with pytest.raises(
+        kg.StatusError, match=r"^prepare: prepared\[0\] is inf, .* set were m1 = 1e\+200, sin"
+    ):
         library.with_on_status("raise").with_parameters({"m1": 1e200, "sin": 1e200})
     quiet = library.with_on_status("ignore").with_parameters({"m1": 1e200, "sin": 1e200})
     assert quiet.mass_matrix([0.0, 0.0])[0, 0] == np.inf
@@ -184,7 +188,9 @@ def test_rules_are_checked_and_kept() -> None:
         again.forward_dynamics(singular, [0.0, 0.0])
     assert np.isnan(library.with_on_status("ignore").forward_dynamics(singular, [0.0, 0.0])).all()
     for wrong in ("warm", None, 3, True):
-        with pytest.raises(kg.OptionError, match="unknown on_status"):
+        with pytest.raises(
+            kg.OptionError, match=r"unknown on_status .* A function that takes a StatusReport fits"
+        ):
             library.with_on_status(wrong)
         with pytest.raises(kg.OptionError, match="unknown on_status"):
             kg.build(quotient(), on_status=wrong)

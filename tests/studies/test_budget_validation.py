@@ -14,6 +14,7 @@ from kanegen.errors import BudgetError, OptionError
 from kanegen.studies.budget import confidence
 from kanegen.studies.budget.confidence import quantile_level, validate
 from kanegen.studies.budget.evaluator import SELECT, VALIDATE, SampleSpec
+from kanegen.studies.budget.proofs import proof_words
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
 from kanegen.studies.budget.selection import choose
 from tests.support.planted_candidates import CANDIDATES, SMALL, STRICT, Planted, PlantedEvaluator
@@ -242,3 +243,15 @@ def test_texts_that_are_no_numbers() -> None:
         Effort(select=0)
     with pytest.raises(OptionError, match="seconds is nan"):
         Effort(seconds=math.nan)
+
+
+@pytest.mark.parametrize(
+    ("kept", "words"),
+    [
+        (0, "sampled: errors were measured in the tried states, and not proven for others"),
+        (7, "sampled: the output error_bound proves an error of at most this in 7 of the 22 fresh states"),
+    ],
+)
+def test_the_words_of_a_sampled_claim(kept: int, words: str) -> None:
+    proof = {"kind": "sampled", "domain": {"bound": None}, "by_state": {"states": 22, "kept": kept}}
+    assert proof_words(proof) == words

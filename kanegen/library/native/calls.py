@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import _cffi_backend
@@ -19,7 +20,7 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import ArrayError, BuildError
 from kanegen.library.native import cache, floating_point, openmp, processor
 from kanegen.library.native.build import Recipe, made
-from kanegen.library.native.status import OnStatus, States, Status, report
+from kanegen.library.native.status import OnStatus, States, Status, naming, report
 from kanegen.model.arguments import (
     ARGUMENTS,
     LOADS,
@@ -135,12 +136,18 @@ class NativeLibrary:
         """The generated C that was compiled."""
         return self.recipe.source
 
-    def constants(self, parameters: Mapping[str, float], on_status: OnStatus) -> Pointers:
+    def constants(
+        self,
+        parameters: Mapping[str, float],
+        on_status: OnStatus,
+        changed: Mapping[str, float] = MappingProxyType({}),
+    ) -> Pointers:
         """Return the first argument of every `Call`: the results of `prepare` for some run-time parameters.
 
         Args:
             parameters: Values by name, in the order of the C array.
             on_status: What to do where a constant is missing or not finite, see `status.report`.
+            changed: The parameters that were set, which a report then names.
 
         Returns:
             A pointer to the prepared constants, or nothing if there are no parameters.
@@ -151,7 +158,7 @@ class NativeLibrary:
         prepare = self.calls.get(PREPARE)
         if prepare is None:
             return ()
-        prepared = prepare((), (np.array(list(parameters.values())),), on_status)
+        prepared = prepare((), (np.array(list(parameters.values())),), naming(changed, on_status))
         return tuple(map(self._prepared, prepared))
 
     def _arguments(self, name: str, function: Function) -> tuple[str, ...]:

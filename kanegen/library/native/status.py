@@ -10,7 +10,7 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,14 @@ import kanegen
 from kanegen.c import ModelDescription
 from kanegen.c.interface import PREPARE, Function
 from kanegen.choices import require_one
-from kanegen.errors import KanegenWarning, SingularError, StatusError
+from kanegen.errors import (
+    LONGEST_MESSAGE,
+    KanegenWarning,
+    OptionError,
+    SingularError,
+    StatusError,
+    excerpt,
+)
 from kanegen.model.arguments import Floats
 from kanegen.program.ir import Array
 
@@ -78,7 +85,10 @@ def checked_on_status(value: OnStatus) -> OnStatus:
         OptionError: If the value is neither one of `ON_STATUS` nor a function.
     """
     if not callable(value):
-        require_one("on_status", value, ON_STATUS)
+        try:
+            require_one("on_status", value, ON_STATUS)
+        except OptionError as error:
+            raise OptionError(f"{error} A function that takes a StatusReport fits, too.") from None
     return value
 
 
@@ -98,6 +108,20 @@ def report(found: StatusReport, on_status: OnStatus) -> None:
         raise found.error
     elif on_status == "warn":
         warnings.warn(found.message, KanegenWarning, stacklevel=_frames_to_the_caller())
+
+
+def naming(changed: Mapping[str, float], on_status: OnStatus) -> OnStatus:
+    """Return a rule whose reports also name the run-time parameters that were set, if there are any."""
+    if not changed or on_status == "ignore":
+        return on_status
+    values = excerpt(
+        ", ".join(f"{name} = {value:g}" for name, value in changed.items()), LONGEST_MESSAGE // 4
+    )
+
+    def rule(found: StatusReport) -> None:
+        report(replace(found, message=f"{found.message} The parameters set were {values}."), on_status)
+
+    return rule
 
 
 def _frames_to_the_caller() -> int:

@@ -100,5 +100,10 @@ def proof_words(proof: Mapping[str, Any]) -> str:
     if proof["kind"] == PROVEN:
         return f"proven: at most {proof['domain']['bound']:.3g} in every state of the domain"
     if proof["kind"] == SAMPLED:
-        return f"sampled: the output error_bound proves it in {by_state['kept']} of these fresh states"
+        if not by_state["kept"]:
+            return "sampled: errors were measured in the tried states, and not proven for others"
+        return (
+            "sampled: the output error_bound proves an error of at most this in "
+            f"{by_state['kept']} of the {by_state['states']} fresh states"
+        )
     return "proven by state: the output error_bound proves it in every one of these fresh states"
