@@ -17,7 +17,7 @@ from kanegen.c.formats import uniform
 from kanegen.c.sincos import SHARED, sincos_named
 from kanegen.errors import KanegenError, OptionError
 from kanegen.measure import truth
-from kanegen.measure.bounds import read_domain
+from kanegen.measure.bounds import InputBox, read_domain, statement
 from kanegen.measure.bounds.approximation import largest_error
 from kanegen.measure.bounds.arcs import Arcs
 from kanegen.measure.bounds.intervals import Intervals
@@ -367,6 +367,32 @@ def test_ranges_are_lists_tuples_or_arrays(tmp_path: Path) -> None:
     ]
     for box in (*boxes, read_domain(path, system), read_domain("x.angles = [-0.5, 1.0]", system)):
         assert box.low["x"].tolist() == [-0.5, -0.5] and box.high["x"].tolist() == [1.0, 1.0]
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in MODELS.glob("*.toml")))
+def test_the_table_of_a_box_is_read_as_the_same_box(name: str) -> None:
+    system = model(name)
+    first = system.coordinate_names[0]
+    box = read_domain({"x": {first: [-0.5, 0.25]}, "exclude": {"clearance": 0.125}}, system)
+    again = read_domain(statement.as_table(box), system)
+    assert again.clearance == box.clearance
+    for array, low in box.low.items():
+        assert np.array_equal(again.low[array], low) and np.array_equal(again.high[array], box.high[array])
+    zero = {array: np.full_like(low, 0.0) for array, low in box.low.items()}
+    stated = statement.as_table(InputBox(system, zero, zero))
+    lost = read_domain(stated, system)  # every element that has a range is in the table
+    assert not any(end[array].any() for end in (lost.low, lost.high) for array in zero)
+
+
+def test_bounds_state_all_inputs_with_their_units() -> None:
+    bounds = kg.bound(kg.generate(model("quarter_car"), ["mass_matrix"]), {"x": {"hub": [0.0, 0.5]}})
+    text, plain = str(bounds), bounds.as_dict()
+    assert "(kg m^2, kg m, kg)" in text and "  x: hub = [0, 0.5] m\n" in text
+    assert "  y: hub, ride = [-3.13209, 3.13209] m/s\n" in text
+    assert "  tau: hub, ride = 0 N\n" in text and "stiffness = 16000" in text
+    assert "  prescribed: accelerations.height = [-9.81, 9.81] m/s^2\n" in text
+    assert plain["box"]["x"]["hub"] == [0.0, 0.5] and plain["units of the box"]["y"]["ride"] == "m/s"
+    assert plain["outputs"]["mass_matrix"]["unit"] == bounds.units["mass_matrix"]
 
 
 def test_a_library_is_bounded_at_its_own_parameters() -> None:

@@ -1,6 +1,7 @@
 """Proven bounds of rounding errors of generated code, over a whole box of inputs.
 
-- `domain` reads the box; `arithmetic` lists the rounded operations of a C function, in order.
+- `domain` reads the box, `statement` states it beside the bounds; `arithmetic` lists the rounded operations
+  of a C function, in order.
 - `ranges` encloses every value, with the structure that `relations` and `lengths` find: sine and cosine of
   one angle meet in turns (`arcs`), which keep lengths. `intervals` rounds outward, `known_values` folds.
 - `rounding` bounds single rounding errors; `sines` proves those of kanegen's sine and cosine with

@@ -201,7 +201,7 @@ def box_from_table(system: System, table: Mapping[str, Any], where: str = DOMAIN
         OptionError: If a name is unknown or a value is no range; the message names the key.
     """
     largest = _default_sizes(system)
-    rows, tables = _rows(system), _tables(system)
+    rows, tables = load_rows(system), _tables(system)
     for name, reason in _ABSENT.items():
         if name in table and name not in tables:
             raise OptionError(f"{where}: {name}: {reason} in system {system.name!r}. Leave it out.")
@@ -241,7 +241,7 @@ def _tables(system: System) -> dict[str, dict[str, str]]:
     coordinates: dict[str, str] = dict(zip(system.coordinate_names, units, strict=True))
     found: dict[str, dict[str, str]] = {"x": coordinates}
     found |= {name: freedoms for name in ("y", "ydot", "tau")}
-    found |= {name: {} for name in _rows(system)}
+    found |= {name: {} for name in load_rows(system)}
     if system.parameters:
         found[PARAMETERS] = {parameter.name: "" for parameter in system.parameters}
     if system.prescribed:
@@ -252,7 +252,7 @@ def _tables(system: System) -> dict[str, dict[str, str]]:
     return found
 
 
-def _rows(system: System) -> dict[str, dict[str, int]]:
+def load_rows(system: System) -> dict[str, dict[str, int]]:
     """Return the rows of bodies or points that take loads, by name of the array."""
     bodies = {body.name: row for row, body in enumerate(system.bodies) if body.loads}
     points = {point.name: row for row, (_, point) in enumerate(system.points) if point.loads}

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from kanegen.choices import require_one
+from kanegen.measure.bounds import statement
+from kanegen.measure.bounds.domain import InputBox
 from kanegen.model.arrays import Floats
 
 
@@ -19,19 +21,23 @@ class Bounds:
     Attributes:
         model: Name of the model.
         precision: Name of the precision of the arithmetic.
+        box: The box of inputs in which the bounds hold.
         outputs: Bounds of |computed - exact| of every entry, by output, in the shape and unit of the output;
             infinite where there is none.
         magnitudes: Bounds of |exact| of every entry, by output.
         unbounded: Why there is no bound, by output.
         assumptions: What the proof takes for granted, one sentence each.
+        units: Unit of every output, or those of its parts.
     """
 
     model: str
     precision: str
+    box: InputBox
     outputs: Mapping[str, Floats]
     magnitudes: Mapping[str, Floats]
     unbounded: Mapping[str, str]
     assumptions: tuple[str, ...]
+    units: Mapping[str, str]
 
     def __getitem__(self, output: str) -> Floats:
         """Return the bounds of the entries of one output.
@@ -48,24 +54,31 @@ class Bounds:
         return {name: float(np.max(errors, initial=0.0)) for name, errors in self.outputs.items()}
 
     def __str__(self) -> str:
-        """Return a table of the largest bound and the largest magnitude of each output."""
+        """Return a table of the largest bound and the largest magnitude of each output, and the box."""
         width = max(map(len, self.outputs), default=0)
         lines = [f"{self.model}, {self.precision}: proven bounds of |computed - exact| in the whole box"]
         for name, largest in self.largest.items():
             size = float(np.max(self.magnitudes[name], initial=0.0))
-            ends = self.unbounded.get(name) or f"{largest:.3g}  where entries reach {size:.3g}"
+            ends = (
+                self.unbounded.get(name)
+                or f"{largest:.3g}  where entries reach {size:.3g}  ({self.units[name]})"
+            )
             lines.append(f"  {name:<{width}}  {ends}")
+        lines += ["The box, to 6 digits:", *(f"  {line}" for line in statement.lines(self.box))]
         return "\n".join([*lines, *(f"Assumed: {sentence}" for sentence in self.assumptions)])
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as plain data for JSON; None stands for infinity."""
+        """Return everything as plain data for JSON; None stands for infinity, and "box" is a domain."""
         return {
             "model": self.model,
             "precision": self.precision,
+            "box": statement.as_table(self.box),
+            "units of the box": statement.units(self.box.system),
             "outputs": {
                 name: {
                     "bounds": _plain(errors),
                     "magnitudes": _plain(self.magnitudes[name]),
+                    "unit": self.units[name],
                     "no bound because": self.unbounded.get(name),
                 }
                 for name, errors in self.outputs.items()

@@ -37,17 +37,20 @@ def bound_source(source: Source, box: InputBox) -> Bounds:
         precision: _sines(source.variant, precision) for precision in {arrays.arithmetic, arrays.preparing}
     }
     bounder = Bounder(source.module, arrays, Roundings(sines), box.intervals(arrays))
+    filled = {name: OUTPUTS[name].array(box.system) for name in source.outputs}
     found: dict[str, OutputBound] = {
         name: bounder.bound(array.name) if name not in ERROR_BOUNDS else _a_bound_itself(array)
-        for name, array in ((name, OUTPUTS[name].array(box.system)) for name in source.outputs)
+        for name, array in filled.items()
     }
     return Bounds(
         model=source.model.name,
         precision=source.precision,
+        box=box,
         outputs={name: one.errors for name, one in found.items()},
         magnitudes={name: one.magnitudes for name, one in found.items()},
         unbounded={name: one.reason for name, one in found.items() if one.reason},
         assumptions=tuple(_assumptions(source.variant, arrays, box.system)),
+        units={name: array.unit for name, array in filled.items()},
     )
 
 
