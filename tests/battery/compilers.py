@@ -23,6 +23,9 @@ from tests.battery.experiments import Row, Size, count, experiment
 from tests.battery.measurement import FORWARD, PRECISIONS, Floats, bits, built, efforts, rounded
 from tests.support.paths import MODELS, ROOT
 
+LARGEST_EXPONENT = 960
+"""Magnitude of exponents of two up to which a mass and its weight are accepted; see `reference.range`."""
+
 
 @experiment("X30", "Numbers in the C")
 def literals(size: Size) -> Iterator[Row]:
@@ -48,8 +51,14 @@ def _masses(precision: Precision, amount: int) -> Floats:
     """Return random numbers of every size, the ends of the range, and doubles next to midpoints of floats."""
     rng = np.random.default_rng(30)
     info = np.finfo(precision.dtype)
-    exponents = rng.uniform(info.minexp + 1, info.maxexp - 1, amount)
-    ends = [float(info.max), float(info.tiny), 1 / 3, 0.1]
+    least, largest = max(info.minexp + 1, -LARGEST_EXPONENT), min(info.maxexp - 1, LARGEST_EXPONENT)
+    exponents = rng.uniform(least, largest, amount)
+    ends = [
+        float(info.max) if precision is not DOUBLE else 2.0**largest,
+        float(info.tiny) if precision is not DOUBLE else 2.0**least,
+        1 / 3,
+        0.1,
+    ]
     middle = 1.0 + rng.integers(0, 2**20, amount) * 2.0**-23 + 2.0**-24
     beside = [middle, np.nextafter(middle, 2.0), np.nextafter(middle, 0.0)] if precision is not DOUBLE else []
     masses: Floats = np.concatenate([2.0**exponents, ends, *beside])
