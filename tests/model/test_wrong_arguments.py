@@ -131,7 +131,7 @@ def test_wrong_option_is_one_bounded_line(function: Callable[..., Any], argument
             assert str(error).isprintable(), repr(str(error))
 
 
-@pytest.mark.parametrize("value", WRONG, ids=map(quoted, WRONG))
+@pytest.mark.parametrize("value", WRONG, ids=[type(value).__name__ for value in WRONG])
 def test_library_refuses_tables_of_other_types(value: Any) -> None:
     library = kg.build(SYSTEM, ("mass_matrix",))
     if not isinstance(value, dict) or value:
