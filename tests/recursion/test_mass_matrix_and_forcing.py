@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy
-from mpmath.libmp import to_rational
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.program.constants import MULTIPRECISION
+from kanegen.program.constants import MULTIPRECISION, as_fraction
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Program
 from kanegen.reference import equations as reference
@@ -74,7 +73,8 @@ def test_both_forms_are_equal_symbolically(name: str) -> None:
 
 def fraction(number: object) -> sympy.Rational:
     """Return a constant of a program, a number of mpmath or a float, as the fraction that it is."""
-    return sympy.Rational(*to_rational(MULTIPRECISION.mpf(number)._mpf_))
+    exact = as_fraction(MULTIPRECISION.mpf(number))
+    return sympy.Rational(exact.numerator, exact.denominator)
 
 
 def rational(expression: sympy.Expr) -> sympy.Expr:
