@@ -25,10 +25,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from mpmath.libmp import to_rational
 
 from kanegen.program.builder import Builder
-from kanegen.program.constants import MULTIPRECISION
+from kanegen.program.constants import MULTIPRECISION, as_fraction
 from kanegen.program.ir import Instruction, Op, Program
 from kanegen.program.precision import Precision
 
@@ -295,5 +294,4 @@ def _fraction(instruction: Instruction) -> Fraction:
     """Return the exact number of a constant."""
     if isinstance(instruction.number, float | int):
         return Fraction(instruction.number)
-    numerator, denominator = to_rational(MULTIPRECISION.mpf(instruction.number)._mpf_)
-    return Fraction(int(numerator), int(denominator))
+    return as_fraction(MULTIPRECISION.mpf(instruction.number))
