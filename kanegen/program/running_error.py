@@ -54,7 +54,7 @@ class Arithmetic:
 
     @property
     def roundoff(self) -> float:
-        """The unit roundoff u."""
+        """Unit roundoff u of the precision: half the distance from 1 to the next larger number."""
         return self.precision.roundoff
 
     @property

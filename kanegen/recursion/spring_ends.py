@@ -44,7 +44,7 @@ class Place:
 
     @property
     def position(self) -> Vector:
-        """The position (m)."""
+        """Position of the end: its place at {x} = {0} plus the displacement from there (m)."""
         return add(self.constant, self.displacement)
 
 

@@ -99,7 +99,7 @@ def needed(whole: Evaluation, array: Array) -> Evaluation:
 
 
 class _Recorder:
-    """The steps so far."""
+    """Steps of several programs in the order of their evaluation, while they are put together."""
 
     def __init__(self, formats: Formats) -> None:
         self.steps: list[Step] = []

@@ -34,7 +34,7 @@ class Contributions:
     turned: dict[Factor, Intervals] = field(default_factory=dict)
 
     def add(self, part: Intervals) -> None:
-        """Add a contribution."""
+        """Add a contribution whose coefficient is neither a sine nor a cosine."""
         self.plain = part if self.plain is None else self.plain + part
 
     def add_turned(self, factor: Factor, part: Intervals) -> None:
