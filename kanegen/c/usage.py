@@ -140,13 +140,16 @@ def conditions(program: Program) -> dict[int, int]:
 def margins(program: Program) -> dict[int, int]:
     """Return the place, from 1, of every value required positive for accuracy; the first of several.
 
+    Where there are several tests for each freedom, they follow each other, each for all freedoms.
+
     A positive constant needs no test and is left out.
     """
     found: dict[int, int] = {}
     for output in program.outputs:
-        for place, value in enumerate(output.accurate_if_positive, start=1):
+        freedoms = len(output.exists_if_positive)
+        for i, value in enumerate(output.accurate_if_positive):
             if not program.instructions[value].number > 0.0:
-                found.setdefault(value, place)
+                found.setdefault(value, 1 + i % freedoms)
     return found
 
 

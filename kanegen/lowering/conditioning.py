@@ -2,32 +2,35 @@
 
 The loss of accuracy is found before any code is generated, by a search over states with parameters at their
 defaults. The inverse of [A], scaled to a diagonal of ones, bounds what any solver loses; where it is large,
-first corrections measure what articulated bodies lose. Ordinary trees, robots among them, lose less than 130
-roundoffs; eight links whose masses grow outward by a factor of 30 lose 10^9, and five of them 10^5. Trees
-that may lose more than 1024 roundoffs are refined. The generated code reports what the search has missed and
-what other parameters change: losses of pivots larger than the search found, and where it refines, errors
-that may exceed 8192 roundoffs, 1e-12 of the solution in double precision and 5e-4 in single.
+the errors of the most accurate solver are measured with 320 bits, without refinement and with it. Ordinary
+trees, robots among them, lose less than 130 roundoffs; eight links whose masses grow outward by a factor of
+30 lose 10^9, and five of them 10^5. Trees that may lose more than 1024 roundoffs are refined. The generated
+code reports what the search has missed and what other parameters change: losses of pivots larger than the
+search found, smaller ones where refinement does not help, and where it refines, errors that may exceed 8192
+roundoffs, 1e-12 of the solution in double precision and 5e-4 in single.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from kanegen.lowering.compilation import Candidate, Request
 from kanegen.lowering.losses import Losses, array_inputs, largest_losses
-from kanegen.lowering.lower import lower_definitions
+from kanegen.lowering.lower import lower
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import AUTO
 from kanegen.program import precision as precisions
+from kanegen.program.constants import MULTIPRECISION
 from kanegen.program.evaluate import evaluate
-from kanegen.program.ir import Array
+from kanegen.program.ir import Program
 from kanegen.program.passes.prune import prune
 from kanegen.program.precision import DOUBLE, Precision
-from kanegen.recursion import derive_correction_size, methods
-from kanegen.recursion.outputs import input_arrays, prerequisites
+from kanegen.recursion import Methods, derive, methods
+from kanegen.recursion.outputs import prerequisites
 from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, ranges
@@ -53,6 +56,12 @@ SLACK = 1.5
 MATRIX_ENTRIES = 2**13
 """Number of states in which the reference forms [A], times the freedoms and the bodies; at least 4 states."""
 
+MEASURED_INSTRUCTIONS = 2**17
+"""Number of instructions that are evaluated in 320 bits to measure an error."""
+
+LEAST_MEASURED = 8
+"""Least number of states in which an error is measured."""
+
 CONTRACTION = 64.0
 """Largest ratio between the error after a step of refinement and the product of the errors before it and of
 the first solution, entry by entry. In 88 000 states of chains with growing masses, in both precisions, the
@@ -77,29 +86,45 @@ def condition(request: Request) -> tuple[Candidate, ...]:
     if "forward_dynamics" not in ways[0]:
         return tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in ways)
     precision = precisions.precision_named(variant.precision)
-    if variant.refinement not in (AUTO, 0):
-        refinement = refined(system, int(variant.refinement), precision)
-        return tuple(Candidate(way, refinement, str(variant.refinement)) for way in ways)
     losses = [largest_losses(system, way["forward_dynamics"]) for way in ways]
-    asked = "" if variant.refinement == AUTO else "0"
+    asked = None if variant.refinement == AUTO else int(variant.refinement)
     if is_well_conditioned(system, losses[0]):
-        reason = asked or "0 (auto: [A] is well conditioned in every state tried)"
+        why = "0 (auto: [A] is well conditioned in every state tried)" if asked is None else str(asked)
         return tuple(
-            Candidate(way, unrefined(found, accurate=True), reason)
+            Candidate(way, refined(system, asked, precision) if asked else reporting(UNREFINED, found), why)
             for way, found in zip(ways, losses, strict=True)
         )
-    lost = measured_error(system, ways[0]["forward_dynamics"], losses[0].states) / DOUBLE.roundoff
-    is_accurate = lost <= LARGEST_UNREFINED_ERROR
-    if asked:
+    if asked is not None:
         return tuple(
-            Candidate(way, unrefined(found, accurate=is_accurate and way is ways[0]), asked)
+            Candidate(way, _measured(system, way, asked, found, precision)[0], str(asked))
             for way, found in zip(ways, losses, strict=True)
         )
-    if is_accurate:
+    refinement, lost = _measured(system, ways[0], 0, losses[0], precision)
+    if lost <= LARGEST_UNREFINED_ERROR:
         reason = f"0 (auto: it would repair about {_power_of_ten(lost)} roundoffs)"
-        return (Candidate(ways[0], unrefined(losses[0], accurate=True), reason),)
+        return (Candidate(ways[0], refinement, reason),)
+    refinement, _ = _measured(system, ways[0], 1, losses[0], precision)
     reason = f"1 (auto: it repairs about {_power_of_ten(lost)} roundoffs)"
-    return (Candidate(ways[0], refined(system, 1, precision), reason),)
+    return (Candidate(ways[0], refinement, reason),)
+
+
+def _measured(
+    system: System, way: Methods, steps: int, losses: Losses, precision: Precision
+) -> tuple[Refinement, float]:
+    """Return a refinement that reports what it leaves inaccurate, and the error of its results in roundoffs.
+
+    Args:
+        system: The tree.
+        way: The algorithm of every output.
+        steps: Number of steps of refinement.
+        losses: Losses of the pivots of its solver.
+        precision: Arithmetic of the code.
+    """
+    refinement = refined(system, steps, precision)
+    lost = measured_error(system, way["forward_dynamics"], refinement, losses.states)
+    if steps and lost <= LARGEST_UNREFINED_ERROR:
+        return refinement, lost
+    return reporting(refinement, losses, accurate=lost <= LARGEST_UNREFINED_ERROR), lost
 
 
 def is_well_conditioned(system: System, losses: Losses) -> bool:
@@ -119,20 +144,20 @@ def is_well_conditioned(system: System, losses: Losses) -> bool:
     return bool(_amplification(matrix) <= LARGEST_UNREFINED_ERROR)
 
 
-def unrefined(losses: Losses, *, accurate: bool) -> Refinement:
-    """Return no refinement, with a report of losses of pivots beyond those of the search.
+def reporting(refinement: Refinement, losses: Losses, *, accurate: bool = True) -> Refinement:
+    """Return a refinement, with a report of losses of pivots beyond those of the search.
 
     Args:
+        refinement: The refinement.
         losses: The losses that the search found.
-        accurate: Whether the solver is accurate where it found them.
+        accurate: Whether results are accurate where it found them.
     """
     least = np.maximum(SLACK * losses.largest, UNTESTED_LOSS)
     with np.errstate(over="ignore"):
         limits = np.exp2(np.ceil(np.log2(np.minimum(least, 2.0**100))))
     limits = limits if accurate else np.minimum(limits, REPORTED_LOSS)
-    return replace(
-        UNREFINED, losses=tuple(limits.tolist()), bounded=tuple((losses.bounds <= limits).tolist())
-    )
+    bounded = tuple((losses.bounds <= limits).tolist())
+    return replace(refinement, losses=tuple(limits.tolist()), bounded=bounded)
 
 
 def refined(system: System, steps: int, precision: Precision) -> Refinement:
@@ -143,19 +168,40 @@ def refined(system: System, steps: int, precision: Precision) -> Refinement:
     return Refinement(steps, remaining ** (1 / (steps + 1)), _accelerations(system))
 
 
-def measured_error(system: System, solver: str, states: States) -> float:
-    """Return the largest ratio of the first correction of {ydot} to the solution; infinity if undefined."""
-    form = derive_correction_size(system, solver)
-    array = Array("correction_size", (1 + len(system.freedoms),), "", "")
-    program = lower_definitions(
-        input_arrays(system), form.definitions, {array: form.outputs["correction_size"]}
-    )
-    program = prune(program)
+def measured_error(system: System, solver: str, refinement: Refinement, states: States) -> float:
+    """Return the largest error of {ydot} in doubles, in roundoffs; infinity if it is undefined.
+
+    The program is evaluated in doubles and in 320 bits, so that the rounding of its constants, and what the
+    residuals of a refinement lose, count too. Angles and translations are compared by `_accelerations`.
+    """
+    form = derive(system, {"forward_dynamics": solver}, DOUBLE.constants, refinement)
+    program = prune(lower(form, ("forward_dynamics",), DOUBLE.constants))
+    count = min(len(states), max(LEAST_MEASURED, MEASURED_INSTRUCTIONS // len(program.instructions)))
+    chosen = np.linspace(0, len(states) - 1, count).astype(int)
+    inputs = {
+        name: [np.broadcast_to(row, len(states))[chosen] for row in rows]
+        for name, rows in array_inputs(system, program, states).items()
+    }
     with np.errstate(all="ignore"):
-        size, *corrections = evaluate(program, array_inputs(system, program, states), np)["correction_size"]
-        largest = np.max(np.broadcast_arrays(size, *corrections)[1:], axis=0)
-        share = np.sqrt(np.where(largest == 0, 0.0, largest / size))
+        rows = evaluate(program, inputs, np, np.float64)["acceleration"]
+        rounded = np.stack([np.broadcast_to(row, count) for row in rows], axis=-1)
+        exact = np.array([_in_many_bits(program, inputs, b) for b in range(count)])
+        scale = np.array(_accelerations(system))
+        sizes = np.linalg.norm(exact / scale, axis=1)
+        errors = np.linalg.norm((rounded - exact) / scale, axis=1)
+        share = np.where(errors == 0, 0.0, errors / sizes) / DOUBLE.roundoff
     return float(np.max(np.where(np.isnan(share), np.inf, share)))
+
+
+def _in_many_bits(program: Program, inputs: Mapping[str, Sequence[Floats]], state: int) -> list[float]:
+    """Return {ydot} of one state, computed in 320 bits; NaN where it is undefined."""
+    number = MULTIPRECISION.mpf
+    elements = {name: [number(float(row[state])) for row in rows] for name, rows in inputs.items()}
+    try:
+        found = evaluate(program, elements, MULTIPRECISION, number)["acceleration"]
+        return [float(value) for value in found]
+    except (ZeroDivisionError, TypeError):  # a root of a negative number is complex
+        return [np.nan] * len(program.outputs[0].values)
 
 
 def _amplification(matrix: Floats) -> float:

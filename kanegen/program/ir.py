@@ -139,8 +139,9 @@ class Output:
         exists_if_positive: Values that must be positive for the elements to exist, such as the pivots of a
             factorisation. The generated function returns the place, from 1, of the first that is not, or 0.
         places: The element that each value fills, for a program that fills only some; None for all in order.
-        accurate_if_positive: Values that must be positive for the elements to be accurate. Where one is not,
-            the generated function returns minus the place, from 1, of the least of them.
+        accurate_if_positive: Values that must be positive for the elements to be accurate, as many as
+            `exists_if_positive` or a multiple of it. Where one is not, the generated function returns minus
+            the place, from 1, of the least of them.
     """
 
     array: Array

@@ -14,9 +14,8 @@ from kanegen.recursion.derivation import (
     Methods,
     RecursiveForm,
     derive,
-    derive_correction_size,
     derive_losses,
     methods,
 )
 
-__all__ = ["Methods", "RecursiveForm", "derive", "derive_correction_size", "derive_losses", "methods"]
+__all__ = ["Methods", "RecursiveForm", "derive", "derive_losses", "methods"]

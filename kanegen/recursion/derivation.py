@@ -108,13 +108,6 @@ def _solved_tree(prepared: Tree, methods: Methods, refinement: Refinement) -> Tr
     return with_own_inertias(prepared) if refinement.steps or "error_estimate" in methods else prepared
 
 
-def derive_correction_size(system: System, solver: str) -> RecursiveForm:
-    """Derive `Solution.correction_size` as the only output, under the name "correction_size"."""
-    prepared = tree(system)
-    size = Solution(SOLVERS[solver](prepared)).correction_size()
-    return RecursiveForm(system, {}, prepared.definitions.listed(), {"correction_size": size})
-
-
 def derive_losses(system: System, solver: str) -> RecursiveForm:
     """Derive the losses of the pivots of a solver and their bounds, under the names "losses" and "bounds"."""
     prepared = tree(system)

@@ -39,8 +39,8 @@ class Refinement:
         steps: Number of steps.
         limit: Largest first correction over the solution, freedom by freedom.
         floor: Acceleration by freedom below which a solution counts as zero (rad/s^2, m/s^2).
-        losses: Loss of a pivot by freedom, see `pivot_margins`, beyond which a result without refinement is
-            reported as inaccurate; empty if this is not tested.
+        losses: Loss of a pivot by freedom, see `pivot_margins`, beyond which a result is reported as
+            inaccurate; empty if this is not tested.
         bounded: By freedom whether no state has a larger loss while parameters stay near their defaults.
     """
 
@@ -74,13 +74,12 @@ class Solution:
         return Derived(entries, self._solver.regular_if_positive, self._margins())
 
     def _margins(self) -> Sequence[Expr]:
-        """Return expressions by freedom that are positive where {ydot} is accurate."""
-        refinement = self._refinement
+        """Return expressions that are positive where {ydot} is accurate, by test and freedom."""
+        refinement, margins = self._refinement, list[Expr]()
         if refinement.steps:
-            return self._size.margins(refinement.limit, refinement.floor)
-        if not refinement.losses:
-            return ()
-        margins = PivotMargins(self._solver).margins(refinement.losses, refinement.bounded)
+            margins += self._size.margins(refinement.limit, refinement.floor)
+        if refinement.losses:
+            margins += PivotMargins(self._solver).margins(refinement.losses, refinement.bounded)
         return () if all(margin.is_positive and margin.is_number for margin in margins) else margins
 
     def error_estimate(self) -> Derived:
@@ -93,10 +92,6 @@ class Solution:
         """Derive by freedom the ratio of its pivot to its inertia with every other freedom locked."""
         pairs = zip(self._solver.regular_if_positive, self._solver.diagonal, strict=True)
         return Derived([left / whole for left, whole in pairs])
-
-    def correction_size(self) -> Derived:
-        """Derive the square of the solution, then those of the first correction by freedom, in one unit."""
-        return Derived([self._size.whole, *self._size.errors])
 
     @cached_property
     def _motions(self) -> Mapping[int, BodyMotion]:

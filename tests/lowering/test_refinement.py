@@ -228,7 +228,7 @@ def test_nothing_is_decided_without_forward_dynamics() -> None:
 
 def test_the_header_documents_refinement_and_status() -> None:
     header = kg.generate(rods(30.0), FORWARD).files["rods.h"]
-    assert "refinement: 1 (auto: it repairs about 1e+1" in header
+    assert "refinement: 1 (auto: it repairs about 1e+09 roundoffs)" in header
     reported = "-1 and below: minus such a place where nothing failed, but the error may be large"
     assert reported in header
     plain = kg.generate(rods(30.0), FORWARD, tier=Variant(refinement=0)).files["rods.h"]
