@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from kanegen.model.force_elements import Spring as Spring
     from kanegen.model.force_elements import parse as parse
     from kanegen.model.joint import Joint as Joint
+    from kanegen.model.limits import Limits as Limits
     from kanegen.model.numbers import Parameter as Parameter
     from kanegen.model.reanchoring import reanchored as reanchored
     from kanegen.model.system import System as System
@@ -98,6 +99,7 @@ _MODULES = {
         "parse",
     ),
     "model.joint": ("Joint",),
+    "model.limits": ("Limits",),
     "model.numbers": ("Parameter",),
     "model.reanchoring": ("reanchored",),
     "model.system": ("System",),

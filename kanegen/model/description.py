@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
+import numpy as np
+
+from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.model import output_rows
 from kanegen.model.body import Body, Point
@@ -14,6 +18,7 @@ from kanegen.model.coordinates import FREEDOMS, Coordinate, Freedom, Speed
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.joint import Joint
+from kanegen.model.limits import SystemLimits
 from kanegen.model.numbers import Number, Parameter, Vector, map_numbers
 
 GRAVITY: Vector = (0.0, 0.0, -9.81)
@@ -207,6 +212,56 @@ class SystemDescription:
         if body.joint.name and body.joint.moving[freedom.index] and sum(body.joint.moving) == 1:
             return body.joint.name
         return f"{body.name}.{FREEDOMS[freedom.index]}"
+
+    @cached_property
+    def limits(self) -> SystemLimits:
+        """The limits of position, speed and effort in the order of {x} and {y}; infinite where there is none.
+
+        Example:
+            system.limits.upper  # (m,)
+        """
+        of_coordinates = [
+            (limits.lower[c.index], limits.upper[c.index])
+            if c.index < len(FREEDOMS)
+            else (-math.inf, math.inf)
+            for c in self.coordinates
+            for limits in (self.bodies[c.body - 1].joint.limits,)
+        ]
+        of_speeds = [
+            (limits.speed[f.index], limits.effort[f.index])
+            for f in self.freedoms
+            for limits in (self.bodies[f.body - 1].joint.limits,)
+        ]
+        return SystemLimits(*np.array(of_coordinates).T, *np.array(of_speeds).T)
+
+    def freedom(self, name: object, label: str = "freedom") -> Freedom:
+        """Return one of the six freedoms of a body, free or not, by its name.
+
+        Args:
+            name: One of `freedom_names`, or `<body>.theta1` to `<body>.s3`.
+            label: What the name is for, with which the message begins.
+
+        Raises:
+            ModelError: If there is no such freedom.
+
+        Example:
+            system.freedom("elbow").body
+        """
+        every = self._freedoms_by_name
+        if not isinstance(name, str) or name not in every:
+            raise ModelError(
+                f"{label}: there is no freedom {quoted(name)}. {did_you_mean(name, self.freedom_names)}"
+            )
+        return every[name]
+
+    @cached_property
+    def _freedoms_by_name(self) -> dict[str, Freedom]:
+        """The six freedoms of every body, by every name that they have."""
+        six = self._ordered(lambda joint: (True,) * 6)
+        found = {self._freedom_name(freedom): freedom for freedom in six}
+        for freedom in six:
+            found.setdefault(f"{self.bodies[freedom.body - 1].name}.{FREEDOMS[freedom.index]}", freedom)
+        return found
 
     @cached_property
     def point_names(self) -> tuple[str, ...]:

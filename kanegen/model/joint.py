@@ -32,6 +32,7 @@ from kanegen.model.coordinates import (
     rotation_of,
     selected_freedoms,
 )
+from kanegen.model.limits import NO_LIMITS, Limits, check_limits
 from kanegen.model.names import check_label
 from kanegen.model.numbers import (
     Matrix,
@@ -68,6 +69,7 @@ class Joint:
             length in place of three free angles. The speeds of a quaternion are "angular_velocity".
         prescribed: (6,) which of `FREEDOMS` have a motion that is an input: values, rates and second
             derivatives. None of them is free.
+        limits: Limits of position, speed and effort of the six freedoms. The equations do not contain them.
 
     Raises:
         ModelError: If a number, a shape, a name or a combination of choices is not usable.
@@ -85,6 +87,7 @@ class Joint:
     sequence: str = NOTES
     coordinates: str = ORIENTATIONS[0]
     prescribed: tuple[bool, ...] = (False,) * 6
+    limits: Limits = NO_LIMITS
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name:
@@ -100,6 +103,8 @@ class Joint:
         check_sequence(self.sequence)
         self._check_coordinates()
         self._check_speeds()
+        validation.instances((self.limits,), Limits, "limits")
+        check_limits(self.limits, self.moving, self.coordinate_kinds)
 
     def _check_prescribed(self) -> None:
         """Make sure that no prescribed freedom is free or locked at a value."""
@@ -268,4 +273,6 @@ class Joint:
             table["coordinates"] = self.coordinates
         elif self.speeds != SPEEDS[0]:
             table["speeds"] = self.speeds
+        if limits := self.limits.as_table():
+            table["limits"] = limits
         return table

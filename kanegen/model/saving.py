@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -35,7 +36,7 @@ def toml_text(table: Mapping[str, Any]) -> str:
 
     Args:
         table: Tuples become arrays, a dictionary a table, a list of dictionaries an array of tables; tables
-            inside tables become dotted keys. Everything else is a string, a bool, an int or a finite float,
+            inside tables become dotted keys. Everything else is a string, a bool, an int or a float,
             which is written with the fewest digits that give the same number again.
     """
     lines = list(_lines({key: value for key, value in table.items() if not isinstance(value, dict | list)}))
@@ -64,6 +65,8 @@ def _key(key: str) -> str:
 
 def _value(value: Any) -> str:
     """Return the text of a value in TOML."""
+    if isinstance(value, float) and math.isinf(value):
+        return "inf" if value > 0 else "-inf"
     if not isinstance(value, tuple):
         return json.dumps(value)
     if value and isinstance(value[0], tuple):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from kanegen.choices import did_you_mean, require_one
-from kanegen.errors import ModelError, WriteError, quoted
+from kanegen.errors import KanegenWarning, ModelError, WriteError, quoted
 from kanegen.files import path_of, write_whole
 from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
@@ -19,6 +20,7 @@ from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.force_elements.names import with_resolved_names
 from kanegen.model.joint import Joint
+from kanegen.model.limits import without_angles
 from kanegen.model.names import check_identifier
 from kanegen.model.numbers import Number, Parameter, map_numbers, numbers
 from kanegen.model.right_angles import checked_tolerance
@@ -235,21 +237,41 @@ class System(SystemDescription):
         Example:
             system.with_prescribed("trolley.s1")
         """
-        every = {self._freedom_name(freedom): freedom for freedom in self._ordered(lambda joint: (True,) * 6)}
         bodies = list(self.bodies)
         for name in (names,) if isinstance(names, str) else validation.sequence(names, None, "prescribed"):
-            if not isinstance(name, str) or name not in every:
-                free = [known for known, freedom in every.items() if freedom in self.places]
-                raise ModelError(
-                    f"prescribed: there is no freedom {quoted(name)}. {did_you_mean(name, free)}"
-                )
-            k, index = every[name].body - 1, every[name].index
+            freedom = self.freedom(name, "prescribed")
+            k, index = freedom.body - 1, freedom.index
             if not bodies[k].joint.moving[index]:
                 raise ModelError(f"prescribed: {quoted(name)} is locked; free it, then prescribe it.")
             try:
                 bodies[k] = replace(bodies[k], joint=bodies[k].joint.with_prescribed(index))
             except ModelError as error:
                 raise ModelError(f"prescribed: {quoted(name)}: {error}") from None
+        return replace(self, bodies=tuple(bodies))
+
+    def with_limits(self, limits: Mapping[str, Mapping[str, Any]]) -> Self:
+        """Return the same system with other limits of some freedoms.
+
+        Args:
+            limits: By name of a free or prescribed freedom a table with "position" (two numbers, rad or m),
+                "speed" (rad/s, m/s) and "effort" (N m, N); what is left out has no limit.
+
+        Raises:
+            ModelError: If there is no such freedom, it is locked, or a limit is not usable.
+
+        Example:
+            system.with_limits({"elbow": {"position": (-1.5, 1.5), "speed": 2.0, "effort": 87.0}})
+        """
+        bodies = list(self.bodies)
+        example = '{"elbow": {"position": (-1.5, 1.5), "speed": 2.0}}'
+        for name, table in validation.table(limits, "limits", example).items():
+            freedom = self.freedom(name, "limits")
+            joint = bodies[freedom.body - 1].joint
+            try:
+                joint = replace(joint, limits=joint.limits.with_freedom(freedom.index, table))
+            except ModelError as error:
+                raise ModelError(f"{quoted(name)}: {error}") from None
+            bodies[freedom.body - 1] = replace(bodies[freedom.body - 1], joint=joint)
         return replace(self, bodies=tuple(bodies))
 
     def with_speeds(self, speeds: str) -> Self:
@@ -314,11 +336,31 @@ class System(SystemDescription):
         return replace(self, bodies=tuple(map(exact, self.bodies)))
 
     def _with_free_orientations(self, change: Callable[[Joint], Joint]) -> Self:
-        """Return the same system with `change` applied to every joint that has three free angles."""
-        bodies = (
-            replace(body, joint=change(body.joint)) if body.joint.has_free_orientation else body
-            for body in self.bodies
-        )
+        """Return the same system with `change` applied to every joint that has three free angles.
+
+        Limits of the angles of a joint that becomes another one have no meaning any more.
+
+        Warns:
+            KanegenWarning: If there are such limits, which are left out.
+        """
+        bodies, without = list(self.bodies), []
+        for k, body in enumerate(self.bodies):
+            joint = body.joint
+            if not joint.has_free_orientation:
+                continue
+            unlimited = replace(joint, limits=without_angles(joint.limits))
+            changed = change(unlimited)
+            if changed == unlimited:
+                continue
+            without += [body.name] if changed.limits != joint.limits else []
+            bodies[k] = replace(body, joint=changed)
+        if without:
+            names = ", ".join(without)
+            warnings.warn(
+                f"limits of angles are left out, which are other freedoms now: {names}.",
+                KanegenWarning,
+                stacklevel=3,
+            )
         return replace(self, bodies=tuple(bodies))
 
     def with_parameters(self, values: Mapping[str, float]) -> Self:

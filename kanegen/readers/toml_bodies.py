@@ -11,6 +11,7 @@ from kanegen.model import right_angles, validation
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import FREEDOMS, NOTES, ORIENTATIONS, SPEEDS, selected_freedoms
 from kanegen.model.joint import IDENTITY, Joint
+from kanegen.model.limits import Limits
 from kanegen.model.numbers import Parameter, numbers
 from kanegen.readers.toml_tables import ORIGIN, Parameters, Table, check_keys
 
@@ -28,6 +29,7 @@ JOINT_KEYS = (
     "locked",
     "prescribed",
     "speeds",
+    "limits",
 )
 
 GROUND = "ground"
@@ -133,6 +135,7 @@ def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
         speeds=table.get("speeds", SPEEDS[0]),
         coordinates=table.get("coordinates", ORIENTATIONS[0]),
         prescribed=prescribed,
+        limits=Limits.of(table.get("limits", {})),
     )
 
 

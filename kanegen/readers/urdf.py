@@ -15,11 +15,12 @@ from pathlib import Path
 from kanegen.errors import KanegenWarning, ModelError, ReadError, quoted
 from kanegen.model.body import Body
 from kanegen.model.joint import Joint
+from kanegen.model.limits import NO_LIMITS, Limits
 from kanegen.model.names import usable_identifier, usable_label
 from kanegen.model.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
 from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
-from kanegen.readers.urdf_elements import Robot, RobotJoint, read_robot
+from kanegen.readers.urdf_elements import JointLimit, Robot, RobotJoint, read_robot
 from kanegen.readers.urdf_tree import GROUND, MovingLink, moving_links
 from kanegen.readers.welding import Frame, weld
 
@@ -37,7 +38,8 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
         ReadError: If the file is not well formed, not one tree, or has a body that cannot exist.
 
     Warns:
-        KanegenWarning: If a joint has `mimic`, which is ignored, or a name has to be changed.
+        KanegenWarning: If a joint has `mimic`, which is ignored, a limit that leaves no motion, or a
+            name that has to be changed.
     """
     robot = read_robot(file.root, options.right_angles)
     moving = moving_links(robot, options.floating_base)
@@ -46,6 +48,7 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
             f"{robot.where}: no joint of this robot moves. floating_base=True frees its root link."
         )
     _warn_of_mimic(robot, file.path)
+    _warn_of_limits(moving, file.path)
     _warn_of_names(moving, file.path)
     frames = [_body_frame(link.joint) for link in moving]
     bodies = tuple(_bodies(moving, frames))
@@ -104,10 +107,30 @@ def _body(link: MovingLink, below: Square, frame: _BodyFrame) -> Body:
         position=apply(below, link.origin.position),
         orientation=product(to_joint_frame, transpose(below)),
         free=frame.free,
+        limits=_limits(link.joint.limit, frame.free),
         name=usable_label(link.joint.name) if link.joint.name else "",
     )
     name = usable_label(link.joint.child)
     return Body(name, link.lower, rigid.mass, rigid.inertia, rigid.center, joint)
+
+
+def _limits(limit: JointLimit, free: tuple[bool, ...]) -> Limits:
+    """Return the limits of a joint with one freedom; those of no other joint are read."""
+    if limit.is_none:
+        return NO_LIMITS
+    ends = {"position": (limit.lower, limit.upper), "speed": limit.speed, "effort": limit.effort}
+    return NO_LIMITS.with_freedom(free.index(True), ends)
+
+
+def _warn_of_limits(moving: Sequence[MovingLink], path: Path) -> None:
+    """Warn of limits that leave nothing, which count as none."""
+    empty = [
+        f"{quoted(link.joint.name)} ({', '.join(link.joint.limit.empty)})"
+        for link in moving
+        if link.joint.limit.empty
+    ]
+    if empty:
+        _warn(f"{path}: limits that leave no motion or no effort are taken for none: {', '.join(empty)}.")
 
 
 def _warn_of_mimic(robot: Robot, path: Path) -> None:

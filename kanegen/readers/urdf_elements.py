@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from kanegen.choices import did_you_mean
@@ -16,6 +17,7 @@ from kanegen.readers.xml import Element
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
+WITH_LIMIT = ("revolute", "continuous", "prismatic")
 DEFAULT_AXIS: Triple = (1.0, 0.0, 0.0)
 
 CANCELLED = 4 * sys.float_info.epsilon
@@ -40,6 +42,31 @@ class Link:
 
 
 @dataclass(frozen=True)
+class JointLimit:
+    """The limits of the one coordinate of a joint.
+
+    Attributes:
+        lower: Smallest position (rad, m).
+        upper: Largest position (rad, m).
+        speed: Largest speed (rad/s, m/s).
+        effort: Largest effort (N m, N).
+        empty: Names of the attributes that leave nothing: no way, no speed or no effort. Programs write them
+            for joints without limits, so they count as none.
+    """
+
+    lower: float = -math.inf
+    upper: float = math.inf
+    speed: float = math.inf
+    effort: float = math.inf
+    empty: tuple[str, ...] = ()
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the joint has no limit."""
+        return self.lower == -math.inf and self.upper == self.speed == self.effort == math.inf
+
+
+@dataclass(frozen=True)
 class RobotJoint:
     """A joint of a robot file.
 
@@ -50,6 +77,7 @@ class RobotJoint:
         child: Name of the upper link.
         origin: Frame of the child in the parent at joint position zero.
         axis: Unit vector, in child components.
+        limit: Position, speed and effort at the most, infinite where the file has none.
         mimic: Whether the file makes its position follow another joint's.
         where: File and line.
     """
@@ -62,6 +90,7 @@ class RobotJoint:
     axis: Triple
     mimic: bool
     where: str
+    limit: JointLimit = field(default_factory=JointLimit)
 
 
 @dataclass(frozen=True)
@@ -160,7 +189,41 @@ def _joint(element: Element, tolerance: float) -> RobotJoint:
         axis=_axis(element, tolerance) if kind in WITH_AXIS else DEFAULT_AXIS,
         mimic=element.optional("mimic") is not None,
         where=element.where,
+        limit=_limit(element, kind) if kind in WITH_LIMIT else JointLimit(),
     )
+
+
+def _limit(element: Element, kind: str) -> JointLimit:
+    """Return the limits of a joint; a continuous one has none of its position.
+
+    Raises:
+        ReadError: If a limit is no number, the lower position exceeds the upper one, or a speed or an effort
+            is negative.
+    """
+    limit = element.optional("limit")
+    if limit is None:
+        return JointLimit()
+    words = ("lower", "upper", "velocity", "effort")
+    lower, upper, speed, effort = (_end(limit, word) for word in words)
+    if lower > upper:
+        raise limit.error(f"<limit>: lower={lower!r} exceeds upper={upper!r}. Exchange them.")
+    for word, value in (("velocity", speed), ("effort", effort)):
+        if value < 0:
+            raise limit.error(f"<limit {word}>: {value!r} is negative. Write the largest magnitude.")
+    empty = tuple(word for word, value in (("velocity", speed), ("effort", effort)) if value == 0)
+    if kind == "continuous":
+        lower, upper = -math.inf, math.inf
+    elif lower == upper:
+        lower, upper, empty = -math.inf, math.inf, ("lower and upper", *empty)
+    return JointLimit(lower, upper, speed or math.inf, effort or math.inf, empty)
+
+
+def _end(limit: Element, word: str) -> float:
+    """Return an attribute of a limit; one that is absent is 0 for a position, otherwise infinity."""
+    if word not in limit.attributes:
+        return math.inf if word in ("velocity", "effort") else 0.0
+    infinite = {"inf": math.inf, "+inf": math.inf, "-inf": -math.inf}
+    return infinite[text] if (text := limit.text(word).lower()) in infinite else limit.number(word)
 
 
 def _origin(element: Element, tolerance: float) -> Frame:

@@ -269,3 +269,50 @@ def test_no_document_types_and_no_other_roots(tmp_path: Path) -> None:
     path.write_bytes(b"<robot name='\xe9'/>")
     with pytest.raises(ReadError, match=r"r\.urdf:1: byte 0xe9 is not UTF-8"):
         load(path)
+
+
+def _hinge(limit: str, kind: str = "revolute") -> str:
+    return f'<robot name="r">{BASE}{link("b")}{joint("j", "base", "b", axis("0 0 -1") + limit, kind)}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("limit", "kind", "ends"),
+    [
+        ('<limit lower="-1.5" upper="2" velocity="3" effort="87"/>', "revolute", [-1.5, 2, 3, 87]),
+        ('<limit lower="-inf" upper="+inf" velocity="inf"/>', "revolute", [-np.inf, np.inf, np.inf, np.inf]),
+        ('<limit upper="0.4" velocity="0.1"/>', "prismatic", [0, 0.4, 0.1, np.inf]),
+        ('<limit lower="-1" upper="1" velocity="3" effort="8"/>', "continuous", [-np.inf, np.inf, 3, 8]),
+        ("", "revolute", [-np.inf, np.inf, np.inf, np.inf]),
+    ],
+)
+def test_limits_are_those_of_the_coordinate(limit: str, kind: str, ends: list[float], tmp_path: Path) -> None:
+    """The axis is -z, so the body frame is turned; the coordinate keeps its sign, and so do its limits."""
+    path = tmp_path / "hinge.urdf"
+    path.write_text(_hinge(limit, kind))
+    found = load(path).limits
+    assert [found.lower[0], found.upper[0], found.speed[0], found.effort[0]] == ends
+
+
+def test_limits_that_leave_nothing_count_as_none(tmp_path: Path) -> None:
+    path = tmp_path / "hinge.urdf"
+    path.write_text(_hinge('<limit lower="0" upper="0" velocity="0" effort="0"/>'))
+    with pytest.warns(KanegenWarning, match=r"taken for none: 'j' \(lower and upper, velocity, effort\)"):
+        assert not load(path).limits
+
+
+@pytest.mark.parametrize(
+    ("limit", "message"),
+    [
+        ('<limit lower="1" upper="-1"/>', "lower=1.0 exceeds upper=-1.0"),
+        ('<limit upper="1" velocity="-1"/>', "<limit velocity>: -1.0 is negative"),
+        ('<limit upper="1" effort="-2"/>', "<limit effort>: -2.0 is negative"),
+        ('<limit upper="pi"/>', "'pi' is not a finite number"),
+        ('<limit upper="1"/><limit upper="1"/>', "holds a second <limit>"),
+    ],
+)
+def test_a_wrong_limit_is_an_error_with_its_line(limit: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "hinge.urdf"
+    path.write_text(_hinge(limit))
+    with pytest.raises(ReadError) as caught:
+        load(path)
+    assert str(caught.value).startswith(f"{path}:2: ") and message in str(caught.value)

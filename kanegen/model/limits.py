@@ -1,0 +1,237 @@
+"""Limits of the freedoms of a joint and of a system: position, speed and effort; infinity means no limit.
+
+The equations of motion do not contain limits. Limits describe where a mechanism works, and are the default
+ranges of states in comparisons, studies, budgets, bounds and benches.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kanegen.choices import did_you_mean
+from kanegen.errors import ModelError, quoted
+from kanegen.model import validation
+from kanegen.model.coordinates import ANGLES, FREEDOMS
+
+KEYS = ("position", "speed", "effort")
+"""Keys of the limits of one freedom in a model file and in `System.with_limits`."""
+
+Floats = NDArray[np.float64]
+
+Six = tuple[float, ...]
+"""(6,) one number for each of `FREEDOMS`."""
+
+_NONE: Six = (math.inf,) * 6
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits of the six freedoms of a joint, in the order of `FREEDOMS`; infinite where there is none.
+
+    Attributes:
+        lower: (6,) smallest positions (rad, m).
+        upper: (6,) largest positions (rad, m).
+        speed: (6,) largest magnitudes of the generalized speeds (rad/s, m/s).
+        effort: (6,) largest magnitudes of the generalized forces of the drives (N m, N).
+
+    Raises:
+        ModelError: If a limit is no number, a lower one exceeds its upper one, or a speed or an effort is
+            negative.
+
+    Example:
+        limits = kg.Limits.of({"theta3": {"position": (-1.5, 1.5), "speed": 2.0, "effort": 87.0}})
+    """
+
+    lower: Six = (-math.inf,) * 6
+    upper: Six = _NONE
+    speed: Six = _NONE
+    effort: Six = _NONE
+
+    def __post_init__(self) -> None:
+        for name in ("lower", "upper", "speed", "effort"):
+            items = validation.sequence(getattr(self, name), len(FREEDOMS), f"limits: {name}")
+            labels = (f"limits: {name} of {freedom}" for freedom in FREEDOMS)
+            values = tuple(_limit(item, label) for item, label in zip(items, labels, strict=True))
+            validation.store(self, **{name: values})
+        for index, freedom in enumerate(FREEDOMS):
+            lower, upper = self.lower[index], self.upper[index]
+            if lower > upper:
+                raise ModelError(
+                    f"limits: the lower position of {freedom}, {lower!r}, exceeds the upper one, {upper!r}. "
+                    "Exchange them."
+                )
+            if lower == math.inf or upper == -math.inf:
+                raise ModelError(f"limits: no position of {freedom} lies between {lower!r} and {upper!r}.")
+            for name, value in (("speed", self.speed[index]), ("effort", self.effort[index])):
+                if value < 0:
+                    raise ModelError(
+                        f"limits: the {name} of {freedom} is {value!r}. A limit of the {name} is its largest "
+                        "magnitude, which is not negative."
+                    )
+
+    @classmethod
+    def of(cls, table: Any) -> Limits:
+        """Return limits from a table by freedom, with the keys `KEYS`, each of which may be left out.
+
+        Raises:
+            ModelError: If a freedom or a key is unknown, or a limit is not usable.
+
+        Example:
+            kg.Limits.of({"s1": {"position": (0.0, 0.4)}})
+        """
+        example = "{theta3 = {position = [-1, 1], speed = 2, effort = 87}}"
+        found = cls()
+        for freedom, own in validation.table(table, "limits", example).items():
+            if freedom not in FREEDOMS:
+                raise ModelError(
+                    f"limits: {quoted(freedom)} is no freedom. {did_you_mean(freedom, FREEDOMS)}"
+                )
+            found = found.with_freedom(FREEDOMS.index(freedom), own)
+        return found
+
+    def with_freedom(self, index: int, table: Any) -> Limits:
+        """Return the same limits with those of freedom `index` of `FREEDOMS` replaced.
+
+        Args:
+            index: Index of the freedom.
+            table: "position" (two numbers), "speed" and "effort" by name; what is left out has no limit.
+
+        Raises:
+            ModelError: If a key is unknown or a limit is not usable.
+
+        Example:
+            limits.with_freedom(2, {"position": (-1.0, 1.0)})
+        """
+        label = f"limits: {FREEDOMS[index]}"
+        for key in validation.table(table, label, "{position = [-1, 1], speed = 2, effort = 87}"):
+            if key not in KEYS:
+                raise ModelError(f"{label}: unknown key {quoted(key)}. {did_you_mean(key, KEYS)}")
+        position = table.get("position", (-math.inf, math.inf))
+        lower, upper = validation.sequence(position, 2, f"{label}: position")
+        values = {"lower": lower, "upper": upper}
+        values |= {key: table.get(key, math.inf) for key in KEYS[1:]}
+        return replace(self, **{name: _with(getattr(self, name), index, v) for name, v in values.items()})
+
+    def without(self, *indices: int) -> Limits:
+        """Return the same limits without those of some freedoms, given by their indices in `FREEDOMS`.
+
+        Example:
+            limits.without(0, 1, 2)  # translations keep theirs
+        """
+        found = self
+        for index in indices:
+            found = found.with_freedom(index, {})
+        return found
+
+    def limited(self) -> tuple[bool, ...]:
+        """Return (6,) which freedoms have a limit.
+
+        Example:
+            any(joint.limits.limited())
+        """
+        return tuple(bool(table) for table in self._tables())
+
+    def as_table(self) -> dict[str, dict[str, Any]]:
+        """Return the limits by freedom, as a model file holds them; freedoms without limits are left out.
+
+        Example:
+            kg.Limits().as_table()  # {}
+        """
+        return {name: table for name, table in zip(FREEDOMS, self._tables(), strict=True) if table}
+
+    def _tables(self) -> Iterator[dict[str, Any]]:
+        """Yield the limits of each of `FREEDOMS`, without those that are infinite."""
+        for lower, upper, speed, effort in zip(self.lower, self.upper, self.speed, self.effort, strict=True):
+            table: dict[str, Any] = {}
+            if math.isfinite(lower) or math.isfinite(upper):
+                table["position"] = (lower, upper)
+            ends = {"speed": speed, "effort": effort}
+            yield table | {name: value for name, value in ends.items() if math.isfinite(value)}
+
+
+@dataclass(frozen=True)
+class SystemLimits:
+    """Limits of a system in the order of {x} and {y}; infinite where there is none.
+
+    Attributes:
+        lower: (m,) smallest coordinates (rad, m).
+        upper: (m,) largest coordinates (rad, m).
+        speed: (n,) largest magnitudes of the generalized speeds (rad/s, m/s).
+        effort: (n,) largest magnitudes of the generalized forces of the drives (N m, N).
+    """
+
+    lower: Floats
+    upper: Floats
+    speed: Floats
+    effort: Floats
+
+    def __bool__(self) -> bool:
+        """Return whether there is any limit."""
+        ends = (self.lower, self.upper, self.speed, self.effort)
+        return any(bool(np.isfinite(values).any()) for values in ends)
+
+
+def check_limits(limits: Limits, moving: Sequence[bool], coordinate_kinds: Collection[int]) -> None:
+    """Make sure that limits fit a joint.
+
+    Args:
+        limits: The limits.
+        moving: (6,) which of `FREEDOMS` are free or prescribed.
+        coordinate_kinds: Indices of the coordinates of the joint in `COORDINATE_KINDS`.
+
+    Raises:
+        ModelError: If a freedom that is locked has a limit, or one that is no coordinate has one of its
+            position.
+    """
+    for index, (name, is_limited) in enumerate(zip(FREEDOMS, limits.limited(), strict=True)):
+        if is_limited and not moving[index]:
+            raise ModelError(
+                f"limits: {name} is locked, so a limit says nothing. Leave it out, or free {name}."
+            )
+        finite = math.isfinite(limits.lower[index]) or math.isfinite(limits.upper[index])
+        if finite and index not in coordinate_kinds:
+            raise ModelError(
+                f"limits: {name} is no coordinate of this joint, so its position has no limit. Leave it out, "
+                "or take angles as coordinates."
+            )
+
+
+def without_angles(limits: Limits) -> Limits:
+    """Return the same limits without those of the three angles.
+
+    Example:
+        without_angles(joint.limits).limited()[:3]  # (False, False, False)
+    """
+    return limits.without(*ANGLES)
+
+
+def _limit(value: Any, label: str) -> float:
+    """Return one limit as a float, which may be infinite.
+
+    Raises:
+        ModelError: If it is no number.
+    """
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+        raise ModelError(f"{label}: {quoted(value)} is not a number.")
+    try:
+        number = float(value) + 0.0
+    except OverflowError:
+        number = math.inf if value > 0 else -math.inf
+    if math.isnan(number):
+        raise ModelError(f"{label}: nan is not a number.")
+    return number
+
+
+def _with(values: Six, index: int, value: Any) -> tuple[Any, ...]:
+    """Return the same values with another one at one place."""
+    return (*values[:index], value, *values[index + 1 :])
+
+
+NO_LIMITS = Limits()
+"""The limits of a joint that has none."""

@@ -1,0 +1,118 @@
+"""Limits of freedoms: what they accept, the order in a system, what models do with them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from tests.support.random_trees import everything
+
+INF = math.inf
+
+
+def _arm() -> kg.System:
+    """Two bodies: a hinge and a slide on one, a ball joint with a quaternion on the other."""
+    free = (False, False, True, True, False, False)
+    limits = kg.Limits.of({"theta3": {"position": (-1.5, 2.0), "speed": 3.0}, "s1": {"effort": 40.0}})
+    upper = kg.Body("upper", 0, 1.0, np.eye(3).tolist(), joint=kg.Joint(free=free, limits=limits))
+    ball = kg.Joint(free=(True,) * 3 + (False,) * 3, coordinates="quaternion")
+    lower = kg.Body("lower", 1, 1.0, np.eye(3).tolist(), joint=ball)
+    return kg.System("arm", (upper, lower))
+
+
+def test_limits_of_a_system_stand_in_the_order_of_x_and_y() -> None:
+    system = _arm().with_limits({"lower.theta2": {"speed": 7.0, "effort": 5.0}})
+    assert system.coordinate_names == (
+        "upper.theta3",
+        "lower.e0",
+        "lower.e1",
+        "lower.e2",
+        "lower.e3",
+        "upper.s1",
+    )
+    limits = system.limits
+    assert limits.lower.tolist() == [-1.5, *[-INF] * 5]
+    assert limits.upper.tolist() == [2.0, *[INF] * 5]
+    assert limits.speed.tolist() == [3.0, INF, 7.0, INF, INF]
+    assert limits.effort.tolist() == [INF, INF, 5.0, INF, 40.0]
+    assert limits
+
+
+def test_a_system_without_limits_says_so() -> None:
+    assert not everything(1).limits
+
+
+def test_limits_are_saved_and_loaded(tmp_path: Path) -> None:
+    ends = {"position": (-INF, 0.1 + 0.2), "speed": 1e-300}
+    system = _arm().with_limits({"upper.theta3": ends, "upper.s1": {"position": (-2, INF), "effort": 0}})
+    system.save(tmp_path / "arm.toml")
+    again = kg.load(tmp_path / "arm.toml")
+    assert again == system
+    assert again.limits.upper[0] == 0.1 + 0.2
+
+
+def test_limits_change_nothing_of_the_equations() -> None:
+    """The equations do not contain limits, so every line of statements stays."""
+    limited = _arm()
+    plain = limited.with_limits({"upper.theta3": {}, "upper.s1": {}})
+    assert not plain.limits
+    assert kg.generate(limited).operations == kg.generate(plain).operations
+
+
+def test_other_coordinates_drop_limits_of_the_angles_with_a_warning() -> None:
+    system = kg.System("cube", (kg.Body("cube", 0, 1.0, np.eye(3).tolist()),))
+    limited = system.with_limits({"cube.theta2": {"position": (-1, 1)}, "cube.s1": {"speed": 2}})
+    with pytest.warns(kg.KanegenWarning, match=r"limits of angles are left out.*cube"):
+        changed = limited.with_coordinates("quaternion")
+    assert changed.limits.speed.tolist() == [INF, INF, INF, 2, INF, INF]
+    assert limited.with_speeds("angle_rates") == limited
+
+
+def test_a_prescribed_freedom_keeps_its_limits() -> None:
+    driven = _arm().with_prescribed("upper.theta3")
+    assert driven.bodies[0].joint.limits.upper[2] == 2.0
+    assert not np.isfinite(driven.limits.upper).any()
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"theta3": {"position": (1, -1)}}, "lower position of theta3, 1.0, exceeds the upper one, -1.0"),
+        ({"theta3": {"position": (INF, INF)}}, "no position of theta3 lies between inf and inf"),
+        ({"theta3": {"position": (math.nan, 1)}}, "lower of theta3: nan is not a number"),
+        ({"theta3": {"position": 3}}, "theta3: position: expected 2 entries, got 3"),
+        ({"theta3": {"speed": -1}}, "speed of theta3 is -1.0. A limit of the speed is its largest magnitude"),
+        ({"theta3": {"effort": "big"}}, "effort of theta3: 'big' is not a number"),
+        ({"theta3": {"speed": kg.Parameter("v", 1.0)}}, "is not a number"),
+        ({"theta3": {"velocity": 1}}, "theta3: unknown key 'velocity'"),
+        ({"theta4": {"speed": 1}}, "'theta4' is no freedom. Did you mean"),
+        ({"theta3": 1}, "theta3: expected a table"),
+        ([1, 2], "limits: expected a table"),
+    ],
+)
+def test_what_is_no_limit_is_refused(table: Any, message: str) -> None:
+    with pytest.raises(kg.ModelError) as caught:
+        kg.Limits.of(table)
+    assert message in str(caught.value)
+
+
+def test_limits_fit_their_joint() -> None:
+    locked = kg.Limits.of({"theta1": {"speed": 1.0}})
+    with pytest.raises(kg.ModelError, match="theta1 is locked, so a limit says nothing"):
+        kg.Joint(free=(False,) * 5 + (True,), limits=locked)
+    placed = kg.Limits.of({"theta1": {"position": (0, 1)}})
+    with pytest.raises(kg.ModelError, match="theta1 is no coordinate of this joint"):
+        kg.Joint(coordinates="quaternion", limits=placed)
+    with pytest.raises(kg.ModelError, match=r"limits: .* is no Limits"):
+        kg.Joint(limits={"theta1": 1})  # type: ignore[arg-type]
+    with pytest.raises(kg.ModelError, match=r"'upper.s2': limits: s2 is locked"):
+        _arm().with_limits({"upper.s2": {"speed": 1}})
+    with pytest.raises(
+        kg.ModelError, match=r"limits: there is no freedom 'uper.s1'. Did you mean 'upper.s1'"
+    ):
+        _arm().with_limits({"uper.s1": {"speed": 1}})
