@@ -3,7 +3,7 @@
 TOML / URDF / arrays
     |  readers      text -> System
 System
-    |  accept       a system that is regular, outputs that it has, and a variant -> Request
+    |  accept       a system, outputs that it has, and a variant -> Request
     |  condition    the ways to derive them that lose no accuracy -> Candidates
     |  derive       Kane's equations by recursion, every intermediate named -> RecursiveForm
     |  lower        every definition becomes a few instructions; derivatives -> Program
@@ -52,7 +52,6 @@ from kanegen.program.precision import precision_named
 from kanegen.program.split import split
 from kanegen.recursion.outputs import EQUATIONS, ERROR_BOUNDS, function_signatures, method_of_program
 from kanegen.reference.range import require_range
-from kanegen.reference.regularity import require_regular
 
 
 def compile_module(
@@ -65,7 +64,7 @@ def compile_module(
 ) -> Compiled:
     """Compile `outputs` to straight-line programs, by the candidate with the fewest operations.
 
-    `regular` says whether to refuse a system whose [A] is singular in every state.
+    `regular` says whether to refuse outputs that solve with [A], if [A] is singular in every state.
     """
     request = accept(system, outputs, variant, regular=regular)
     candidates = [compile_candidate(request, candidate, progress) for candidate in condition(request)]
@@ -101,7 +100,6 @@ def derive(
     Raises:
         OptionError: If there are no such speeds or coordinates.
         ModelError: If numbers of the model leave the range of doubles.
-        SingularError: If [A] is singular in every state; the message names the body and the freedom.
 
     Example:
         equations = kg.derive(kg.load("models/double_pendulum.toml"))
@@ -110,7 +108,6 @@ def derive(
     system = reformulated(system, speeds, coordinates)
     progress("deriving")
     require_range(system)
-    require_regular(system)
     return symbolic.derive(system)
 
 
@@ -148,7 +145,8 @@ def generate(
     Raises:
         OptionError: If an output, a tier or another choice is unknown, or there is nothing to re-anchor.
         ModelError: If numbers of the model leave the range of doubles, or a constant that of the precision.
-        SingularError: If [A] is singular in every state; the message names the body and the freedom.
+        SingularError: If an output solves with [A], as forward_dynamics does, and [A] is singular in every
+            state; the message names the bodies, the freedoms and the outputs that remain.
 
     Example:
         kg.generate(kg.load("models/eight_body.toml"), precision="float").write("build/")

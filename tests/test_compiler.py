@@ -45,10 +45,26 @@ def test_unknown_outputs(make: Callable[..., object], pendulum: kg.System) -> No
         make(pendulum, outputs=(3,))
 
 
-@pytest.mark.parametrize("make", [kg.derive, kg.generate, kg.build, kg.compare])
-def test_singular_systems_are_named(make: Callable[[kg.System], object]) -> None:
-    with pytest.raises(kg.SingularError, match="body 'hand': freedom 'elbow'"):
-        make(massless_leaf())
+@pytest.mark.parametrize("make", [kg.generate, kg.build])
+def test_what_a_singular_system_lacks_is_named(make: Callable[..., object]) -> None:
+    message = (
+        r"^body 'hand': freedom 'elbow' moves neither mass nor inertia, so \[A\] is singular in every state "
+        r"and has no inverse, which forward_dynamics and forward_dynamics_derivatives would need\. Give "
+        r"'hand' mass or inertia that moves with it, or lock the freedom\. Outputs that do not need it: "
+        r"mass_matrix, forcing, inverse_dynamics, .*inverse_dynamics_derivatives\.$"
+    )
+    with pytest.raises(kg.SingularError, match=message) as found:
+        make(massless_leaf(), ("mass_matrix", "forward_dynamics_derivatives", "forward_dynamics"))
+    for name in ("error_estimate", "error_bound", "regularity"):
+        assert name not in str(found.value)
+        with pytest.raises(kg.SingularError, match=f"no inverse, which {name} would need"):
+            make(massless_leaf(), name)
+
+
+def test_a_singular_system_has_equations() -> None:
+    assert kg.compare(massless_leaf(), states=20).passed
+    elbow = massless_leaf().freedom_names.index("elbow")
+    assert not any(kg.derive(massless_leaf()).A[elbow, :])
 
 
 @pytest.mark.parametrize("make", [kg.derive, kg.generate, kg.build, kg.compare])

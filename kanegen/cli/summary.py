@@ -12,7 +12,8 @@ from kanegen.model.coordinates import FREEDOMS, Freedom, selected_freedoms
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.program.passes import Stage, savings
-from kanegen.recursion.outputs import EQUATIONS, available, method_of_program
+from kanegen.recursion.outputs import EQUATIONS, available, method_of_program, solving
+from kanegen.reference.regularity import massless_motions
 from kanegen.studies.explain import Exactness
 
 TOGETHER = " + ".join(EQUATIONS)
@@ -46,7 +47,10 @@ class Summary:
         system: The tree.
         operations: Operations by kind, for each output by itself and for [A] and {f} together.
         methods: The algorithm of each output.
-        refinement: The number of steps of iterative refinement in forward dynamics, and its reason.
+        massless: Names of the speeds that move neither mass nor inertia. If there are some, [A] is singular
+            in every state, and outputs that solve with it are left out of `operations`.
+        refinement: The number of steps of iterative refinement in forward dynamics, and its reason; "" if
+            there is no forward dynamics.
         stages: Operations of [A] and {f} together after lowering and after every pass.
         right_angles: The changes of exact right angles; None if the model misses no right angle.
     """
@@ -54,6 +58,7 @@ class Summary:
     system: System
     operations: dict[str, dict[str, int]]
     methods: dict[str, str]
+    massless: tuple[str, ...]
     refinement: str
     stages: tuple[Stage, ...]
     right_angles: RightAngleChanges | None
@@ -64,6 +69,7 @@ class Summary:
             **_contents(self.system),
             "operations": self.operations,
             "methods": self.methods,
+            "massless": list(self.massless),
             "refinement": self.refinement,
             "passes": [asdict(stage) for stage in self.stages],
             "saved": savings(self.stages),
@@ -88,14 +94,16 @@ def summarize(
         right_angles: The changes of exact right angles, to be part of the summary.
     """
     variant = variants.chosen_variant(without=without)
-    names = [name for name in available(system) if not method_of_program(name)]
+    massless = tuple(system.speed_names[motion[0]] for motion in massless_motions(system))
+    every = [name for name in available(system) if not method_of_program(name)]
+    names = [name for name in every if not (massless and solving([name]))]
     alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}
-    refinement = alone["forward_dynamics"].refinement
+    refinement = "" if massless else alone["forward_dynamics"].refinement
     operations[TOGETHER] = together.operations
-    return Summary(system, operations, methods, refinement, together.stages, right_angles)
+    return Summary(system, operations, methods, massless, refinement, together.stages, right_angles)
 
 
 def _contents(system: System) -> dict[str, Any]:

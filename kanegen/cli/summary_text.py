@@ -43,7 +43,14 @@ def show(summary: Summary, console: Console) -> None:
     saved = ", ".join(f"{name} {number}" for name, number in savings(summary.stages).items())
     console.print(f"passes saved: {saved or 'none was run'}")
     console.print(", ".join(f"{name} by {method}" for name, method in summary.methods.items()))
-    console.print(escape(f"refinement of forward_dynamics: {summary.refinement}"))
+    if summary.massless:
+        names = ", ".join(summary.massless)
+        text = (
+            f"[A] is singular in every state, because these freedoms move neither mass nor inertia: {names}"
+        )
+        console.print(escape(text), soft_wrap=True)
+    else:
+        console.print(escape(f"refinement of forward_dynamics: {summary.refinement}"))
     if summary.right_angles:
         _show_right_angles(summary.right_angles, console)
 

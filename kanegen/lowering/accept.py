@@ -1,4 +1,4 @@
-"""Acceptance: the checks that the equations of a system can be solved, and that it has the outputs."""
+"""Acceptance: the checks that a system has the outputs, and that those which solve its equations exist."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 from kanegen.model.description import require_system
 from kanegen.model.system import System
 from kanegen.options import Variant
-from kanegen.recursion.outputs import chosen, require_available
+from kanegen.recursion.outputs import available, chosen, require_available, solving
 from kanegen.reference.range import require_range
 from kanegen.reference.regularity import require_regular
 
@@ -23,20 +23,22 @@ def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular:
         system: The tree of bodies.
         outputs: Names among `OUTPUTS`.
         variant: The choices between speed and accuracy.
-        regular: Whether to refuse a system whose [A] is singular in every state.
+        regular: Whether to refuse outputs that solve with [A], if [A] is singular in every state.
 
     Raises:
         OptionError: If `system` is no `System`, or an output is unknown or requires parts that the system
             lacks.
         ModelError: If numbers of the model leave the range of doubles; the message names the body.
-        SingularError: If [A] is singular in every state; the message names the body and the freedom.
+        SingularError: If an output solves with [A], and [A] is singular in every state; the message names the
+            bodies, the freedoms and the outputs that remain.
     """
     names = chosen(outputs)
     require_system(system)
     require_range(system)
-    if regular:
-        require_regular(system)
     require_available(system, names)
+    if undefined := solving(names) if regular else ():
+        every = available(system)
+        require_regular(system, undefined, [name for name in every if not solving([name])])
     return Request(system, names, variant)
 
 

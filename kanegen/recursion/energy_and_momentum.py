@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from sympy import Add, Expr, S
 
-from kanegen.errors import ModelError
 from kanegen.recursion.constants import exact
 from kanegen.recursion.force_elements import stored_energy
 from kanegen.recursion.inertia import Inertia
@@ -69,14 +68,8 @@ def total_mass(tree: Tree) -> Expr:
 
 
 def mass_center(tree: Tree) -> Derived:
-    """Derive the position of the mass centre of all bodies, inertial components.
-
-    Raises:
-        ModelError: If there is no mass.
-    """
+    """Derive the position of the mass centre of all bodies, which have mass, inertial components."""
     mass = total_mass(tree)
-    if mass == 0:
-        raise ModelError(f"system {tree.system.name!r}: no body has mass, so there is no mass centre.")
     return Derived(tree.definitions.vector("c_0", scale(1 / mass, first_moments(tree).moments[0])))
 
 

@@ -11,6 +11,9 @@ vanishes belongs to a freedom whose motion can be undone by freedoms further out
 remainder is below the rounding error of the velocities that were subtracted; the largest part of this
 error comes from the model's own rotations, which are accepted when they are orthogonal to `ORTHOGONALITY`.
 One random state decides, because almost all states have the same rank.
+
+Only solutions of [A]{ydot} = {b} are undefined in such a system. [A] itself, {f}, inverse dynamics, energies
+and all kinematics are not.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kanegen.errors import SingularError
+from kanegen.errors import SingularError, counted, quoted
 from kanegen.model.arrays import Floats, SystemArrays
 from kanegen.model.system import System
 from kanegen.model.validation import INERTIA_ROUNDING, ORTHOGONALITY
@@ -35,22 +38,53 @@ STATES = 3
 NEGLIGIBLE = 1e-6
 """Largest share in a massless motion of a freedom that the error message does not name."""
 
+MOST_NAMED = 12
+"""Largest number of further massless motions that the error message names."""
 
-def require_regular(system: System) -> None:
-    """Make sure that [A] is regular in almost every state; parameters stand at their defaults.
+Motion = tuple[int, ...]
+"""Places in {y} of the freedoms of a motion that moves neither mass nor inertia, the innermost first."""
 
-    Raises:
-        SingularError: If [A] is singular in every state; the message names the body and the freedom.
+
+def massless_motions(system: System) -> tuple[Motion, ...]:
+    """Return the motions that move neither mass nor inertia in any state; parameters stand at their defaults.
+
+    [A] is singular in every state if there is one. The first freedoms of the motions are different, and if
+    these are locked, [A] is regular.
+
+    Example:
+        names = [system.speed_names[motion[0]] for motion in massless_motions(system)]
     """
     arrays = system.values()
-    inward = _freedoms_inward(system)
-    motion: list[int] = []
+    order = _freedoms_inward(system)
     states = random_states(arrays, STATES)
-    for x, prescribed in zip(states.x, states.prescribed, strict=True):
-        motion = _massless_motion(velocity_rows(arrays, x, inward, prescribed))
-        if not motion:
-            return
-    raise SingularError(_message(system, [inward[i] for i in motion]))
+    rows = [
+        velocity_rows(arrays, x, order, prescribed)
+        for x, prescribed in zip(states.x, states.prescribed, strict=True)
+    ]
+    motions: list[Motion] = []
+    columns = list(range(len(order)))
+    while all(motion := _massless_motion(each.of(columns)) for each in rows):
+        motions.append(tuple(order[columns[i]] for i in motion))
+        del columns[motion[0]]
+    return tuple(motions)
+
+
+def require_regular(
+    system: System, undefined: Sequence[str] = ("forward_dynamics",), remaining: Sequence[str] = ()
+) -> None:
+    """Make sure that [A] is regular in almost every state; parameters stand at their defaults.
+
+    Args:
+        system: The tree.
+        undefined: Names of the outputs that are solutions of [A]{ydot} = {b}, for the message.
+        remaining: Names of the outputs that exist nevertheless, for the message.
+
+    Raises:
+        SingularError: If [A] is singular in every state; the message names bodies, freedoms and outputs.
+    """
+    motions = massless_motions(system)
+    if motions:
+        raise SingularError(_message(system, motions, undefined, remaining))
 
 
 def _freedoms_inward(system: System) -> list[int]:
@@ -77,15 +111,25 @@ def _massless_motion(rows: VelocityRows) -> list[int]:
     return []
 
 
-def _message(system: System, motion: list[int]) -> str:
-    """Return the error message for a massless motion, given by the indices of its freedoms."""
-    names = [system.speed_names[i] for i in motion]
-    body = system.bodies[system.freedoms[motion[0]].body - 1].name
-    others = f" together with {', '.join(repr(name) for name in names[1:])}" if names[1:] else ""
-    return (
-        f"body {body!r}: freedom {names[0]!r}{others} moves neither mass nor inertia, so [A] is singular in "
-        f"every state. Give {body!r} mass or inertia that moves with it, or lock the freedom."
+def _message(
+    system: System, motions: Sequence[Motion], undefined: Sequence[str], remaining: Sequence[str]
+) -> str:
+    """Return the error message for massless motions, of which the first is described in full."""
+    first, *others = [[quoted(system.speed_names[i]) for i in motion] for motion in motions]
+    body = quoted(system.bodies[system.freedoms[motions[0][0]].body - 1].name)
+    together = f" together with {', '.join(first[1:])}" if first[1:] else ""
+    message = (
+        f"body {body}: freedom {first[0]}{together} moves neither mass nor inertia, so [A] is singular in "
+        f"every state and has no inverse, which {' and '.join(undefined)} would need."
     )
+    if others:
+        left_out = len(others) - MOST_NAMED
+        more = f" and {counted(left_out, 'further freedom')}" if left_out > 0 else ""
+        message += f" The same holds for {', '.join(motion[0] for motion in others[:MOST_NAMED])}{more}."
+        message += " Give their bodies mass or inertia that moves with them, or lock these freedoms."
+    else:
+        message += f" Give {body} mass or inertia that moves with it, or lock the freedom."
+    return f"{message} Outputs that do not need it: {', '.join(remaining)}." if remaining else message
 
 
 SWEEPS = 5
@@ -103,6 +147,10 @@ class VelocityRows:
 
     velocities: Floats
     magnitudes: Floats
+
+    def of(self, columns: Sequence[int]) -> VelocityRows:
+        """Return the rows of some of the freedoms, by the numbers of their columns."""
+        return VelocityRows(self.velocities[:, columns], self.magnitudes[columns])
 
 
 def velocity_rows(

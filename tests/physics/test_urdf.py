@@ -16,16 +16,8 @@ from kanegen.model.system import System
 from kanegen.readers import load
 from kanegen.reference import equations as reference
 from tests.support.paths import EVERY_JOINT
-from tests.support.robots import dynamics, floating_model, places, robot_files
+from tests.support.robots import REFUSED, dynamics, floating_model, places, robot_files
 from tests.support.systems import random_inertia
-
-REFUSED = {
-    "quadrotor_base": r"quadrotor_base\.urdf:\d+: no joint of this robot moves\. floating_base=True frees",
-    "iris_simple": r"iris_simple\.urdf:\d+: no joint of this robot moves",
-    "romeo_laas_small": r"romeo_laas_small\.urdf:\d+: body '\w+': inertia is not positive semidefinite",
-    "ur3": r"ur3\.urdf:\d+: the robot has no <link>",
-}
-"""Error messages for files that describe no freedom, or a body that cannot exist, by stem."""
 
 FLOATING_ONLY = ("quadrotor_base", "iris_simple")
 

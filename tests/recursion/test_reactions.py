@@ -182,7 +182,7 @@ def test_a_cost_report_compares_them_with_efforts() -> None:
     (_, general), (_, locked), *_ = steps(system)
     assert general.reaction_names == with_all_freedoms(system).reaction_names == ()
     assert locked.reaction_names == ("lower.s2",)
-    efforts = compile_module(general, ("inverse_dynamics", "body_poses"), regular=False)
+    efforts = compile_module(general, ("inverse_dynamics", "body_poses"))
     assert found.steps[0].operations == efforts.operations
     assert found.steps[-1].total < found.steps[1].total < found.steps[0].total
 

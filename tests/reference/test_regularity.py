@@ -14,7 +14,7 @@ import kanegen as kg
 from kanegen.errors import SingularError
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.reference import equations as reference
-from kanegen.reference.regularity import inertia_axes, require_regular
+from kanegen.reference.regularity import inertia_axes, massless_motions, require_regular
 from kanegen.reference.states import random_states
 from tests.support import systems
 
@@ -59,7 +59,8 @@ def test_massless_leaf() -> None:
     system = tree([0, 1], [1.0, 0.0], [ONE, NONE], ["theta1", "theta2"])
     message = (
         r"body 'body2': freedom 'body2.theta2' moves neither mass nor inertia, so \[A\] is singular in every "
-        r"state. Give 'body2' mass or inertia that moves with it, or lock the freedom."
+        r"state and has no inverse, which forward_dynamics would need\. Give 'body2' mass or inertia that "
+        r"moves with it, or lock the freedom\.$"
     )
     with pytest.raises(SingularError, match=message):
         require_regular(system)
@@ -68,6 +69,28 @@ def test_massless_leaf() -> None:
 def test_the_outermost_freedom_without_mass_is_named() -> None:
     system = tree([0, 1, 2, 1], [1, 0, 0, 1], [ONE, NONE, NONE, ONE], ["theta1", "theta1 s2", "", "theta1"])
     with pytest.raises(SingularError, match=r"body 'body2': freedom 'body2.theta1' moves"):
+        require_regular(system)
+
+
+def test_every_freedom_without_mass_is_named() -> None:
+    """Locking the named freedoms, and no fewer, leaves a regular [A]."""
+    free = ["theta1", "theta1 s2", "theta2", "theta1"]
+    system = tree([0, 1, 2, 1], [1, 0, 0, 1], [ONE, NONE, NONE, ONE], free)
+    heads = [system.speed_names[motion[0]] for motion in massless_motions(system)]
+    assert heads == ["body3.theta2", "body2.theta1", "body2.s2"]
+    message = (
+        r"freedom 'body3.theta2' moves .* The same holds for 'body2.theta1', 'body2.s2'\. Give their bodies"
+    )
+    with pytest.raises(SingularError, match=message):
+        require_regular(system)
+    require_regular(tree([0, 1, 2, 1], [1, 0, 0, 1], [ONE, NONE, NONE, ONE], ["theta1", "", "", "theta1"]))
+
+
+def test_a_system_without_any_mass() -> None:
+    bodies = 40
+    system = tree([*range(bodies)], [0.0] * bodies, [NONE] * bodies, ["theta1"] * bodies)
+    assert sorted(motion[0] for motion in massless_motions(system)) == [*range(bodies)]
+    with pytest.raises(SingularError, match=r"'body28.theta1' and 27 further freedoms\. Give"):
         require_regular(system)
 
 

@@ -27,7 +27,7 @@ Results = tuple[np.ndarray, np.ndarray]
 
 def compiled(system: kg.System) -> Callable[[dict[str, np.ndarray]], Results]:
     """Return a function of the inputs that evaluates [A] and {f} by the program that becomes C."""
-    module = compile_module(system, regular=False).module
+    module = compile_module(system).module
     function, n = module.functions["evaluate"], len(system.freedoms)
     known = {name: np.zeros(3 * system.number_of_bodies) for name in ("force", "torque")}
     if module.prepare is not None:

@@ -18,7 +18,7 @@ Arrays = dict[str, np.ndarray]
 
 def reactions(system: kg.System, given: Arrays) -> np.ndarray:
     """Return the reaction loads by the program that becomes C."""
-    module = compile_module(system, ("reaction_loads",), regular=False).module
+    module = compile_module(system, ("reaction_loads",)).module
     values = {name: np.ravel(value) for name, value in given.items()}
     if module.prepare:
         parameters = [parameter.value for parameter in system.parameters]

@@ -19,6 +19,14 @@ FIXED_ROBOTS = ("panda", "ur5_robot", "kinova", "allegro_right_hand", "double_pe
 FLOATING_ROBOTS = ("hyq_no_sensors", "solo12")
 """Robots of example-robot-data whose root link has six freedoms."""
 
+REFUSED = {
+    "quadrotor_base": r"quadrotor_base\.urdf:\d+: no joint of this robot moves\. floating_base=True frees",
+    "iris_simple": r"iris_simple\.urdf:\d+: no joint of this robot moves",
+    "romeo_laas_small": r"romeo_laas_small\.urdf:\d+: body '\w+': inertia is not positive semidefinite",
+    "ur3": r"ur3\.urdf:\d+: the robot has no <link>",
+}
+"""Error messages for files that describe no freedom, or a body that cannot exist, by stem."""
+
 FREE = ("s1", "s2", "s3", "theta1", "theta2", "theta3")
 """Freedoms of a floating joint in Pinocchio's order."""
 

@@ -16,6 +16,7 @@ from kanegen.recursion.outputs.selection import (
     output_array,
     prerequisites,
     require_available,
+    solving,
 )
 from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, ERROR_BOUNDS, OUTPUTS
 
@@ -38,4 +39,5 @@ __all__ = [
     "output_array",
     "prerequisites",
     "require_available",
+    "solving",
 ]

@@ -11,7 +11,7 @@ from kanegen.model.system import System
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
-from kanegen.recursion.outputs.output import Derivative, ErrorBound
+from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution
 from kanegen.recursion.outputs.table import OUTPUTS
 
 
@@ -42,6 +42,19 @@ def require_available(system: System, outputs: Iterable[str]) -> None:
         output = OUTPUTS[name]
         if output.subject and not output.is_available(system):
             raise OptionError(f"output {name!r}: system {system.name!r} {output.subject.missing}")
+
+
+def solving(outputs: Iterable[str]) -> tuple[str, ...]:
+    """Return those of the outputs that need a solution of [A]{ydot} = {b}, which a singular [A] has not."""
+    return tuple(name for name in outputs if _solves(name))
+
+
+def _solves(name: str) -> bool:
+    """Return whether an output is a solution of [A]{ydot} = {b} or is made from one."""
+    derivation = OUTPUTS[name].derivation
+    if isinstance(derivation, Derivative | ErrorBound):
+        return bool(solving(derivation.needs))
+    return isinstance(derivation, OfSolution)
 
 
 def prerequisites(outputs: Sequence[str]) -> tuple[str, ...]:

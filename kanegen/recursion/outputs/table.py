@@ -26,6 +26,11 @@ PRESCRIBED = Subject(
     "joint, or use System.with_prescribed.",
 )
 
+MASSES = Subject(
+    lambda system: [body for body in system.bodies if body.mass != 0],
+    "has no body with mass, so there is no mass centre.",
+)
+
 POINTS = Subject(
     lambda system: system.points,
     "has no points. Give a body points in the model file, such as points = {tool = [0, 0, 0.1]}, or use "
@@ -198,6 +203,7 @@ _ENTRIES = (
         ),
         ("x",),
         Recursion("first moments of mass", mass_center),
+        MASSES,
     ),
     Output(
         "body_poses",

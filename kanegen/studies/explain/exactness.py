@@ -12,8 +12,9 @@ from kanegen import compiler
 from kanegen.model.arrays import Floats, SystemArrays
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
-from kanegen.recursion.outputs import EQUATIONS
+from kanegen.recursion.outputs import EQUATIONS, solving
 from kanegen.reference import equations as reference
+from kanegen.reference.regularity import massless_motions
 from kanegen.reference.states import random_states
 
 STATES = 64
@@ -46,7 +47,8 @@ class Exactness:
 
     Attributes:
         bodies: The bodies that change.
-        results: Largest change of [A], {f} and {ydot} in random states, relative to their norms.
+        results: Largest change of [A], {f} and {ydot} in random states, relative to their norms; {ydot} is
+            left out where [A] is singular in every state.
         operations: Numbers of operations as written and with exact right angles, by group of outputs.
     """
 
@@ -85,21 +87,22 @@ def exactness(
 
     Returns:
         The changes; None if the two systems are equal.
-
-    Raises:
-        SingularError: If [A] is singular in every state.
     """
     if written == exact:
         return None
+    is_regular = not (massless_motions(written) or massless_motions(exact))
     operations = {
         " + ".join(names): (_operations(written, names, progress), _operations(exact, names, progress))
         for names in COUNTED
+        if is_regular or not solving(names)
     }
     progress("comparing")
     before, after = written.values(), exact.values()
     names = [body.name for body in written.bodies]
     return Exactness(
-        tuple(_body_changes(names, before, after)), _results(before, after, states, seed), operations
+        tuple(_body_changes(names, before, after)),
+        _results(before, after, states, seed, is_regular=is_regular),
+        operations,
     )
 
 
@@ -124,20 +127,25 @@ def _body_changes(names: list[str], before: SystemArrays, after: SystemArrays) -
             yield BodyChange(name, *row)
 
 
-def _results(before: SystemArrays, after: SystemArrays, states: int, seed: int) -> dict[str, float]:
+def _results(
+    before: SystemArrays, after: SystemArrays, states: int, seed: int, *, is_regular: bool
+) -> dict[str, float]:
     """Return the changes of D^-1 [A] D^-1, D^-1 {f} and D {ydot}, without units by D = diag([A])^(1/2)."""
     sample = random_states(before, states, seed)
     state, loads, given = (sample.x, sample.y), (sample.force, sample.torque), sample.inputs
     a, other_a = (reference.mass_matrix(arrays, sample.x, sample.prescribed) for arrays in (before, after))
     f, other_f = (reference.forcing(arrays, *state, *loads, **given) for arrays in (before, after))
     d = np.sqrt(np.einsum("bii->bi", a))
-    ydot = np.linalg.solve(a, f[..., None])[..., 0]
-    other_ydot = np.linalg.solve(other_a, other_f[..., None])[..., 0]
-    return {
+    d = np.where(d > 0, d, 1.0)
+    found = {
         "mass_matrix": _change(a, other_a, 1 / (d[:, :, None] * d[:, None, :])),
         "forcing": _change(f, other_f, 1 / d),
-        "ydot": _change(ydot, other_ydot, d),
     }
+    if not is_regular:
+        return found
+    ydot = np.linalg.solve(a, f[..., None])[..., 0]
+    other_ydot = np.linalg.solve(other_a, other_f[..., None])[..., 0]
+    return {**found, "ydot": _change(ydot, other_ydot, d)}
 
 
 def _change(value: Floats, other: Floats, scale: Floats) -> float:
