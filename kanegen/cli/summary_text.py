@@ -67,6 +67,9 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
         units = [freedom.unit for freedom in system.prescribed]
         remark = ", in the order of the columns of prescribed"
         yield "Prescribed freedoms", remark, _columns(system.prescribed_names, units)
+    if system.couplings:
+        equations = escape("\n".join(coupling.summary for coupling in system.couplings))
+        yield "Couplings", ", which take freedoms out of x and y", equations
     if system.parameters:
         yield "Parameters", ", with their defaults", _parameters(system)
     if system.force_elements:
@@ -148,8 +151,9 @@ def _show_right_angles(changes: RightAngleChanges, console: Console) -> None:
 
 
 def _moving(body: Body) -> str:
-    """Return the free and prescribed freedoms of a body in words."""
-    kinds = (("", body.joint.free), ("prescribed ", body.joint.prescribed))
+    """Return the free, prescribed and coupled freedoms of a body in words."""
+    joint = body.joint
+    kinds = (("", joint.free), ("prescribed ", joint.prescribed), ("coupled ", joint.coupled))
     return ", ".join(word + " ".join(selected_freedoms(flags)) for word, flags in kinds if any(flags))
 
 

@@ -15,6 +15,7 @@ from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.model import output_rows
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import FREEDOMS, Coordinate, Freedom, Speed
+from kanegen.model.coupling import CoupledFreedom, Coupling, ordered
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.joint import Joint
@@ -38,6 +39,7 @@ class SystemDescription:
     force_elements: tuple[ForceElement, ...] = ()
     poses: tuple[str, ...] | None = None
     reactions: tuple[str, ...] | None = None
+    couplings: tuple[Coupling, ...] = ()
 
     @property
     def number_of_bodies(self) -> int:
@@ -58,6 +60,11 @@ class SystemDescription:
     def prescribed(self) -> tuple[Freedom, ...]:
         """The freedoms whose motion is an input, in the order of Eq. (1)."""
         return self._ordered(lambda joint: joint.prescribed)
+
+    @cached_property
+    def coupled(self) -> tuple[CoupledFreedom, ...]:
+        """The freedoms that follow others, each after those coupled freedoms that it follows."""
+        return ordered(self.couplings, self.bodies)
 
     def _ordered(self, which: Callable[[Joint], tuple[bool, ...]]) -> tuple[Freedom, ...]:
         """Return the freedoms that `which` selects at each joint, in the order of Eq. (1)."""
@@ -158,6 +165,8 @@ class SystemDescription:
             map_numbers((body.mass, body.inertia, body.mass_center), collect)
             map_numbers(tuple(point.position for point in body.points), collect)
             map_numbers((joint.position, joint.orientation, joint.locked), collect)
+        for coupling in self.couplings:
+            map_numbers(tuple(coupling.numbers()), collect)
         for element in self.force_elements:
             for value in element.numbers():
                 collect(value)
@@ -205,6 +214,11 @@ class SystemDescription:
     def prescribed_names(self) -> tuple[str, ...]:
         """(p,) names of the prescribed freedoms: the order of the columns of the input `prescribed`."""
         return tuple(self._freedom_name(freedom) for freedom in self.prescribed)
+
+    @cached_property
+    def coupled_names(self) -> tuple[str, ...]:
+        """Names of the coupled freedoms, in the order of `coupled`."""
+        return tuple(self._freedom_name(one.freedom) for one in self.coupled)
 
     def _freedom_name(self, freedom: Freedom) -> str:
         """Return the name of a freedom: that of its joint, or `<body>.<freedom>`."""

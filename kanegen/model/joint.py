@@ -2,8 +2,9 @@
 
 A joint consists of steps from its lower body J outward: the constant position {q'_K} and orientation [C_K],
 three translations in the joint frame, and a rotation, which is an `AxisRotations` or a `QuaternionRotation`.
-Each of the six freedoms is free, prescribed or locked. `Joint.coordinate_kinds` and `Joint.speed_kinds` list
-their coordinates and speeds. A joint is plain data; the mathematics is in the derivations.
+Each of the six freedoms is free, prescribed, coupled or locked. `Joint.coordinate_kinds` and
+`Joint.speed_kinds` list their coordinates and speeds. A joint is plain data; the mathematics is in the
+derivations.
 """
 
 from __future__ import annotations
@@ -70,6 +71,8 @@ class Joint:
         prescribed: (6,) which of `FREEDOMS` have a motion that is an input: values, rates and second
             derivatives. None of them is free.
         limits: Limits of position, speed and effort of the six freedoms. The equations do not contain them.
+        coupled: (6,) which of `FREEDOMS` follow other freedoms by a `Coupling` of the system, which sets
+            these flags. None of them is free.
 
     Raises:
         ModelError: If a number, a shape, a name or a combination of choices is not usable.
@@ -88,6 +91,7 @@ class Joint:
     coordinates: str = ORIENTATIONS[0]
     prescribed: tuple[bool, ...] = (False,) * 6
     limits: Limits = NO_LIMITS
+    coupled: tuple[bool, ...] = (False,) * 6
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name:
@@ -99,26 +103,32 @@ class Joint:
         locked = tuple(0.0 if is_free else value for is_free, value in zip(free, locked, strict=True))
         validation.store(self, position=position, orientation=orientation, free=free, locked=locked)
         validation.store(self, prescribed=validation.flags(self.prescribed, 6, "prescribed"))
-        self._check_prescribed()
+        validation.store(self, coupled=validation.flags(self.coupled, 6, "coupled"))
+        self._check_driven()
         check_sequence(self.sequence)
         self._check_coordinates()
         self._check_speeds()
         validation.instances((self.limits,), Limits, "limits")
         check_limits(self.limits, self.moving, self.coordinate_kinds)
 
-    def _check_prescribed(self) -> None:
-        """Make sure that no prescribed freedom is free or locked at a value."""
-        for name, *choice in zip(FREEDOMS, self.prescribed, self.free, self.locked, strict=True):
-            is_prescribed, is_free, value = choice
-            if is_prescribed and is_free:
-                raise ModelError(
-                    f"prescribed: {quoted(name)} is free as well. A freedom is one or the other."
-                )
-            if is_prescribed and value != 0:
-                raise ModelError(
-                    f"prescribed: {quoted(name)} is locked at {quoted(toml_number(value))}. Leave one out: "
-                    "a prescribed freedom gets its values at run time."
-                )
+    def _check_driven(self) -> None:
+        """Make sure that no prescribed or coupled freedom is free, locked at a value, or both of them."""
+        for kind, flags, other in (
+            ("prescribed", self.prescribed, self.coupled),
+            ("coupled", self.coupled, self.prescribed),
+        ):
+            for name, *choice in zip(FREEDOMS, flags, self.free, other, self.locked, strict=True):
+                is_driven, is_free, is_other, value = choice
+                if is_driven and (is_free or is_other):
+                    second = "free" if is_free else "coupled"
+                    raise ModelError(
+                        f"{kind}: {quoted(name)} is {second} as well. A freedom is one or the other."
+                    )
+                if is_driven and value != 0:
+                    raise ModelError(
+                        f"{kind}: {quoted(name)} is locked at {quoted(toml_number(value))}. Leave one out: "
+                        f"a {kind} freedom gets its values at run time."
+                    )
 
     def _check_coordinates(self) -> None:
         """Make sure that the coordinates exist and fit the free angles and the sequence."""
@@ -153,8 +163,8 @@ class Joint:
 
     @property
     def moving(self) -> tuple[bool, ...]:
-        """(6,) which of `FREEDOMS` move: those that are free or prescribed."""
-        return tuple(a or b for a, b in zip(self.free, self.prescribed, strict=True))
+        """(6,) which of `FREEDOMS` move: those that are free, prescribed or coupled."""
+        return tuple(map(any, zip(self.free, self.prescribed, self.coupled, strict=True)))
 
     @property
     def has_free_orientation(self) -> bool:
@@ -264,7 +274,9 @@ class Joint:
             table[key] = map_numbers(self.orientation, toml_number)
         if self.sequence != NOTES:
             table["sequence"] = self.sequence
-        table["free"] = "all" if all(self.free) else selected_freedoms(self.free) or "none"
+        # A coupled freedom is free in a model file; its coupling takes it out of {x} and {y}.
+        free = tuple(map(any, zip(self.free, self.coupled, strict=True)))
+        table["free"] = "all" if all(free) else selected_freedoms(free) or "none"
         if any(self.prescribed):
             table["prescribed"] = selected_freedoms(self.prescribed)
         locked = zip(FREEDOMS, self.locked, strict=True)

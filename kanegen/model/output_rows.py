@@ -85,6 +85,11 @@ def _reason(bodies: Sequence[Body], name: object, known: Iterable[str]) -> str:
     for body in bodies:
         for index, freedom in enumerate(FREEDOMS):
             if is_among(name, [f"{body.name}.{freedom}"]):
+                if body.joint.coupled[index]:
+                    return (
+                        f"{quoted(name)} is coupled to other freedoms, so its effort is part of theirs. "
+                        "Leave it out."
+                    )
                 is_free = body.joint.free[index]
                 moves, output = (
                     ("free", "inverse_dynamics") if is_free else ("prescribed", "prescribed_efforts")

@@ -77,6 +77,8 @@ def _obstacle(system: System, body: Body) -> str:
     moved = (f"x.{body.name}.", f"y.{body.name}.s", f"y.{body.name}.theta")
     if any(name.startswith(moved) for name in referenced_variables(system.force_elements)):
         return "a force element names its coordinates, which would mean others. Leave it out"
+    if any(name.startswith((f"{body.name}.theta", f"{body.name}.s")) for name in coupled_names(system)):
+        return "a coupling names its coordinates, which would mean others. Leave it out"
     if not isinstance(joint.rotation, AxisRotations):
         return f"it has a {joint.coordinates}, which is regular everywhere. Leave it out"
     if any(translations) and not all(translations):
@@ -104,9 +106,15 @@ def _are_three_of_its_own(system: System, names: list[str]) -> bool:
         used += _parameter_names((body.mass, body.inertia, body.mass_center))
         used += _parameter_names(tuple(point.position for point in body.points))
         used += _parameter_names((joint.position, joint.orientation, joint.locked))
-    elements = [value for element in system.force_elements for value in element.numbers()]
-    used += _parameter_names(tuple(elements))
+    further = [value for coupling in system.couplings for value in coupling.numbers()]
+    further += [value for element in system.force_elements for value in element.numbers()]
+    used += _parameter_names(tuple(further))
     return len(names) == len(set(names)) == 3 and all(used.count(name) == 1 for name in names)
+
+
+def coupled_names(system: System) -> set[str]:
+    """Return the permanent names of all freedoms that couplings name."""
+    return {name for one in system.couplings for name in (one.freedom, *(name for name, _ in one.pairs))}
 
 
 def orientation_parameters(joint: Joint) -> list[str]:

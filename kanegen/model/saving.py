@@ -27,6 +27,8 @@ def system_table(system: SystemDescription) -> dict[str, Any]:
     names = ["ground", *(body.name for body in system.bodies)]
     lower = [k if k > 0 and name == "ground" else name for k, name in enumerate(names)]
     table["body"] = [body.as_table(lower[body.lower]) for body in system.bodies]
+    if system.couplings:
+        table["coupling"] = [coupling.as_table() for coupling in system.couplings]
     elements = {kind: [e.as_table() for e in system.force_elements if type(e) is kind] for kind in KINDS}
     return table | {kind.KEY: tables for kind, tables in elements.items() if tables}
 

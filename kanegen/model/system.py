@@ -15,6 +15,7 @@ from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
+from kanegen.model.coupling import Coupling, coupled_bodies, with_permanent_names
 from kanegen.model.description import GRAVITY, SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
@@ -39,6 +40,7 @@ class System(SystemDescription):
         poses: Names of the bodies that `body_poses` gives, in the order of its rows; None for all.
         reactions: Names of the locked directions that `reaction_loads` gives, `<body>.theta2` or `<body>.s1`,
             in its order; None for all.
+        couplings: Freedoms that follow others: x = sum of a_i x_i + offset. They are in neither {x} nor {y}.
 
     Raises:
         ModelError: If the tree, a number or a name is not usable.
@@ -55,12 +57,17 @@ class System(SystemDescription):
         validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
+        couplings = validation.instances(self.couplings, Coupling, "couplings")
+        couplings = with_permanent_names(couplings, self.bodies)
+        validation.store(self, couplings=couplings, bodies=coupled_bodies(self.bodies, couplings))
         validation.store(self, poses=output_rows.poses(self.bodies, self.poses))
         validation.store(self, reactions=output_rows.reactions(self.bodies, self.reactions))
         if not self.freedoms:
-            state = "locked or prescribed" if self.prescribed else "locked"
+            states = ["locked"] + ["prescribed"] * bool(self.prescribed) + ["coupled"] * bool(self.couplings)
+            state = " or ".join(states)
             raise ModelError(f"system {quoted(self.name)} has no free freedom: every joint is {state}.")
-        validation.unique("freedom name", (*self.freedom_names, *self.prescribed_names))
+        names = (*self.freedom_names, *self.prescribed_names, *self.coupled_names)
+        validation.unique("freedom name", names)
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
         validation.unique("point name", self.point_names)
@@ -243,6 +250,8 @@ class System(SystemDescription):
             k, index = freedom.body - 1, freedom.index
             if not bodies[k].joint.moving[index]:
                 raise ModelError(f"prescribed: {quoted(name)} is locked; free it, then prescribe it.")
+            if bodies[k].joint.coupled[index]:
+                raise ModelError(f"prescribed: {quoted(name)} is coupled. A freedom is one or the other.")
             try:
                 bodies[k] = replace(bodies[k], joint=bodies[k].joint.with_prescribed(index))
             except ModelError as error:
@@ -273,6 +282,22 @@ class System(SystemDescription):
                 raise ModelError(f"{quoted(name)}: {error}") from None
             bodies[freedom.body - 1] = replace(bodies[freedom.body - 1], joint=joint)
         return replace(self, bodies=tuple(bodies))
+
+    def with_couplings(self, *couplings: Coupling) -> Self:
+        """Return the same system with further couplings; coupled freedoms leave {x}, {y}, [A], {f}.
+
+        Args:
+            couplings: Equations x = sum of a_i x_i + offset. The freedoms that they name may be free,
+                prescribed, or coupled themselves.
+
+        Raises:
+            ModelError: If a name is unknown, a freedom is locked or coupled twice, the speeds of its body
+                are no rates, or freedoms follow each other in a circle.
+
+        Example:
+            system.with_couplings(kg.Coupling("left_finger", {"right_finger": 1.0}))
+        """
+        return replace(self, couplings=(*self.couplings, *couplings))
 
     def with_speeds(self, speeds: str) -> Self:
         """Return the same system with other generalized speeds at every joint that has three free angles.
@@ -391,7 +416,10 @@ class System(SystemDescription):
             fixed = system.map_numbers(value_of)  # parameters become numbers
         """
         bodies = tuple(body.map_numbers(change) for body in self.bodies)
-        elements = tuple(element.map_numbers(change) for element in self.force_elements)
         return replace(
-            self, bodies=bodies, gravity=map_numbers(self.gravity, change), force_elements=elements
+            self,
+            bodies=bodies,
+            gravity=map_numbers(self.gravity, change),
+            force_elements=tuple(element.map_numbers(change) for element in self.force_elements),
+            couplings=tuple(coupling.map_numbers(change) for coupling in self.couplings),
         )

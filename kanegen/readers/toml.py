@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
+from kanegen.model.coupling import Coupling
 from kanegen.model.description import GRAVITY
 from kanegen.model.system import System
 from kanegen.readers import toml_force_elements
@@ -17,7 +18,8 @@ from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 from kanegen.readers.toml_bodies import read_bodies
 from kanegen.readers.toml_tables import Parameters, Table, check_keys
 
-KEYS = ("name", "gravity", "parameters", "outputs", "body", *toml_force_elements.KEYS)
+KEYS = ("name", "gravity", "parameters", "outputs", "body", "coupling", *toml_force_elements.KEYS)
+COUPLING_KEYS = ("freedom", "terms", "offset")
 OUTPUT_KEYS = ("body_poses", "reaction_loads")
 
 NO_GRAVITY = "none"
@@ -97,10 +99,27 @@ def _system(table: Table, path: Path, tolerance: float) -> System:
     gravity = (0, 0, 0) if gravity == NO_GRAVITY else parameters.resolve(gravity, "gravity")
     elements = toml_force_elements.read_force_elements(table, parameters)
     selected = _outputs(table.get("outputs", {}))
-    system = System(table.get("name", path.stem), bodies, gravity, elements, *selected)
+    couplings = _couplings(table.get("coupling", []), parameters)
+    system = System(table.get("name", path.stem), bodies, gravity, elements, *selected, couplings)
     if unused := parameters.unused():
         warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
     return system
+
+
+def _couplings(entries: Any, parameters: Parameters) -> tuple[Coupling, ...]:
+    """Return the couplings of a model file from its tables."""
+    if not isinstance(entries, list) or not all(isinstance(entry, Mapping) for entry in entries):
+        raise ModelError("coupling: begin each with a line [[coupling]], in double brackets.")
+    found = []
+    for place, entry in enumerate(entries, start=1):
+        label = f"coupling {place}"
+        check_keys(entry, COUPLING_KEYS, required=COUPLING_KEYS[:2], label=f"{label}: ")
+        if not isinstance(entry["terms"], Mapping):
+            raise ModelError(f"{label}: terms: write a table such as {{right_finger = 1.0}}.")
+        terms = {name: parameters.resolve(value, label) for name, value in entry["terms"].items()}
+        offset = parameters.resolve(entry.get("offset", 0), f"{label}: offset")
+        found.append(Coupling(entry["freedom"], terms, offset))
+    return tuple(found)
 
 
 def _outputs(table: Any) -> tuple[Any, Any]:

@@ -51,13 +51,24 @@ GOOD: dict[str, Any] = {
     "text": "1",
     "bodies": (ARM,),
     "system": SYSTEM,
+    "terms": {"arm.theta3": 1.0},
     "x": [0.1],
     "y": [0.1],
     "path": MODELS / "cart_pole.toml",
 }
 """Values for the arguments beside the wrong one."""
 
-CLASSES = (kg.System, kg.Body, kg.Joint, kg.Point, kg.Parameter, kg.JointSpring, kg.Spring, kg.Drive)
+CLASSES = (
+    kg.System,
+    kg.Body,
+    kg.Joint,
+    kg.Coupling,
+    kg.Point,
+    kg.Parameter,
+    kg.JointSpring,
+    kg.Spring,
+    kg.Drive,
+)
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     **{kind.__name__: kind for kind in (*CLASSES, kg.PointLoad, kg.Potential)},
     **{f"System.{name}": getattr(SYSTEM, name) for name in dir(SYSTEM) if name.startswith("with_")},
