@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from kanegen.model.force_elements import Potential as Potential
     from kanegen.model.force_elements import Spring as Spring
     from kanegen.model.force_elements import parse as parse
+    from kanegen.model.frame import Frame as Frame
     from kanegen.model.joint import Joint as Joint
     from kanegen.model.limits import Limits as Limits
     from kanegen.model.numbers import Parameter as Parameter
@@ -100,6 +101,7 @@ _MODULES = {
         "Spring",
         "parse",
     ),
+    "model.frame": ("Frame",),
     "model.joint": ("Joint",),
     "model.limits": ("Limits",),
     "model.numbers": ("Parameter",),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -31,8 +31,7 @@ class ForceArrays:
     Attributes:
         elements: Force elements, parameters at their defaults.
         variables: Body and freedom or coordinate of each variable of expressions, by name.
-        points: Number of the body, from 1, and (3,) position from the origin of the body, in body components
-            (m), by name of the point.
+        points: Number of the body, from 1, and (3,) position from O_K, in K (m), by name of the point.
         loaded: (P,) which points take a force and a moment.
     """
 
@@ -43,8 +42,31 @@ class ForceArrays:
 
 
 @dataclass(frozen=True)
+class FrameArrays:
+    """A frame that is fixed in a body, or in the ground, as numbers.
+
+    Attributes:
+        body: Number of the body, 0 for the ground.
+        position: (3,) position of its origin from O_K, in K (m).
+        rotation: (3, 3) rotation from components of K to components of the frame.
+    """
+
+    body: int
+    position: Floats
+    rotation: Floats
+
+    def point(self, position: Any) -> Floats:
+        """Return the position from O_K, in K, of a point that is given in the frame (m)."""
+        found: Floats = self.position + self.rotation.T @ _floats(position)
+        return found
+
+
+@dataclass(frozen=True)
 class SystemArrays:
-    """The numbers of a system of N bodies; row K - 1 belongs to body K. Units as `System.from_arrays`."""
+    """The numbers of a system of N bodies; row K - 1 belongs to body K. Units as `System.from_arrays`.
+
+    A row of `load_rotation` takes components of K to those of the frame in which loads on K are given.
+    """
 
     connection: NDArray[np.int64]  # (N,)
     mass: Floats  # (N,)
@@ -61,10 +83,13 @@ class SystemArrays:
     coordinates: tuple[str, ...]  # (N,)
     forces: ForceArrays
     prescribed: Flags  # (N, 6)
+    frames: Mapping[str, FrameArrays]
+    load_rotation: Floats  # (N, 3, 3)
 
     def rows(self) -> dict[str, Any]:
-        """Return the arguments of `System.from_arrays` for the same bodies, without force elements."""
-        return {field.name: getattr(self, field.name) for field in fields(self) if field.name != "forces"}
+        """Return the arguments of `System.from_arrays` for the same bodies, without forces and frames."""
+        others = ("forces", "frames", "load_rotation")
+        return {field.name: getattr(self, field.name) for field in fields(self) if field.name not in others}
 
     @property
     def rotations(self) -> tuple[Rotation, ...]:
@@ -92,12 +117,28 @@ def system_arrays(system: SystemDescription) -> SystemArrays:
         coordinates=tuple(joint.coordinates for joint in joints),
         forces=_force_arrays(system),
         prescribed=np.array([joint.prescribed for joint in joints], dtype=np.bool_),
+        frames={name: fixed_frame(system, name) for name in system.frame_names},
+        load_rotation=np.array([fixed_frame(system, body.name).rotation for body in bodies]),
     )
+
+
+def fixed_frame(system: SystemDescription, name: str) -> FrameArrays:
+    """Return a frame of a system as numbers; "" is the frame of the model of whatever body."""
+    found = FrameArrays(0, np.zeros(3), np.eye(3))
+    for frame in system.frame_path(name):
+        position = _floats(map_numbers(frame.position, value_of))
+        turn = _matrix(map_numbers(frame.orientation, value_of))
+        found = FrameArrays(frame.body, found.point(position), turn @ found.rotation)
+    known = system.frames_by_name.get(name)
+    return replace(found, body=known.body) if known else found
 
 
 def _force_arrays(system: SystemDescription) -> ForceArrays:
     """Return the force elements and points of a system as numbers."""
-    points = {point.name: (k, _floats(map_numbers(point.position, value_of))) for k, point in system.points}
+    points = {
+        point.name: (k, fixed_frame(system, point.frame).point(map_numbers(point.position, value_of)))
+        for k, point in system.points
+    }
     return ForceArrays(
         elements=tuple(element.map_numbers(value_of) for element in system.force_elements),
         variables=variable_places(system.bodies),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,8 +19,11 @@ class Point:
 
     Attributes:
         name: Label, unique in the system.
-        position: (3,) position from the origin O_K of its body, in body components (m).
+        position: (3,) position from the origin O_K of its body, in body components, or from the origin of
+            `frame`, in its components (m).
         loads: Whether a force and a moment on the point are inputs, in inertial components.
+        frame: Name of a frame of its body in which the position is given; "" is the frame of the model, with
+            the origin O_K, in which mass centre and inertia are given.
 
     Raises:
         ModelError: If the name or the position is not usable.
@@ -32,10 +35,13 @@ class Point:
     name: str
     position: Vector
     loads: bool = False
+    frame: str = ""
 
     def __post_init__(self) -> None:
         check_label(self.name, "point name")
         label = f"point {quoted(self.name)}"
+        if not isinstance(self.frame, str) or self.frame:
+            check_label(self.frame, f"{label}: frame")
         position = numbers(self.position, (3,), label)
         validation.store(self, position=position, loads=validation.flags((self.loads,), 1, label)[0])
 
@@ -48,13 +54,17 @@ class Point:
         return replace(self, position=map_numbers(self.position, change))
 
     def as_toml(self) -> Any:
-        """Return the point as a model file holds it: its position, or a table where it takes loads.
+        """Return the point as a model file holds it: its position, or a table where it has more than that.
 
         Example:
             kg.Point("tip", (0, 0, 0.1)).as_toml()  # (0.0, 0.0, 0.1)
         """
-        position = map_numbers(self.position, toml_number)
-        return {"position": position, "loads": True} if self.loads else position
+        table: dict[str, Any] = {"position": map_numbers(self.position, toml_number)}
+        if self.loads:
+            table["loads"] = True
+        if self.frame:
+            table["frame"] = self.frame
+        return table if len(table) > 1 else table["position"]
 
 
 @dataclass(frozen=True)
@@ -127,11 +137,12 @@ class Body:
         points = tuple(replace(point, loads=False) for point in self.points)
         return replace(self, loads=False, points=points)
 
-    def as_table(self, lower: int | str) -> dict[str, Any]:
+    def as_table(self, lower: int | str, frames: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Return the table `[[body]]` of a model file, defaults left out.
 
         Args:
             lower: Number or name of the lower body, as the file says it.
+            frames: Frames of the body as the file holds them, by name.
 
         Example:
             system.bodies[1].as_table("base")
@@ -143,6 +154,8 @@ class Body:
         table["inertia"] = map_numbers(self.inertia if xy or xz or yz else (xx, yy, zz), toml_number)
         if self.loads:
             table["loads"] = True
+        if frames:
+            table["frames"] = dict(frames)
         if self.points:
             table["points"] = {point.name: point.as_toml() for point in self.points}
         return {**table, "joint": self.joint.as_table()}

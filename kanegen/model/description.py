@@ -18,6 +18,7 @@ from kanegen.model.coordinates import FREEDOMS, Coordinate, Freedom, Speed
 from kanegen.model.coupling import CoupledFreedom, Coupling, ordered
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
+from kanegen.model.frame import Frame, frames_by_name, resolved
 from kanegen.model.joint import Joint
 from kanegen.model.limits import SystemLimits
 from kanegen.model.numbers import Number, Parameter, Vector, map_numbers
@@ -40,6 +41,7 @@ class SystemDescription:
     poses: tuple[str, ...] | None = None
     reactions: tuple[str, ...] | None = None
     couplings: tuple[Coupling, ...] = ()
+    frames: tuple[Frame, ...] = ()
 
     @property
     def number_of_bodies(self) -> int:
@@ -135,6 +137,51 @@ class SystemDescription:
         return tuple((k, point) for k, body in enumerate(self.bodies, start=1) for point in body.points)
 
     @cached_property
+    def frames_by_name(self) -> dict[str, Frame]:
+        """Every frame by its name: that of each body for its user, then the further ones of `frames`."""
+        return frames_by_name(self.bodies, self.frames)
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Names of all frames: the bodies, then the further frames, those of the ground first."""
+        return tuple(self.frames_by_name)
+
+    def frame(self, name: str | int, label: str = "frame") -> Frame:
+        """Return the frame that a name means: a frame of the system, a body for its user, or "ground".
+
+        Args:
+            name: Name of a frame or body, or number of a body from 1.
+            label: Name of the object that refers to the frame, for the message.
+
+        Raises:
+            ModelError: If there is no such frame.
+
+        Example:
+            system.frame("tool").body
+        """
+        return resolved(self.frames_by_name, self.bodies, name, label)
+
+    def frame_path(self, name: str) -> tuple[Frame, ...]:
+        """Return the frames by which a frame is given: each in the one before it, the first in its body.
+
+        A name without a frame of its own, such as that of a body or "", is the body's frame of the model and
+        has no such frames.
+
+        Example:
+            [frame.name for frame in system.frame_path("tool")]
+        """
+        found: list[Frame] = []
+        while name in self._further_frames:
+            found.append(self._further_frames[name])
+            name = found[-1].frame
+        return tuple(reversed(found))
+
+    @cached_property
+    def _further_frames(self) -> dict[str, Frame]:
+        """The frames beside the bodies' own of the model, by name."""
+        return {frame.name: frame for frame in self.frames}
+
+    @cached_property
     def depends_on_time(self) -> bool:
         """Whether an expression of a force element contains the time t."""
         return any(
@@ -167,6 +214,8 @@ class SystemDescription:
             map_numbers((joint.position, joint.orientation, joint.locked), collect)
         for coupling in self.couplings:
             map_numbers(tuple(coupling.numbers()), collect)
+        for frame in self.frames:
+            map_numbers((frame.position, frame.orientation), collect)
         for element in self.force_elements:
             for value in element.numbers():
                 collect(value)
@@ -284,14 +333,13 @@ class SystemDescription:
 
     @cached_property
     def pose_names(self) -> tuple[str, ...]:
-        """Names of the bodies in the output `body_poses`, in the order of its rows."""
+        """Names of the frames in the output `body_poses`, in the order of its rows."""
         return tuple(body.name for body in self.bodies) if self.poses is None else self.poses
 
     @cached_property
-    def pose_numbers(self) -> tuple[int, ...]:
-        """Numbers of the bodies in the output `body_poses`, in the order of its rows."""
-        numbers_of = {body.name: k for k, body in enumerate(self.bodies, start=1)}
-        return tuple(numbers_of[name] for name in self.pose_names)
+    def pose_frames(self) -> tuple[Frame, ...]:
+        """The frames in the output `body_poses`, in the order of its rows."""
+        return tuple(map(self.frame, self.pose_names))
 
     @cached_property
     def reaction_names(self) -> tuple[str, ...]:

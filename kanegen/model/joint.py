@@ -38,12 +38,10 @@ from kanegen.model.names import check_label
 from kanegen.model.numbers import (
     Matrix,
     Number,
-    Parameter,
     Vector,
     map_numbers,
     numbers,
     toml_number,
-    value_of,
 )
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -99,7 +97,7 @@ class Joint:
         position = numbers(self.position, (3,), "joint position")
         free = validation.flags(self.free, 6, "free")
         locked = numbers(self.locked, (6,), "locked")
-        orientation = validation.orientation(self.orientation)
+        orientation = validation.orientation(self.orientation, "joint orientation")
         locked = tuple(0.0 if is_free else value for is_free, value in zip(free, locked, strict=True))
         validation.store(self, position=position, orientation=orientation, free=free, locked=locked)
         validation.store(self, prescribed=validation.flags(self.prescribed, 6, "prescribed"))
@@ -249,16 +247,12 @@ class Joint:
         """
         limit = right_angles.checked_tolerance(tolerance)
 
-        def exact(value: Number) -> Number:
-            return value if isinstance(value, Parameter) else right_angles.angle(value, limit)
-
-        orientation = self.orientation
-        if isinstance(orientation[0], tuple):
-            plain = map_numbers(orientation, value_of)
-            orientation = right_angles.rotation(plain, limit) if plain == orientation else orientation
-        else:
-            orientation = map_numbers(orientation, exact)
-        return replace(self, orientation=orientation, locked=(*map(exact, self.locked[:3]), *self.locked[3:]))
+        angles = (right_angles.unless_parameter(angle, limit) for angle in self.locked[:3])
+        return replace(
+            self,
+            orientation=right_angles.orientation(self.orientation, limit),
+            locked=(*angles, *self.locked[3:]),
+        )
 
     def as_table(self) -> dict[str, Any]:
         """Return the table `joint` of a model file, defaults left out.

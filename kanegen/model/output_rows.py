@@ -1,11 +1,11 @@
-"""The selection of output rows by a system: bodies of `body_poses`, locked directions of `reaction_loads`.
+"""The selection of output rows by a system: frames of `body_poses`, locked directions of `reaction_loads`.
 
 Names have the order of the rows in results; None selects all rows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from kanegen import choices
@@ -13,27 +13,9 @@ from kanegen.choices import did_you_mean, is_among
 from kanegen.errors import ModelError, quoted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, FREEDOMS, TRANSLATIONS
+from kanegen.model.frame import Frame
 
 POSES, REACTIONS = "body poses", "reaction loads"
-
-
-def body_number(bodies: Sequence[Body], body: Any, label: str) -> int:
-    """Return the number of a body, from 1.
-
-    Args:
-        bodies: The bodies of the system.
-        body: Name of the body, or its number from 1.
-        label: Name of the object that refers to the body, for the message.
-
-    Raises:
-        ModelError: If there is no such body.
-    """
-    names = [one.name for one in bodies]
-    if isinstance(body, str) and body in names:
-        return names.index(body) + 1
-    if isinstance(body, bool) or not is_among(body, range(1, len(names) + 1)):
-        raise ModelError(f"{label}: there is no body {quoted(body)}. {did_you_mean(body, names)}")
-    return int(body)
 
 
 def locked_directions(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
@@ -51,15 +33,19 @@ def locked_directions(bodies: Sequence[Body]) -> dict[str, tuple[int, int]]:
     }
 
 
-def poses(bodies: Sequence[Body], chosen: Any) -> tuple[str, ...] | None:
-    """Return the names of the bodies that are chosen by name or number; None if all are.
+def poses(frame: Callable[[Any, str], Frame], chosen: Any) -> tuple[str, ...] | None:
+    """Return the names of the frames that are chosen; None if all bodies are.
+
+    Args:
+        frame: Function that returns the frame of a name or number, with a label for its error.
+        chosen: Names of frames and bodies, or numbers of bodies; None for all bodies.
 
     Raises:
-        ModelError: If a chosen body does not exist or is named twice, or none is chosen.
+        ModelError: If a chosen frame does not exist or is named twice, or none is chosen.
     """
     if chosen is None:
         return None
-    names = [bodies[body_number(bodies, body, POSES) - 1].name for body in _listed(chosen, POSES)]
+    names = [frame(one, POSES).name for one in _listed(chosen, POSES)]
     _require_once(names, POSES)
     return tuple(names)
 

@@ -26,7 +26,14 @@ def system_table(system: SystemDescription) -> dict[str, Any]:
     # In a file, "ground" always means the ground; a body of this name is called by its number.
     names = ["ground", *(body.name for body in system.bodies)]
     lower = [k if k > 0 and name == "ground" else name for k, name in enumerate(names)]
-    table["body"] = [body.as_table(lower[body.lower]) for body in system.bodies]
+    frames: list[dict[str, Any]] = [{} for _ in names]
+    for frame in system.frames:
+        frames[frame.body][frame.name] = frame.as_toml()
+    if frames[0]:
+        table["frames"] = frames[0]
+    table["body"] = [
+        body.as_table(lower[body.lower], frames[k]) for k, body in enumerate(system.bodies, start=1)
+    ]
     if system.couplings:
         table["coupling"] = [coupling.as_table() for coupling in system.couplings]
     elements = {kind: [e.as_table() for e in system.force_elements if type(e) is kind] for kind in KINDS}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -20,7 +20,8 @@ from kanegen.model.description import GRAVITY, SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.force_elements.names import with_resolved_names
-from kanegen.model.joint import Joint
+from kanegen.model.frame import Frame, check_points, checked_frames
+from kanegen.model.joint import IDENTITY, Joint
 from kanegen.model.limits import without_angles
 from kanegen.model.names import check_identifier
 from kanegen.model.numbers import Number, Parameter, map_numbers, numbers
@@ -37,10 +38,11 @@ class System(SystemDescription):
         bodies: The bodies, lower bodies first.
         gravity: (3,) acceleration of gravity, inertial components (m/s^2).
         force_elements: Springs, dampers, drives, loads on points, potentials.
-        poses: Names of the bodies that `body_poses` gives, in the order of its rows; None for all.
+        poses: Names of the frames that `body_poses` gives, in the order of its rows; None for all bodies.
         reactions: Names of the locked directions that `reaction_loads` gives, `<body>.theta2` or `<body>.s1`,
             in its order; None for all.
         couplings: Freedoms that follow others: x = sum of a_i x_i + offset. They are in neither {x} nor {y}.
+        frames: Frames that are fixed in a body or in the ground, beside the bodies' own.
 
     Raises:
         ModelError: If the tree, a number or a name is not usable.
@@ -57,10 +59,11 @@ class System(SystemDescription):
         validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
+        validation.store(self, frames=checked_frames(self.bodies, self.frames))
         couplings = validation.instances(self.couplings, Coupling, "couplings")
         couplings = with_permanent_names(couplings, self.bodies)
         validation.store(self, couplings=couplings, bodies=coupled_bodies(self.bodies, couplings))
-        validation.store(self, poses=output_rows.poses(self.bodies, self.poses))
+        validation.store(self, poses=output_rows.poses(self.frame, self.poses))
         validation.store(self, reactions=output_rows.reactions(self.bodies, self.reactions))
         if not self.freedoms:
             states = ["locked"] + ["prescribed"] * bool(self.prescribed) + ["coupled"] * bool(self.couplings)
@@ -71,6 +74,7 @@ class System(SystemDescription):
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)
         validation.unique("point name", self.point_names)
+        check_points(self.points, self.frames_by_name)
         validation.store(self, force_elements=with_resolved_names(elements, self.bodies))
         validation.parameter_names(self.parameters, self.number_of_bodies, len(self.points))
         if self.depends_on_time and any(parameter.name == TIME for parameter in self.parameters):
@@ -173,23 +177,58 @@ class System(SystemDescription):
         """Return the same system with further points.
 
         Args:
-            points: Body, name or number from 1, and (3,) position from the origin of the body, in body
-                components (m), by name of the point.
+            points: Frame or body, and (3,) position from its origin, in its components (m), by name of the
+                point. A frame goes by its name, a body by its name or number from 1.
 
         Raises:
-            ModelError: If there is no such body, a name is taken or unusable, or a position is not three
-                numbers.
+            ModelError: If there is no such frame, it is fixed to the ground, a name is taken or unusable, or
+                a position is not three numbers.
 
         Example:
             system.with_points({"tip": ("hand", (0, 0, 0.1))})
         """
         bodies = list(self.bodies)
-        example = '{"tip": ("hand", (0, 0, 0.1))}'
-        for name, value in validation.table(points, "points", example).items():
-            body, position = validation.sequence(value, 2, f"point {quoted(name)}")
-            k = output_rows.body_number(bodies, body, f"point {quoted(name)}") - 1
-            bodies[k] = replace(bodies[k], points=(*bodies[k].points, Point(name, position)))
+        for name, value in validation.table(points, "points", '{"tip": ("hand", (0, 0, 0.1))}').items():
+            label = f"point {quoted(name)}"
+            place, position = validation.sequence(value, 2, label)
+            at = self.frame(place, label)
+            if not at.body:
+                raise ModelError(f"{label}: {quoted(at.name)} is fixed to the ground, where no point moves.")
+            point = Point(name, position, frame=at.name if at in self.frames else "")
+            bodies[at.body - 1] = replace(bodies[at.body - 1], points=(*bodies[at.body - 1].points, point))
         return replace(self, bodies=tuple(bodies))
+
+    def with_frames(self, frames: Mapping[str, Sequence[Any]]) -> Self:
+        """Return the same system with further frames, fixed in bodies or in the ground.
+
+        Args:
+            frames: Frame or body, (3,) position of the origin in its components (m), and, if it is turned,
+                the orientation, by name of the new frame. The orientation takes components of the frame
+                or body to those of the new frame: a (3, 3) rotation, or three 1-2-3 angles (rad). A frame
+                goes by its name, a body by its name or number from 1, the inertial frame by "ground". A new
+                frame with the name of its own body becomes the frame of this body for its user.
+
+        Raises:
+            ModelError: If there is no such frame, a name is taken or unusable, or a position or orientation
+                is no such thing.
+
+        Example:
+            system.with_frames({"tool": ("hand", (0, 0, 0.1)), "camera": ("tool", (0, 0, 0), (0.2, 0, 0))})
+        """
+        found = self
+        example = '{"tool": ("hand", (0, 0, 0.1))}'
+        for name, value in validation.table(frames, "frames", example).items():
+            label = f"frame {quoted(name)}"
+            items = validation.sequence(value, None, label)
+            if len(items) not in (2, 3):
+                raise ModelError(
+                    f"{label}: expected a frame or body, a position and perhaps an orientation, as in "
+                    f"{example}, got {quoted(value)}."
+                )
+            at, position, orientation = found.frame(items[0], label), items[1], (*items, IDENTITY)[2]
+            new = Frame(name, at.body, position, orientation, at.name if at in found.frames else "")
+            found = replace(found, frames=(*found.frames, new))
+        return found
 
     def with_force_elements(self, *elements: ForceElement) -> Self:
         """Return the same system with further force elements.
@@ -203,19 +242,20 @@ class System(SystemDescription):
         """
         return replace(self, force_elements=(*self.force_elements, *elements))
 
-    def with_poses(self, bodies: Iterable[str | int] | None) -> Self:
-        """Return the same system with another selection of bodies in `body_poses`.
+    def with_poses(self, frames: Iterable[str | int] | None) -> Self:
+        """Return the same system with another selection of frames in `body_poses`.
 
         Args:
-            bodies: Names, or numbers from 1, in the order of the rows; None for all.
+            frames: Names of frames and bodies, or numbers of bodies from 1, in the order of the rows; None
+                for all bodies.
 
         Raises:
-            ModelError: If a body does not exist or is named twice, or none is named.
+            ModelError: If a frame does not exist or is named twice, or none is named.
 
         Example:
-            system.with_poses(["hand"])
+            system.with_poses(["hand", "tool"])
         """
-        return replace(self, poses=output_rows.poses(self.bodies, bodies))
+        return replace(self, poses=output_rows.poses(self.frame, frames))
 
     def with_reactions(self, directions: Iterable[str] | None) -> Self:
         """Return the same system with another selection of directions in `reaction_loads`.
@@ -358,7 +398,8 @@ class System(SystemDescription):
             joint = body.joint.with_right_angles(limit)
             return body if joint == body.joint else replace(body, joint=joint)
 
-        return replace(self, bodies=tuple(map(exact, self.bodies)))
+        frames = tuple(frame.with_right_angles(limit) for frame in self.frames)
+        return replace(self, bodies=tuple(map(exact, self.bodies)), frames=frames)
 
     def _with_free_orientations(self, change: Callable[[Joint], Joint]) -> Self:
         """Return the same system with `change` applied to every joint that has three free angles.
@@ -422,4 +463,5 @@ class System(SystemDescription):
             gravity=map_numbers(self.gravity, change),
             force_elements=tuple(element.map_numbers(change) for element in self.force_elements),
             couplings=tuple(coupling.map_numbers(change) for coupling in self.couplings),
+            frames=tuple(frame.map_numbers(change) for frame in self.frames),
         )

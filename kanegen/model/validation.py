@@ -156,27 +156,27 @@ def _symmetric(value: Matrix) -> Matrix:
     return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
 
 
-def orientation(value: Any) -> Matrix | Vector:
+def orientation(value: Any, label: str) -> Matrix | Vector:
     """Return a constant orientation: a rotation matrix, or three angles (rad) where one is a parameter."""
     items = listed(value) or []
     if items and all(isinstance(item, Parameter) or np.ndim(item) == 0 for item in items):
-        angles: Vector = numbers(items, (3,), "joint orientation")
+        angles: Vector = numbers(items, (3,), label)
         one, two, three = angles
         if isinstance(one, Parameter) or isinstance(two, Parameter) or isinstance(three, Parameter):
             return angles
         value = rotation_123((one, two, three))
-    matrix: Matrix = numbers(value, (3, 3), "joint orientation")
+    matrix: Matrix = numbers(value, (3, 3), label)
     plain = map_numbers(matrix, value_of)
     c = np.array(plain)
     with np.errstate(over="ignore", invalid="ignore"):
         defect = float(np.abs(c @ c.T - np.eye(3)).max())
     if not defect <= ORTHOGONALITY:
         raise ModelError(
-            f"joint orientation is not a rotation: its rows are off from orthonormal by {defect:.1e}. "
+            f"{label} is not a rotation: its rows are off from orthonormal by {defect:.1e}. "
             "Give all digits, or angles."
         )
     if np.linalg.det(c) < 0:
-        raise ModelError("joint orientation is not a rotation: it is a reflection (determinant -1).")
+        raise ModelError(f"{label} is not a rotation: it is a reflection (determinant -1).")
     return nearest_rotation(plain) if plain == matrix and defect > ROUNDED_ROTATION else matrix
 
 

@@ -16,9 +16,10 @@ from kanegen.model.system import System
 from kanegen.readers import toml_force_elements
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 from kanegen.readers.toml_bodies import read_bodies
+from kanegen.readers.toml_frames import read_frames
 from kanegen.readers.toml_tables import Parameters, Table, check_keys
 
-KEYS = ("name", "gravity", "parameters", "outputs", "body", "coupling", *toml_force_elements.KEYS)
+KEYS = ("name", "gravity", "parameters", "outputs", "frames", "body", "coupling", *toml_force_elements.KEYS)
 COUPLING_KEYS = ("freedom", "terms", "offset")
 OUTPUT_KEYS = ("body_poses", "reaction_loads")
 
@@ -98,9 +99,11 @@ def _system(table: Table, path: Path, tolerance: float) -> System:
     gravity = table.get("gravity", GRAVITY)
     gravity = (0, 0, 0) if gravity == NO_GRAVITY else parameters.resolve(gravity, "gravity")
     elements = toml_force_elements.read_force_elements(table, parameters)
-    selected = _outputs(table.get("outputs", {}))
+    poses, reactions = _outputs(table.get("outputs", {}))
     couplings = _couplings(table.get("coupling", []), parameters)
-    system = System(table.get("name", path.stem), bodies, gravity, elements, *selected, couplings)
+    frames = read_frames(table, parameters, tolerance)
+    name = table.get("name", path.stem)
+    system = System(name, bodies, gravity, elements, poses, reactions, couplings, frames)
     if unused := parameters.unused():
         warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
     return system
@@ -123,7 +126,7 @@ def _couplings(entries: Any, parameters: Parameters) -> tuple[Coupling, ...]:
 
 
 def _outputs(table: Any) -> tuple[Any, Any]:
-    """Return the bodies of `body_poses` and the locked directions of `reaction_loads`; None for all."""
+    """Return the frames of `body_poses` and the locked directions of `reaction_loads`; None for all."""
     if not isinstance(table, Mapping):
         raise ModelError('outputs: write a table, [outputs], with lines such as body_poses = ["tool"].')
     check_keys(table, OUTPUT_KEYS, label="outputs: ")

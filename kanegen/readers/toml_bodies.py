@@ -12,11 +12,11 @@ from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import FREEDOMS, NOTES, ORIENTATIONS, SPEEDS, selected_freedoms
 from kanegen.model.joint import IDENTITY, Joint
 from kanegen.model.limits import Limits
-from kanegen.model.numbers import Parameter, numbers
+from kanegen.model.numbers import numbers
 from kanegen.readers.toml_tables import ORIGIN, Parameters, Table, check_keys
 
-KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "points", "joint")
-POINT_KEYS = ("position", "loads")
+KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "frames", "points", "joint")
+POINT_KEYS = ("position", "loads", "frame")
 INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
 JOINT_KEYS = (
     "name",
@@ -88,7 +88,7 @@ def _point(name: str, value: Any, parameters: Parameters) -> Point:
     table = value if isinstance(value, Mapping) else {"position": value}
     check_keys(table, POINT_KEYS, required=POINT_KEYS[:1], label=f"{label}: ")
     position = numbers(parameters.resolve(table["position"], label), (3,), label)
-    return Point(name, position, table.get("loads", False))
+    return Point(name, position, table.get("loads", False), table.get("frame", ""))
 
 
 def _lower(connection: Any, numbers_of: Mapping[str, int]) -> Any:
@@ -127,7 +127,7 @@ def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
     free = _flags("free", table.get("free", list(not_prescribed)))
     return Joint(
         position=parameters.resolve(table.get("position", ORIGIN), "joint position"),
-        orientation=_orientation(table, parameters, tolerance),
+        orientation=read_orientation(table, parameters, tolerance),
         free=free,
         locked=_locked(table.get("locked", {}), {"free": free, "prescribed": prescribed}, parameters),
         name=table.get("name", ""),
@@ -139,14 +139,18 @@ def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
     )
 
 
-def _orientation(table: Table, parameters: Parameters, tolerance: float) -> Any:
-    """Return the constant orientation [C_K]: three 1-2-3 angles (rad), or a (3, 3) matrix."""
+def read_orientation(table: Table, parameters: Parameters, tolerance: float) -> Any:
+    """Return the constant orientation of a joint or frame: three 1-2-3 angles (rad), or a (3, 3) matrix.
+
+    Raises:
+        ModelError: If it is neither, or both are given.
+    """
     if "orientation_angles" in table:
         if "orientation" in table:
             raise ModelError("both orientation and orientation_angles are given. Keep one.")
         angles = parameters.resolve(table["orientation_angles"], "orientation_angles")
         angles = numbers(angles, (3,), "orientation_angles")
-        return tuple(a if isinstance(a, Parameter) else right_angles.angle(a, tolerance) for a in angles)
+        return tuple(right_angles.unless_parameter(angle, tolerance) for angle in angles)
     matrix = parameters.resolve(table.get("orientation", IDENTITY), "orientation")
     return numbers(matrix, (3, 3), "orientation")
 

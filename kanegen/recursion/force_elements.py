@@ -7,7 +7,7 @@ in the tree they are.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
 
@@ -16,8 +16,8 @@ from sympy import Add, Expr, Rational
 
 from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
 from kanegen.model.force_elements.names import Place, coordinate_places, speed_places
-from kanegen.model.numbers import Number
 from kanegen.recursion.constants import exact
+from kanegen.recursion.frames import position_of
 from kanegen.recursion.spring_ends import ends, joints_between, separation
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import Wrench, add, cross, dot, negate, scale, subtract
@@ -76,7 +76,7 @@ def _spring_wrenches(tree: Tree) -> Iterator[tuple[int, Wrench]]:
 
 def _point_loads(tree: Tree) -> Iterator[tuple[int, Wrench]]:
     """Yield the body and the wrench of every load on a point, by force elements and by the caller."""
-    places = {point.name: (k, point.position) for k, point in tree.system.points}
+    places = {point.name: (k, position_of(tree, k, point)) for k, point in tree.system.points}
     translator = ExpressionTranslator(tree.system, exact, tree.definitions)
     for number, element in enumerate(tree.system.force_elements, start=1):
         if isinstance(element, PointLoad):
@@ -90,15 +90,15 @@ def _point_loads(tree: Tree) -> Iterator[tuple[int, Wrench]]:
             force, moment = (
                 Vector(*(symbol(number, axis) for axis in range(3))) for symbol in (point_force, point_moment)
             )
-            yield _inertial_load(tree, k, point.position, force, moment, f"pi_{number}")
+            yield _inertial_load(tree, k, places[point.name][1], force, moment, f"pi_{number}")
 
 
 def _inertial_load(
-    tree: Tree, k: int, position: Sequence[Number], force: Vector, moment: Vector, name: str
+    tree: Tree, k: int, position: Vector, force: Vector, moment: Vector, name: str
 ) -> tuple[int, Wrench]:
     """Return body `k` with the wrench of a force at a point and a moment, given in inertial components."""
     tree.about(k, "load on a point")
-    load = _force_at(tree, k, Vector(*map(exact, position)), _outward(tree, k, 0, force, f"{name}F"))
+    load = _force_at(tree, k, position, _outward(tree, k, 0, force, f"{name}F"))
     return k, Wrench(load.force, add(load.moment, _outward(tree, k, 0, moment, f"{name}M")))
 
 
@@ -179,11 +179,12 @@ class AttachedSpring:
 
 def attached_springs(tree: Tree) -> Iterator[AttachedSpring]:
     """Yield the springs between points of a tree."""
-    places = {point.name: (k, point.position) for k, point in tree.system.points}
+    places = {point.name: (k, position_of(tree, k, point)) for k, point in tree.system.points}
     springs = [element for element in tree.system.force_elements if isinstance(element, Spring)]
     for number, spring in enumerate(springs, start=1):
-        (a, one), (b, two) = (places[end] if isinstance(end, str) else (0, end) for end in spring.between)
-        first, second = Vector(*map(exact, one)), Vector(*map(exact, two))
+        (a, first), (b, second) = (
+            places[end] if isinstance(end, str) else (0, Vector(*map(exact, end))) for end in spring.between
+        )
         frame = _carrier_of_both(tree, a, b)
         start, end = ends(tree, frame, (a, b), (first, second), (f"k{number}a", f"k{number}b"))
         tree.definitions.about(f"Spring {number}: the way between its ends, and its rate")

@@ -24,6 +24,7 @@ from sympy import Expr, S
 
 from kanegen.recursion.constants import exact
 from kanegen.recursion.force_elements import applied_wrenches, element_efforts
+from kanegen.recursion.frames import fixed_frame
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
 from kanegen.recursion.tree import Derived, Tree
@@ -228,14 +229,22 @@ def _required_wrench(tree: Tree, k: int, motion: BodyMotion, applied: Wrench) ->
     force = add(scale(m, motion.acceleration), multiply(motion.field, h))
     moment = add(_rotational_moment(inertia, motion, definitions, k), cross(h, motion.acceleration))
     if body.loads:
-        load = Vector(*(force_symbol(k, axis) for axis in range(3)))
-        torque = Vector(*(torque_symbol(k, axis) for axis in range(3)))
+        load, torque = (
+            _in_body(tree, k, Vector(*(symbol(k, axis) for axis in range(3))), name)
+            for symbol, name in ((force_symbol, "Fl"), (torque_symbol, "Ml"))
+        )
         center = Vector(*(exact(value) for value in body.mass_center))
         arm = definitions.vector(f"r_{k}", subtract(center, tree.joints[k - 1].origin))
         force = subtract(force, load)
         moment = subtract(subtract(moment, torque), cross(arm, load))
     named = definitions.vector(f"F_{k}own", subtract(force, applied.force))
     return Wrench(named, definitions.vector(f"M_{k}own", subtract(moment, applied.moment)))
+
+
+def _in_body(tree: Tree, k: int, load: Vector, name: str) -> Vector:
+    """Return a load on body `k` in body components, from those of the frame that users of the body see."""
+    frame = fixed_frame(tree, tree.system.bodies[k - 1].name, k)
+    return tree.definitions.vector(f"{name}_{k}", frame.inward(load)) if frame.is_turned else load
 
 
 def _rotational_moment(inertia: Inertia, motion: BodyMotion, definitions: Definitions, k: int) -> Vector:

@@ -8,7 +8,8 @@ import sympy
 
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, Freedom, Rotation
-from kanegen.model.numbers import Number, Parameter
+from kanegen.model.numbers import Matrix, Number, Parameter
+from kanegen.model.numbers import Vector as Angles
 from kanegen.model.system import System
 from kanegen.recursion.constants import constant_rotation, constant_sine_cosine, exact
 from kanegen.recursion.joint_motion import NO_FREEDOM, AngularSpeed, JointMotion, Step, Translation, down
@@ -36,7 +37,7 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     """
     body, number = system.bodies[k - 1], system.places
     definitions.about(f"Body {k} ({body.name}): the joint, Eqs. (4), (22)")
-    constant = _orientation(body, k, definitions)
+    constant = orientation_turns(body.joint.orientation, f"{k}_c", definitions)
     along = [definitions.vector(f"u_{k}_{i + 1}", down(constant, unit(i))) for i in range(3)]
     directions = along[0], along[1], along[2]
     arm = Vector(*(exact(value) for value in body.joint.position))
@@ -128,15 +129,19 @@ def _without_identities(steps: list[Step]) -> tuple[Step, ...]:
     return tuple(step for step in steps if step.moves or not is_identity(step.turn))
 
 
-def _orientation(body: Body, k: int, definitions: Definitions) -> tuple[Turn, ...]:
-    """Return the turns of the constant orientation [C_K] of a joint."""
-    orientation = body.joint.orientation
-    if not isinstance(orientation[0], tuple):
-        return tuple(
-            _constant_turn(f"{k}_c{i + 1}", i, angle, definitions) for i, angle in enumerate(orientation)
-        )
-    rows = [[exact(entry) for entry in row] for row in orientation]
-    return constant_turns(constant_rotation(rows, definitions.constants))
+def orientation_turns(orientation: Matrix | Angles, name: str, definitions: Definitions) -> tuple[Turn, ...]:
+    """Return the turns of a constant orientation, such as [C_K] of a joint.
+
+    Args:
+        orientation: A rotation matrix, or three 1-2-3 angles (rad).
+        name: Prefix of the names of the angles, such as `2_c`.
+        definitions: Definitions that sines and cosines of parameters are added to.
+    """
+    if isinstance(orientation[0], tuple):
+        rows = [[exact(entry) for entry in row] for row in orientation]
+        return constant_turns(constant_rotation(rows, definitions.constants))
+    turns = [_constant_turn(f"{name}{i + 1}", i, angle, definitions) for i, angle in enumerate(orientation)]
+    return tuple(turns)
 
 
 def _angle_step(system: System, freedom: Freedom, definitions: Definitions) -> Step:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from sympy import Expr
 
+from kanegen.recursion.frames import FixedFrame, fixed_frame
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import ZERO, Rows, add, count_nonzero, cross, dot, scale, unit
@@ -18,7 +19,7 @@ CROSS_COST = 9
 
 @dataclass(frozen=True)
 class Pose:
-    """Rotation and origin of a body K.
+    """Rotation and origin of a body K, or of a frame that is fixed in a body.
 
     Attributes:
         columns: Columns of [R_K]: the inertial basis vectors in components of K.
@@ -46,13 +47,20 @@ def poses(tree: Tree) -> list[Pose]:
 
 
 def body_poses(tree: Tree) -> Derived:
-    """Derive the rows of [R_K], then {p_O_K}, of every body that the system selects; inertial components."""
+    """Derive the rows of [R], then the origin, of every frame that is selected; inertial components."""
     entries: list[Expr] = []
     seen = poses(tree)
-    for pose in (seen[k] for k in tree.system.pose_numbers):
+    for frame in tree.system.pose_frames:
+        pose = in_frame(seen[frame.body], fixed_frame(tree, frame.name, frame.body))
         entries += [direction[row] for row in range(3) for direction in pose.columns]
         entries += pose.origin
     return Derived(entries)
+
+
+def in_frame(pose: Pose, frame: FixedFrame) -> Pose:
+    """Return the pose of a frame that is fixed in the body of a pose."""
+    x, y, z = (frame.outward(direction) for direction in pose.columns)
+    return Pose((x, y, z), add(pose.origin, pose.inertial(frame.origin)))
 
 
 def _columns(lower: Rows, joint: JointMotion, definitions: Definitions) -> Rows:

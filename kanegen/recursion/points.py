@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from sympy import Expr, S
 
-from kanegen.recursion.constants import exact
+from kanegen.recursion.frames import position_of
 from kanegen.recursion.inverse_dynamics import body_motions
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
 from kanegen.recursion.kinematics import Pose, angular_velocities, poses, velocities
@@ -92,7 +92,7 @@ def _axes(tree: Tree, joint: JointMotion, seen: list[Pose]) -> Iterator[tuple[in
 def _points(tree: Tree) -> Iterator[tuple[int, int, Vector]]:
     """Yield number, from 1, body, and position from O_K in K (m) of every point."""
     for number, (k, point) in enumerate(tree.system.points, start=1):
-        yield number, k, Vector(*(exact(value) for value in point.position))
+        yield number, k, position_of(tree, k, point)
 
 
 def _arms(tree: Tree) -> Iterator[tuple[int, int, Vector]]:

@@ -68,8 +68,9 @@ class Tree:
             yield joint
 
     def about(self, k: int, quantity: str) -> None:
-        """Set the comment of the definitions that follow: a quantity of body `k`."""
-        self.definitions.about(f"Body {k} ({self.system.bodies[k - 1].name}): {quantity}")
+        """Set the comment of the definitions that follow: a quantity of body `k`, 0 for the ground."""
+        body = f"Body {k} ({self.system.bodies[k - 1].name})" if k else "Ground"
+        self.definitions.about(f"{body}: {quantity}")
 
 
 def tree(system: System, constants: Constants = DOUBLE_CONSTANTS) -> Tree:

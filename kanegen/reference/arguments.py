@@ -16,7 +16,7 @@ from kanegen.model.arguments import LoadInputs
 from kanegen.model.arrays import SystemArrays
 from kanegen.model.system import System
 from kanegen.reference.freedoms import UNPRESCRIBED, coordinate_count, free_columns
-from kanegen.reference.matrices import Numbers
+from kanegen.reference.matrices import Numbers, apply, transposed
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def _states(value: ArrayLike, label: str, count: int) -> Numbers:
 
 
 def _load(system: SystemArrays, value: ArrayLike | None, x: Numbers, label: str) -> Numbers:
-    """Return `value` as an (N, 3) or (B, N, 3) array that fits `x`; zeros for None."""
+    """Return `value` as an (N, 3) or (B, N, 3) array in body components that fits `x`; zeros for None."""
     count = len(system.mass)
     if value is None:
         return np.zeros((count, 3))
@@ -149,4 +149,4 @@ def _load(system: SystemArrays, value: ArrayLike | None, x: Numbers, label: str)
     if array.shape not in allowed:
         shapes = " or ".join(str(shape) for shape in sorted(allowed, key=len))
         raise ArrayError(f"{label} has shape {array.shape}; expected {shapes}.")
-    return array
+    return apply(transposed(system.load_rotation), array)

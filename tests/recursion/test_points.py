@@ -130,8 +130,8 @@ def test_a_file_keeps_points(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("points", "message"),
     [
-        ({"tip": ("forearm", (0, 0, 1))}, r"point 'tip': there is no body 'forearm'"),
-        ({"tip": (9, (0, 0, 1))}, r"there is no body 9"),
+        ({"tip": ("forearm", (0, 0, 1))}, r"point 'tip': there is no body or frame 'forearm'"),
+        ({"tip": (9, (0, 0, 1))}, r"there is no body or frame 9"),
         ({"tip": (1, (0, 0))}, r"point 'tip'"),
         ({"tip": (1, (0, 0, float("nan")))}, r"point 'tip'"),
         ({"a b": (1, (0, 0, 1))}, r"point name"),

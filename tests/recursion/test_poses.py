@@ -135,7 +135,8 @@ def test_selected_bodies_are_rows_of_all_and_cost_less() -> None:
     rng = np.random.default_rng(9)
     system = systems.random_system(rng, 6, connection=(0, 1, 2, 1, 4, 4), free=JOINTS["gimbals"])
     some = system.with_poses([5, "body1"])
-    assert (some.pose_numbers, some.pose_names) == ((5, 1), ("body5", "body1"))
+    assert some.pose_names == ("body5", "body1")
+    assert [frame.body for frame in some.pose_frames] == [5, 1]
     library, every = kg.build(some, "body_poses"), kg.build(system, "body_poses")
     assert library.pose_names == ("body5", "body1")
     x = rng.normal(size=(5, len(system.freedoms)))
@@ -160,12 +161,12 @@ def test_a_selection_changes_no_other_output() -> None:
 @pytest.mark.parametrize(
     ("bodies", "message"),
     [
-        (["trolly"], r"body poses: there is no body 'trolly'\. Did you mean 'trolley'\?"),
-        ([0], r"there is no body 0\."),
-        ([9], r"there is no body 9\."),
-        ([True], r"there is no body True\."),
-        ([["trolley"]], r"there is no body \['trolley'\]"),
-        (2.5, r"there is no body 2\.5"),
+        (["trolly"], r"body poses: there is no body or frame 'trolly'\. Did you mean 'trolley'\?"),
+        ([0], r"there is no body or frame 0\."),
+        ([9], r"there is no body or frame 9\."),
+        ([True], r"there is no body or frame True\."),
+        ([["trolley"]], r"there is no body or frame \['trolley'\]"),
+        (2.5, r"there is no body or frame 2\.5"),
         ([], r"body poses: none is chosen\. Name one"),
         (["trolley", 1, "trolley"], r"body poses: '\w+' is named twice\. Name it once"),
     ],

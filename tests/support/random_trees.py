@@ -67,7 +67,8 @@ def everything(seed: int, bodies: int = 4) -> kg.System:
     drawing = Drawing(np.random.default_rng(seed))
     tree = [_body(drawing, k, seed * bodies + k) for k in range(bodies)]
     gravity = drawing.vector(6.0)
-    return _acted_on(kg.System("everything", tuple(tree), gravity), drawing)
+    system = kg.System("everything", tuple(tree), gravity)
+    return _acted_on(_with_frames(system, drawing), drawing)
 
 
 def _body(drawing: Drawing, k: int, turn: int) -> kg.Body:
@@ -120,10 +121,29 @@ def _orientation(drawing: Drawing, kind: str) -> Any:
     return IDENTITY
 
 
+def _with_frames(system: kg.System, drawing: Drawing) -> kg.System:
+    """Return the system with frames: of a body for its users, in others, on the ground; some with a point."""
+    names = [body.name for body in system.bodies]
+    frames: dict[str, Any] = {"on_ground": ("ground", drawing.vector(), drawing.angles())}
+    points: dict[str, Any] = {}
+    for name in names:
+        if drawing.rng.random() < 0.5:
+            frames[name] = (name, drawing.vector(), _orientation(drawing, drawing.one_of(ORIENTATIONS)))
+        for inner in range(int(drawing.rng.integers(3))):
+            place = drawing.one_of([other for other in (name, *frames) if other.startswith(name)])
+            orientation = _orientation(drawing, drawing.one_of(ORIENTATIONS))
+            frames[f"{name}f{inner}"] = (place, drawing.vector(), orientation)
+    for name in drawing.rng.permutation([name for name in frames if name not in names])[:2]:
+        if not str(name).startswith("on"):
+            points[f"at_{name}"] = (str(name), drawing.vector())
+    return system.with_frames(frames).with_points(points)
+
+
 def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
     """Return the system with springs, drives, loads on points and a potential between random places."""
-    ends = [point.name for _, point in system.points]
-    above = ends[int(drawing.rng.integers(len(ends)))]
+    every = [point.name for _, point in system.points]
+    ends = [body.points[0].name for body in system.bodies]
+    above = drawing.one_of(every)
     elements: list[kg.ForceElement] = [
         Spring((drawing.vector(2.0), above), drawing.number(3.0), drawing.number(0.7), drawing.number(0.6)),
         *(
@@ -140,7 +160,9 @@ def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
         elements.append(Drive(str(speed), parse(text, parameters)))
     x, y = drawing.one_of(coordinates), drawing.one_of(speeds)
     force = (parse(f"-2*y.{y}"), parse("cos(t)"), parse(f"x.{x}*{stiffness.name}", parameters))
-    elements.append(PointLoad(drawing.one_of(ends), force=force, moment=(0, parse(rate.name, parameters), 2)))
+    elements.append(
+        PointLoad(drawing.one_of(every), force=force, moment=(0, parse(rate.name, parameters), 2))
+    )
     rated = _rated(system)
     if rated:
         a, b = drawing.one_of(rated), drawing.one_of(rated)

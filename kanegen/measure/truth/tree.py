@@ -25,7 +25,7 @@ from kanegen.measure.truth.balls import (
 from kanegen.model.arrays import Floats
 from kanegen.model.coordinates import NOTES, SEQUENCES, Axes, Coordinate, Freedom, QuaternionRotation
 from kanegen.model.joint import Joint
-from kanegen.model.numbers import Number, Parameter, map_numbers, value_of
+from kanegen.model.numbers import Matrix, Number, Parameter, Vector, map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.program.constants import quarter_turns
 
@@ -37,8 +37,8 @@ class State:
     Attributes:
         x: (m,) coordinates (rad, m, 1).
         y: (n,) generalized speeds.
-        force: (N, 3) forces F'_K at G_K, in K (N).
-        torque: (N, 3) torques M'_K, in K (N m).
+        force: (N, 3) forces at G_K, in the frame that users of K see (N).
+        torque: (N, 3) torques, in the same frame (N m).
         tau: (n,) generalized forces beside loads and gravity.
         ydot: (n,) generalized accelerations, for inverse dynamics.
     """
@@ -135,6 +135,9 @@ def _link(system: System, k: int, state: State) -> Link:
     locked = map_numbers(body.joint.locked, value_of)
     coordinates = _filled(coordinate_places, state.x, locked)
     speeds = _filled(places, state.y, (0.0,) * 6)
+    inward = identity(3)
+    for frame in system.frame_path(body.name):
+        inward = inward * _orientation(frame.orientation).transpose()
     return Link(
         lower=body.lower,
         places=places,
@@ -142,7 +145,7 @@ def _link(system: System, k: int, state: State) -> Link:
         inertia=square(map_numbers(body.inertia, value_of)),
         center=column(map_numbers(body.mass_center, value_of)),
         position=column(map_numbers(body.joint.position, value_of)),
-        orientation=_orientation(body.joint),
+        orientation=_orientation(body.joint.orientation),
         angles=column(_angles(body.joint, coordinate_places, state)),
         quaternion=_quaternion(system, k, state),
         axes=body.joint.axes,
@@ -150,8 +153,8 @@ def _link(system: System, k: int, state: State) -> Link:
         rates=column(speeds[:3]),
         speeds_are_rates=body.joint.speeds_are_rates,
         translation_rates=column(speeds[3:]),
-        force=column(state.force[k - 1]),
-        torque=column(state.torque[k - 1]),
+        force=inward * column(state.force[k - 1]),
+        torque=inward * column(state.torque[k - 1]),
     )
 
 
@@ -184,13 +187,13 @@ def _constant_angle(angle: Number) -> float | arb:
     return arb.pi() * turns / 2 if turns else angle
 
 
-def _orientation(joint: Joint) -> arb_mat:
-    """Return the (3, 3) joint orientation [C_K], given as a matrix or as three angles 1-2-3."""
-    plain = map_numbers(joint.orientation, value_of)
+def _orientation(given: Matrix | Vector) -> arb_mat:
+    """Return a (3, 3) constant orientation, such as [C_K], given as a matrix or as three angles 1-2-3."""
+    plain = map_numbers(given, value_of)
     if isinstance(plain[0], tuple):
         return nearest_rotation(square(plain))
     return rotations_by_angles(
-        column(_constant_angle(angle) for angle in joint.orientation if not isinstance(angle, tuple)),
+        column(_constant_angle(angle) for angle in given if not isinstance(angle, tuple)),
         SEQUENCES[NOTES],
     )[-1]
 

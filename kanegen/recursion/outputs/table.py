@@ -207,7 +207,7 @@ _ENTRIES = (
     ),
     Output(
         "body_poses",
-        lambda system: Array("body_poses", (len(system.pose_numbers), 4, 3), "1, m", _poses_doc(system)),
+        lambda system: Array("body_poses", (len(system.pose_names), 4, 3), "1, m", _poses_doc(system)),
         ("x",),
         Recursion("turns of the joints", body_poses),
     ),

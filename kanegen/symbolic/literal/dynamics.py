@@ -9,6 +9,7 @@ from functools import cached_property
 from sympy import Add, Expr, ImmutableMatrix, S
 
 from kanegen.symbolic.definitions import Definition
+from kanegen.symbolic.literal.frames import frame_equations
 from kanegen.symbolic.literal.intermediates import QUANTITIES
 from kanegen.symbolic.literal.joint import skew
 from kanegen.symbolic.literal.linear_motion import LinearEquations
@@ -51,7 +52,7 @@ class BodyEquations(LinearEquations):
         """{F'_K} of Eq. (37), (3, 1): weight m_K [R_K] {g} and the load on the body at G_K (N)."""
         weight = self.mass * self.rotation * column(self.system.gravity)
         if self.body.loads:
-            weight += ImmutableMatrix([force(self.number, axis) for axis in range(3)])
+            weight += self._in_body(ImmutableMatrix([force(self.number, axis) for axis in range(3)]))
         return weight
 
     @cached_property
@@ -59,7 +60,11 @@ class BodyEquations(LinearEquations):
         """{M'_K} of Eq. (37), (3, 1): the symbols of the load on the body, or zeros (N m)."""
         if not self.body.loads:
             return ImmutableMatrix.zeros(3, 1)
-        return ImmutableMatrix([torque(self.number, axis) for axis in range(3)])
+        return self._in_body(ImmutableMatrix([torque(self.number, axis) for axis in range(3)]))
+
+    def _in_body(self, load: ImmutableMatrix) -> ImmutableMatrix:
+        """Return a load, (3, 1), in body components, from those of the frame that users of the body see."""
+        return frame_equations(self.system, self.body.name).rotation.T * load
 
     @cached_property
     def generalized_forces(self) -> ImmutableMatrix:

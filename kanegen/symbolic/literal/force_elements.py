@@ -16,6 +16,7 @@ from kanegen.model.system import System
 from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.expressions import ExpressionTranslator
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
+from kanegen.symbolic.literal.frames import point_position
 from kanegen.symbolic.literal.joint import skew
 from kanegen.symbolic.symbols import column, expression, point_force, point_moment
 
@@ -153,7 +154,7 @@ class ElementForces:
     def _points(self) -> dict[str, tuple[int, BodyEquations, ImmutableMatrix]]:
         """Number, equations of the body, and (3, 1) position in the body (m) of each point, by its name."""
         return {
-            point.name: (number, self.bodies[k - 1], column(point.position))
+            point.name: (number, self.bodies[k - 1], point_position(self.system, point))
             for number, (k, point) in enumerate(self.system.points, start=1)
         }
 

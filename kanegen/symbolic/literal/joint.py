@@ -26,7 +26,7 @@ from kanegen.model.coordinates import (
     Freedom,
     QuaternionRotation,
 )
-from kanegen.model.numbers import Number, Parameter
+from kanegen.model.numbers import Matrix, Number, Parameter, Vector
 from kanegen.model.system import System
 from kanegen.program.constants import sine_cosine
 from kanegen.symbolic.literal.intermediates import Intermediates
@@ -78,11 +78,8 @@ class JointEquations:
     def joint_orientation(self) -> ImmutableMatrix:
         """[C_K], (3, 3): J components to joint-frame components; the notes have the identity."""
         given = self.body.joint.orientation
-        if isinstance(given[0], tuple):
-            return matrix(given)
-        values = [constant_sine_cosine(angle) for angle in given]
-        turned = Angles(SEQUENCES[NOTES], [s for s, _ in values], [c for _, c in values])
-        return self._named("joint_orientation", turned.rotation)
+        constant = constant_orientation(given)
+        return constant if isinstance(given[0], tuple) else self._named("joint_orientation", constant)
 
     @cached_property
     def offset(self) -> ImmutableMatrix:
@@ -311,6 +308,14 @@ def skew(vector: ImmutableMatrix) -> ImmutableMatrix:
     """Return the (3, 3) matrix whose product with a column is the cross product of `vector` with it."""
     x, y, z = vector
     return ImmutableMatrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+
+
+def constant_orientation(given: Matrix | Vector) -> ImmutableMatrix:
+    """Return a constant orientation, (3, 3), that is given as a matrix or as three 1-2-3 angles (rad)."""
+    if isinstance(given[0], tuple):
+        return matrix(given)
+    values = [constant_sine_cosine(angle) for angle in given]
+    return Angles(SEQUENCES[NOTES], [s for s, _ in values], [c for _, c in values]).rotation
 
 
 def constant_sine_cosine(angle: Number) -> tuple[Expr, Expr]:

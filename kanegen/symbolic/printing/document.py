@@ -171,9 +171,11 @@ def _parameters(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
 def _loads(system: System) -> Iterator[Section]:
     """Yield the sections on loads on bodies and on points, if there are any."""
     if loaded := [(k, body.name) for k, body in enumerate(system.bodies, start=1) if body.loads]:
+        turned = {frame.name for frame in system.frames}
+        where = "body K" if turned.isdisjoint(body.name for body in system.bodies) else "the frame of body K"
         note = (
-            "F_K_i and M_K_i, Eq. (37), are components in body K of a force at its mass centre (N) and of a "
-            f"torque (N m). Loaded: {_numbered(loaded)}."
+            f"F_K_i and M_K_i, Eq. (37), are components in {where} of a force at its mass centre (N) and of "
+            f"a torque (N m). Loaded: {_numbered(loaded)}."
         )
         yield Section("Loads", note)
     if loaded := [(p, point.name) for p, (_, point) in enumerate(system.points, start=1) if point.loads]:

@@ -1,0 +1,162 @@
+"""Named frames of bodies and of the ground: names, files, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.model.numbers import value_of
+from kanegen.model.rotations import rotation_123
+from tests.support.paths import MODELS
+from tests.support.random_trees import everything
+
+
+@pytest.fixture
+def pendulum() -> kg.System:
+    return kg.load(MODELS / "double_pendulum.toml")
+
+
+def test_every_body_is_a_frame_under_its_own_name(pendulum: kg.System) -> None:
+    assert pendulum.frame_names == ("upper", "lower")
+    assert pendulum.frame("lower") == pendulum.frame(2) == kg.Frame("lower", 2)
+    assert pendulum.frame("ground").body == 0
+
+
+def test_frames_are_given_in_frames(pendulum: kg.System) -> None:
+    """The frames of the ground come first, those of a body in the order in which they were made."""
+    system = pendulum.with_frames(
+        {
+            "tool": ("lower", (0.1, 0.2, 0.3), (0.3, -0.2, 0.1)),
+            "world": ("ground", (1, 2, 3)),
+            "tip": ("tool", (0, 0, 0.5), (0, 0, 0.4)),
+        }
+    )
+    assert system.frame_names == ("upper", "lower", "world", "tool", "tip")
+    assert [frame.name for frame in system.frame_path("tip")] == ["tool", "tip"]
+    tip, turned = system.values().frames["tip"], np.array(rotation_123((0.3, -0.2, 0.1)))
+    assert tip.position == pytest.approx(np.array([0.1, 0.2, 0.3]) + turned.T @ [0, 0, 0.5], abs=1e-15)
+    assert tip.rotation == pytest.approx(np.array(rotation_123((0, 0, 0.4))) @ turned, abs=1e-15)
+    assert tip.body == 2
+
+
+def test_the_frame_with_the_name_of_its_body_is_what_its_user_sees(pendulum: kg.System) -> None:
+    system = pendulum.with_frames({"lower": ("lower", (0.1, 0, 0), (0, 0, 0.5))})
+    assert system.frame_names == pendulum.frame_names
+    system = system.with_points({"tip": ("lower", (0.2, 0, 0))}).with_frames({"tool": (2, (0, 0, 1))})
+    assert system.bodies[1].points[0].frame == system.frame("tool").frame == "lower"
+    expected = [0.1 + 0.2 * np.cos(0.5), 0.2 * np.sin(0.5), 0.0]
+    assert system.values().forces.points["tip"][1] == pytest.approx(np.array(expected), abs=1e-15)
+
+
+def test_numbers_of_frames_are_numbers_of_the_model(pendulum: kg.System) -> None:
+    reach, tilt = kg.Parameter("reach", 0.5), kg.Parameter("tilt", 0.1)
+    system = pendulum.with_frames({"tool": ("lower", (reach, 0, 0), (0, tilt, 0))})
+    assert {"reach", "tilt"} <= {parameter.name for parameter in system.parameters}
+    longer = system.with_parameters({"reach": 0.75})
+    assert value_of(longer.frame("tool").position[0]) == 0.75
+    plain = system.map_numbers(value_of)
+    assert plain.frame("tool").position == (0.5, 0.0, 0.0)
+    assert plain.frame("tool").orientation == (0.0, 0.1, 0.0) or len(plain.frame("tool").orientation) == 3
+
+
+def test_nearly_right_angles_of_frames_become_exact(pendulum: kg.System) -> None:
+    system = pendulum.with_frames({"tool": ("lower", (0, 0, 0), (1.5708, 0, 0))})
+    exact = system.with_right_angles(5e-5).frame("tool").orientation
+    assert exact == ((1, 0, 0), (0, 0, 1), (0, -1, 0))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_file_keeps_frames(seed: int, tmp_path: Path) -> None:
+    system = everything(seed)
+    system.save(tmp_path / "everything.toml")
+    assert kg.load(tmp_path / "everything.toml") == system
+
+
+def test_a_file_gives_frames_by_positions_and_tables(tmp_path: Path) -> None:
+    file = tmp_path / "model.toml"
+    file.write_text(
+        "parameters = {length = 0.3}\n"
+        "frames = {table = [0, 0, 0.8]}\n"
+        "[outputs]\nbody_poses = ['camera', 'b', 'table']\n"
+        "[[body]]\nname = 'b'\nconnection = 'ground'\nmass = 1\ninertia = [1, 1, 1]\n"
+        "frames.tool.position = [0, 0, 'length']\n"
+        "frames.camera = {frame = 'tool', orientation_angles = [0, 1.5707963267948966, 0]}\n"
+        "points.tip = {position = [0, 0, 0.1], frame = 'camera'}\n"
+    )
+    system = kg.load(file)
+    assert system.frame_names == ("b", "table", "tool", "camera")
+    assert [frame.name for frame in system.pose_frames] == ["camera", "b", "table"]
+    assert system.frame("camera").frame == "tool"
+    assert system.values().forces.points["tip"][1] == pytest.approx(np.array([0.1, 0, 0.3]), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("frames", "message"),
+    [
+        (
+            {"t": ("forearm", (0, 0, 1))},
+            r"frame 't': there is no body or frame 'forearm'\. Known are 'upper'",
+        ),
+        ({"t": (0, (0, 0, 1))}, r"frame 't': there is no body or frame 0"),
+        ({"t": (True, (0, 0, 1))}, r"frame 't': there is no body or frame True"),
+        ({"t": (1, (0, 0))}, r"frame 't': position: expected 3 numbers, got 2 entries"),
+        ({"t": (1, (0, 0, float("nan")))}, r"frame 't': position\[2\]: nan is not finite"),
+        ({"t": (1, (0, 0, 1), ((1, 0, 0), (0, 1, 0)))}, r"frame 't': orientation: expected 3 x 3"),
+        ({"t": (1, (0, 0, 1), np.diag([1.0, 1.0, -1.0]))}, r"frame 't': orientation is not a rotation"),
+        ({"t": (1,)}, r"frame 't': expected a frame or body, a position and perhaps an orientation, as in"),
+        ({"t": (1, 2, 3, 4)}, r"frame 't': expected a frame or body, a position and"),
+        ({"t": None}, r"frame 't': expected a sequence, got None"),
+        ({"upper": ("lower", (0, 0, 1))}, r"frame 'upper': another body has this name"),
+        ({3: ("lower", (0, 0, 1))}, r"frame name: 3 is not a string"),
+        (["t"], r"frames: expected a table such as"),
+        (None, r"frames: expected a table such as"),
+    ],
+)
+def test_invalid_frames_are_refused(pendulum: kg.System, frames: Any, message: str) -> None:
+    with pytest.raises(kg.ModelError, match=message):
+        pendulum.with_frames(frames)
+
+
+def test_a_name_is_used_once(pendulum: kg.System) -> None:
+    system = pendulum.with_frames({"tool": (1, (0, 0, 1))})
+    with pytest.raises(kg.ModelError, match="frame name 'tool' is used twice"):
+        system.with_frames({"tool": (2, (0, 0, 1))})
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        (kg.Frame("t", 3), r"frame 't': there is no body 3; bodies count from 1 to 2, and 0 is the ground"),
+        (kg.Frame("t", -1), r"frame 't': there is no body -1"),
+        (kg.Frame("t", 1, frame="lower"), r"frame 't': it is given in 'lower', which is no earlier frame"),
+        (kg.Frame("t", 1, frame="t"), r"frame 't': it is given in 't', which is no earlier frame"),
+    ],
+)
+def test_frames_hang_together(pendulum: kg.System, frame: kg.Frame, message: str) -> None:
+    with pytest.raises(kg.ModelError, match=message):
+        kg.System("s", pendulum.bodies, frames=(frame,))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("frames = 3", r"frames: write a table such as"),
+        ("frames = {tool = [0, 0]}", r"frame 'tool': position: expected 3 numbers"),
+        ("frames = {tool = {at = [0, 0, 1]}}", r"frame 'tool': unknown key 'at'"),
+        ("frames = {tool = {orientation = 1, orientation_angles = [0, 0, 0]}}", r"frame 'tool': both orient"),
+        ("frames = {tool = {frame = 'hand'}}", r"frame 'tool': it is given in 'hand', which is no earlier"),
+        (
+            "points = {tip = {position = [0, 0, 1], frame = 'hand'}}",
+            r"point 'tip': its body has no frame 'hand'",
+        ),
+    ],
+)
+def test_invalid_frames_of_a_file_are_refused(text: str, message: str, tmp_path: Path) -> None:
+    file = tmp_path / "model.toml"
+    file.write_text(f"[[body]]\nconnection = 0\nmass = 1.0\ninertia = [1, 1, 1]\n{text}\n")
+    with pytest.raises(kg.ReadError, match=message):
+        kg.load(file)
