@@ -13,6 +13,9 @@ from kanegen.errors import MissingError
 BENCH = "bench"
 """The extra that brings the peers of the benchmarks."""
 
+MUJOCO = "mujoco"
+"""The extra that brings MuJoCo, whose compiler reads MJCF files."""
+
 
 def module(name: str, *needs: str, extra: str = BENCH) -> ModuleType:
     """Import and return a module of an optional package.

@@ -22,7 +22,8 @@ AS_WRITTEN = 0.0
 """The tolerance (rad) that leaves every angle of a model as it is written."""
 
 Model = Annotated[
-    Path, typer.Argument(metavar="MODEL", help="The model file, .toml or .urdf.", show_default=False)
+    Path,
+    typer.Argument(metavar="MODEL", help="The model file, .toml, .urdf or .xml (MJCF).", show_default=False),
 ]
 FloatingBase = Annotated[
     bool, typer.Option("--floating-base", help="Give the root link of a .urdf file six freedoms.")

@@ -23,7 +23,9 @@ def verify(
     ],
     model: Annotated[
         Path | None,
-        typer.Option("--model", metavar="MODEL", help="Model that the C should be for, .toml or .urdf."),
+        typer.Option(
+            "--model", metavar="MODEL", help="Model that the C should be for, .toml, .urdf or .xml."
+        ),
     ] = None,
     states: Annotated[
         int | None,

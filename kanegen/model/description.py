@@ -223,7 +223,7 @@ class SystemDescription:
 
     @cached_property
     def freedom_names(self) -> tuple[str, ...]:
-        """(n,) unique names of the free freedoms: the joint's name, or `<body>.theta1` to `<body>.s3`.
+        """(n,) unique names of the free freedoms: of a robot file, or `<body>.theta1` to `<body>.s3`.
 
         A freedom without a coordinate of its own in {x}, as with a quaternion, has the name of its speed.
         """
@@ -270,11 +270,9 @@ class SystemDescription:
         return tuple(self._freedom_name(one.freedom) for one in self.coupled)
 
     def _freedom_name(self, freedom: Freedom) -> str:
-        """Return the name of a freedom: that of its joint, or `<body>.<freedom>`."""
+        """Return the name of a freedom: that of a robot file, or `<body>.<freedom>`."""
         body = self.bodies[freedom.body - 1]
-        if body.joint.name and body.joint.moving[freedom.index] and sum(body.joint.moving) == 1:
-            return body.joint.name
-        return f"{body.name}.{FREEDOMS[freedom.index]}"
+        return body.joint.freedom_name(freedom.index) or f"{body.name}.{FREEDOMS[freedom.index]}"
 
     @cached_property
     def limits(self) -> SystemLimits:

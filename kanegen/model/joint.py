@@ -60,6 +60,9 @@ class Joint:
         free: (6,) which of `FREEDOMS` are free.
         locked: (6,) values of the locked freedoms (rad, m); 0 at the others.
         name: Name of the joint in a robot file, also the name of the freedom where only one moves.
+        freedom_names: (6,) names of freedoms in a robot file where several joints of the file are one joint
+            here; "" at the others. A freedom whose coordinate or speed is not its own, as an angle beside a
+            quaternion, does not use its name.
         speeds: One of `SPEEDS`: "angle_rates", or "angular_velocity" for the components of {omega_hat'_K},
             Eq. (8), which keep [A] regular in every orientation and need three free angles.
         sequence: One of `SEQUENCES`, the axes of the three angles: with "3-1-3" theta1 turns about axis 3 of
@@ -90,6 +93,7 @@ class Joint:
     prescribed: tuple[bool, ...] = (False,) * 6
     limits: Limits = NO_LIMITS
     coupled: tuple[bool, ...] = (False,) * 6
+    freedom_names: tuple[str, ...] = ("",) * 6
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name:
@@ -102,6 +106,11 @@ class Joint:
         validation.store(self, position=position, orientation=orientation, free=free, locked=locked)
         validation.store(self, prescribed=validation.flags(self.prescribed, 6, "prescribed"))
         validation.store(self, coupled=validation.flags(self.coupled, 6, "coupled"))
+        names = tuple(validation.sequence(self.freedom_names, 6, "freedom_names"))
+        for freedom_name in names:
+            if not isinstance(freedom_name, str) or freedom_name:
+                check_label(freedom_name, "freedom name")
+        validation.store(self, freedom_names=names)
         self._check_driven()
         check_sequence(self.sequence)
         self._check_coordinates()
@@ -163,6 +172,15 @@ class Joint:
     def moving(self) -> tuple[bool, ...]:
         """(6,) which of `FREEDOMS` move: those that are free, prescribed or coupled."""
         return tuple(map(any, zip(self.free, self.prescribed, self.coupled, strict=True)))
+
+    def freedom_name(self, index: int) -> str:
+        """Return the name that a robot file has for freedom `index` of `FREEDOMS`, "" if it has none.
+
+        Example:
+            kg.Joint(free=(False, False, True, False, False, False), name="elbow").freedom_name(2)  # "elbow"
+        """
+        moves_alone = self.moving[index] and sum(self.moving) == 1
+        return self.freedom_names[index] or (self.name if moves_alone else "")
 
     @property
     def has_free_orientation(self) -> bool:
@@ -271,6 +289,9 @@ class Joint:
         # A coupled freedom is free in a model file; its coupling takes it out of {x} and {y}.
         free = tuple(map(any, zip(self.free, self.coupled, strict=True)))
         table["free"] = "all" if all(free) else selected_freedoms(free) or "none"
+        names = zip(FREEDOMS, self.freedom_names, strict=True)
+        if any(self.freedom_names):
+            table["freedom_names"] = {freedom: name for freedom, name in names if name}
         if any(self.prescribed):
             table["prescribed"] = selected_freedoms(self.prescribed)
         locked = zip(FREEDOMS, self.locked, strict=True)

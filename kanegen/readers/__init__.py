@@ -1,7 +1,7 @@
-"""Readers of model files: from TOML and URDF to a `System`.
+"""Readers of model files: from TOML, URDF and MJCF to a `System`.
 
-Each format is a `Reader` in a module of its own (`toml`, `urdf`), entered in `registry`; `load` picks one by
-suffix and root element. A module here may import the model, and nothing that derives or generates. Whatever
+Each format is a `Reader` in a module of its own (`toml`, `urdf`, `mjcf`), entered in `registry`; `load` picks
+one by suffix and root element. A module here may import the model, and nothing that derives or generates. Whatever
 is wrong with a file raises a `ReadError` that begins with the file and, where it is known, the line.
 """
 
@@ -23,7 +23,7 @@ __all__ = ["load"]
 def load(
     path: str | os.PathLike[str], floating_base: bool = False, right_angles: float = AS_WRITTEN
 ) -> System:
-    """Return the system in a model file: `.toml` (kanegen's own format) or `.urdf`.
+    """Return the system in a model file: `.toml` (kanegen's own format), `.urdf` or `.xml` (MJCF of MuJoCo).
 
     Args:
         path: The file.
@@ -34,7 +34,8 @@ def load(
     Raises:
         ReadError: If the file cannot be read or does not describe a usable system; the message begins with
             the file and, where known, the line.
-        OptionError: If `floating_base` is set for a TOML file, or `right_angles` is out of range.
+        OptionError: If `floating_base` is set for a file that is no URDF file, or `right_angles` is out of
+            range.
 
     Example:
         system = kg.load("robot.urdf", floating_base=True)

@@ -7,10 +7,10 @@ are XML and differ in their root elements.
 from __future__ import annotations
 
 from kanegen.errors import ReadError
-from kanegen.readers import toml, urdf
+from kanegen.readers import mjcf, toml, urdf
 from kanegen.readers.reader import ModelFile, Reader
 
-READERS: tuple[Reader, ...] = (toml.READER, urdf.READER)
+READERS: tuple[Reader, ...] = (toml.READER, urdf.READER, mjcf.READER)
 """Every format."""
 
 
@@ -23,11 +23,16 @@ def reader_of(file: ModelFile) -> Reader:
     suffix = file.path.suffix.lower()
     readers = [reader for reader in READERS if reader.suffix == suffix]
     if not readers:
-        known = " and ".join(dict.fromkeys(reader.suffix for reader in READERS))
+        *others, last = dict.fromkeys(reader.suffix for reader in READERS)
         hint = " Run xacro on it first." if suffix == ".xacro" else ""
-        raise ReadError(f"{file.path}: kanegen reads {known} files.{hint}")
+        raise ReadError(f"{file.path}: kanegen reads {', '.join(others)} and {last} files.{hint}")
     for reader in readers:
         if not reader.root or reader.root == file.root.tag:
             return reader
-    expected = " or ".join(f"a {reader.format} file has <{reader.root}>" for reader in readers)
-    raise file.root.error(f"the top element is <{file.root.shown}>, but {expected}.")
+    expected = " and ".join(f"{reader.format} files have <{reader.root}>" for reader in readers)
+    hint = "".join(
+        f" This is a {reader.format} file: let its name end in {reader.suffix}."
+        for reader in READERS
+        if reader.root == file.root.tag
+    )
+    raise file.root.error(f"the top element is <{file.root.shown}>, but {expected}.{hint}")

@@ -30,6 +30,7 @@ JOINT_KEYS = (
     "prescribed",
     "speeds",
     "limits",
+    "freedom_names",
 )
 
 GROUND = "ground"
@@ -136,7 +137,16 @@ def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
         coordinates=table.get("coordinates", ORIENTATIONS[0]),
         prescribed=prescribed,
         limits=Limits.of(table.get("limits", {})),
+        freedom_names=_freedom_names(table.get("freedom_names", {})),
     )
+
+
+def _freedom_names(table: Any) -> tuple[str, ...]:
+    """Return (6,) names of freedoms, "" where the file says nothing."""
+    if not isinstance(table, Mapping):
+        raise ModelError('freedom_names: write a table such as {s1 = "rail", theta3 = "pole"}.')
+    check_keys(table, FREEDOMS, label="freedom_names: ")
+    return tuple(table.get(name, "") for name in FREEDOMS)
 
 
 def read_orientation(table: Table, parameters: Parameters, tolerance: float) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from kanegen.model.rotations import UNIT, ZERO, Square, Triple, apply, dot, product, similar
+from kanegen.model.rotations import UNIT, ZERO, Square, Triple, apply, dot, product, similar, transpose
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,12 @@ class Frame:
     def point(self, p: Triple) -> Triple:
         """Return the outer coordinates of a point `p` that is given in this frame (m)."""
         return _sum(self.position, apply(self.rotation, p))
+
+    def inverse(self) -> Frame:
+        """Return the outer frame as a frame inside this one."""
+        back = transpose(self.rotation)
+        x, y, z = apply(back, self.position)
+        return Frame((-x, -y, -z), back)
 
     def then(self, inner: Frame) -> Frame:
         """Return a frame `inner` inside this one as a frame inside the outer one."""

@@ -53,7 +53,7 @@ def test_readers_of_one_suffix_are_told_apart_by_root_elements(tmp_path: Path) -
         load(file)
     file.write_text("\n<sdf/>")
     message = (
-        r"one\.urdf:2: the top element is <sdf>, but a URDF file has <robot> or a CHAIN file has <chain>\."
+        r"one\.urdf:2: the top element is <sdf>, but URDF files have <robot> and CHAIN files have <chain>\."
     )
     with pytest.raises(ReadError, match=message):
         load(file)
@@ -61,7 +61,7 @@ def test_readers_of_one_suffix_are_told_apart_by_root_elements(tmp_path: Path) -
 
 @pytest.mark.usefixtures("toys")
 def test_the_message_for_an_unknown_suffix_names_every_format(tmp_path: Path) -> None:
-    with pytest.raises(ReadError, match=r"kanegen reads \.toml and \.urdf and \.masses files\."):
+    with pytest.raises(ReadError, match=r"kanegen reads \.toml, \.urdf, \.xml and \.masses files\."):
         load(tmp_path / "model.sdf")
 
 

@@ -163,7 +163,7 @@ def test_file_errors(tmp_path: Path) -> None:
     latin.write_bytes(b"# ok\n# caf\xe9\n")
     with pytest.raises(ReadError, match=r"latin\.toml:2: byte 0xe9 is not UTF-8"):
         load(latin)
-    with pytest.raises(ReadError, match=r"model\.json: kanegen reads \.toml and \.urdf files\.$"):
+    with pytest.raises(ReadError, match=r"model\.json: kanegen reads \.toml, \.urdf and \.xml files\.$"):
         load("model.json")
     with pytest.raises(ReadError, match=r"arm\.xacro: .* Run xacro on it first"):
         load("arm.xacro")

@@ -256,7 +256,7 @@ def test_no_document_types_and_no_other_roots(tmp_path: Path) -> None:
     with pytest.raises(ReadError, match=r"r\.urdf:2: a document type declaration .* it is not accepted"):
         load(path)
     path.write_text("<sdf/>")
-    with pytest.raises(ReadError, match=r"r\.urdf:1: the top element is <sdf>, but a URDF file has <robot>"):
+    with pytest.raises(ReadError, match=r"r\.urdf:1: the top element is <sdf>, but URDF files have <robot>"):
         load(path)
     path.write_text("")
     with pytest.raises(ReadError, match=r"r\.urdf:1: not well-formed XML: no element found"):

@@ -6,7 +6,7 @@ locking a freedom changes no element.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from kanegen.choices import did_you_mean
@@ -16,6 +16,7 @@ from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS, SPEED_KINDS
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring
 from kanegen.model.force_elements.expression import TIME
+from kanegen.model.joint import Joint
 
 Place = tuple[int, int]
 """Number of a body, from 1, and an index in `COORDINATE_KINDS` (coordinate) or in `FREEDOMS` (speed)."""
@@ -28,7 +29,7 @@ def coordinate_places(bodies: Sequence[Body]) -> dict[str, Place]:
         for k, body in enumerate(bodies, start=1)
         for kind in sorted(body.joint.coordinate_kinds)
     }
-    return _with_joint_names(found, bodies)
+    return _with_names_of_files(found, bodies, lambda joint, index: index in joint.coordinate_kinds)
 
 
 def speed_places(bodies: Sequence[Body]) -> dict[str, Place]:
@@ -38,14 +39,19 @@ def speed_places(bodies: Sequence[Body]) -> dict[str, Place]:
         for k, body in enumerate(bodies, start=1)
         for index, kind in enumerate(body.joint.speed_kinds)
     }
-    return _with_joint_names(found, bodies)
+    return _with_names_of_files(
+        found, bodies, lambda joint, index: SPEED_KINDS[joint.speed_kinds[index]].is_rate
+    )
 
 
-def _with_joint_names(found: dict[str, Place], bodies: Sequence[Body]) -> dict[str, Place]:
-    """Return `found` with the names of those joints of which exactly one freedom moves."""
+def _with_names_of_files(
+    found: dict[str, Place], bodies: Sequence[Body], has_own: Callable[[Joint, int], bool]
+) -> dict[str, Place]:
+    """Return `found` with the names that robot files have for freedoms which have a quantity of their own."""
     for k, body in enumerate(bodies, start=1):
-        if body.joint.name and sum(body.joint.moving) == 1:
-            found.setdefault(body.joint.name, (k, body.joint.moving.index(True)))
+        for index in range(len(FREEDOMS)):
+            if (name := body.joint.freedom_name(index)) and has_own(body.joint, index):
+                found.setdefault(name, (k, index))
     return found
 
 

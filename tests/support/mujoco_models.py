@@ -1,0 +1,159 @@
+"""Models of MuJoCo: files, MuJoCo's own dynamics in the order of kanegen's {x} and {y}, and random models.
+
+MuJoCo is imported when it is used, so that tests of other things run without it.
+"""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kanegen import extras
+from kanegen.model.arrays import Floats
+from kanegen.model.names import usable_label
+from kanegen.model.system import System
+
+DATA = Path(__file__).parents[1] / "readers" / "data" / "mjcf"
+"""Model files of gymnasium (MIT licence) and of dm_control (Apache licence), unchanged."""
+
+MODELS = sorted(DATA.glob("*/*.xml"))
+"""Every model; files that only other models include are in the folder `common`."""
+
+
+class MujocoModel:
+    """A model in MuJoCo, without contacts, limits and other constraints.
+
+    Attributes:
+        model: The `mujoco.MjModel`.
+        data: The `mujoco.MjData`: the state.
+        coordinates: (nq,) place in {x} of each element of `qpos`.
+        speeds: (nv,) place in {y} of each element of `qvel`.
+    """
+
+    def __init__(self, path: Path, system: System) -> None:
+        self._mujoco = extras.module("mujoco", extra=extras.MUJOCO)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            self.model = self._mujoco.MjSpec.from_file(str(path)).compile()
+        self.model.opt.disableflags |= int(self._mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+        self.data = self._mujoco.MjData(self.model)
+        self.coordinates, self.speeds = _places(self.model, system)
+        assert sorted(self.coordinates) == list(range(len(system.coordinates)))
+        assert sorted(self.speeds) == list(range(len(system.speeds)))
+
+    def draw_state(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        """Take a random state; return it as {x} and {y}."""
+        model, data = self.model, self.data
+        data.qpos[:] = rng.uniform(-1.5, 1.5, model.nq)
+        data.qvel[:] = rng.normal(size=model.nv)
+        self._mujoco.mj_normalizeQuat(model, data.qpos)
+        self._mujoco.mj_forward(model, data)
+        x, y = np.empty(model.nq), np.empty(model.nv)
+        x[self.coordinates], y[self.speeds] = data.qpos, data.qvel
+        return x, y
+
+    def mass_matrix(self) -> Floats:
+        """[A] at the state."""
+        full = np.zeros((self.model.nv, self.model.nv))
+        self._mujoco.mj_fullM(self.model, self.data, full)
+        a = np.empty_like(full)
+        a[np.ix_(self.speeds, self.speeds)] = full
+        return a
+
+    def of_speeds(self, values: Any) -> Floats:
+        """Values at the degrees of freedom of MuJoCo, such as `data.qfrc_bias`, in the order of {y}."""
+        found = np.empty(self.model.nv)
+        found[self.speeds] = values
+        return found
+
+
+def _places(model: Any, system: System) -> tuple[list[int], list[int]]:
+    """The place in {x} of each element of `qpos`, and in {y} of each of `qvel`."""
+    coordinates, speeds = [], []
+    for joint in range(model.njnt):
+        kind = int(model.jnt_type[joint])
+        body = usable_label(model.body(model.jnt_bodyid[joint]).name or f"body{model.jnt_bodyid[joint]}")
+        if kind >= 2:
+            name = usable_label(model.joint(joint).name or f"joint{joint}")
+            coordinates.append(system.coordinate_names.index(name))
+            speeds.append(system.speed_names.index(name))
+            continue
+        translations = [f"{body}.s{i}" for i in (1, 2, 3)] if kind == 0 else []
+        quaternion = [f"{body}.e{i}" for i in range(4)]
+        omega = [f"{body}.omega{i}" for i in (1, 2, 3)]
+        coordinates += [system.coordinate_names.index(name) for name in translations + quaternion]
+        speeds += [system.speed_names.index(name) for name in translations + omega]
+    return coordinates, speeds
+
+
+JOINTS = (
+    (),
+    ("hinge",),
+    ("slide",),
+    ("ball",),
+    ("slide", "slide", "hinge"),
+    ("slide", "slide", "slide", "ball"),
+    ("hinge", "hinge"),
+    ("hinge", "hinge", "hinge"),
+    ("slide", "hinge", "hinge", "hinge"),
+    ("hinge", "slide", "hinge"),
+    ("hinge", "hinge", "hinge", "hinge", "slide", "slide"),
+)
+"""Types of the joints of one body."""
+
+AXES = ("basis", "basis", "orthogonal", "any")
+"""How the axes of the joints of a body lie: along basis vectors, orthogonal to each other, or anyhow."""
+
+
+def random_model(seed: int, bodies: int = 5) -> str:
+    """Return a random MJCF model: every type of joint, several to a body, with anchors and references."""
+    rng = np.random.default_rng(seed)
+    nested: list[list[str]] = [[] for _ in range(bodies + 1)]
+    for k in range(bodies, 0, -1):
+        lower = int(rng.integers(0, k))
+        free = lower == 0 and rng.random() < 0.3
+        nested[lower].insert(0, _body(rng, k, free, "".join(nested[k])))
+    gravity = _text(rng.normal(size=3))
+    return (
+        f'<mujoco model="random {seed}"><compiler angle="radian"/><option gravity="{gravity}"/>'
+        f"<worldbody>{''.join(nested[0])}</worldbody></mujoco>"
+    )
+
+
+def _body(rng: np.random.Generator, k: int, free: bool, inside: str) -> str:
+    """Return the element of body `k` with the bodies on it."""
+    types = JOINTS[int(rng.integers(len(JOINTS)))] if k > 1 else ("hinge", "hinge")
+    joints = "<freejoint/>" if free else _joints(rng, k, types)
+    place = f'pos="{_text(rng.normal(size=3))}"'
+    if rng.random() < 0.6:
+        place += f' quat="{_text(rng.normal(size=4))}"'
+    moments = rng.uniform(0.5, 1.0, 3)
+    return (
+        f'<body name="b{k}" {place}>{joints}<inertial mass="{rng.uniform(0.5, 2)}" '
+        f'pos="{_text(rng.normal(size=3))}" quat="{_text(rng.normal(size=4))}" '
+        f'diaginertia="{_text(moments)}"/>{inside}</body>'
+    )
+
+
+def _joints(rng: np.random.Generator, k: int, types: tuple[str, ...]) -> str:
+    """Return the elements of the joints of body `k`."""
+    lie = AXES[int(rng.integers(len(AXES)))]
+    frame = np.linalg.qr(rng.normal(size=(3, 3)))[0] if lie == "orthogonal" else np.eye(3)
+    anchor = rng.normal(size=3) * int(rng.integers(2))
+    found = ""
+    for i, kind in enumerate(types):
+        axis = rng.normal(size=3) if lie == "any" else frame[int(rng.integers(3))] * rng.choice((-1, 1))
+        here = rng.normal(size=3) if rng.random() < 0.1 else anchor
+        turned = "" if kind == "ball" else f'axis="{_text(axis)}" ref="{rng.normal() * rng.integers(2)}"'
+        found += (
+            f'<joint name="j{k}{"abcdef"[i]}" type="{kind}" armature="0.1" pos="{_text(here)}" {turned}/>'
+        )
+    return found
+
+
+def _text(values: Any) -> str:
+    """Return numbers as an attribute holds them."""
+    return " ".join(repr(float(value)) for value in values)
