@@ -202,8 +202,9 @@ def _names(bodies: Sequence[Body]) -> dict[str, Freedom]:
         for index in range(len(FREEDOMS))
     }
     for k, body in enumerate(bodies, start=1):
-        if body.joint.name and sum(body.joint.moving) == 1:
-            found.setdefault(body.joint.name, Freedom(k, body.joint.moving.index(True)))
+        for index in range(len(FREEDOMS)):
+            if name := body.joint.freedom_name(index):
+                found.setdefault(name, Freedom(k, index))
     return found
 
 

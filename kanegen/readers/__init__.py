@@ -1,8 +1,8 @@
 """Readers of model files: from TOML, URDF and MJCF to a `System`.
 
 Each format is a `Reader` in a module of its own (`toml`, `urdf`, `mjcf`), entered in `registry`; `load` picks
-one by suffix and root element. A module here may import the model, and nothing that derives or generates. Whatever
-is wrong with a file raises a `ReadError` that begins with the file and, where it is known, the line.
+one by suffix and root element. A module here may import the model, and nothing that derives or generates.
+Whatever is wrong with a file raises a `ReadError` that begins with the file and, where it is known, the line.
 """
 
 from __future__ import annotations
