@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kanegen.cli.options import AS_WRITTEN, FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
+from kanegen.cli.loading import load_system
+from kanegen.cli.options import (
+    AS_WRITTEN,
+    FloatingBase,
+    JsonFile,
+    Lock,
+    Model,
+    Plot,
+    RightAngles,
+    require_plot,
+)
 from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
 from kanegen.errors import counted
 from kanegen.files import require_writable, write_all
@@ -36,6 +46,7 @@ def bench(
     plot: Plot = None,
     floating_base: FloatingBase = False,
     right_angles: RightAngles = AS_WRITTEN,
+    lock: Lock = None,
 ) -> None:
     """Time the C for MODEL beside Pinocchio, CasADi, MuJoCo and SymPy with PyDy.
 
@@ -44,7 +55,6 @@ def bench(
     and left out. Loads are switched off and run-time parameters become constants. Compiling Pinocchio takes
     minutes the first time.
     """
-    from kanegen.readers import load
     from kanegen.studies.bench import BenchOptions, compare
     from kanegen.studies.bench.comparison import json_record
     from kanegen.studies.bench.plot import svg
@@ -52,7 +62,7 @@ def bench(
     require_plot(plot)
     require_writable(json_, plot)
     options = BenchOptions(states, rounds, seconds)
-    system = load(model, floating_base, right_angles)
+    system = load_system(model, floating_base, right_angles, lock=lock)
     with progress() as report:
         comparison = compare(system, options, report, peer)
     _show(comparison, options)

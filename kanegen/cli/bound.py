@@ -14,6 +14,7 @@ from kanegen.cli.options import (
     AsJson,
     Coordinates,
     FloatingBase,
+    Lock,
     Model,
     Outputs,
     Precision,
@@ -44,6 +45,7 @@ def bound(
     sincos: Sincos = None,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
+    lock: Lock = None,
     as_json: AsJson = False,
 ) -> None:
     """Prove bounds of |computed - exact| for every output of the C for MODEL, over a whole box of inputs.
@@ -55,7 +57,7 @@ def bound(
     from kanegen import compiler, options
     from kanegen.recursion.outputs import ERROR_BOUNDS
 
-    system = load_system(model, floating_base, right_angles, speeds, coordinates)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
     with progress() as report:
         variant = options.chosen_variant(precision=precision, storage=storage, sincos=sincos)
         source = compiler.generate(system, output, report, tier=variant)

@@ -13,6 +13,7 @@ from kanegen.cli.options import (
     AsJson,
     Coordinates,
     FloatingBase,
+    Lock,
     Model,
     Precision,
     RightAngles,
@@ -36,6 +37,7 @@ def check(
     tier: Tier = "strict",
     speeds: Speeds = None,
     coordinates: Coordinates = None,
+    lock: Lock = None,
     as_json: AsJson = False,
 ) -> None:
     """Compile the C for MODEL and compare its results with those of an independent NumPy program.
@@ -44,7 +46,7 @@ def check(
     """
     from kanegen import compiler, options
 
-    system = load_system(model, floating_base, right_angles, speeds, coordinates)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
     with progress() as report:
         variant = options.chosen_variant(tier, precision=precision, storage=storage, sincos=sincos)
         result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from kanegen.cli.loading import load_system
-from kanegen.cli.options import AS_WRITTEN, Coordinates, FloatingBase, Model, RightAngles, Speeds
+from kanegen.cli.options import AS_WRITTEN, Coordinates, FloatingBase, Lock, Model, RightAngles, Speeds
 from kanegen.cli.terminal import progress
 
 
@@ -21,12 +21,13 @@ def equations(
     right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
+    lock: Lock = None,
 ) -> None:
     """Print the equations of motion of MODEL: in closed form for a small tree, else by named definitions."""
     from kanegen import compiler
     from kanegen.symbolic.printing import render
 
-    system = load_system(model, floating_base, right_angles, speeds, coordinates)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
     with progress() as report:
         derived = compiler.derive(system, progress=report)
         report("printing")

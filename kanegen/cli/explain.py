@@ -16,6 +16,7 @@ from kanegen.cli.options import (
     AsJson,
     Coordinates,
     FloatingBase,
+    Lock,
     Model,
     Outputs,
     Poses,
@@ -40,6 +41,7 @@ def explain(
     right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
+    lock: Lock = None,
     compile_: Annotated[
         bool,
         typer.Option(
@@ -65,7 +67,7 @@ def explain(
         if path is not None and path.suffix.lower() != ending:
             raise OptionError(f"{option}: {path} does not end in {ending}.")
     require_writable(html, markdown)
-    system = load_system(model, floating_base, right_angles, speeds, coordinates)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
     system = with_selection(system, output, poses, reactions)
     with progress() as show_stage:
         found = cost_report(system, output, compile_, show_stage)

@@ -29,6 +29,7 @@ from kanegen.cli.options import (
     Coordinates,
     FloatingBase,
     Functions,
+    Lock,
     Model,
     Outputs,
     Poses,
@@ -88,6 +89,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     seed: Seed = 0,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
+    lock: Lock = None,
     reanchoring: Reanchoring = False,
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
@@ -100,7 +102,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     from kanegen import compiler, options
 
     keeps_budget = has_budget(context)
-    system = load_system(model, floating_base, right_angles, speeds, coordinates)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
     system = with_selection(system, output, poses, reactions)
     if keeps_budget:
         source = _within_budget(system, context, output_dir, force)

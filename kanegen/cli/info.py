@@ -12,6 +12,7 @@ from kanegen.cli.options import (
     AsJson,
     Coordinates,
     FloatingBase,
+    Lock,
     Model,
     RightAngles,
     Speeds,
@@ -27,6 +28,7 @@ def info(
     without: Without = None,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
+    lock: Lock = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the tree of MODEL, its freedoms and parameters, and the number of operations of its outputs.
@@ -40,11 +42,12 @@ def info(
     from kanegen.model.right_angles import FOUR_DECIMALS
     from kanegen.studies.explain import exactness
 
-    system = load_system(model, floating_base, right_angles, speeds, coordinates)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
     tolerance = right_angles or FOUR_DECIMALS
     with without_warnings():
         written, exact = (
-            load_system(model, floating_base, limit, speeds, coordinates) for limit in (AS_WRITTEN, tolerance)
+            load_system(model, floating_base, limit, speeds, coordinates, lock)
+            for limit in (AS_WRITTEN, tolerance)
         )
     with progress() as report:
         found = exactness(written, exact, report)

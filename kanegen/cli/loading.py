@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kanegen.errors import OptionError
+from kanegen.errors import OptionError, quoted
 
 if TYPE_CHECKING:
     from kanegen.model.system import System
@@ -18,17 +18,40 @@ def load_system(
     right_angles: float = 0.0,
     speeds: str | None = None,
     coordinates: str | None = None,
+    lock: Sequence[str] | None = None,
 ) -> System:
-    """Read the system of a model file and give it the generalized speeds and coordinates that were asked for.
+    """Read the system of a model file, lock freedoms, and give it the speeds and coordinates asked for.
 
     Raises:
-        ModelError: If the file cannot be read or describes an impossible system.
+        ModelError: If the file cannot be read or describes an impossible system, or a freedom does not exist.
         OptionError: If an option does not fit the system.
     """
     from kanegen.lowering.accept import reformulated
     from kanegen.readers import load
 
-    return reformulated(load(model, floating_base, right_angles), speeds, coordinates)
+    system = load(model, floating_base, right_angles)
+    if lock:
+        system = system.with_locked(_locked_values(lock))
+    return reformulated(system, speeds, coordinates)
+
+
+def _locked_values(lock: Sequence[str]) -> dict[str, float | list[float]]:
+    """Return values of freedoms by name, from texts such as "elbow=0.3" or "wrist=1,0,0,0".
+
+    Raises:
+        OptionError: If a text has another form, or a name occurs twice.
+    """
+    found: dict[str, float | list[float]] = {}
+    for text in lock:
+        name, _, value = (part.strip() for part in text.partition("="))
+        try:
+            numbers = [float(part) for part in value.split(",")]
+        except ValueError:
+            raise OptionError(f"--lock: {quoted(text)} is not NAME=VALUE, such as elbow=0.3.") from None
+        if name in found:
+            raise OptionError(f"--lock: {quoted(name)} is locked twice. Lock it once.")
+        found[name] = numbers if len(numbers) > 1 else numbers[0]
+    return found
 
 
 def with_selection(

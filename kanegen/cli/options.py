@@ -125,6 +125,16 @@ Coordinates = Annotated[
         help=f"Coordinates of joints with three free angles: {', '.join(ORIENTATIONS)}.",
     ),
 ]
+Lock = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--lock",
+        metavar="NAME=VALUE",
+        help="Lock this freedom at VALUE in rad or m (repeatable), such as elbow=0.3; a ball joint by its "
+        "four numbers, as in wrist=1,0,0,0.",
+        show_default=False,
+    ),
+]
 Reanchoring = Annotated[
     bool,
     typer.Option(

@@ -11,7 +11,17 @@ import typer
 from rich.markup import escape
 
 from kanegen.choices import require_one
-from kanegen.cli.options import AS_WRITTEN, FloatingBase, JsonFile, Model, Plot, RightAngles, require_plot
+from kanegen.cli.loading import load_system
+from kanegen.cli.options import (
+    AS_WRITTEN,
+    FloatingBase,
+    JsonFile,
+    Lock,
+    Model,
+    Plot,
+    RightAngles,
+    require_plot,
+)
 from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
 from kanegen.errors import counted
 from kanegen.extras import require
@@ -52,6 +62,7 @@ def tradeoff(
     plot: Plot = None,
     floating_base: FloatingBase = False,
     right_angles: RightAngles = AS_WRITTEN,
+    lock: Lock = None,
 ) -> None:
     """Measure the speed and the accuracy of every variant of the C for MODEL.
 
@@ -64,12 +75,11 @@ def tradeoff(
     for package in NEEDS:
         require(package, EXTRA)
     from kanegen.measure.timing import OBJECTIVES
-    from kanegen.readers import load
     from kanegen.studies.tradeoff.outcome import StudyOptions
     from kanegen.studies.tradeoff.simulation import with_simulations
     from kanegen.studies.tradeoff.study import study
 
-    system = load(model, floating_base, right_angles)
+    system = load_system(model, floating_base, right_angles, lock=lock)
     files = _Files.chosen(output_dir, json_, plot, simulation)
     with progress() as show_stage:
         options = StudyOptions(

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from kanegen.cli.loading import load_system
-from kanegen.cli.options import AS_WRITTEN, Coordinates, FloatingBase, RightAngles, Speeds
+from kanegen.cli.options import AS_WRITTEN, Coordinates, FloatingBase, Lock, RightAngles, Speeds
 from kanegen.cli.terminal import FAILED, progress
 from kanegen.extras import require
 from kanegen.studies.tradeoff import EXTRA, NEEDS
@@ -36,6 +36,7 @@ def verify(
     right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
+    lock: Lock = None,
 ) -> None:
     """Check the CERTIFICATE that `kanegen generate` wrote with a budget.
 
@@ -47,7 +48,9 @@ def verify(
         require(package, EXTRA)
     from kanegen.cli import budget
 
-    system = None if model is None else load_system(model, floating_base, right_angles, speeds, coordinates)
+    system = (
+        None if model is None else load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+    )
     with progress() as report:
         found = budget.verify(certificate, system, states, seed, report)
     budget.show_verification(certificate, found)

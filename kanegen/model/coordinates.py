@@ -12,13 +12,14 @@ begin with (proper Euler angles).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import ClassVar, Literal
 
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
+from kanegen.model.rotations import Triple, angles_123, rotation_quaternion, transpose
 
 FREEDOMS = ("theta1", "theta2", "theta3", "s1", "s2", "s3")
 """Names of the six relative freedoms of a body, in the order of `Joint.free`: angles (rad), then translations
@@ -219,6 +220,11 @@ class AxisRotations:
     coordinates: ClassVar[tuple[int, ...]] = ANGLES
     """Indices of the angles in `COORDINATE_KINDS`."""
 
+    def angles(self, values: Sequence[float]) -> Triple:
+        """Return the three angles (rad) of an orientation: its coordinates themselves."""
+        one, two, three = values
+        return one, two, three
+
     @property
     def is_proper_euler(self) -> bool:
         """Whether the last axis is the first, as in 3-1-3."""
@@ -239,6 +245,11 @@ class QuaternionRotation:
 
     gimbal_lock: ClassVar[None] = None
     """A quaternion is regular in every orientation."""
+
+    def angles(self, values: Sequence[float]) -> Triple:
+        """Return the 1-2-3 angles (rad) of an orientation by four Euler parameters, not all of them zero."""
+        e0, e1, e2, e3 = values
+        return angles_123(transpose(rotation_quaternion(e1, e2, e3, e0)))
 
 
 Rotation = AxisRotations | QuaternionRotation

@@ -11,7 +11,7 @@ from typing import Any, Self
 from kanegen.choices import did_you_mean, require_one
 from kanegen.errors import KanegenWarning, ModelError, WriteError, quoted
 from kanegen.files import path_of, write_whole
-from kanegen.model import output_rows, validation
+from kanegen.model import locking, output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
@@ -297,6 +297,33 @@ class System(SystemDescription):
             except ModelError as error:
                 raise ModelError(f"prescribed: {quoted(name)}: {error}") from None
         return replace(self, bodies=tuple(bodies))
+
+    def with_locked(self, values: Mapping[str, Any]) -> Self:
+        """Return the same system with some freedoms locked at values; they leave {x}, {y}, [A] and {f}.
+
+        The equations are those of this system at these values, with speeds and accelerations of zero there.
+        Bodies that no longer move relative to each other cost nothing more. Force elements on a locked
+        freedom stay, with its constant value as coordinate and no speed. Its limits are left out. A
+        coupled freedom that follows only locked freedoms is locked too.
+
+        Args:
+            values: Value (rad, m), a number or a parameter, by name of the freedom: one of `freedom_names`,
+                a prescribed one, or `<body>.theta1` to `<body>.s3`, which may be locked already. An
+                orientation with three free angles is locked as a whole by the name of its joint, or of its
+                body where the joint has none: its coordinates, three angles or four Euler parameters.
+
+        Raises:
+            ModelError: If there is no such freedom or it is coupled, a value is no number, only a part of an
+                orientation is locked whose speeds are its angular velocity, or nothing is left free.
+
+        Warns:
+            KanegenWarning: If a value is outside the limits of its freedom, or a drive on a component of a
+                locked angular velocity is left out.
+
+        Example:
+            system.with_locked({"finger_joint1": 0.02, "wrist": (1, 0, 0, 0)})
+        """
+        return replace(self, **locking.with_locked(self, values))
 
     def with_limits(self, limits: Mapping[str, Mapping[str, Any]]) -> Self:
         """Return the same system with other limits of some freedoms.

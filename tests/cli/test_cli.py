@@ -71,6 +71,28 @@ def test_generate_one_output(tmp_path: Path) -> None:
     assert "double_pendulum_mass_matrix" not in header
 
 
+def test_lock_takes_freedoms_out_of_the_model() -> None:
+    found = json.loads(kanegen("info", PENDULUM, "--lock", "q1 = -0.3", "--json").stdout)
+    assert [freedom["name"] for freedom in found["freedoms"]] == ["q2"]
+
+
+@pytest.mark.parametrize(
+    ("lock", "message"),
+    [
+        (("q1",), "--lock: 'q1' is not NAME=VALUE, such as elbow=0.3."),
+        (("q1=a",), "--lock: 'q1=a' is not NAME=VALUE"),
+        (("q1=1", "q1=2"), "--lock: 'q1' is locked twice. Lock it once."),
+        (("q3=1",), "locked: there is no freedom 'q3'. Did you mean"),
+        (("q1=1", "q2=1"), "has no free freedom: every joint is locked"),
+    ],
+)
+def test_a_wrong_lock_is_one_line(lock: tuple[str, ...], message: str) -> None:
+    options = [word for text in lock for word in ("--lock", text)]
+    result = kanegen("info", PENDULUM, *options, status=2)
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
 def test_check_passes_and_prints_json() -> None:
     assert "passed" in process("check", PENDULUM, "--states", "50").stdout
     report = json.loads(kanegen("check", PENDULUM, "--states", "50", "--json").stdout)

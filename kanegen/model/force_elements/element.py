@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
@@ -44,6 +44,16 @@ class ForceElement:
         """
         return self._mapped(
             lambda value: value.with_variables_renamed(rename) if isinstance(value, Expression) else value
+        )
+
+    def with_constants(self, values: Mapping[str, Number]) -> Self:
+        """Return the same element with numbers in place of some variables of its expressions.
+
+        Example:
+            element.with_constants({"x.arm.s1": 0.5})
+        """
+        return self._mapped(
+            lambda value: value.with_constants(values) if isinstance(value, Expression) else value
         )
 
     def numbers(self) -> Iterator[Number]:

@@ -6,7 +6,7 @@ evaluates them in NumPy, independently.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -125,6 +125,20 @@ class Expression:
 
         def leaf(found: Leaf) -> Node:
             return Variable(rename(found.name)) if isinstance(found, Variable) else found
+
+        return Expression(_mapped(self.root, leaf))
+
+    def with_constants(self, values: Mapping[str, Number]) -> Expression:
+        """Return the same expression with numbers in place of some variables.
+
+        Example:
+            kg.parse("2*x.arm.s1").with_constants({"x.arm.s1": 0.5})  # 2.0*0.5
+        """
+
+        def leaf(found: Leaf) -> Node:
+            if isinstance(found, Variable) and found.name in values:
+                return Constant(values[found.name])
+            return found
 
         return Expression(_mapped(self.root, leaf))
 
