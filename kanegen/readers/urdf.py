@@ -1,8 +1,9 @@
 """Reads URDF robot files.
 
-A link's frame and {x} are exactly those of the file, except that a body's own frame may be turned: where a
-joint's axis is not +x, +y or +z, a constant rotation [B] takes link components to body components, so that
-the joint moves along or about a basis vector. Masses, centres, inertias and further joints turn with it.
+{x} is exactly that of the file, and every link and joint is a frame under its own name. The frame in which a
+body has its mass centre and inertia may be turned: where a joint's axis is not +x, +y or +z, a constant
+rotation [B] takes link components to body components, so that the joint moves along or about a basis vector.
+Masses, centres, inertias and further joints turn with it; poses, points and loads are those of the link.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from kanegen.model.rotations import UNIT, Square, apply, product, rotation_to_ax
 from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 from kanegen.readers.urdf_elements import JointLimit, Robot, RobotJoint, read_robot
-from kanegen.readers.urdf_tree import GROUND, MovingLink, moving_links
+from kanegen.readers.urdf_frames import robot_frames, shadowed_joints
+from kanegen.readers.urdf_tree import GROUND, MovingLink, robot_tree
 from kanegen.readers.welding import Frame, weld
 
 
@@ -38,22 +40,24 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
         ReadError: If the file is not well formed, not one tree, or has a body that cannot exist.
 
     Warns:
-        KanegenWarning: If a joint has `mimic`, which is ignored, a limit that leaves no motion, or a
-            name that has to be changed.
+        KanegenWarning: If a joint has `mimic`, which is ignored, a limit that leaves no motion, the name of a
+            link other than its own, or a name that has to be changed.
     """
     robot = read_robot(file.root, options.right_angles)
-    moving = moving_links(robot, options.floating_base)
+    tree = robot_tree(robot, options.floating_base)
+    moving = tree.moving
     if not moving:
         raise ReadError(
             f"{robot.where}: no joint of this robot moves. floating_base=True frees its root link."
         )
     _warn_of_mimic(robot, file.path)
     _warn_of_limits(moving, file.path)
-    _warn_of_names(moving, file.path)
+    _warn_of_names(robot, file.path)
     frames = [_body_frame(link.joint) for link in moving]
     bodies = tuple(_bodies(moving, frames))
     try:
-        return System(usable_identifier(robot.name), bodies)
+        named = robot_frames(robot, tree, [frame.matrix for frame in frames])
+        return System(usable_identifier(robot.name), bodies, frames=named)
     except ModelError as error:
         raise ReadError(f"{file.path}: {error}") from None
 
@@ -140,9 +144,11 @@ def _warn_of_mimic(robot: Robot, path: Path) -> None:
         _warn(f"{path}: <mimic> is not kept: these joints move on their own: {', '.join(mimics)}.")
 
 
-def _warn_of_names(moving: Sequence[MovingLink], path: Path) -> None:
-    """Warn of names that are changed because kanegen cannot use them."""
-    names = [name for link in moving for name in (link.joint.name, link.joint.child) if name]
+def _warn_of_names(robot: Robot, path: Path) -> None:
+    """Warn of names that are changed because kanegen cannot use them, and of those that a link takes."""
+    if shadowed := list(shadowed_joints(robot)):
+        _warn(f"{path}: links and joints share names: {', '.join(shadowed)}.")
+    names = [*robot.links, *robot.joints]
     changed = [
         f"{quoted(name)} is called {quoted(usable_label(name))}"
         for name in names

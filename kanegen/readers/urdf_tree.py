@@ -28,11 +28,21 @@ class MovingLink:
     parts: list[tuple[Link, Frame]] = field(default_factory=list)
 
 
-def moving_links(robot: Robot, floating_base: bool) -> list[MovingLink]:
-    """Return the moving links, depth first, in the order in which the file has the joints.
+@dataclass(frozen=True)
+class RobotTree:
+    """The links of a robot by the body to which they belong.
 
-    Links that are welded to the ground are left out. With `floating_base` the root link moves too, and is the
-    first.
+    Attributes:
+        moving: The moving links, depth first, in the order in which the file has the joints.
+        grounded: The links that are welded to the ground, each with its frame in the inertial frame.
+    """
+
+    moving: list[MovingLink]
+    grounded: list[tuple[Link, Frame]]
+
+
+def robot_tree(robot: Robot, floating_base: bool) -> RobotTree:
+    """Return the tree of a robot. With `floating_base` the root link moves too, and is the first.
 
     Raises:
         ReadError: If the links and joints are not one tree.
@@ -40,6 +50,7 @@ def moving_links(robot: Robot, floating_base: bool) -> list[MovingLink]:
     root = _root(robot)
     joints_on = _joints_by_parent(robot)
     moving: list[MovingLink] = []
+    grounded: list[tuple[Link, Frame]] = []
     base = _base_joint(robot.links[root], "floating" if floating_base else "fixed")
     waiting = [(base, GROUND, Frame())]
     while waiting:
@@ -47,11 +58,11 @@ def moving_links(robot: Robot, floating_base: bool) -> list[MovingLink]:
         if joint.kind != "fixed":
             moving.append(MovingLink(joint, number, place))
             number, place = len(moving), Frame()
-        if number != GROUND:
-            moving[number - 1].parts.append((robot.links[joint.child], place))
+        parts = grounded if number == GROUND else moving[number - 1].parts
+        parts.append((robot.links[joint.child], place))
         for above in reversed(joints_on[joint.child]):
             waiting.append((above, number, place.then(above.origin)))
-    return moving
+    return RobotTree(moving, grounded)
 
 
 def _base_joint(root: Link, kind: str) -> RobotJoint:

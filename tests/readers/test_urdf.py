@@ -135,7 +135,7 @@ def test_names_that_cannot_be_used_are_changed(tmp_path: Path) -> None:
     )
     head = '<robot name="int">'
     with pytest.warns(
-        KanegenWarning, match=r"changed: 'l::x\.\.y \(1\)' is called 'l::x_\.y__1_', '/a b' is"
+        KanegenWarning, match=r"changed: '/a b' is called '_a_b', 'static' is called 'static_', 'l::x"
     ):
         system = read(tmp_path, text, head=head)
     assert system.name == "int_"
@@ -316,3 +316,62 @@ def test_a_wrong_limit_is_an_error_with_its_line(limit: str, message: str, tmp_p
     with pytest.raises(ReadError) as caught:
         load(path)
     assert str(caught.value).startswith(f"{path}:2: ") and message in str(caught.value)
+
+
+WELDED = (
+    BASE
+    + link("arm")
+    + joint("swing", "base", "arm", origin("0 0 1") + axis("1 1 0"))
+    + link("hand", 2)
+    + joint("wrist", "arm", "hand", origin("0 0.5 0", f"{RIGHT} 0 0"), "fixed")
+    + link("tool", 0.5)
+    + joint("flange", "hand", "tool", origin("0 0 0.25"), "fixed")
+    + link("camera")
+    + joint("mast", "base", "camera", origin("0 1 2", f"0 0 {RIGHT}"), "fixed")
+)
+"""A robot whose only axis is no basis vector, with links on fixed joints above it and on its base."""
+
+
+def test_every_link_and_joint_is_a_frame(tmp_path: Path) -> None:
+    system = read(tmp_path, WELDED)
+    assert set(system.frame_names) == {
+        *("base", "arm", "hand", "tool", "camera"),
+        *("swing", "wrist", "flange", "mast"),
+    }
+    bodies = {name: system.frame(name).body for name in system.frame_names}
+    assert {name for name, k in bodies.items() if k == 0} == {"base", "camera", "mast"}
+
+
+def test_frames_are_those_of_the_file(tmp_path: Path) -> None:
+    """Where the joint is at zero every frame is where a product of origins puts it, whatever body has it."""
+    system = read(tmp_path, WELDED)
+    frames = system.values().frames
+    turned = np.array(rotation_to_axis(normalized((1.0, 1.0, 0.0)))[1])
+    assert frames["arm"].position == pytest.approx(np.zeros(3), abs=0)
+    assert frames["arm"].rotation == pytest.approx(turned.T, abs=1e-15)
+    about_x = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+    for name, position, rotation in (
+        ("hand", (0, 0.5, 0), about_x),
+        ("tool", (0, 0.25, 0), about_x),
+        ("camera", (0, 1, 2), np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]])),
+    ):
+        frame, body = frames[name], np.eye(3) if name == "camera" else turned
+        assert body.T @ frame.position == pytest.approx(np.array(position), abs=1e-15)
+        assert frame.rotation @ body == pytest.approx(rotation, abs=1e-15)
+    for joint_name, child in (("swing", "arm"), ("wrist", "hand"), ("flange", "tool"), ("mast", "camera")):
+        assert frames[joint_name].rotation.tolist() == frames[child].rotation.tolist()
+        assert frames[joint_name].position.tolist() == frames[child].position.tolist()
+
+
+def test_a_body_in_its_link_frame_has_no_further_frame(tmp_path: Path) -> None:
+    system = read(tmp_path, BASE + link("a") + joint("j", "base", "a", axis("0 1 0")))
+    assert [frame.name for frame in system.frames] == ["base", "j"]
+
+
+def test_a_name_of_a_link_and_of_a_joint_means_the_link(tmp_path: Path) -> None:
+    text = BASE + link("a") + joint("a", "base", "a", origin("0 0 1")) + link("b") + joint("j", "a", "b")
+    assert read(tmp_path, text).frame("a").body == 1
+    text = text.replace('joint name="j"', 'joint name="base"')
+    with pytest.warns(KanegenWarning, match="links and joints share names: 'base' means the link, not the"):
+        system = read(tmp_path, text)
+    assert system.frame("base").body == 0
