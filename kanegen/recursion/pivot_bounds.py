@@ -1,81 +1,53 @@
-"""Bounds of the pivots of a solver that hold in every state, from the constants of a model.
+"""Bounds of the pivots of a solver that hold in every state, from the constants and translations of a model.
 
 The pivot of a freedom is twice the least kinetic energy of the bodies that it carries, at unit speed of the
-freedom, over all speeds of the freedoms outward of it. This is never less than the energy of the body of the
-joint alone: `least_pivots`. The sums that make up a pivot consist of inertias of carried bodies about the
-axis of the freedom. None of them is larger than that of a body as far away as its path allows:
-`CompositeInertias`. Rounding changes a pivot by a few unit roundoffs of the latter.
+freedom, over all speeds of the freedoms outward of it. The sums that make up a pivot consist of inertias of
+carried bodies about the axis of the freedom. None of them is larger than that of a body as far away as its
+path allows: `PivotBounds.carried`. Rounding changes a pivot by a few unit roundoffs of the latter.
+
+A pivot is never less than the energy of some of the bodies alone: `PivotBounds.least`. For the first angle
+that moves inward of a body, the inertia of the body about its axis is known exactly: translations between
+the two cannot reduce what its motion across them costs. Elsewhere the body of the joint alone counts.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-import sympy
 from sympy import Expr, Rational, S
 
 from kanegen.model.body import Body
-from kanegen.program.constants import MULTIPRECISION
-from kanegen.recursion.constants import exact, rational
+from kanegen.recursion.constants import exact
 from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
+from kanegen.recursion.principal_inertia import largest_inertia, least_inertia
+from kanegen.recursion.reach import NO_DISTANCE, Reach, Square
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import ZERO, add, scale, unit
-from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import coordinate
+from kanegen.symbolic.definitions import Vector
 
 
 @dataclass(frozen=True)
-class Reach:
-    """The points at which a mass centre can be, in some frame, from the origin of a body.
-
-    They lie in a ball that translations carry with them.
+class Bound:
+    """A bound of an inertia about an axis, or of a mass.
 
     Attributes:
-        definitions: Definitions that the intermediates are added to.
-        center: Centre of the ball where all translations are zero (m).
-        radius: Radius of the ball (m).
-        translations: Coordinates of translations (m), with their directions.
-        excursions: Coordinates of translations (m) whose directions moving turns may change to any other.
+        constant: Constant part (kg m^2, kg).
+        masses: Factors (kg) of the squares of numbers that translations change, by number.
     """
 
-    definitions: Definitions
-    center: Vector
-    radius: Expr = S.Zero
-    translations: tuple[tuple[Expr, Vector], ...] = ()
-    excursions: tuple[Expr, ...] = ()
+    constant: Expr = S.Zero
+    masses: Mapping[Expr, Expr] = field(default_factory=dict)
 
-    def below(self, step: Step) -> Reach:
-        """Return the points in the frame below a turn."""
-        if not step.moves:
-            center = self.definitions.vector("cw", step.turn.down(self.center))
-            turned = tuple((s, step.turn.down(direction)) for s, direction in self.translations)
-            return replace(self, center=center, translations=turned)
-        radius, excursions = self.distance(step.axis)
-        kept = tuple(one for one in self.translations if one[0] not in excursions)
-        return Reach(
-            self.definitions, scale(self.center[step.axis], unit(step.axis)), radius, kept, excursions
-        )
-
-    def below_any_rotation(self) -> Reach:
-        """Return the points below a rotation about any axis through the origin."""
-        radius, excursions = self.distance()
-        return Reach(self.definitions, ZERO, radius, (), excursions)
-
-    def distance(self, axis: int | None = None) -> tuple[Expr, tuple[Expr, ...]]:
-        """Return how far the points can be from an axis through the origin, or from the origin.
-
-        Returns:
-            The largest distance where all translations are zero, and the coordinates that can add to it.
-        """
-        across = [i for i in range(3) if i != axis]
-        squares = sum((self.center[i] ** 2 for i in across), S.Zero)
-        added = [s for s, direction in self.translations if any(direction[i] != 0 for i in across)]
-        radius = self.definitions.define("dw", self.radius + _root(squares))
-        return radius, (*self.excursions, *added)
+    def plus(self, inertia: Expr, mass: Expr = S.Zero, square: Square = NO_DISTANCE) -> Bound:
+        """Return the bound with an inertia more, and a mass at a distance."""
+        masses = dict(self.masses)
+        if mass != 0:
+            masses |= {one: masses.get(one, S.Zero) + mass * factor for one, factor in square.moving}
+        return Bound(self.constant + inertia + mass * square.constant, masses)
 
 
-class CompositeInertias:
-    """Bounds of the inertias that freedoms carry, by freedom (kg m^2, kg).
+class PivotBounds:
+    """Bounds of the pivots of a solver and of the inertias that freedoms carry, by freedom (kg m^2, kg).
 
     Args:
         tree: The tree.
@@ -85,48 +57,60 @@ class CompositeInertias:
 
     def __init__(self, tree: Tree, *, together: bool) -> None:
         self._tree, self._together = tree, together
-        n = len(tree.system.freedoms)
-        self._constants = [S.Zero] * n
-        self._squares: list[dict[Expr, Expr]] = [{} for _ in range(n)]
+        self._carried = [Bound() for _ in tree.system.freedoms]
+        self._least = list(self._carried)
+        self._widened: set[int] = set()
         for joint in tree.joints:
-            tree.about(joint.body, "bound of its inertia about freedoms that carry it")
+            body = tree.system.bodies[joint.body - 1]
+            tree.about(joint.body, "bounds of the pivots that it is part of")
+            for freedom, least in _least_of_joint(body, joint, together).items():
+                self._least[freedom] = Bound(least)
             self._carry(joint)
 
-    def bound(self, freedom: int, share: Rational = S.One) -> Expr:
-        """Return a share of the bound of a freedom."""
-        define = self._tree.definitions.define
-        constant = define(f"U_{freedom}", share * self._constants[freedom])
-        squares = [
-            define(f"U{s}", share * factor * define(f"s{s}", s * s))
-            for s, factor in self._squares[freedom].items()
-        ]
-        return define(f"Ut_{freedom}", sum(squares, constant))
+    def carried(self, freedom: int, share: Rational = S.One) -> Expr:
+        """Return a share of the bound of the inertias that a freedom carries."""
+        define, masses = self._tree.definitions.define, self._carried[freedom].masses
+        if not masses:
+            return self.constant(freedom, share)
+        moments = [define(f"hs_{freedom}", mass * number) for number, mass in masses.items()]
+        terms = [define(f"Us_{freedom}", n * moment) for n, moment in zip(masses, moments, strict=True)]
+        moving = define(f"Us_{freedom}", sum(terms, S.Zero))
+        if freedom not in self._widened:  # the solver forms the same inertia
+            return share * define(f"Ut_{freedom}", self.constant(freedom) + moving)
+        return define(
+            f"Ut_{freedom}", self.constant(freedom, share) + define(f"Us_{freedom}", share * moving)
+        )
 
-    def depends_on_state(self, freedom: int) -> bool:
-        """Return whether the bound of a freedom grows with translations."""
-        return bool(self._squares[freedom])
+    def constant(self, freedom: int, share: Rational = S.One) -> Expr:
+        """Return a share of the part of the same bound that depends on no translation."""
+        return self._tree.definitions.define(f"U_{freedom}", share * self._carried[freedom].constant)
+
+    def least(self, freedom: int) -> Expr:
+        """Return a lower bound of the pivot of a freedom where all translations are zero, or zero."""
+        return self._tree.definitions.define(f"Dl_{freedom}", self._least[freedom].constant)
+
+    def loses_nothing(self, freedom: int) -> bool:
+        """Return whether the two bounds are the same in every state."""
+        return self._least[freedom] == self._carried[freedom]
+
+    def has_largest_loss(self, freedom: int) -> bool:
+        """Return whether no translation increases the ratio of the two bounds."""
+        least = self._least[freedom]
+        return least.constant != 0 and least.masses == self._carried[freedom].masses
 
     def _carry(self, joint: JointMotion) -> None:
         """Add the inertia of the body of a joint to the bounds of all freedoms that carry it."""
         body = self._tree.system.bodies[joint.body - 1]
-        mass = exact(body.mass)
-        inertias = [exact(body.inertia[i][i]) for i in range(3)]
-        largest = sum(inertias, S.Zero)
+        mass, largest = exact(body.mass), largest_inertia(body)
         reach = Reach(self._tree.definitions, Vector(*(exact(value) for value in body.mass_center)))
         for below in self._tree.inward(joint):
             freely = self._together and below.translates_freely
-            if not below.angular_speeds:
-                for step in reversed(below.angles):
-                    if step.freedom != NO_FREEDOM:
-                        about = None if self._together and below.rotates_freely else step.axis
-                        alone = below is joint and step is below.hinge
-                        inertia = inertias[step.axis] if alone else largest
-                        self._add(step.freedom, inertia, mass, *reach.distance(about))
-                    reach = reach.below(step)
-            for speed in below.angular_speeds:
-                self._add(speed.freedom, largest, mass, *reach.distance())
             if below.angular_speeds:
+                for speed in below.angular_speeds:
+                    self._add(speed.freedom, largest, mass, *reach.distance())
                 reach = reach.below_any_rotation()
+            else:
+                reach = self._add_to_angles(below, body, mass, largest, reach)
             for one in below.translations:
                 self._add(one.freedom, mass, S.Zero)
             if freely and (below.angular_speeds or below.rotates_freely):
@@ -134,61 +118,97 @@ class CompositeInertias:
             if freely:
                 # Whatever the distance, the moment of the mass about the axes of inward turns vanishes.
                 mass = S.Zero
-            reach = _below_joint(self._tree, below, reach)
+            reach = reach.below_joint(self._tree, below)
+
+    def _add_to_angles(
+        self, joint: JointMotion, body: Body, mass: Expr, largest: Expr, reach: Reach
+    ) -> Reach:
+        """Add the inertia of a body to the bounds of the angles of a joint that carries it.
+
+        Args:
+            joint: The joint.
+            body: The body.
+            mass: Its mass (kg), zero if the joint does not feel it.
+            largest: Bound of its inertia about any axis through its mass centre (kg m^2).
+            reach: Where its mass centre is above the joint.
+
+        Returns:
+            Where its mass centre is below the angles.
+        """
+        components = self._together and joint.rotates_freely
+        for step in reversed(joint.angles):
+            if step.freedom != NO_FREEDOM:
+                axis = reach.upward(step.axis) if _comes_first(joint, self._together) else None
+                if axis:
+                    self._raise_least(step, _inertia_about(body, axis), mass, reach)
+                if axis and _is_basis_vector(axis):
+                    self._add_exactly(step, _inertia_about(body, axis), mass, reach)
+                else:
+                    distance = reach.distance(None if components else step.axis)
+                    self._add(step.freedom, largest, mass, *distance)
+            reach = reach.below(step)
+        return reach
 
     def _add(
-        self, freedom: int, inertia: Expr, mass: Expr, distance: Expr = S.Zero, added: tuple[Expr, ...] = ()
+        self,
+        freedom: int,
+        inertia: Expr,
+        mass: Expr,
+        distance: Expr = S.Zero,
+        excursions: tuple[Square, ...] = (),
     ) -> None:
-        """Add the inertia of a body about an axis at a distance, to which translations add, to a bound.
+        """Add the inertia of a body about an axis at a distance, to which excursions add, to a bound.
 
         The square of a sum is at most the number of its terms times the sum of their squares.
         """
-        terms, squares = (2 if added else 1), self._squares[freedom]
-        self._constants[freedom] += inertia + terms * mass * distance * distance
-        if mass != 0:
-            squares |= {s: squares.get(s, S.Zero) + terms * len(added) * mass for s in added}
+        terms = [Square(distance * distance)] if distance != 0 else []
+        bound = self._carried[freedom].plus(inertia)
+        for square in (*terms, *excursions):
+            bound = bound.plus(S.Zero, (len(terms) + len(excursions)) * mass, square)
+        if len(terms) + len(excursions) > 1:
+            self._widened.add(freedom)
+        self._carried[freedom] = bound
+
+    def _add_exactly(self, step: Step, inertia: Expr, mass: Expr, reach: Reach) -> None:
+        """Add a body with its inertia about the axis of a turn, and through its mass centre, to a bound.
+
+        No turn mixes its components on the way, so that the pivot is not a sum of larger numbers.
+        """
+        bound = self._carried[step.freedom].plus(inertia, mass, reach.square(step.axis))
+        self._carried[step.freedom] = bound
+
+    def _raise_least(self, step: Step, inertia: Expr, mass: Expr, reach: Reach) -> None:
+        """Add a body to the lower bound of the first angle that moves inward of it.
+
+        A translation across the axis may follow the motion of the mass centre that is along its direction,
+        and that is caused by the distance across the direction. The arguments are those of `_add_exactly`.
+        """
+        square, followed = reach.square(step.axis), len(reach.across(step.axis))
+        if followed == 1:
+            square = Square(moving=square.moving)
+        self._least[step.freedom] = self._least[step.freedom].plus(
+            inertia, mass, square if followed < 2 else NO_DISTANCE
+        )
 
 
-def least_pivots(tree: Tree, *, together: bool) -> list[Expr]:
-    """Return by freedom a lower bound of its pivot (kg m^2, kg); zero where none is known.
-
-    The arguments are those of `CompositeInertias`.
-    """
-    found: dict[int, Expr] = {}
-    for joint in tree.joints:
-        tree.about(joint.body, "lower bound of its pivots")
-        least = _least_of_joint(tree.system.bodies[joint.body - 1], joint, together)
-        found |= {i: tree.definitions.define(f"Dl_{i}", value) for i, value in least.items()}
-    return [found[i] for i in range(len(found))]
-
-
-def _below_joint(tree: Tree, joint: JointMotion, reach: Reach) -> Reach:
-    """Return points of the joint frame in the frame of the lower body, from its point O_J."""
-    for step in reversed(joint.constant):
-        reach = reach.below(step)
-    described = tree.system.bodies[joint.body - 1].joint
-    center = add(reach.center, Vector(*(exact(value) for value in described.position)))
-    translations = list(reach.translations)
-    for axis, direction in enumerate(joint.directions):
-        if described.moving[3 + axis]:
-            translations.append((coordinate(joint.body, 3 + axis), direction))
-        else:
-            center = add(center, scale(exact(described.locked[3 + axis]), direction))
-    center = tree.definitions.vector("cw", center)
-    return replace(reach, center=center, translations=tuple(translations))
+def _comes_first(joint: JointMotion, together: bool) -> bool:
+    """Return whether the last angle of a joint is eliminated before all else that moves its body."""
+    return not (together and (joint.rotates_freely or joint.translates_freely))
 
 
 def _least_of_joint(body: Body, joint: JointMotion, together: bool) -> dict[int, Expr]:
-    """Return lower bounds of the pivots of a joint by freedom, from its own body."""
+    """Return lower bounds of the pivots of a joint by freedom, from its own body.
+
+    The last angle of a joint is left out where `PivotBounds` knows it exactly.
+    """
     mass, center = exact(body.mass), [exact(value) for value in body.mass_center]
     angles = [step for step in joint.angles if step.freedom != NO_FREEDOM]
     rotations = [step.freedom for step in angles] + [speed.freedom for speed in joint.angular_speeds]
-    least = _least_inertia(body)
+    least = least_inertia(body)
     found = dict.fromkeys(rotations, least if _are_orthogonal(angles, together) else S.Zero)
-    if joint.hinge and angles:
-        axis = joint.hinge.axis
-        distance = sum((one**2 for i, one in enumerate(center) if i != axis), S.Zero)
-        found[rotations[0]] = exact(body.inertia[axis][axis]) + mass * distance
+    moving = [step for step in joint.angles if step.moves]
+    if moving and _comes_first(joint, together):
+        found.pop(moving[-1].freedom, None)
     carried = mass
     if rotations and not (together and joint.translates_freely):
         # The body may turn instead of following with its mass centre.
@@ -206,22 +226,12 @@ def _are_orthogonal(angles: list[Step], together: bool) -> bool:
     return len(angles) < 2 or angles[1].angle - angles[0].angle == 1
 
 
-def _least_inertia(body: Body) -> Expr:
-    """Return a lower bound of the smallest principal inertia: 4 det[I] / trace[I]^2.
-
-    The product of the two other principal inertias is not larger than the square of half their sum. Where
-    the inertia depends on parameters, zero.
-    """
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = ([exact(value) for value in row] for row in body.inertia)
-    trace = xx + yy + zz
-    if trace == 0 or trace.free_symbols:
-        return S.Zero  # a parameter may become zero
-    determinant = xx * (yy * zz - yz**2) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    return 4 * determinant / trace**2
+def _is_basis_vector(direction: Vector) -> bool:
+    """Return whether a unit vector is a basis vector up to its sign."""
+    return all(component in (-1, 0, 1) for component in direction)
 
 
-def _root(square: Expr) -> Expr:
-    """Return the square root of an expression, rounded where it is a number."""
-    if not square.is_Rational:
-        return sympy.sqrt(square)
-    return rational(MULTIPRECISION.sqrt(MULTIPRECISION.mpf(square.p) / square.q)) if square else Rational(0)
+def _inertia_about(body: Body, direction: Vector) -> Expr:
+    """Return the inertia of a body about an axis through its mass centre."""
+    terms = [direction[i] * direction[j] * exact(body.inertia[i][j]) for i in range(3) for j in range(3)]
+    return sum(terms, S.Zero)

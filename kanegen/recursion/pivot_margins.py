@@ -2,9 +2,9 @@
 
 A pivot is what remains of sums that cancel, and has the rounding errors of their terms. An error of a pivot
 is an error of the solution. The loss of a pivot measures it in roundoffs: the bound of the inertias that the
-freedom carries, `CompositeInertias`, over the pivot. The generator looks for the largest losses that a model
-can have and decides whether the solver is accurate there; the generated code says where a loss is larger
-still. Where constants of the model exclude this, nothing is left to test.
+freedom carries, over the pivot. The generator looks for the largest losses that a model can have and decides
+whether the solver is accurate there; the generated code says where a loss is larger still. Where constants of
+the model exclude this, nothing is left to test. See `pivot_bounds`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from sympy import Expr, Rational, S
 
-from kanegen.recursion.pivot_bounds import CompositeInertias, least_pivots
+from kanegen.recursion.pivot_bounds import PivotBounds
 from kanegen.recursion.solver import Solver
 
 
@@ -26,19 +26,24 @@ class PivotMargins:
 
     def __init__(self, solver: Solver) -> None:
         self._solver = solver
-        self._carried = CompositeInertias(solver.tree, together=solver.together)
-        self._least = least_pivots(solver.tree, together=solver.together)
+        self._bounds = PivotBounds(solver.tree, together=solver.together)
 
     def losses(self) -> list[Expr]:
         """Return the losses by freedom, each the bound of its carried inertias over its pivot."""
-        return [self._carried.bound(i) / pivot for i, pivot in enumerate(self._solver.pivots)]
+        return [self._bounds.carried(i) / pivot for i, pivot in enumerate(self._solver.pivots)]
 
     def largest_losses(self) -> list[Expr]:
         """Return bounds of the losses by freedom that hold in every state; zero where there is none."""
-        return [
-            self._carried.bound(i) / least if least != 0 and not self._carried.depends_on_state(i) else S.Zero
-            for i, least in enumerate(self._least)
-        ]
+        return [self._largest_loss(i) for i in range(len(self._solver.pivots))]
+
+    def _largest_loss(self, freedom: int) -> Expr:
+        """Return a bound of the loss of a freedom that holds in every state, or zero."""
+        bounds = self._bounds
+        if bounds.loses_nothing(freedom):
+            return S.One
+        return (
+            bounds.constant(freedom) / bounds.least(freedom) if bounds.has_largest_loss(freedom) else S.Zero
+        )
 
     def margins(self, limits: Sequence[float], bounded: Sequence[bool]) -> list[Expr]:
         """Return the margins by freedom.
@@ -48,14 +53,19 @@ class PivotMargins:
             bounded: By freedom whether the margin is that of the lower bound of its pivot, which depends on
                 parameters at most, or that of the pivot.
         """
-        define = self._solver.tree.definitions.define
         self._solver.tree.definitions.about("margins of the pivots")
         pairs = zip(limits, bounded, strict=True)
         return [
-            define(
-                f"Dm_{i}",
-                (self._least[i] if is_bounded else self._solver.pivots[i])
-                - self._carried.bound(i, Rational(1) / Rational(limit)),
-            )
+            self._margin(i, Rational(1) / Rational(limit), is_bounded)
             for i, (limit, is_bounded) in enumerate(pairs)
         ]
+
+    def _margin(self, freedom: int, share: Rational, is_bounded: bool) -> Expr:
+        """Return the margin of a freedom: what its pivot exceeds a share of its carried inertias by."""
+        bounds = self._bounds
+        if bounds.loses_nothing(freedom):
+            return S.One
+        margin = self._solver.pivots[freedom] - bounds.carried(freedom, share)
+        if is_bounded:
+            margin = bounds.least(freedom) - bounds.constant(freedom, share)
+        return self._solver.tree.definitions.define(f"Dm_{freedom}", margin)

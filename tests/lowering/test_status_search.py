@@ -11,10 +11,12 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.lowering.losses import array_inputs, largest_losses
 from kanegen.lowering.lower import lower_definitions
+from kanegen.model.rotations import rotation_123
 from kanegen.program.evaluate import evaluate
 from kanegen.program.ir import Array
 from kanegen.recursion.outputs import input_arrays
-from kanegen.recursion.pivot_bounds import CompositeInertias
+from kanegen.recursion.pivot_bounds import PivotBounds
+from kanegen.recursion.principal_inertia import largest_inertia, least_inertia
 from kanegen.recursion.tree import Derived, tree
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
@@ -115,27 +117,65 @@ def test_vertical_rods_that_move_slowly(scale: float, precision: str) -> None:
     assert (found.silent > 0).all()
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(20))
 def test_bounds_of_pivots_hold(seed: int) -> None:
     """A pivot is no larger than its diagonal entry of [A], which is no larger than the bound: a loss is >= 1.
 
     With bounds of losses from below, no loss that any state has is larger.
     """
     rng = np.random.default_rng(seed)
-    system = TREES[0](rng, 3.0)
+    system = TREES[0](rng, 3.0) if seed < 6 else systems.random_system(rng, 4)
     for solver in ("articulated bodies", "factorisation"):
         found = largest_losses(system, solver)
         assert (found.largest >= 1 - 1e-9).all()
         assert (found.largest <= found.bounds * (1 + 1e-9)).all()
-        assert np.isfinite(found.bounds).any()
+        assert np.isfinite(found.bounds).any() or seed >= 6
+
+
+def sliding(turn: float, names: list[str]) -> kg.System:
+    """A post on a hinge about axis 3, and a load on rails that are turned about it by an angle (rad)."""
+    free = np.zeros((2, 6), dtype=bool)
+    free[0, 2] = True
+    free[1, [("s1", "s2", "s3").index(name) + 3 for name in names]] = True
+    return kg.System.from_arrays(
+        [0, 1],
+        [2.0, 5.0],
+        [np.diag([0.1, 0.2, 0.3]), np.diag([1e-3, 2e-3, 3e-3])],
+        [[0.0, 0.0, 0.1], [0.02, 0.0, 0.0]],
+        [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]],
+        [np.eye(3), rotation_123((0.0, 0.0, turn))],
+        free,
+    )
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_what_slides_on_a_carried_body(turn: float) -> None:
+    """One slide across the axis of a hinge leaves its loss bounded by constants, a second one does not."""
+    for names, is_bounded in ((["s1"], True), (["s1", "s3"], True), (["s1", "s2"], False)):
+        found = largest_losses(sliding(turn, names), "articulated bodies")
+        assert np.isfinite(found.bounds[0]) == is_bounded
+        assert (found.largest <= found.bounds * (1 + 1e-9)).all()
+
+
+@pytest.mark.filterwarnings("ignore:.*triangle")
+def test_principal_inertias_are_bounded_closely() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        basis = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        inertia = basis @ np.diag(10.0 ** rng.uniform(-4, 4, 3)) @ basis.T
+        body = kg.Body("one", 0, 1.0, (inertia + inertia.T) / 2)
+        values = np.linalg.eigvalsh((inertia + inertia.T) / 2)
+        slack = 1e-14 * values[-1]
+        assert values[-1] - slack <= float(largest_inertia(body)) <= 1.05 * values[-1]
+        assert 0.95 * values[0] - slack <= float(least_inertia(body)) <= values[0] + slack
 
 
 def carried(system: kg.System, states: States) -> np.ndarray:
     """Return the (B, n) bounds of the inertias that the freedoms of a tree carry."""
     prepared = tree(system)
-    bounds = CompositeInertias(prepared, together=False)
+    bounds = PivotBounds(prepared, together=False)
     n = len(system.freedoms)
-    derived = Derived([bounds.bound(i) for i in range(n)])
+    derived = Derived([bounds.carried(i) for i in range(n)])
     program = lower_definitions(
         input_arrays(system), prepared.definitions.listed(), {Array("bounds", (n,), "", ""): derived}
     )
@@ -156,7 +196,14 @@ def test_the_bound_of_carried_inertias_holds(seed: int) -> None:
     assert share.max(axis=0).min() >= 0.02
 
 
-TESTED = {"eight_body": 0, "front_of_eight": 0, "double_pendulum": 0, "panda_arm": 3, "six_revolute_arm": 1}
+TESTED = {
+    "eight_body": 0,
+    "front_of_eight": 0,
+    "double_pendulum": 0,
+    "panda_arm": 3,
+    "six_revolute_arm": 1,
+    "gantry_crane": 1,
+}
 """Number of pivots that are tested in every state."""
 
 
