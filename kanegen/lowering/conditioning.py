@@ -21,6 +21,8 @@ from kanegen.lowering.compilation import Candidate, Request
 from kanegen.lowering.losses import Losses, array_inputs, largest_losses
 from kanegen.lowering.lower import lower
 from kanegen.model.arrays import Floats
+from kanegen.model.body import Body
+from kanegen.model.coordinates import SPEEDS
 from kanegen.model.system import System
 from kanegen.options import AUTO
 from kanegen.program import precision as precisions
@@ -136,12 +138,23 @@ def is_well_conditioned(system: System, losses: Losses) -> bool:
     if not (losses.largest <= LARGEST_FORMATION_LOSS).all():
         return False
     # [A] is singular at gimbal lock, where no solver fails; force elements, which name rates, are not in [A].
-    regular = replace(system, force_elements=()).with_speeds("angular_velocity")
+    regular = replace(system, force_elements=(), bodies=tuple(map(_regular, system.bodies)))
     size, states = system.number_of_bodies * len(system.freedoms), losses.states
     count = min(len(states), max(4, MATRIX_ENTRIES // size))
     chosen = np.linspace(0, len(states) - 1, count).astype(int)
     matrix = reference.mass_matrix(regular, states.x[chosen], states.prescribed[chosen])
     return bool(_amplification(matrix) <= LARGEST_UNREFINED_ERROR)
+
+
+def _regular(body: Body) -> Body:
+    """Return a body whose speeds are its angular velocity where solvers eliminate its three angles together.
+
+    They eliminate angles whose motors have armature one by one.
+    """
+    joint = body.joint
+    if joint.has_free_orientation and not any(joint.armature[:3]):
+        return replace(body, joint=replace(joint, speeds=SPEEDS[1]))
+    return body
 
 
 def reporting(refinement: Refinement, losses: Losses, *, accurate: bool = True) -> Refinement:

@@ -85,6 +85,7 @@ class SystemArrays:
     prescribed: Flags  # (N, 6)
     frames: Mapping[str, FrameArrays]
     load_rotation: Floats  # (N, 3, 3)
+    armature: Floats  # (N, 6)
 
     def rows(self) -> dict[str, Any]:
         """Return the arguments of `System.from_arrays` for the same bodies, without forces and frames."""
@@ -119,6 +120,7 @@ def system_arrays(system: SystemDescription) -> SystemArrays:
         prescribed=np.array([joint.prescribed for joint in joints], dtype=np.bool_),
         frames={name: fixed_frame(system, name) for name in system.frame_names},
         load_rotation=np.array([fixed_frame(system, body.name).rotation for body in bodies]),
+        armature=_floats([joint.armature for joint in joints]),
     )
 
 
@@ -173,6 +175,7 @@ def bodies_from_arrays(
     speeds: Any,
     coordinates: Any,
     prescribed: Any,
+    armature: Any,
 ) -> tuple[Body, ...]:
     """Return the bodies of a tree from the arguments of `System.from_arrays`.
 
@@ -192,6 +195,7 @@ def bodies_from_arrays(
         "sequence": rows.names(sequence, "sequence"),
         "coordinates": rows.names(coordinates, "coordinates"),
         "prescribed": prescribed,
+        "armature": rows.numbers(armature, (6,), (0.0,) * 6, "armature"),
     }
     of_bodies = {
         "lower": lower,

@@ -211,7 +211,7 @@ class SystemDescription:
             joint = body.joint
             map_numbers((body.mass, body.inertia, body.mass_center), collect)
             map_numbers(tuple(point.position for point in body.points), collect)
-            map_numbers((joint.position, joint.orientation, joint.locked), collect)
+            map_numbers((joint.position, joint.orientation, joint.locked, joint.armature), collect)
         for coupling in self.couplings:
             map_numbers(tuple(coupling.numbers()), collect)
         for frame in self.frames:

@@ -74,6 +74,10 @@ class Joint:
         limits: Limits of position, speed and effort of the six freedoms. The equations do not contain them.
         coupled: (6,) which of `FREEDOMS` follow other freedoms by a `Coupling` of the system, which sets
             these flags. None of them is free.
+        armature: (6,) reflected inertia of the motor of each freedom (kg m^2, kg): J n^2 for a rotor of
+            inertia J behind a gear of ratio n. It adds to the inertia against the speed of the freedom, so
+            to the diagonal of [A], and to nothing else. Where the speeds are components of the angular
+            velocity, the first three belong to these; where a freedom is locked, it has no effect.
 
     Raises:
         ModelError: If a number, a shape, a name or a combination of choices is not usable.
@@ -94,6 +98,7 @@ class Joint:
     limits: Limits = NO_LIMITS
     coupled: tuple[bool, ...] = (False,) * 6
     freedom_names: tuple[str, ...] = ("",) * 6
+    armature: tuple[Number, ...] = (0.0,) * 6
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name:
@@ -111,6 +116,9 @@ class Joint:
             if not isinstance(freedom_name, str) or freedom_name:
                 check_label(freedom_name, "freedom name")
         validation.store(self, freedom_names=names)
+        validation.store(
+            self, armature=validation.armature(numbers(self.armature, (6,), "armature"), FREEDOMS)
+        )
         self._check_driven()
         check_sequence(self.sequence)
         self._check_coordinates()
@@ -228,8 +236,12 @@ class Joint:
 
     @property
     def mass_matrix_singularity(self) -> Literal["sin", "cos"] | None:
-        """The function of theta2 that vanishes where [A] is singular: gimbal lock, with rates as speeds."""
-        return self.gimbal_lock if self.speeds_are_rates else None
+        """The function of theta2 that vanishes where [A] is singular: gimbal lock, with rates as speeds.
+
+        Armature of theta1 or theta3 keeps [A] regular there.
+        """
+        is_regular = not self.speeds_are_rates or self.armature[0] or self.armature[2]
+        return None if is_regular else self.gimbal_lock
 
     def with_prescribed(self, index: int) -> Joint:
         """Return the same joint with freedom `index` of `FREEDOMS`, free so far, prescribed.
@@ -252,6 +264,7 @@ class Joint:
             position=map_numbers(self.position, change),
             orientation=map_numbers(self.orientation, change),
             locked=map_numbers(self.locked, change),
+            armature=map_numbers(self.armature, change),
         )
 
     def with_right_angles(self, tolerance: float) -> Joint:
@@ -302,4 +315,7 @@ class Joint:
             table["speeds"] = self.speeds
         if limits := self.limits.as_table():
             table["limits"] = limits
+        if any(self.armature):
+            armature = zip(FREEDOMS, self.armature, strict=True)
+            table["armature"] = {name: toml_number(value) for name, value in armature if value}
         return table

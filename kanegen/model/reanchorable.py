@@ -85,6 +85,10 @@ def _obstacle(system: System, body: Body) -> str:
         return (
             "it slides along some axes of its joint frame only. Free all three translations, or leave it out"
         )
+    if joint.speeds_are_rates and any(joint.armature[:3]):
+        return "its angles have armature, which would belong to others. Leave it out"
+    if any(armature != joint.armature[3] for armature in joint.armature[4:]):
+        return "its translations have different armatures, which would belong to others. Leave it out"
     if any(joint.prescribed):
         return "it has a translation that is prescribed in its joint frame. Leave it out"
     if any(isinstance(value, Parameter) for value in joint.locked) or (parameters and any(joint.locked)):
@@ -105,7 +109,7 @@ def _are_three_of_its_own(system: System, names: list[str]) -> bool:
         joint = body.joint
         used += _parameter_names((body.mass, body.inertia, body.mass_center))
         used += _parameter_names(tuple(point.position for point in body.points))
-        used += _parameter_names((joint.position, joint.orientation, joint.locked))
+        used += _parameter_names((joint.position, joint.orientation, joint.locked, joint.armature))
     further = [value for coupling in system.couplings for value in coupling.numbers()]
     further += [value for element in system.force_elements for value in element.numbers()]
     used += _parameter_names(tuple(further))

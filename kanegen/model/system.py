@@ -98,6 +98,7 @@ class System(SystemDescription):
         speeds: Any = SPEEDS[0],
         coordinates: Any = ORIENTATIONS[0],
         prescribed: Any = None,
+        armature: Any = None,
     ) -> Self:
         """Return a system from one array for each quantity; body K is row K - 1 and is called `bodyK`.
 
@@ -119,6 +120,7 @@ class System(SystemDescription):
             speeds: One name or (N,) names of `coordinates.SPEEDS`: the generalized speeds of the angles.
             coordinates: One name or (N,) names of `coordinates.ORIENTATIONS`: coordinates of orientations.
             prescribed: (N, 6) flags: freedoms whose motion is an input; default none.
+            armature: (N, 6) reflected inertias of motors (kg m^2, kg), see `Joint`; default 0.
 
         Raises:
             ModelError: If a shape, a number, the tree or the name is not usable.
@@ -140,6 +142,7 @@ class System(SystemDescription):
             speeds=speeds,
             coordinates=coordinates,
             prescribed=prescribed,
+            armature=armature,
         )
         return cls(name=name, bodies=bodies, gravity=gravity)
 
@@ -376,6 +379,7 @@ class System(SystemDescription):
 
         Raises:
             OptionError: If there are no such speeds.
+            ModelError: If a joint has armature that would belong to other speeds.
 
         Example:
             system.with_speeds("angular_velocity")
@@ -394,6 +398,7 @@ class System(SystemDescription):
 
         Raises:
             OptionError: If there are no such coordinates.
+            ModelError: If a joint has armature that would belong to other speeds.
 
         Example:
             system.with_coordinates("quaternion")
@@ -433,6 +438,9 @@ class System(SystemDescription):
 
         Limits of the angles of a joint that becomes another one have no meaning any more.
 
+        Raises:
+            ModelError: If a joint has armature that would belong to other speeds.
+
         Warns:
             KanegenWarning: If there are such limits, which are left out.
         """
@@ -445,6 +453,11 @@ class System(SystemDescription):
             changed = change(unlimited)
             if changed == unlimited:
                 continue
+            if any(joint.armature[:3]) and changed.speed_kinds != joint.speed_kinds:
+                raise ModelError(
+                    f"body {quoted(body.name)}: the speeds of its angles cannot be changed, because their "
+                    "motors have armature, which would belong to others. Leave it out first."
+                )
             without += [body.name] if changed.limits != joint.limits else []
             bodies[k] = replace(body, joint=changed)
         if without:

@@ -104,6 +104,16 @@ def mass(value: Number) -> Number:
     return value
 
 
+def armature(values: Sequence[Number], names: Sequence[str]) -> tuple[Number, ...]:
+    """Return reflected inertias (kg m^2, kg) of freedoms with these names; none may be negative."""
+    for name, value in zip(names, values, strict=True):
+        if value_of(value) < 0:
+            raise ModelError(
+                f"armature: that of {name} is {quoted(value_of(value))}. A reflected inertia is not negative."
+            )
+    return tuple(values)
+
+
 def inertia(value: Matrix, body: str) -> Matrix:
     """Return an inertia (kg m^2), which must be symmetric and positive semidefinite.
 

@@ -31,6 +31,7 @@ JOINT_KEYS = (
     "speeds",
     "limits",
     "freedom_names",
+    "armature",
 )
 
 GROUND = "ground"
@@ -138,6 +139,7 @@ def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
         prescribed=prescribed,
         limits=Limits.of(table.get("limits", {})),
         freedom_names=_freedom_names(table.get("freedom_names", {})),
+        armature=_armature(table.get("armature", {}), parameters),
     )
 
 
@@ -178,6 +180,14 @@ def _flags(key: str, value: Any) -> tuple[bool, ...]:
             raise ModelError(f"{key}: {quoted(name)} is no freedom. {did_you_mean(name, FREEDOMS)}")
     validation.unique(f"{key}: freedom", value)
     return tuple(name in value for name in FREEDOMS)
+
+
+def _armature(table: Any, parameters: Parameters) -> Any:
+    """Return (6,) reflected inertias of motors by freedom (kg m^2, kg), 0 where the file says nothing."""
+    if not isinstance(table, Mapping):
+        raise ModelError("armature: write a table such as {theta3 = 0.7}.")
+    check_keys(table, FREEDOMS, label="armature: ")
+    return tuple(parameters.resolve(table.get(name, 0), f"armature {name}") for name in FREEDOMS)
 
 
 def _locked(table: Any, moving: Mapping[str, tuple[bool, ...]], parameters: Parameters) -> Any:

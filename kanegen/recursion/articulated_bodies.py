@@ -17,7 +17,7 @@ from sympy import Expr, S
 from kanegen.recursion.articulated_inertia import ArticulatedInertia, Elimination, rigid_body
 from kanegen.recursion.coordinate_rates import angle_rates
 from kanegen.recursion.force_elements import element_efforts
-from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried
+from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried, Requirement
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joint_path import (
     GROUND_ACCELERATION,
@@ -31,7 +31,7 @@ from kanegen.recursion.joint_path import (
 )
 from kanegen.recursion.solved_motion import Paths, solved_motions
 from kanegen.recursion.tree import Tree, about_mass_centers
-from kanegen.recursion.vectors import Wrench, column, subtract
+from kanegen.recursion.vectors import column, subtract
 from kanegen.symbolic.definitions import Vector
 from kanegen.symbolic.symbols import generalized_force
 
@@ -69,8 +69,8 @@ class ArticulatedBodies:
         definitions = self.tree.definitions
         for element in self.paths[joint.body]:
             match element:
-                case FreeComponent(index, freedom):
-                    body, found = body.eliminated(index, f"{freedom}", definitions)
+                case FreeComponent(index, freedom, armature=armature):
+                    body, found = body.eliminated(index, armature, f"{freedom}", definitions)
                     self._eliminations[freedom] = found
                 case FrameChange(turn, name):
                     body = body.down(turn, name, definitions)
@@ -80,17 +80,17 @@ class ArticulatedBodies:
                     pass  # No mass is left to transmit.
         return body
 
-    def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
+    def solve(self, bias: Requirement, name: str) -> list[Expr]:
         """Return the free components of the accelerations.
 
         Args:
-            bias: Wrench that each body requires where all free components are zero, less its loads.
+            bias: What is required where all free components are zero.
             name: Prefix of the names of the components.
         """
-        tree, definitions, efforts = self.tree, self.tree.definitions, self._joint_efforts()
+        tree, definitions, efforts = self.tree, self.tree.definitions, self._joint_efforts(bias)
         along_components = self._component_efforts(efforts)
         alone: dict[int, Expr] = {}
-        carried = list(bias)
+        carried = list(bias.wrenches)
         for joint in reversed(tree.joints):
             k, j = joint.body, joint.lower
             tree.about(k, "forces on the articulated body, Eq. (42)")
@@ -118,10 +118,8 @@ class ArticulatedBodies:
             for element in reversed(self.paths[joint.body]):
                 if isinstance(element, FreeComponent):
                     i, freedom = element.index, element.freedom
-                    solution = self._eliminations[freedom].solve(alone[freedom], a)
-                    total = self.tree.definitions.define(f"q_{freedom}", solution)
-                    # The joint's own acceleration is the total less that of the lower body.
-                    own = total if element.is_absolute else total - a[i]
+                    total, own = self._eliminations[freedom].solve(alone[freedom], a, self.tree.definitions)
+                    own = total if element.is_absolute else own
                     found[freedom] = self.tree.definitions.define(f"{name}_{freedom}", own)
                     a = (*a[:i], total, *a[i + 1 :])
                 else:
@@ -140,7 +138,7 @@ class ArticulatedBodies:
         for joint in self.tree.joints:
             along = carried.get(joint.body, NOT_CARRIED).plus(solved[joint.body].carried)
             self.tree.about(joint.body, "{ydot} of the joint, Eq. (9)")
-            if joint.rotates_freely or joint.angular_speeds:
+            if joint.rotates_freely or joint.turns_freely:
                 result |= self._rotation_rates(joint, components, along, name)
             if joint.translates_freely:
                 result |= self._translation_rates(joint, components, along, name)
@@ -175,13 +173,13 @@ class ArticulatedBodies:
             for one in joint.translations
         }
 
-    def _joint_efforts(self) -> list[Expr]:
-        """Return {tau} plus the efforts of force elements, by freedom."""
+    def _joint_efforts(self, bias: Requirement) -> list[Expr]:
+        """Return {tau} plus the efforts of force elements, less those that motors take, by freedom."""
         tree, acting = self.tree, element_efforts(self.tree)
         result: list[Expr] = []
         for i, f in enumerate(tree.system.freedoms):
             effort = generalized_force(f.body, f.index) + acting.get((f.body, f.index), S.Zero)
-            result.append(tree.definitions.define(f"te_{i}", effort))
+            result.append(tree.definitions.define(f"te_{i}", effort - bias.efforts.get(i, S.Zero)))
         return result
 
     def _component_efforts(self, efforts: Sequence[Expr]) -> list[Expr]:
@@ -225,9 +223,9 @@ class ArticulatedBodies:
             composite = bodies[k - 1]
             for element in self.paths[k]:
                 match element:
-                    case FreeComponent(index, freedom):
+                    case FreeComponent(index, freedom, armature=armature):
                         inertia = column(composite.inertia, index % 3)[index % 3]
-                        result[freedom] = inertia if index in ROTATIONS else composite.mass
+                        result[freedom] = armature + (inertia if index in ROTATIONS else composite.mass)
                     case FrameChange(turn, name):
                         composite = composite.down(turn, name, definitions)
                     case OriginChange(offset, name):

@@ -9,6 +9,11 @@ with a symmetric [S] of rows and columns 0-2 for rotation and 3-5 for translatio
 acceleration is free, its row is solved for the component, and the Schur complement passes inward
 (Featherstone 2008, section 7.3). An eliminated component leaves exact zeros in [S] and its generalized force
 in {p}. [S] depends on {x} alone, so one elimination serves any number of {p}.
+
+With the armature a of a motor at the joint, the component q of index i needs the effort a q more, so that
+[S]_i {alpha; a} + {p}_i + a q is the effort, where q is what the joint adds to the acceleration of the frame
+below. Then the pivot is [S]_ii + a, and a share a / ([S]_ii + a) of row and column i remains: a motor with a
+large armature holds its joint. No difference is formed for it.
 """
 
 from __future__ import annotations
@@ -33,9 +38,11 @@ class Elimination:
     Attributes:
         index: The component, 0-2 for rotation and 3-5 for translation.
         name: Suffix of the names of intermediates.
-        pivot: Diagonal entry of [S] of the component; positive, or [A] is singular.
+        pivot: Diagonal entry of [S] of the component, plus armature; positive, or [A] is singular.
         inverse: Reciprocal of the pivot.
         gains: Entries of its row of [S] over the pivot, by index of the other component.
+        own_gain: The diagonal entry of [S] over the pivot: 1 without armature.
+        kept: Armature over the pivot: 1 less `own_gain`.
     """
 
     index: int
@@ -43,6 +50,8 @@ class Elimination:
     pivot: Expr
     inverse: Expr
     gains: dict[int, Expr]
+    own_gain: Expr
+    kept: Expr
 
     def eliminate(self, bias: Wrench, effort: Expr, definitions: Definitions) -> tuple[Wrench, Expr]:
         """Eliminate the component from {p}.
@@ -60,12 +69,25 @@ class Elimination:
         alone = definitions.define(f"n_{self.name}", surplus * self.inverse)
         for i, gain in self.gains.items():
             left[i] += gain * surplus
-        left[self.index] = effort  # what the joint transmits along the component
+        left[self.index] = effort - self.kept * surplus  # what the joint transmits along the component
         return Wrench(Vector(*left[3:]), Vector(*left[:3])).named(self.name, definitions), alone
 
-    def solve(self, alone: Expr, acceleration: Sequence[Expr]) -> Expr:
-        """Return the component from the other components and `alone`, its value where these are zero."""
-        return alone - sum(gain * acceleration[i] for i, gain in self.gains.items())
+    def solve(self, alone: Expr, acceleration: Sequence[Expr], definitions: Definitions) -> tuple[Expr, Expr]:
+        """Return the component of the acceleration above the joint, and what the joint adds to that below.
+
+        Args:
+            alone: Value of the component where all others are zero.
+            acceleration: Acceleration below the joint.
+            definitions: Definitions that the intermediates are added to.
+        """
+        by_others = alone - sum(gain * acceleration[i] for i, gain in self.gains.items())
+        below = acceleration[self.index]
+        if self.kept == 0:
+            total = definitions.define(f"q_{self.name}", by_others)
+            return total, total - below
+        by_others = definitions.define(f"qo_{self.name}", by_others)
+        total = definitions.define(f"q_{self.name}", by_others + self.kept * below)
+        return total, by_others - self.own_gain * below
 
 
 @dataclass(frozen=True)
@@ -100,20 +122,33 @@ class ArticulatedInertia:
         )
 
     def eliminated(
-        self, index: int, name: str, definitions: Definitions
+        self, index: int, armature: Expr, name: str, definitions: Definitions
     ) -> tuple[ArticulatedInertia, Elimination]:
-        """Return the matrix after the elimination of the free component `index`, and the elimination."""
+        """Return the matrix after the elimination of a free component, and the elimination.
+
+        Args:
+            index: The component, 0-2 for rotation and 3-5 for translation.
+            armature: Reflected inertia of the motor of the component (kg m^2, kg).
+            name: Suffix of the names of intermediates.
+            definitions: Definitions that the intermediates are added to.
+        """
         matrix = self._matrix()
         others = [i for i in SIX if i != index and matrix[index][i] != 0]
-        pivot = matrix[index][index]
+        pivot, own_gain, kept = matrix[index][index], S.One, S.Zero
+        if armature != 0:
+            pivot = definitions.define(f"D_{name}", pivot + armature)
         inverse = definitions.define(f"D_{name}i", 1 / pivot)
         gains = {i: definitions.define(f"g_{name}_{i}", matrix[index][i] * inverse) for i in others}
+        if armature != 0:
+            own_gain = definitions.define(f"g_{name}_{index}", matrix[index][index] * inverse)
+            kept = definitions.define(f"gk_{name}", armature * inverse)
         for i in others:
             for j in others:
                 matrix[i][j] -= gains[min(i, j)] * matrix[index][max(i, j)]
         for i in SIX:
-            matrix[index][i] = matrix[i][index] = S.Zero
-        return _from_matrix(matrix).named(name, definitions), Elimination(index, name, pivot, inverse, gains)
+            matrix[index][i] = matrix[i][index] = kept * matrix[index][i]
+        found = Elimination(index, name, pivot, inverse, gains, own_gain, kept)
+        return _from_matrix(matrix).named(name, definitions), found
 
     def down(self, turn: Turn, name: str, definitions: Definitions) -> ArticulatedInertia:
         """Return the matrix in components of the frame below a turn."""

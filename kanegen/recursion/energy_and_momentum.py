@@ -80,7 +80,7 @@ def potential_energy(tree: Tree) -> Derived:
 
 
 def kinetic_energy(tree: Tree) -> Derived:
-    """Derive the sum of the kinetic energies of the bodies."""
+    """Derive the sum of the kinetic energies of the bodies and of the motors, a {y}^2 / 2 for armature a."""
     total: Expr = S.Zero
     omega = angular_velocities(tree)
     velocity = velocities(tree, omega)
@@ -88,6 +88,16 @@ def kinetic_energy(tree: Tree) -> Derived:
         tree.about(k, "kinetic energy")
         energy = _kinetic_energy(inertia, omega[k], velocity[k], tree.definitions, k)
         total = tree.definitions.define(f"KE_{k}s", total + energy)
+    define = tree.definitions.define
+    for joint in tree.joints:
+        tree.about(joint.body, "kinetic energy of its motors")
+        for one in joint.elements:
+            if one.armature != 0:
+                half, square = (
+                    define(f"mm_{one.number}", one.armature / 2),
+                    define(f"ym_{one.number}", one.rate**2),
+                )
+                total = define(f"KM_{one.number}", total + half * square)
     return Derived([total])
 
 

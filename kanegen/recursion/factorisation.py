@@ -12,12 +12,11 @@ from collections.abc import Mapping, Sequence
 from sympy import Expr, S
 
 from kanegen.model.system import System
-from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried, required_efforts
+from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried, Requirement, required_efforts
 from kanegen.recursion.joint_path import joint_path, released
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.solved_motion import Paths
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import Wrench
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import generalized_force
 
@@ -75,11 +74,11 @@ class Factorisation:
         """Expressions by freedom that are positive where [A] is regular."""
         return self.pivots
 
-    def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
+    def solve(self, bias: Requirement, name: str) -> list[Expr]:
         """Return {ydot}.
 
         Args:
-            bias: Wrench that each body requires where all free components are zero, less its loads.
+            bias: What is required where all free components are zero.
             name: Prefix of the names of the entries.
         """
         definitions, factors = self.tree.definitions, self._factors

@@ -48,20 +48,33 @@ from kanegen.symbolic.symbols import torque as torque_symbol
 
 def forcing(tree: Tree) -> Derived:
     """Derive the entries of {f}, Eq. (44)."""
-    at_rest = body_motions(tree, accelerated=False)
-    return Derived([-needed for needed in required_efforts(tree, required_wrenches(tree, at_rest))])
+    return Derived([-needed for needed in required_efforts(tree, _required(tree, accelerated=False))])
 
 
 def inverse_dynamics(tree: Tree) -> Derived:
     """Derive the entries of [A]{ydot} - {f}, the generalized forces for {ydot} beside loads and gravity."""
-    return Derived(required_efforts(tree, required_wrenches(tree, body_motions(tree, accelerated=True))))
+    return Derived(required_efforts(tree, _required(tree, accelerated=True)))
 
 
 def prescribed_efforts(tree: Tree) -> Derived:
     """Derive the generalized forces at the prescribed freedoms, beside loads and gravity."""
-    found = _all_required_efforts(tree, required_wrenches(tree, body_motions(tree, accelerated=True)))
+    found = _all_required_efforts(tree, _required(tree, accelerated=True))
     first = len(tree.system.freedoms)
     return Derived([found[first + i] for i in range(len(tree.system.prescribed))])
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What a motion requires of the bodies and of the motors, less loads.
+
+    Attributes:
+        wrenches: Force and moment about its origin for each body.
+        efforts: Generalized forces that the armature of motors takes, by number of the freedom, as in
+            `Step.number`.
+    """
+
+    wrenches: Sequence[Wrench]
+    efforts: Mapping[int, Expr]
 
 
 @dataclass(frozen=True)
@@ -207,6 +220,34 @@ def _field(
     return squares, (named[0], named[1], named[2])
 
 
+def _required(tree: Tree, *, accelerated: bool) -> Requirement:
+    """Return what the motion of the system requires; `accelerated` as for `body_motions`."""
+    return required(tree, body_motions(tree, accelerated=accelerated), accelerated=accelerated)
+
+
+def required(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) -> Requirement:
+    """Return what a motion requires.
+
+    Args:
+        tree: The tree.
+        moved: Motion of every body, by number.
+        accelerated: Whether the freedoms have accelerations, as for `body_motions`.
+    """
+    return Requirement(required_wrenches(tree, moved), _armature_efforts(tree, accelerated))
+
+
+def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
+    """Return the generalized forces that accelerate the armature of motors, by number of the freedom."""
+    return {
+        element.number: tree.definitions.define(
+            f"fm_{element.number}", element.armature * element.acceleration
+        )
+        for joint in tree.joints
+        for element in joint.elements
+        if element.armature != 0 and (accelerated or element.freedom == NO_FREEDOM)
+    }
+
+
 def required_wrenches(tree: Tree, moved: Mapping[int, BodyMotion]) -> list[Wrench]:
     """Return for each body the force and moment about its origin that its motion requires, less its loads.
 
@@ -312,16 +353,16 @@ def carried_wrenches(tree: Tree, wrenches: Sequence[Wrench]) -> Iterator[Carried
             )
 
 
-def required_efforts(tree: Tree, wrenches: Sequence[Wrench]) -> list[Expr]:
-    """Return the generalized forces for the required wrenches, less those of force elements, by freedom."""
-    found = _all_required_efforts(tree, wrenches)
+def required_efforts(tree: Tree, needed: Requirement) -> list[Expr]:
+    """Return the generalized forces that are required, less those of force elements, by freedom."""
+    found = _all_required_efforts(tree, needed)
     return [found[i] for i in range(len(tree.system.freedoms))]
 
 
-def _all_required_efforts(tree: Tree, wrenches: Sequence[Wrench]) -> dict[int, Expr]:
+def _all_required_efforts(tree: Tree, needed: Requirement) -> dict[int, Expr]:
     """Return required generalized forces by number of the freedom, as in `Step.number`."""
     result: dict[int, Expr] = {}
-    for carried in carried_wrenches(tree, wrenches):
+    for carried in carried_wrenches(tree, needed.wrenches):
         joint = carried.joint
         result |= {speed.freedom: carried.above.moment[speed.axis] for speed in joint.angular_speeds}
         for step, moment in zip(joint.steps, carried.moments, strict=True):
@@ -332,4 +373,7 @@ def _all_required_efforts(tree: Tree, wrenches: Sequence[Wrench]) -> dict[int, E
             result[translation.number] = tree.definitions.define(f"f_{translation.number}", work)
     acting = element_efforts(tree)
     moving = enumerate((*tree.system.freedoms, *tree.system.prescribed))
-    return {i: result[i] - acting.get((freedom.body, freedom.index), S.Zero) for i, freedom in moving}
+    return {
+        i: result[i] + needed.efforts.get(i, S.Zero) - acting.get((freedom.body, freedom.index), S.Zero)
+        for i, freedom in moving
+    }

@@ -61,7 +61,13 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     if not body.joint.speeds_are_rates:
         kinds = body.joint.speed_kinds
         speeds = tuple(
-            AngularSpeed(number[Freedom(k, i)], i, speed(k, kinds[i]), acceleration(k, kinds[i]))
+            AngularSpeed(
+                number[Freedom(k, i)],
+                i,
+                speed(k, kinds[i]),
+                acceleration(k, kinds[i]),
+                exact(body.joint.armature[i]),
+            )
             for i in ANGLES
         )
         joint = _turning_as_a_whole(replace(joint, angular_speeds=speeds), body.joint.rotation, definitions)
@@ -72,7 +78,9 @@ def _translation(system: System, freedom: Freedom, direction: Vector) -> Transla
     """Return a free or prescribed translation along `direction`, which is given in the lower body's frame."""
     place, number = _place_and_number(system, freedom)
     k, index = freedom.body, freedom.index
-    return Translation(place, freedom.axis, direction, speed(k, index), acceleration(k, index), number)
+    armature = exact(system.bodies[k - 1].joint.armature[index])
+    rates = speed(k, index), acceleration(k, index)
+    return Translation(place, freedom.axis, direction, *rates, number, armature)
 
 
 def _place_and_number(system: System, freedom: Freedom) -> tuple[int, int]:
@@ -157,7 +165,7 @@ def _angle_step(system: System, freedom: Freedom, definitions: Definitions) -> S
     cosine = definitions.define(f"C_{k}_{index + 1}", sympy.cos(angle))
     place, number = _place_and_number(system, freedom)
     turn, rates = planar_turn(axis, sine, cosine, angle), (speed(k, index), acceleration(k, index))
-    return Step(turn, frame, place, axis, *rates, sine, cosine, index, number)
+    return Step(turn, frame, place, axis, *rates, sine, cosine, index, number, exact(joint.armature[index]))
 
 
 def _constant_turn(name: str, axis: int, angle: Number, definitions: Definitions) -> Turn:

@@ -33,6 +33,7 @@ class Step:
         cosine: Cosine of the angle.
         angle: Number of the angle of the turn, 0 to 2, free or locked; or `NO_ANGLE`.
         number: `freedom`, or n plus the place in `system.prescribed` for a prescribed angle.
+        armature: Reflected inertia of the motor of the angle (kg m^2).
     """
 
     turn: Turn
@@ -45,6 +46,7 @@ class Step:
     cosine: Expr = S.One
     angle: int = NO_ANGLE
     number: int = NO_FREEDOM
+    armature: Expr = S.Zero
 
     @property
     def moves(self) -> bool:
@@ -63,6 +65,7 @@ class Translation:
         rate: Rate of the translation (m/s).
         acceleration: Second derivative of the translation (m/s^2).
         number: `freedom`, or n plus the place in `system.prescribed` for a prescribed translation.
+        armature: Reflected inertia of the motor of the translation (kg).
     """
 
     freedom: int
@@ -71,6 +74,7 @@ class Translation:
     rate: Expr
     acceleration: Expr
     number: int
+    armature: Expr
 
 
 @dataclass(frozen=True)
@@ -82,12 +86,19 @@ class AngularSpeed:
         axis: Basis vector along which it points.
         rate: The component itself (rad/s).
         acceleration: Time derivative of the component (rad/s^2).
+        armature: Reflected inertia of the motor of the component (kg m^2).
     """
 
     freedom: int
     axis: int
     rate: Expr
     acceleration: Expr
+    armature: Expr
+
+    @property
+    def number(self) -> int:
+        """The place in {y}: components of an angular velocity are never prescribed."""
+        return self.freedom
 
 
 @dataclass(frozen=True)
@@ -138,13 +149,31 @@ class JointMotion:
 
     @property
     def rotates_freely(self) -> bool:
-        """Whether the rates of three free angles are speeds."""
-        return sum(step.freedom != NO_FREEDOM for step in self.angles) == 3
+        """Whether the rates of three free angles are speeds, and only efforts are transmitted as a moment.
+
+        A motor with armature transmits a moment that depends on the acceleration of its angle.
+        """
+        free = [step for step in self.angles if step.freedom != NO_FREEDOM]
+        return len(free) == 3 and not any(step.armature for step in free)
+
+    @property
+    def turns_freely(self) -> bool:
+        """Whether the speeds are an angular velocity, and only efforts are transmitted as a moment."""
+        return bool(self.angular_speeds) and not any(speed.armature for speed in self.angular_speeds)
 
     @property
     def translates_freely(self) -> bool:
-        """Whether all three translations are free, so that the joint transmits no force but its efforts."""
-        return len(self.translations) == 3
+        """Whether all three translations are free, and only efforts are transmitted as a force."""
+        return len(self.translations) == 3 and not any(one.armature for one in self.translations)
+
+    @property
+    def elements(self) -> tuple[Step | Translation | AngularSpeed, ...]:
+        """The angles, components of the angular velocity and translations that are free or prescribed."""
+        return (
+            *(step for step in self.angles if step.moves),
+            *self.angular_speeds,
+            *self.moving_translations,
+        )
 
     @property
     def rotations(self) -> tuple[int, ...]:

@@ -35,11 +35,13 @@ class FreeComponent:
         freedom: Place of the freedom in {y}.
         is_absolute: Whether it is the whole component of the acceleration of the body, instead of what the
             joint adds to that of the lower body.
+        armature: Reflected inertia of its motor (kg m^2, kg); zero where the component is absolute.
     """
 
     index: int
     freedom: int
     is_absolute: bool = False
+    armature: Expr = S.Zero
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ def released(tree: Tree, *, together: bool) -> frozenset[int]:
     for joint in tree.joints:
         if joint.translates_freely:
             found.update(one.freedom for one in joint.translations)
-        if joint.angular_speeds or (together and joint.rotates_freely):
+        if joint.turns_freely or (together and joint.rotates_freely):
             found.update(joint.rotations)
     return frozenset(found)
 
@@ -149,20 +151,21 @@ def _elements(joint: JointMotion, together: bool) -> Iterator[PathElement]:
         if joint.to_center != ZERO:
             yield OriginChange(joint.to_center, f"{joint.body}o")
     for speed in joint.angular_speeds:
-        yield FreeComponent(speed.axis, speed.freedom, is_absolute=together)
+        is_absolute = together and joint.turns_freely
+        yield FreeComponent(speed.axis, speed.freedom, is_absolute, speed.armature)
     if all_angles:
         for index, step in zip(ROTATIONS, joint.angles, strict=True):
             yield FreeComponent(index, step.freedom, is_absolute=True)
     for step in reversed(joint.angles):
         if step.freedom != NO_FREEDOM and not all_angles:
-            yield FreeComponent(step.axis, step.freedom)
+            yield FreeComponent(step.axis, step.freedom, armature=step.armature)
         yield FrameChange(step.turn, step.frame)
     if all_translations:
         one, two, three = (translation.freedom for translation in joint.translations)
         yield FreeTranslations((one, two, three))
     else:
         for translation in joint.translations:
-            yield FreeComponent(3 + translation.axis, translation.freedom)
+            yield FreeComponent(3 + translation.axis, translation.freedom, armature=translation.armature)
     for step in reversed(joint.constant):
         yield FrameChange(step.turn, step.frame)
     yield OriginChange(joint.offset, f"{joint.body}j")

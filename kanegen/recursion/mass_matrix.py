@@ -114,7 +114,7 @@ class _Assembly:
             for col in (*self.moving[joint.body - 1], *begun):
                 self.record(col.freedom, speed.freedom, col.moment_about(speed.axis, self.tree.definitions))
             moment = column(composite.inertia, speed.axis)
-            self.record(speed.freedom, speed.freedom, moment[speed.axis])
+            self.record(speed.freedom, speed.freedom, moment[speed.axis] + speed.armature)
             label = f"{joint.body}w{speed.axis + 1}"
             force = cross(unit(speed.axis), composite.moment)
             begun.append(RotationColumn(speed.freedom, label, force, moment))
@@ -143,7 +143,7 @@ class _Assembly:
         """Begin the column of an angle below its turn, where the composite body is `below`."""
         axis = unit(step.axis)
         moment = column(below.inertia, step.axis)
-        self.record(step.freedom, step.freedom, moment[step.axis])
+        self.record(step.freedom, step.freedom, moment[step.axis] + step.armature)
         col = RotationColumn(step.freedom, step.frame, cross(axis, below.moment), moment)
         basis = self.bases.get(joint.body)
         if basis is None or step is not joint.steps[-1]:
@@ -158,7 +158,7 @@ class _Assembly:
                 name = f"A_{col.freedom}_{translation.freedom}"
                 value = self.tree.definitions.define(name, dot(translation.direction, col.force))
                 self.record(col.freedom, translation.freedom, value)
-            self.record(translation.freedom, translation.freedom, composite.mass)
+            self.record(translation.freedom, translation.freedom, composite.mass + translation.armature)
 
     def _pass_to_lower_body(
         self, arriving: list[Column], own: list[RotationColumn], composite: Inertia, joint: JointMotion

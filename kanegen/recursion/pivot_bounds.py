@@ -66,6 +66,10 @@ class PivotBounds:
             for freedom, least in _least_of_joint(body, joint, together).items():
                 self._least[freedom] = Bound(least)
             self._carry(joint)
+            for element in joint.elements:
+                if element.freedom != NO_FREEDOM:
+                    for bounds in (self._carried, self._least):
+                        bounds[element.freedom] = bounds[element.freedom].plus(element.armature)
 
     def carried(self, freedom: int, share: Rational = S.One) -> Expr:
         """Return a share of the bound of the inertias that a freedom carries."""
@@ -113,7 +117,7 @@ class PivotBounds:
                 reach = self._add_to_angles(below, body, mass, largest, reach)
             for one in below.translations:
                 self._add(one.freedom, mass, S.Zero)
-            if freely and (below.angular_speeds or below.rotates_freely):
+            if freely and (below.turns_freely or below.rotates_freely):
                 return
             if freely:
                 # Whatever the distance, the moment of the mass about the axes of inward turns vanishes.
@@ -205,7 +209,9 @@ def _least_of_joint(body: Body, joint: JointMotion, together: bool) -> dict[int,
     angles = [step for step in joint.angles if step.freedom != NO_FREEDOM]
     rotations = [step.freedom for step in angles] + [speed.freedom for speed in joint.angular_speeds]
     least = least_inertia(body)
-    found = dict.fromkeys(rotations, least if _are_orthogonal(angles, together) else S.Zero)
+    found = dict.fromkeys(
+        rotations, least if _are_orthogonal(angles, together and joint.rotates_freely) else S.Zero
+    )
     moving = [step for step in joint.angles if step.moves]
     if moving and _comes_first(joint, together):
         found.pop(moving[-1].freedom, None)

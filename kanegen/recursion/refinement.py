@@ -22,7 +22,8 @@ from sympy import Expr
 
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.inverse_dynamics import BodyMotion, body_motions, required_wrenches
+from kanegen.recursion.inverse_dynamics import BodyMotion, Requirement, body_motions, required
+from kanegen.recursion.joint_motion import NO_FREEDOM
 from kanegen.recursion.pivot_margins import PivotMargins
 from kanegen.recursion.solved_motion import solved_motions
 from kanegen.recursion.solver import Solver
@@ -99,9 +100,9 @@ class Solution:
         return body_motions(self._tree, accelerated=False, released=self._solver.released)
 
     @cached_property
-    def _bias(self) -> list[Wrench]:
-        """Wrenches that the bodies require where all free components are zero, less their loads."""
-        return required_wrenches(self._tree, self._motions)
+    def _bias(self) -> Requirement:
+        """What is required where all free components are zero."""
+        return required(self._tree, self._motions, accelerated=False)
 
     @cached_property
     def _components(self) -> list[Expr]:
@@ -127,16 +128,20 @@ class Solution:
         return self._tree.definitions.define(name, value)
 
 
-def _with_free_components(solver: Solver, bias: Sequence[Wrench], components: Sequence[Expr]) -> list[Wrench]:
-    """Return `bias` plus the wrenches that the bodies require for the free components."""
-    tree, total = solver.tree, []
+def _with_free_components(solver: Solver, bias: Requirement, components: Sequence[Expr]) -> Requirement:
+    """Return `bias` plus what is required for the free components."""
+    tree, total, efforts = solver.tree, [], dict(bias.efforts)
     solved = solved_motions(tree, solver.paths, components)
     for joint in tree.joints:
         k, a = joint.body, solved[joint.body].acceleration
         tree.about(k, "what the solution needs, Eq. (44)")
         own = _accelerated(tree.inertias[k - 1], Vector(*a[:3]), Vector(*a[3:]))
-        total.append(bias[k - 1].plus(own, f"{k}own", tree.definitions))
-    return total
+        total.append(bias.wrenches[k - 1].plus(own, f"{k}own", tree.definitions))
+        for element in joint.elements:
+            if element.armature != 0 and element.freedom != NO_FREEDOM:
+                needed = element.armature * components[element.freedom]
+                efforts[element.freedom] = tree.definitions.define(f"fm_{element.freedom}", needed)
+    return Requirement(total, efforts)
 
 
 def _accelerated(inertia: Inertia, alpha: Vector, a: Vector) -> Wrench:

@@ -7,10 +7,9 @@ from typing import Protocol
 
 from sympy import Expr
 
-from kanegen.recursion.inverse_dynamics import Carried
+from kanegen.recursion.inverse_dynamics import Carried, Requirement
 from kanegen.recursion.solved_motion import Paths
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import Wrench
 
 
 class Solver(Protocol):
@@ -39,8 +38,8 @@ class Solver(Protocol):
     def diagonal(self) -> Sequence[Expr]:
         """Inertia of the composite body by freedom: the pivot with every other freedom locked."""
 
-    def solve(self, bias: Sequence[Wrench], name: str) -> list[Expr]:
-        """Return the free components under {tau}, where the bodies require `bias` at zero components."""
+    def solve(self, bias: Requirement, name: str) -> list[Expr]:
+        """Return the free components under {tau}, where `bias` is required at zero components."""
 
     def speed_rates(
         self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]

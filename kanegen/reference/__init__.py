@@ -3,6 +3,7 @@
 - `freedoms`, `arguments` and `matrices` hold the order of Eq. (1), checked arrays, and the small matrices.
 - `kinematics` is Eqs. (1)-(35), `equations` Eqs. (36)-(44), as they stand in the notes.
 - `force_elements` and `expressions` add springs, drives, potentials and loads on points.
+- `motors` adds the inertia of motors.
 - `magnitudes` says how large the terms of [A] and {f} are, and bounds rounding errors by them.
 - `regularity` finds systems whose [A] is singular in every state.
 - `states` makes random states in which every term counts.

@@ -29,6 +29,7 @@ from kanegen.reference.force_elements import contributions
 from kanegen.reference.freedoms import free_columns, full_order, prescribed_columns
 from kanegen.reference.kinematics import BodyKinematics, kinematics
 from kanegen.reference.matrices import Numbers, apply, transposed
+from kanegen.reference.motors import motor_forces, motor_mass_matrix
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,7 @@ class ForcingTerms:
             (40).
         gyroscopic: `- [omega_y]^T (omega x [I] omega)`, Eq. (41).
         elements: Force elements, and loads on points.
+        motors: Generalized inertia forces of motors.
     """
 
     loads: Numbers
@@ -53,6 +55,7 @@ class ForcingTerms:
     angular: Numbers
     gyroscopic: Numbers
     elements: Numbers
+    motors: Numbers
 
     @property
     def total(self) -> Numbers:
@@ -89,7 +92,7 @@ def mass_matrix(system: System | SystemArrays, x: ArrayLike, prescribed: ArrayLi
     # One product of the bodies' matrices on top of each other is their sum over K, and much faster.
     linear: Numbers = transposed(_stacked(center_y)) @ _stacked(linear_momentum_y)
     angular: Numbers = transposed(_stacked(omega_y)) @ _stacked(angular_momentum_y)
-    return linear + angular
+    return linear + angular + motor_mass_matrix(system)
 
 
 def forcing(
@@ -188,6 +191,7 @@ def _terms(
     return ForcingTerms(
         **{name: sum((terms[name][..., columns] for terms in bodies), start=zero) for name in bodies[0]},
         elements=sum((part.value[..., columns] for part in elements), start=zero),
+        motors=zero + motor_forces(system, accelerations)[..., columns],
     )
 
 

@@ -23,6 +23,7 @@ from kanegen.reference.force_elements import contributions
 from kanegen.reference.freedoms import UNPRESCRIBED, free_columns, full_order
 from kanegen.reference.kinematics import BodyKinematics
 from kanegen.reference.matrices import Numbers, apply, length, transposed
+from kanegen.reference.motors import motor_mass_matrix
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ def mass_matrix_magnitude(system: SystemArrays, maxima: tuple[PathMaxima, ...]) 
     center_y, omega_y = _columns(system, maxima)
     linear = transposed(system.mass[:, None] * center_y) @ center_y
     angular = transposed(_inertia_size(system)[:, None] * omega_y) @ omega_y
-    magnitude: Floats = linear + angular
+    magnitude: Floats = linear + angular + motor_mass_matrix(system)
     return magnitude
 
 

@@ -55,6 +55,7 @@ def _numbers(system: System, arrays: SystemArrays) -> Iterator[tuple[str, Floats
             ("mass centre", arrays.mass_center[k]),
             ("joint position", arrays.joint_position[k]),
             ("locked translation", arrays.locked[k, 3:]),
+            ("armature", arrays.armature[k]),
         ):
             yield f"body {quoted(body.name)}: the {label}", np.asarray(values)
     yield "gravity", arrays.gravity
@@ -69,6 +70,8 @@ def _moved(arrays: SystemArrays) -> dict[tuple[int, bool], Exponents]:
         for is_angle in (True, False)
     }
     for outer in range(1, count + 1):
+        found[outer, True]["inertia"] += [_exponent(arrays.armature[outer - 1, :3])]
+        found[outer, False]["inertia"] += [_exponent(arrays.armature[outer - 1, 3:])]
         mass, moments = _exponent(arrays.mass[outer - 1]), _exponent(arrays.inertia[outer - 1])
         distance, k = _length(arrays.mass_center[outer - 1]), outer
         while k:

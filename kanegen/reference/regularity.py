@@ -1,9 +1,9 @@
 """Systems whose [A] is singular in every state, found before any code is written.
 
-[A] = [P]^T [M] [P], where [P] holds the partial velocities of the mass centres and the partial angular
-velocities, and [M] the masses and inertias. Whether [A] is singular depends only on the rows of [P] where
-[M] is not zero, not on how large it is there, so mass ratios cannot blur the answer. Scaling rows and
-columns does not change it either.
+[A] = [P]^T [M] [P], where [P] holds the partial velocities of the mass centres, the partial angular
+velocities, and a row for each motor; [M] holds the masses, inertias and armatures. Whether [A] is singular
+depends only on the rows of [P] where [M] is not zero, not on how large it is there, so mass ratios cannot
+blur the answer. Scaling rows and columns does not change it either.
 
 [A] is singular where some motion moves neither mass nor inertia, that is where the columns of these rows
 depend on each other. They are orthogonalised from the outermost freedom inward, so the first column that
@@ -30,6 +30,7 @@ from kanegen.model.validation import INERTIA_ROUNDING, ORTHOGONALITY
 from kanegen.reference.freedoms import UNPRESCRIBED, free_columns
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.magnitudes import path_maxima
+from kanegen.reference.motors import armature_in_order
 from kanegen.reference.states import random_states
 
 STATES = 3
@@ -156,7 +157,7 @@ class VelocityRows:
 def velocity_rows(
     arrays: SystemArrays, x: Floats, order: Sequence[int], prescribed: Floats = UNPRESCRIBED
 ) -> VelocityRows:
-    """Return the rows of [P] that carry mass or inertia in one state.
+    """Return the rows of [P] that carry mass, inertia or armature in one state.
 
     Args:
         arrays: The numbers of the tree.
@@ -176,6 +177,9 @@ def velocity_rows(
         if len(axes):
             blocks.append(axes @ bodies[k].omega_y[:, columns])
             sizes.append(maxima.omega_y[columns])
+    for row in np.flatnonzero(armature_in_order(arrays)[columns]):
+        blocks.append(np.eye(len(columns))[[row]])
+        sizes.append(blocks[-1][0])
     table = np.reshape(sizes, (-1, len(columns)))
     row_scale, column_scale = _equilibration(table)
     scaled = [scale * block * column_scale for scale, block in zip(row_scale, blocks, strict=True)]

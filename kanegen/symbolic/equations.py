@@ -27,6 +27,7 @@ from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.force_elements import ElementForces
 from kanegen.symbolic.literal.intermediates import Intermediates
+from kanegen.symbolic.literal.motors import motor_mass_matrix
 from kanegen.symbolic.literal.numeric import NumericEquations, numeric
 from kanegen.symbolic.symbols import accelerations, coordinates, force, prescribed, speed, speeds, torque
 
@@ -106,8 +107,8 @@ class Equations:
 
     @cached_property
     def A(self) -> ImmutableMatrix:
-        """[A], (n, n): the generalized mass matrix, Eq. (43)."""
-        return total(body.mass_matrix for body in self.bodies)
+        """[A], (n, n): the generalized mass matrix, Eq. (43), with the armature of motors on its diagonal."""
+        return total([*(body.mass_matrix for body in self.bodies), motor_mass_matrix(self.system)])
 
     @cached_property
     def f(self) -> ImmutableMatrix:

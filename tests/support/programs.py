@@ -9,14 +9,21 @@ import numpy as np
 
 import kanegen as kg
 from kanegen.compiler import compile_module
+from kanegen.options import STRICT, Variant
 from kanegen.program.evaluate import evaluate
 
 Arrays = dict[str, Any]
 
 
-def values(system: kg.System, outputs: tuple[str, ...], inputs: Arrays, number: Any = float) -> Arrays:
+def values(
+    system: kg.System,
+    outputs: tuple[str, ...],
+    inputs: Arrays,
+    number: Any = float,
+    variant: Variant = STRICT,
+) -> Arrays:
     """Return outputs by array, computed by one program in the arithmetic of `number`."""
-    module = compile_module(system, outputs).module
+    module = compile_module(system, outputs, variant=variant).module
     program = module.functions.get("evaluate") or module.functions[outputs[0]]
     flat = {name: [number(v) for v in np.ravel(value)] for name, value in inputs.items()}
     if module.prepare is not None:

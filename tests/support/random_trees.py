@@ -36,14 +36,15 @@ class Drawing:
     Attributes:
         rng: Source of everything random.
         share: Share of the numbers that become parameters.
+        prefix: Beginning of the names of these parameters.
     """
 
-    def __init__(self, rng: np.random.Generator, share: float = 0.2) -> None:
-        self.rng, self.share = rng, share
+    def __init__(self, rng: np.random.Generator, share: float = 0.2, prefix: str = "p") -> None:
+        self.rng, self.share, self.prefix = rng, share, prefix
         self._names = count()
 
     def parameter(self, value: float) -> kg.Parameter:
-        return kg.Parameter(f"p{next(self._names)}", float(value))
+        return kg.Parameter(f"{self.prefix}{next(self._names)}", float(value))
 
     def number(self, value: float) -> Number:
         return self.parameter(value) if self.rng.random() < self.share else float(value)
@@ -66,6 +67,7 @@ def everything(seed: int, bodies: int = 4) -> kg.System:
     """
     drawing = Drawing(np.random.default_rng(seed))
     tree = [_body(drawing, k, seed * bodies + k) for k in range(bodies)]
+    tree = with_motors(tree, Drawing(np.random.default_rng([seed, 1]), prefix="motor"))
     gravity = drawing.vector(6.0)
     system = kg.System("everything", tuple(tree), gravity)
     return _acted_on(_with_frames(system, drawing), drawing)
@@ -105,6 +107,16 @@ def _joint(drawing: Drawing, kind: str, orientation: str) -> kg.Joint:
         sequence="1-2-3" if kind == "quaternion" else drawing.one_of(list(SEQUENCES)),
         coordinates="quaternion" if kind == "quaternion" else "angles",
     )
+
+
+def with_motors(bodies: list[kg.Body], drawing: Drawing) -> list[kg.Body]:
+    """Return the bodies with armature at about a third of their freedoms, locked ones among them."""
+    armed = []
+    for body in bodies:
+        sizes = drawing.rng.uniform(0.1, 2.0, 6) * (drawing.rng.random(6) < 0.3)
+        armature = tuple(drawing.number(size) if size else 0.0 for size in sizes)
+        armed.append(replace(body, joint=replace(body.joint, armature=armature)))
+    return armed
 
 
 def _orientation(drawing: Drawing, kind: str) -> Any:

@@ -85,6 +85,9 @@ def equations(tree: Tree) -> Equations:
         own_matrix, own_forces = _contribution(link, frame, tree)
         matrix += own_matrix
         forces += own_forces
+        for place, armature in zip(link.places, link.armature, strict=True):
+            if place is not None:
+                matrix[place, place] += armature
     loads, gravity, velocity = (arb_mat(n, 1, forces.entries()[i::3]) for i in range(3))
     return Equations(matrix, loads, gravity, velocity)
 

@@ -120,7 +120,7 @@ def _required_forces(tree: Tree, ydot: arb_mat, moving: bool) -> arb_mat:
         needed = stacked([motion.rate_matrix.transpose() * moment, link.orientation * passed])
         for index, place in enumerate(link.places):
             if place is not None:
-                rows[place] = _row(needed, index)
+                rows[place] = _row(needed, index) + _row(ydot, place) * link.armature[index]
         forces[link.lower] += passed
         moments[link.lower] += motion.rotation.transpose() * moment + cross(motion.arm, passed)
     return stacked(rows)

@@ -72,6 +72,7 @@ class Link:
         translation_rates: Rates of the translation.
         force: Force {F'_K}, in K.
         torque: Torque {M'_K}, in K.
+        armature: Reflected inertia of the motor of each of the six freedoms.
     """
 
     lower: int
@@ -90,6 +91,7 @@ class Link:
     translation_rates: arb_mat
     force: arb_mat
     torque: arb_mat
+    armature: tuple[arb, ...]
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,7 @@ def _link(system: System, k: int, state: State) -> Link:
         translation_rates=column(speeds[3:]),
         force=inward * column(state.force[k - 1]),
         torque=inward * column(state.torque[k - 1]),
+        armature=tuple(arb(value_of(value)) for value in body.joint.armature),
     )
 
 

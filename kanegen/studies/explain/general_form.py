@@ -68,6 +68,7 @@ def with_numbers_as_parameters(system: System) -> System:
             locked=tuple(
                 0.0 if moves else parameter_for(v) for moves, v in zip(of.moving, of.locked, strict=True)
             ),
+            armature=tuple(parameter_for(value) if value else value for value in of.armature),
         )
 
     def body(of: Body) -> Body:

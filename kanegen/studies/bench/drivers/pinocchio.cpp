@@ -1,7 +1,8 @@
 // Driver of Pinocchio, header-only. The model comes from a table of joints rather than from a URDF file, so that
 // it has the coordinates in which it is compared. A line is one joint, in depth-first order:
 //
-//     parent kind columns  placement: 9 of R by rows, 3 of p  body: mass, 3 of the mass centre, 9 of the inertia
+//     parent kind columns armatures  placement: 9 of R by rows, 3 of p
+//     body: mass, 3 of the mass centre, 9 of the inertia
 //
 // `columns` are the indices of the joint's velocities in x, y and tau. For a free-flyer, x holds three
 // translations and the angles 1-2-3 there, and y and tau hold Pinocchio's own velocities and forces. The first
@@ -61,9 +62,12 @@ static void read_model(const char *path)
     while (in >> parent >> kind) {
         const pin::JointModel kinematics = joint(kind);
         for (int k = 0, column; k < kinematics.nv() && in >> column; k++) place.push_back(column);
+        Vector armature(kinematics.nv());
+        for (int k = 0; k < kinematics.nv(); k++) in >> armature[k];
         Eigen::Matrix3d rotation = read<3, 3>(in);
         Eigen::Vector3d position = read<3, 1>(in);
         auto id = model.addJoint(parent, kinematics, pin::SE3(rotation, position), std::to_string(model.njoints));
+        model.armature.segment(model.joints[id].idx_v(), kinematics.nv()) = armature;
         double mass;
         in >> mass;
         Eigen::Vector3d centre = read<3, 1>(in);

@@ -88,7 +88,7 @@ def mass_matrix(tree: Tree) -> SX:
             moment, force = inertia @ at.axis, casadi.cross(at.axis, first)
         else:
             moment, force = casadi.cross(first, at.axis), mass * at.axis
-        result[at.column, at.column] = at.own(moment, force)
+        result[at.column, at.column] = at.own(moment, force) + at.armature
         step = at
         while step.parent:
             moment, force = step.inward(moment, force)

@@ -49,7 +49,7 @@ class Pivot:
     Attributes:
         moment: (3, 1) moment of a unit acceleration of the freedom.
         force: (3, 1) force of a unit acceleration of the freedom.
-        size: Inertia of the freedom.
+        size: Inertia of the freedom and its motor.
         rest: Generalized force that is left for the acceleration of the freedom.
     """
 
@@ -118,7 +118,8 @@ def _pivot(at: Moved, body: Articulated, tau: SX) -> Pivot:
         moment, force = body.rotational @ at.axis, body.mixed.T @ at.axis
     else:
         moment, force = body.mixed @ at.axis, body.linear @ at.axis
-    return Pivot(moment, force, at.own(moment, force), tau - at.own(body.moment, body.force))
+    size = at.own(moment, force) + at.armature
+    return Pivot(moment, force, size, tau - at.own(body.moment, body.force))
 
 
 def _passed(at: Moved, body: Articulated, pivot: Pivot, motion: Motion) -> Articulated:

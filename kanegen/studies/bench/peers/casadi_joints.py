@@ -30,6 +30,7 @@ class Moved:
         mass: Mass of the body (kg).
         moment: (3, 1) first moment of the body in the frame of the joint (kg m).
         inertia: (3, 3) inertia of the body about the origin of the joint (kg m^2).
+        armature: Reflected inertia of the motor of the joint (kg m^2, kg).
     """
 
     parent: int
@@ -41,6 +42,7 @@ class Moved:
     mass: SX
     moment: SX
     inertia: SX
+    armature: SX
 
     def own(self, moment: SX, force: SX) -> SX:
         """Return the generalized force of a moment and a force in the direction of the freedom."""
@@ -104,6 +106,7 @@ def _moved(joint: Joint, value: SX) -> Moved:
         SX(body.mass),
         _sparse(body.moment),
         _sparse(body.inertia),
+        _sparse(np.array(joint.armature)),
     )
 
 

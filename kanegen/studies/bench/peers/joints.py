@@ -79,6 +79,7 @@ class Joint:
         parent: Number of the joint that carries it, from 1; 0 is the ground.
         kind: One of `KINDS`, "translation" or "free-flyer".
         columns: Indices of its coordinates in {x}.
+        armature: Reflected inertias of its motors (kg m^2, kg), one for each coordinate.
         placement: Placement of its frame, at zero coordinates, in the frame beyond `parent`.
         body: The rigid body beyond it.
     """
@@ -86,6 +87,7 @@ class Joint:
     parent: int
     kind: str
     columns: tuple[int, ...]
+    armature: tuple[float, ...]
     placement: Placement
     body: Mass
 
@@ -111,7 +113,7 @@ def joints(system: System) -> list[Joint]:
 
 
 def floating_joints(system: System) -> list[Joint]:
-    """Return the joints of a system, where six freedoms with angles 1-2-3 are one free-flyer."""
+    """Return the joints of a system; six freedoms with angles 1-2-3 and no motors are one free-flyer."""
     return _joints(system, lambda free: _together(ORDER, free))
 
 
@@ -138,13 +140,17 @@ def _joints(system: System, groups: Groups) -> list[Joint]:
         placement = placement * Placement(arrays.joint_orientation[k].T, arrays.joint_position[k])
         free = [bool(flag) for flag in arrays.free[k]]
         axes = (*SEQUENCES[arrays.sequence[k]], 3, 4, 5)
-        flies = arrays.sequence[k] == NOTES or not all(free)
+        flies = not all(free) or (arrays.sequence[k] == NOTES and not arrays.armature[k].any())
         waiting = {group[0]: group for group in (groups(free) if flies else _single(free))}
         for index in ORDER:
             if index in waiting:
                 group = waiting[index]
                 places = tuple(columns[k, i] for i in group)
-                found.append(Joint(parent, _kind([axes[i] for i in group]), places, placement, NOTHING))
+                kind, motors = (
+                    _kind([axes[i] for i in group]),
+                    tuple(map(float, arrays.armature[k, list(group)])),
+                )
+                found.append(Joint(parent, kind, places, motors, placement, NOTHING))
                 parent, placement = len(found), HERE
             elif not free[index]:
                 placement = placement * _locked(axes[index], arrays.locked[k, index])

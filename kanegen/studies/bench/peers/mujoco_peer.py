@@ -133,6 +133,7 @@ def _joint(element: xml.Element, joint: Joint, place: Placement) -> None:
         type="hinge" if index < 3 else "slide",
         axis=_words(place.rotation[:, index % 3]),
         pos=_words(place.position),
+        armature=_words(joint.armature),
     )
 
 
@@ -141,6 +142,6 @@ def _axes(rotation: Floats) -> str:
     return f"{_words(rotation[:, 0])} {_words(rotation[:, 1])}"
 
 
-def _words(values: Floats | list[float]) -> str:
+def _words(values: Floats | Sequence[float]) -> str:
     """Return numbers separated by spaces."""
     return " ".join(repr(float(value)) for value in np.ravel(values))

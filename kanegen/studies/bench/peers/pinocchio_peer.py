@@ -80,7 +80,8 @@ def _line(joint: Joint) -> str:
     """Return the line of a joint in the format of the driver."""
     placement, body = joint.placement, joint.body
     mass = np.array(body.mass)
-    numbers = [placement.rotation, placement.position, mass, body.center, body.central_inertia]
+    armature = np.array(joint.armature)
+    numbers = [armature, placement.rotation, placement.position, mass, body.center, body.central_inertia]
     columns = " ".join(map(str, joint.columns))
     return f"{joint.parent} {joint.kind} {columns} {' '.join(_words(part) for part in numbers)}"
 

@@ -42,7 +42,9 @@ def code(joints: Sequence[Joint], gravity: Floats) -> str:
     rates = [speed - coordinate.diff() for coordinate, speed in zip(x, y, strict=True)]
     method = mechanics.KanesMethod(ground, q_ind=x, u_ind=y, kd_eqs=rates)
     method.kanes_equations(bodies, loads)
-    _, source = CMatrixGenerator((x, y), (method.mass_matrix, method.forcing)).doprint()
+    motors = {joint.columns[0]: _number(joint.armature[0]) for joint in joints}
+    matrix = method.mass_matrix + sympy.diag(*(motors[i] for i in range(n)))
+    _, source = CMatrixGenerator((x, y), (matrix, method.forcing)).doprint()
     return str(source)
 
 
