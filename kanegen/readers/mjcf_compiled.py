@@ -7,8 +7,10 @@ error.
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -23,6 +25,8 @@ from kanegen.readers.welding import Frame, Rigid
 ROUNDING = 2e-15
 """Largest error (rad) of a direction or an orientation by the conversions of MuJoCo's compiler."""
 
+_NO_RANGE = (-math.inf, math.inf)
+
 _NOT_OF_THE_FILE = "is deprecated|Inertia matrix is too close to singular"
 """Warnings of MuJoCo about old syntax, and about the state in which it tries its own solver."""
 
@@ -36,18 +40,24 @@ class MjcfJoint:
     """A joint of a body in an MJCF file.
 
     Attributes:
+        number: Its number in the compiled model, from 0.
         name: Its name.
         type: One of `JOINT_TYPES`.
         axis: (3,) unit vector of a slide or a hinge, in the frame of the body.
         anchor: (3,) point about which the joint turns, in the frame of the body (m).
         reference: Coordinate of a slide or a hinge where the body is at its place in the file (m or rad).
+        range: Smallest and largest coordinate of a slide or a hinge (m or rad).
+        effort: Largest magnitude of the force of actuators on a slide or a hinge (N or N m).
     """
 
+    number: int
     name: str
     type: JointType
     axis: Triple
     anchor: Triple
     reference: float
+    range: tuple[float, float]
+    effort: float
 
 
 @dataclass(frozen=True)
@@ -73,6 +83,10 @@ class Compiled:
         """Return the name of an object of a kind such as "body", `<kind><number>` where the file has none."""
         return str(getattr(self.model, kind)(number).name) or f"{kind}{number}"
 
+    def names(self, kind: str, numbers: Iterable[int]) -> tuple[str, ...]:
+        """Return the names of several objects of a kind."""
+        return tuple(self.name(kind, int(number)) for number in numbers)
+
     def parent(self, body: int) -> int:
         """Return the number of the parent of a body; 0 is the world."""
         return int(self.model.body_parentid[body])
@@ -80,6 +94,10 @@ class Compiled:
     def place(self, body: int) -> Frame:
         """Return the frame of a body in its parent, at reference coordinates."""
         return Frame(triple(self.model.body_pos[body]), rotation(self.model.body_quat[body]))
+
+    def site(self, site: int) -> Frame:
+        """Return the frame of a site in its body."""
+        return Frame(triple(self.model.site_pos[site]), rotation(self.model.site_quat[site]))
 
     def rigid(self, body: int) -> Rigid:
         """Return the mass properties of a body in its own frame."""
@@ -95,13 +113,19 @@ class Compiled:
 
     def _joint(self, number: int) -> MjcfJoint:
         """Return a joint by its number."""
-        axis = right_angles.direction(normalized(triple(self.model.jnt_axis[number])), ROUNDING)
+        model = self.model
+        scalar = JOINT_TYPES[int(model.jnt_type[number])] in ("slide", "hinge")
+        lower, upper = model.jnt_range[number] if scalar and model.jnt_limited[number] else _NO_RANGE
+        forces = model.jnt_actfrcrange[number] if scalar and model.jnt_actfrclimited[number] else _NO_RANGE
         return MjcfJoint(
-            self.name("joint", number),
-            JOINT_TYPES[int(self.model.jnt_type[number])],
-            axis,
-            triple(self.model.jnt_pos[number]),
-            float(self.model.qpos0[self.model.jnt_qposadr[number]]),
+            number=number,
+            name=self.name("joint", number),
+            type=JOINT_TYPES[int(model.jnt_type[number])],
+            axis=right_angles.direction(normalized(triple(model.jnt_axis[number])), ROUNDING),
+            anchor=triple(model.jnt_pos[number]),
+            reference=float(model.qpos0[model.jnt_qposadr[number]]),
+            range=(float(lower), float(upper)),
+            effort=max(abs(float(force)) for force in forces),
         )
 
 

@@ -58,6 +58,37 @@ def test_mass_matrix_and_bias_of_random_models_are_those_of_mujoco(seed: int, tm
     assert_same_values(model_file(tmp_path, random_model(seed)), states=1)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_bodies_and_sites_are_frames_where_mujoco_has_them(seed: int, tmp_path: Path) -> None:
+    path = model_file(tmp_path, random_model(seed, bodies=4))
+    system = kg.load(path)
+    mujoco = MujocoModel(path, system)
+    names = [name for name in system.frame_names if ":" not in name]
+    assert {"b1", "b2", "b3", "b4", "s1", "s4", "b2_site"} <= set(names)
+    x, _ = mujoco.draw_state(np.random.default_rng(seed))
+    poses = kg.build(system.with_poses(names), outputs=("body_poses",)).body_poses(x)
+    for name, pose in zip(names, poses, strict=True):
+        rotation, position = mujoco.frame(name.removesuffix("_site"), name.startswith("s") or "_" in name)
+        np.testing.assert_allclose(pose[:3], rotation.T, atol=1e-13)
+        np.testing.assert_allclose(pose[3], position, atol=1e-13)
+
+
+def test_limits_of_slides_and_hinges_are_kept(tmp_path: Path) -> None:
+    joints = '<joint name="x" type="slide" range="-1 2" limited="true" actuatorfrcrange="-3 4"/>'
+    joints += '<joint name="free" axis="1 0 0" range="0 0" limited="false"/>'
+    system = kg.load(model_file(tmp_path, body(joints)))
+    assert system.freedom_names == ("free", "x")
+    assert system.limits.lower.tolist() == [-np.inf, -1]
+    assert system.limits.upper.tolist() == [np.inf, 2]
+    assert system.limits.effort.tolist() == [np.inf, 4]
+
+
+def test_names_that_labels_cannot_hold_become_names_of_their_own(tmp_path: Path) -> None:
+    joints = '<joint name="my joint"/><joint name="my_joint" axis="1 0 0"/><joint axis="0 1 0"/>'
+    system = kg.load(model_file(tmp_path, body(joints)))
+    assert set(system.freedom_names) == {"my_joint", "my_joint_2", "joint2"}
+
+
 def test_joints_through_one_point_about_axes_of_one_frame_are_one_joint(tmp_path: Path) -> None:
     joints = (
         '<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1" ref="1.25"/>'

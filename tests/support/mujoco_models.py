@@ -63,6 +63,13 @@ class MujocoModel:
         a[np.ix_(self.speeds, self.speeds)] = full
         return a
 
+    def frame(self, name: str, is_site: bool) -> tuple[Floats, Floats]:
+        """Rotation from a body or site to the world, and position of its origin."""
+        data = self.data
+        found = data.site(name) if is_site else data.body(name)
+        rotation, position = found.xmat.reshape(3, 3), found.xpos
+        return np.array(rotation), np.array(position)
+
     def of_speeds(self, values: Any) -> Floats:
         """Values at the degrees of freedom of MuJoCo, such as `data.qfrc_bias`, in the order of {y}."""
         found = np.empty(self.model.nv)
@@ -134,7 +141,8 @@ def _body(rng: np.random.Generator, k: int, free: bool, inside: str) -> str:
     return (
         f'<body name="b{k}" {place}>{joints}<inertial mass="{rng.uniform(0.5, 2)}" '
         f'pos="{_text(rng.normal(size=3))}" quat="{_text(rng.normal(size=4))}" '
-        f'diaginertia="{_text(moments)}"/>{inside}</body>'
+        f'diaginertia="{_text(moments)}"/><site name="{"b" if k == 2 else "s"}{k}" pos="0.1 0.2 {k}" '
+        f'quat="{_text(rng.normal(size=4))}"/>{inside}</body>'
     )
 
 
