@@ -10,6 +10,7 @@ from pathlib import Path
 from kanegen.errors import ReadError
 from kanegen.model.right_angles import AS_WRITTEN
 from kanegen.model.system import System
+from kanegen.readers.encoding import utf8_text, xml_text
 from kanegen.readers.xml import Element, parse
 
 
@@ -21,7 +22,7 @@ class ModelFile:
 
     @cached_property
     def text(self) -> str:
-        """The text of the file.
+        """The text of a file in UTF-8.
 
         Raises:
             ReadError: If the file cannot be read or is not UTF-8.
@@ -30,12 +31,12 @@ class ModelFile:
 
     @cached_property
     def root(self) -> Element:
-        """The root element of an XML file.
+        """The root element of an XML file, in the encoding that it declares.
 
         Raises:
             ReadError: If the file cannot be read or is not well-formed XML.
         """
-        return parse(self.text, str(self.path))
+        return parse(xml_text(read_bytes(self.path), str(self.path)), str(self.path))
 
 
 @dataclass(frozen=True)
@@ -69,22 +70,25 @@ class Reader:
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a file, without a byte order mark.
+    """Return the text of a file in UTF-8, without a byte order mark.
 
     Raises:
         ReadError: If there is no such file, it cannot be read, or it is not UTF-8.
     """
+    return utf8_text(read_bytes(path), str(path))
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the content of a file.
+
+    Raises:
+        ReadError: If there is no such file, or it cannot be read.
+    """
     try:
-        data = path.read_bytes()
+        return path.read_bytes()
     except FileNotFoundError:
         raise ReadError(f"{path}: there is no such file.") from None
     except IsADirectoryError:
         raise ReadError(f"{path}: this is a folder, not a model file.") from None
     except (OSError, ValueError) as error:
         raise ReadError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}.") from None
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        byte = data[error.start]
-        raise ReadError(f"{path}:{line}: byte 0x{byte:02x} is not UTF-8. Save the file as UTF-8.") from None

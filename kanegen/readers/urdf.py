@@ -24,6 +24,7 @@ from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 from kanegen.readers.urdf_elements import JointLimit, Robot, RobotJoint, read_robot
 from kanegen.readers.urdf_frames import robot_frames, shadowed_joints
 from kanegen.readers.urdf_tree import GROUND, MovingLink, robot_tree
+from kanegen.readers.urdf_vocabulary import listed, unread
 from kanegen.readers.welding import Frame, weld
 
 
@@ -43,6 +44,7 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
         KanegenWarning: If a joint has `mimic`, which is ignored, a limit that leaves no motion, the name of a
             link other than its own, or a name that has to be changed.
     """
+    left_out = unread(file.root)
     robot = read_robot(file.root, options.right_angles)
     tree = robot_tree(robot, options.floating_base)
     moving = tree.moving
@@ -50,6 +52,8 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
         raise ReadError(
             f"{robot.where}: no joint of this robot moves. floating_base=True frees its root link."
         )
+    if left_out:
+        _warn(f"{file.path}: this is not read: {listed(left_out)}.")
     _warn_of_mimic(robot, file.path)
     _warn_of_limits(moving, file.path)
     _warn_of_names(robot, file.path)

@@ -120,9 +120,6 @@ def read_robot(top: Element, tolerance: float) -> Robot:
     Raises:
         ReadError: If an element is incomplete or has a bad number.
     """
-    for child in top.children:
-        if child.tag.startswith("xacro:"):
-            raise child.error(f"<{child.shown}> is a xacro instruction. Run xacro on the file first.")
     links = _unique([_link(element, tolerance) for element in top.all("link")], "link")
     if not links:
         raise top.error("the robot has no <link>.")

@@ -21,3 +21,6 @@ GENERATED = ROOT / "generated"
 
 EVERY_JOINT = ROOT / "tests" / "readers" / "data" / "every_joint.urdf"
 """A URDF robot with a joint of every kind."""
+
+FROM_REPORTS = ROOT / "tests" / "readers" / "data" / "from_reports"
+"""Small robot files made from public bug reports about programs that read URDF."""
