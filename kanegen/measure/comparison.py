@@ -102,6 +102,9 @@ def compare(
 ) -> Report:
     """Compare the outputs of `library` with the reference; parameters stand at their defaults.
 
+    Coordinates and speeds stay within the limits of the system where it has some, and vary over the scale of
+    each body elsewhere, see `reference.states.random_states`.
+
     Args:
         system: System from which the library was generated.
         library: Library to compare.
@@ -123,13 +126,14 @@ def compare(
     if not outputs:
         raise OptionError(f"the library has none of the outputs {', '.join(OUTPUTS)}: nothing to compare.")
     arrays, storage = system.values(), storage or precision
-    sample = random_states(arrays, states, seed).rounded(_coarser(precision, storage))
+    sample = random_states(arrays, states, seed, system.limits).rounded(_coarser(precision, storage))
     limit = rounding_bound(system.number_of_bodies, precision, storage)
     parts = _batches(sample, system.number_of_bodies)
     batches = [_batch_errors(arrays, library, outputs, part, limit, storage) for part in parts]
     errors = {name: _joined([batch[name] for batch in batches]) for name in outputs}
     accuracies = tuple(_accuracy(system, sample, name, errors[name], limit) for name in outputs)
-    return Report(system.name, states, seed, accuracies, _reason(precision, storage))
+    reason = _reason(precision, storage)
+    return Report(system.name, states, seed, accuracies, reason, system.limits.words)
 
 
 def reference_errors(

@@ -78,6 +78,7 @@ class Report:
         seed: Seed of the random states.
         accuracies: The errors of each compared output.
         reason: Sentence that says where the bound comes from.
+        limits: How many coordinates and speeds stay within limits of the model; "" if it has no limits.
 
     Example:
         >>> report = kg.compare(kg.load("models/double_pendulum.toml"), states=100)
@@ -91,6 +92,7 @@ class Report:
     seed: int
     accuracies: tuple[Accuracy, ...]
     reason: str
+    limits: str = ""
 
     @property
     def max_error(self) -> float:
@@ -137,6 +139,7 @@ class Report:
             f"{self.system}: {verdict} over {self.states} random states (seed {self.seed})",
             self.table(),
         ]
+        lines += [f"The states stay within the limits of the model, on {self.limits}."] if self.limits else []
         lines += [_failure(accuracy) for accuracy in self.accuracies if not accuracy.passed]
         return "\n".join([*lines, self.reason])
 

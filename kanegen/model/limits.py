@@ -41,8 +41,8 @@ class Limits:
         effort: (6,) largest magnitudes of the generalized forces of the drives (N m, N).
 
     Raises:
-        ModelError: If a limit is no number, a lower one exceeds its upper one, or a speed or an effort is
-            negative.
+        ModelError: If a limit is no number or leaves no motion, a lower one exceeds its upper one, or a speed
+            or an effort is negative.
 
     Example:
         limits = kg.Limits.of({"theta3": {"position": (-1.5, 1.5), "speed": 2.0, "effort": 87.0}})
@@ -66,8 +66,15 @@ class Limits:
                     f"limits: the lower position of {freedom}, {lower!r}, exceeds the upper one, {upper!r}. "
                     "Exchange them."
                 )
-            if lower == math.inf or upper == -math.inf:
-                raise ModelError(f"limits: no position of {freedom} lies between {lower!r} and {upper!r}.")
+            if lower in (upper, math.inf) or upper == -math.inf:
+                raise ModelError(
+                    f"limits: {freedom} cannot move between {lower!r} and {upper!r}. Lock it, or leave the "
+                    "limit out."
+                )
+            if self.speed[index] == 0:
+                raise ModelError(
+                    f"limits: {freedom} cannot move at the speed 0. Lock it, or leave the limit out."
+                )
             for name, value in (("speed", self.speed[index]), ("effort", self.effort[index])):
                 if value < 0:
                     raise ModelError(
@@ -173,8 +180,62 @@ class SystemLimits:
 
     def __bool__(self) -> bool:
         """Return whether there is any limit."""
-        ends = (self.lower, self.upper, self.speed, self.effort)
-        return any(bool(np.isfinite(values).any()) for values in ends)
+        return any(self.counts().values())
+
+    def counts(self) -> dict[str, int]:
+        """Return the number of limited coordinates, speeds and efforts, by "position", "speed", "effort".
+
+        Example:
+            system.limits.counts()["effort"]
+        """
+        positions = np.isfinite(self.lower) | np.isfinite(self.upper)
+        limited = (positions, np.isfinite(self.speed), np.isfinite(self.effort))
+        return {key: int(flags.sum()) for key, flags in zip(KEYS, limited, strict=True)}
+
+    @property
+    def words(self) -> str:
+        """How many coordinates, speeds and efforts have limits, as reports say it; "" for none."""
+        sizes = (len(self.lower), len(self.speed), len(self.effort))
+        nouns = ("coordinates", "speeds", "efforts")
+        parts = zip(self.counts().values(), sizes, nouns, strict=True)
+        return ", ".join(f"{count} of {size} {noun}" for count, size, noun in parts if count)
+
+    def positions(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+        """Return ranges of the coordinates: the limits, and `low` to `high` where there are none.
+
+        A coordinate that is limited on one side keeps its other end, or the length of its range where that
+        end lies beyond the limit.
+
+        Args:
+            low: (m,) lower ends without limits (rad, m, 1).
+            high: (m,) upper ends without limits.
+
+        Example:
+            low, high = system.limits.positions(-np.ones(m), np.ones(m))
+        """
+        has_lower, has_upper = np.isfinite(self.lower), np.isfinite(self.upper)
+        length = high - low
+        lower, upper = np.where(has_lower, self.lower, low), np.where(has_upper, self.upper, high)
+        crossed = lower >= upper
+        upper = np.where(crossed & has_lower & ~has_upper, lower + length, upper)
+        lower = np.where(crossed & has_upper & ~has_lower, upper - length, lower)
+        return lower, upper
+
+    def speeds(self, largest: Floats) -> Floats:
+        """Return (n,) largest magnitudes of the speeds: the limits, and `largest` where there are none.
+
+        Example:
+            system.limits.speeds(np.ones(n))
+        """
+        return np.where(np.isfinite(self.speed), self.speed, largest)
+
+    def efforts(self, largest: Floats) -> Floats:
+        """Return (n,) largest magnitudes of the efforts: the limits, and `largest` where there are none.
+
+        Example:
+            system.limits.efforts(np.zeros(n))
+        """
+        return np.where(np.isfinite(self.effort), self.effort, largest)
 
 
 def check_limits(limits: Limits, moving: Sequence[bool], coordinate_kinds: Collection[int]) -> None:

@@ -18,6 +18,9 @@ from kanegen.readers.xml import Element
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
 WITH_LIMIT = ("revolute", "continuous", "prismatic")
+UNLIMITED = 1e16
+"""Smallest magnitude of a limit that stands for none, as in the files of SDFormat."""
+
 DEFAULT_AXIS: Triple = (1.0, 0.0, 0.0)
 
 CANCELLED = 4 * sys.float_info.epsilon
@@ -220,7 +223,9 @@ def _end(limit: Element, word: str) -> float:
     if word not in limit.attributes:
         return math.inf if word in ("velocity", "effort") else 0.0
     infinite = {"inf": math.inf, "+inf": math.inf, "-inf": -math.inf}
-    return infinite[text] if (text := limit.text(word).lower()) in infinite else limit.number(word)
+    text = limit.text(word).lower()
+    value = infinite[text] if text in infinite else limit.number(word)
+    return math.copysign(math.inf, value) if abs(value) >= UNLIMITED else value
 
 
 def _origin(element: Element, tolerance: float) -> Frame:

@@ -16,6 +16,7 @@ import numpy as np
 from kanegen.model.arrays import Floats, SystemArrays
 from kanegen.model.coordinates import ANGLES
 from kanegen.model.force_elements.expression import TIME
+from kanegen.model.limits import SystemLimits
 from kanegen.model.system import System
 from kanegen.program.precision import Precision
 from kanegen.reference.freedoms import free_columns, prescribed_columns
@@ -158,7 +159,9 @@ def _input_names(arrays: SystemArrays) -> Iterator[str]:
         yield "prescribed"
 
 
-def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> States:
+def random_states(
+    system: System | SystemArrays, count: int, seed: int = 0, limits: SystemLimits | None = None
+) -> States:
     """Return `count` random states.
 
     Angles are uniform over (-pi, pi), elements of quaternions over (-1, 1), and everything else over (-1,
@@ -169,6 +172,7 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
         system: The tree; parameters stand at their defaults.
         count: Number of states B.
         seed: Seed of the generator.
+        limits: Limits within which coordinates and speeds stay, uniform over their ranges; None for none.
 
     Example:
         >>> states = random_states(kg.load("models/double_pendulum.toml"), 100)
@@ -178,6 +182,8 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
     arrays = system.values() if isinstance(system, System) else system
     rng, largest = np.random.default_rng(seed), ranges(arrays)
     x, y = _uniform(rng, count, largest.x), _uniform(rng, count, largest.y)
+    if limits is not None:
+        x, y = _within(limits, x, largest.x), y * (limits.speeds(largest.y) / largest.y)
     force = torque = None
     if arrays.loads.any():
         force, torque = _uniform(rng, count, largest.force), _uniform(rng, count, largest.torque)
@@ -188,8 +194,9 @@ def random_states(system: System | SystemArrays, count: int, seed: int = 0) -> S
 def states_away_from_gimbal_lock(system: System, count: int, seed: int = 0) -> ActuatedStates:
     """Return `count` random states in which the accelerations of different programs can be compared.
 
-    Angles of hinges are uniform over (-pi, pi), all other numbers over (-1, 1). Where a body has three free
-    angles, these stay away from gimbal lock, in which [A] is singular.
+    Coordinates, speeds and efforts with limits are uniform over their ranges, other angles of hinges over
+    (-pi, pi), all other numbers over (-1, 1). Where a body has three free angles without limits, these stay
+    away from gimbal lock, in which [A] is singular.
 
     Args:
         system: The tree, without loads.
@@ -202,13 +209,31 @@ def states_away_from_gimbal_lock(system: System, count: int, seed: int = 0) -> A
     pairs = list(zip(system.freedoms, joints, strict=True))
     hinges = [freedom.is_angle and not joint.has_free_orientation for freedom, joint in pairs]
     bent = [freedom.index == 1 and joint.gimbal_lock == "sin" for freedom, joint in pairs]
-    return ActuatedStates(np.where(hinges, np.pi * x, x) + np.pi / 2 * np.array(bent), y, tau=tau)
+    half = np.where(hinges, np.pi, 1.0)
+    limits, one = system.limits, np.ones(len(system.freedoms))
+    x = _within(limits, x * half, half, np.pi / 2 * np.array(bent))
+    return ActuatedStates(x, limits.speeds(one) * y, tau=limits.efforts(one) * tau)
 
 
 def _uniform(rng: np.random.Generator, count: int, scale: Floats) -> Floats:
     """Return `count` arrays of numbers that are uniform over (-1, 1) times `scale`."""
     values: Floats = rng.uniform(-1.0, 1.0, (count, *scale.shape)) * scale
     return values
+
+
+def _within(limits: SystemLimits, x: Floats, half: Floats, middle: Floats | float = 0.0) -> Floats:
+    """Return coordinates, uniform over the ranges of limits where there are some, else about `middle`.
+
+    Args:
+        limits: The limits.
+        x: (B, m) numbers that are uniform over -`half` to `half`.
+        half: (m,) half of the ranges.
+        middle: (m,) middles of the ranges without limits.
+    """
+    low, high = limits.positions(middle - half, middle + half)
+    limited = np.isfinite(limits.lower) | np.isfinite(limits.upper)
+    inside = np.clip((low + high) / 2 + x / half * ((high - low) / 2), low, high)
+    return np.where(limited, inside, x + middle)
 
 
 def _lengths(arrays: SystemArrays) -> Floats:

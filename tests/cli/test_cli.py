@@ -82,7 +82,7 @@ def test_lock_takes_freedoms_out_of_the_model() -> None:
         (("q1",), "--lock: 'q1' is not NAME=VALUE, such as elbow=0.3."),
         (("q1=a",), "--lock: 'q1=a' is not NAME=VALUE"),
         (("q1=1", "q1=2"), "--lock: 'q1' is locked twice. Lock it once."),
-        (("q3=1",), "locked: there is no freedom 'q3'. Did you mean"),
+        (("q3=1",), "locked: there is no freedom 'q3'. Known are 'q1', 'q2'."),
         (("q1=1", "q2=1"), "has no free freedom: every joint is locked"),
     ],
 )

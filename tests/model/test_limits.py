@@ -10,6 +10,15 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.measure.bounds.domain import read_domain
+from kanegen.measure.bounds.statement import lines
+from kanegen.measure.comparison import compare
+from kanegen.model.arrays import Floats
+from kanegen.reference import equations as reference
+from kanegen.reference.states import random_states, states_away_from_gimbal_lock
+from kanegen.studies.budget.region import region_from_table
+from kanegen.studies.tradeoff.domain import default_domain
+from tests.support import systems
 from tests.support.random_trees import everything
 
 INF = math.inf
@@ -64,6 +73,77 @@ def test_limits_change_nothing_of_the_equations() -> None:
     assert kg.generate(limited).operations == kg.generate(plain).operations
 
 
+def test_ranges_of_states_are_the_limits_where_there_are_some() -> None:
+    """Of one side only, the other end stays, or keeps its distance where the limit lies beyond it."""
+    ends = {"upper.theta3": {"position": (4, INF)}, "upper.s1": {"position": (-INF, 0.25), "speed": 3}}
+    limits = _arm().with_limits(ends).limits
+    low, high = limits.positions(-np.ones(6), np.ones(6))
+    assert low.tolist() == [4, -1, -1, -1, -1, -1]
+    assert high.tolist() == [6, 1, 1, 1, 1, 0.25]
+    assert limits.speeds(np.full(5, 0.5)).tolist() == [0.5, 0.5, 0.5, 0.5, 3]
+    assert limits.words == "2 of 6 coordinates, 1 of 5 speeds"
+
+
+def _limited_chain() -> kg.System:
+    """Two hinges, one of them with limits that leave a narrow range away from zero."""
+    ends = {"position": (0.5, 0.75), "speed": 0.01, "effort": 2.0}
+    return systems.chain(2, ["theta2"]).with_limits({"body2.theta2": ends})
+
+
+def _inside(x: Floats, y: Floats, tau: Floats | None = None) -> None:
+    """Make sure that states fill the limits of the second hinge, and that the first has its whole range."""
+    assert 0.5 <= x[:, 1].min() < 0.51
+    assert 0.74 < x[:, 1].max() <= 0.75
+    assert 0.0095 < np.abs(y[:, 1]).max() <= 0.01
+    assert np.abs(x[:, 0]).max() > 3
+    assert np.abs(y[:, 0]).max() > 0.5
+    assert tau is None or 1.9 < np.abs(tau[:, 1]).max() <= 2
+
+
+def test_states_of_comparisons_benches_and_studies_stay_within_the_limits() -> None:
+    system = _limited_chain()
+    states = random_states(system, 1000, limits=system.limits)
+    _inside(states.x, states.y)
+    timed = states_away_from_gimbal_lock(system, 1000)
+    _inside(timed.x, timed.y, timed.tau)
+    sample = default_domain(system).sample(1000, 0)
+    _inside(sample.x, sample.y, sample.tau)
+
+
+def test_a_comparison_says_that_its_states_stay_within_the_limits() -> None:
+    """A library that is wrong outside the limits alone passes, and the report says why."""
+    system = _limited_chain()
+
+    class Inside:
+        outputs = ("mass_matrix", "forcing")
+
+        def mass_matrix(self, x: Floats) -> Floats:
+            wrong = (x[:, 1] < 0.5) | (x[:, 1] > 0.75)
+            return reference.mass_matrix(system, x) * np.where(wrong, 2.0, 1.0)[:, None, None]
+
+        def forcing(self, x: Floats, y: Floats, **loads: Floats) -> Floats:
+            return reference.forcing(system, x, y)
+
+    report = compare(system, Inside())  # type: ignore[arg-type]
+    assert report.passed
+    assert "stay within the limits of the model, on 1 of 2 coordinates, 1 of 2 speeds" in str(report)
+    assert "limits of the model" not in str(compare(systems.chain(2, ["theta2"]), Inside()))  # type: ignore[arg-type]
+
+
+def test_bounds_and_budgets_hold_within_the_limits_unless_a_domain_says_otherwise() -> None:
+    system = _limited_chain()
+    box = read_domain(None, system)
+    assert [box.low["x"][1], box.high["x"][1]] == [0.5, 0.75]
+    assert [box.low["y"][1], box.high["tau"][1], box.high["tau"][0]] == [-0.01, 2.0, 0.0]
+    assert any("limits of the model, where it has some" in line for line in lines(box))
+    wider = {"x": {"body2.theta2": [-1.0, 1.0]}, "tau": {"body2.theta2": 0.0}}
+    assert read_domain(wider, system).low["x"][1] == -1.0
+    assert read_domain(wider, system).high["tau"][1] == 0.0
+    region = region_from_table(system, wider).domain
+    assert [region.low[1], region.high[1]] == [-1.0, 1.0]
+    assert region.as_dict()["y"]["body2.theta2"][1] == pytest.approx(0.01, rel=1e-7)  # single precision
+
+
 def test_other_coordinates_drop_limits_of_the_angles_with_a_warning() -> None:
     system = kg.System("cube", (kg.Body("cube", 0, 1.0, np.eye(3).tolist()),))
     limited = system.with_limits({"cube.theta2": {"position": (-1, 1)}, "cube.s1": {"speed": 2}})
@@ -83,7 +163,9 @@ def test_a_prescribed_freedom_keeps_its_limits() -> None:
     ("table", "message"),
     [
         ({"theta3": {"position": (1, -1)}}, "lower position of theta3, 1.0, exceeds the upper one, -1.0"),
-        ({"theta3": {"position": (INF, INF)}}, "no position of theta3 lies between inf and inf"),
+        ({"theta3": {"position": (INF, INF)}}, "theta3 cannot move between inf and inf. Lock it"),
+        ({"theta3": {"position": (1, 1)}}, "theta3 cannot move between 1.0 and 1.0. Lock it"),
+        ({"theta3": {"speed": 0}}, "theta3 cannot move at the speed 0. Lock it"),
         ({"theta3": {"position": (math.nan, 1)}}, "lower of theta3: nan is not a number"),
         ({"theta3": {"position": 3}}, "theta3: position: expected 2 entries, got 3"),
         ({"theta3": {"speed": -1}}, "speed of theta3 is -1.0. A limit of the speed is its largest magnitude"),

@@ -22,8 +22,9 @@ The table has the form of a TOML file, that of `domain_tables` with all inputs t
     [exclude]
     clearance = 0.05                # states where |cos(theta2)| of a joint with three free angles is smaller
 
-A key that is left out keeps the range of `reference.states.ranges`; {tau} is 0, and a parameter has its
-default, or the value that a library has.
+A key that is left out keeps the range of the limits of the model or, where it has none, that of
+`reference.states.ranges`; {tau} is 0 without limits, and a parameter has its default, or the value that a
+library has.
 """
 
 from __future__ import annotations
@@ -208,6 +209,7 @@ def box_from_table(system: System, table: Mapping[str, Any], where: str = DOMAIN
     require_known_keys(where, table, (*tables, "exclude"))
     low = {name: -size for name, size in largest.items()}
     high = {name: size.copy() for name, size in largest.items()}
+    low["x"], high["x"] = system.limits.positions(low["x"], high["x"])
     for parameter, place in zip(system.parameters, range(len(system.parameters)), strict=True):
         low[PARAMETERS][place] = high[PARAMETERS][place] = parameter.value
     for name, units in tables.items():
@@ -265,7 +267,13 @@ def _default_sizes(system: System) -> dict[str, Floats]:
     found = ranges(system)
     rate = found.y / found.size
     n = len(system.freedoms)
-    sizes = {"x": found.x, "y": found.y, "ydot": found.y * rate, "tau": np.zeros(n)}
+    limits = system.limits
+    sizes = {
+        "x": found.x,
+        "y": limits.speeds(found.y),
+        "ydot": found.y * rate,
+        "tau": limits.efforts(np.zeros(n)),
+    }
     if any(body.loads for body in system.bodies):
         sizes |= {"force": found.force.ravel(), "torque": found.torque.ravel()}
     sizes |= {

@@ -109,6 +109,8 @@ def lines(box: InputBox) -> Iterator[str]:
             names = [names[0], "...", f"{names[-1]} ({len(names)} elements)"]
         size = f"{low:.6g}" if low == high else f"[{low:.6g}, {high:.6g}]"
         yield f"{array}: {', '.join(names)} = {size} {unit}".removesuffix(" 1")
+    if words := box.system.limits.words:
+        yield f"ranges that no domain sets are the limits of the model, where it has some: {words}"
     if box.clearance:
         yield f"without states closer to gimbal lock than a clearance of {box.clearance:.6g}"
 

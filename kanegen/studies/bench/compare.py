@@ -18,7 +18,7 @@ from kanegen.studies.bench.comparison import Absence, BenchOptions, Comparison, 
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.registry import PEERS, participants
 from kanegen.studies.bench.results import Results, difference
-from kanegen.studies.bench.states import without_loads_and_parameters
+from kanegen.studies.bench.states import limits_note, without_loads_and_parameters
 
 
 def compare(
@@ -54,6 +54,7 @@ def compare(
         entries, failed = evaluate(present, len(model.freedoms), options, progress)
     if not entries:
         raise MissingError("; ".join(f"{absence.name}: {absence.reason}" for absence in absences + failed))
+    notes = (*notes, *limits_note(model))
     return Comparison(system.name, len(model.freedoms), tuple(entries), tuple(absences + failed), notes)
 
 

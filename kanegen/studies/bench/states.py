@@ -44,3 +44,9 @@ def without_loads_and_parameters(system: System) -> tuple[System, tuple[str, ...
     fixed = system.map_numbers(value_of)
     bodies = tuple(body.without_loads() for body in fixed.bodies)
     return replace(fixed, bodies=bodies, force_elements=()), tuple(notes)
+
+
+def limits_note(system: System) -> tuple[str, ...]:
+    """Return a note that states stay within the limits of a system; none if it has no limits."""
+    words = system.limits.words
+    return (f"states stay within the limits of the model, on {words}",) if words else ()

@@ -16,7 +16,8 @@ A region is a box of states without the states that the user excludes. Its table
     clearance = 0.05                # states where |cos(theta2)| of a joint with three free angles is smaller
     cancellation = 1e6              # states where the cancellation chi of the accelerations is larger
 
-A key that is left out keeps the range of `tradeoff.domain.default_domain`.
+A key that is left out keeps the range of `tradeoff.domain.default_domain`: the limits of the model where it
+has some, else the scale of each body.
 """
 
 from __future__ import annotations

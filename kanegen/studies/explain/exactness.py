@@ -15,7 +15,7 @@ from kanegen.options import Progress, quiet
 from kanegen.recursion.outputs import EQUATIONS, solving
 from kanegen.reference import equations as reference
 from kanegen.reference.regularity import massless_motions
-from kanegen.reference.states import random_states
+from kanegen.reference.states import States, random_states
 
 STATES = 64
 """Number of random states in which results are compared."""
@@ -101,7 +101,7 @@ def exactness(
     names = [body.name for body in written.bodies]
     return Exactness(
         tuple(_body_changes(names, before, after)),
-        _results(before, after, states, seed, is_regular=is_regular),
+        _results(before, after, random_states(before, states, seed, written.limits), is_regular=is_regular),
         operations,
     )
 
@@ -128,10 +128,9 @@ def _body_changes(names: list[str], before: SystemArrays, after: SystemArrays) -
 
 
 def _results(
-    before: SystemArrays, after: SystemArrays, states: int, seed: int, *, is_regular: bool
+    before: SystemArrays, after: SystemArrays, sample: States, *, is_regular: bool
 ) -> dict[str, float]:
     """Return the changes of D^-1 [A] D^-1, D^-1 {f} and D {ydot}, without units by D = diag([A])^(1/2)."""
-    sample = random_states(before, states, seed)
     state, loads, given = (sample.x, sample.y), (sample.force, sample.torque), sample.inputs
     a, other_a = (reference.mass_matrix(arrays, sample.x, sample.prescribed) for arrays in (before, after))
     f, other_f = (reference.forcing(arrays, *state, *loads, **given) for arrays in (before, after))

@@ -225,14 +225,14 @@ def default_domain(
 ) -> Domain:
     """Return the box of states that a study uses if no other one is given.
 
-    Angles range over a whole turn; translations, speeds and loads over the ranges of `reference.states`. The
-    range of tau follows from some states of that box. It is the largest {f}, so that tau can hold the tree,
-    or the force that changes the speed of a freedom by its range in the time scale of this freedom, whichever
-    is larger.
+    Coordinates, speeds and efforts with limits range over these. Other angles range over a whole turn, other
+    translations, speeds and loads over the ranges of `reference.states`. The range of tau without a limit
+    follows from some states of that box. It is the largest {f}, so that tau can hold the tree, or the force
+    that changes the speed of a freedom by its range in the time scale of this freedom, whichever is larger.
 
     Args:
         system: The system; its parameters stand at their defaults.
-        angle: Largest magnitude of an angle (rad).
+        angle: Largest magnitude of an angle without limits (rad).
         speed: Factor on the ranges of the speeds.
         effort: Factor on the ranges of tau and of the loads.
         clearance: Smallest distance from gimbal lock; see `Domain`.
@@ -241,18 +241,20 @@ def default_domain(
         OptionError: As `Domain`.
     """
     require_unprescribed(system, "domain")
-    largest = ranges(system)
-    states = random_states(system, _FORCING_STATES)
+    largest, limits = ranges(system), system.limits
+    states = random_states(system, _FORCING_STATES, limits=limits)
     forcing = reference.forcing(system, states.x, states.y, states.force, states.torque)
     inertia = np.diagonal(reference.mass_matrix(system, states.x), axis1=1, axis2=2)
     is_angle = np.array([coordinate.is_angle for coordinate in system.coordinates])
     rate = largest.y / largest.size
     tau = np.maximum(np.abs(forcing).max(axis=0), inertia.max(axis=0) * largest.y * rate)
-    high = [np.where(is_angle, angle, largest.x), speed * largest.y, effort * tau]
+    x = np.where(is_angle, angle, largest.x)
+    low, high = limits.positions(-x, x)
+    others = [speed * limits.speeds(largest.y), effort * limits.efforts(tau)]
     if states.force is not None:
-        high += _largest_loads(largest, effort)
-    ends = np.concatenate(high)
-    return Domain(system, -ends, ends, clearance)
+        others += _largest_loads(largest, effort)
+    ends = np.concatenate(others)
+    return Domain(system, np.concatenate([low, -ends]), np.concatenate([high, ends]), clearance)
 
 
 def _largest_loads(largest: Ranges, effort: float) -> list[Floats]:

@@ -18,7 +18,7 @@ from kanegen.model.description import require_unprescribed
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
 from kanegen.reference.regularity import require_regular
-from kanegen.studies.bench.states import without_loads_and_parameters
+from kanegen.studies.bench.states import limits_note, without_loads_and_parameters
 from kanegen.studies.tradeoff.compilation import CompiledVariant
 from kanegen.studies.tradeoff.domain import Domain, Sample, default_domain
 from kanegen.studies.tradeoff.evaluator import VariantEvaluator
@@ -65,7 +65,8 @@ def study(
     require_unprescribed(system, "study")
     model, notes = without_loads_and_parameters(system)
     require_regular(model)
-    domain = domain or default_domain(model)
+    if domain is None:
+        domain, notes = default_domain(model), (*notes, *limits_note(model))
     if domain.system != model:
         raise OptionError(f"the domain belongs to another system than {model.name!r} as it is studied.")
     evaluator = VariantEvaluator(model, progress)
