@@ -76,6 +76,8 @@ def context(
         **_status(model, functions, FINITE in variant.semantics),
         **_tables(model, outputs),
         "sizes": declarations.sizes(model, functions),
+        "limits": declarations.limits(model, model_formats),
+        "limit_type": (DOUBLE if model_formats.storage is DOUBLE_DOUBLE else model_formats.storage).c_type,
         "parameter_places": declarations.parameter_places(model),
         "stack": _batch_stack(functions, SIMD.get(model_formats.arithmetic), model_formats),
     }

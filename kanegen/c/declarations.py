@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Sequence
+
+import numpy as np
 
 from kanegen.c.description import ModelDescription
 from kanegen.c.formats import Formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
 from kanegen.program.ir import Array
+from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE
 
 
 def prototype(model: str, function: Function, formats: Formats) -> list[str]:
@@ -161,6 +165,34 @@ def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
                 for array in (*function.inputs, *function.outputs)
             ]
     return _enumeration(rows)
+
+
+LIMITS = ("LOWER_LIMITS", "UPPER_LIMITS", "SPEED_LIMITS", "EFFORT_LIMITS")
+"""Ends of the names of the macros of limits, in the order of `ModelDescription.limits`."""
+
+_INFINITIES = {FLOAT: "INFINITY", LONG_DOUBLE: "HUGE_VALL"}
+"""Infinity in <math.h> in the type of a precision; HUGE_VAL in double."""
+
+
+def limits(model: ModelDescription, formats: Formats) -> list[str]:
+    """Return the lines of the macros of limits, initialisers of arrays; none for a model without limits.
+
+    A double-double number cannot stand in an initialiser, so these limits are doubles.
+    """
+    precision = DOUBLE if formats.storage is DOUBLE_DOUBLE else formats.storage
+    infinity = _INFINITIES.get(precision, "HUGE_VAL")
+
+    def text(value: float) -> str:
+        is_infinite = math.isinf(value) or abs(value) > float(np.finfo(precision.dtype).max)
+        size = infinity if is_infinite else precision.literal(abs(value))
+        return f"-{size}" if value < 0 else size
+
+    lines: list[str] = []
+    for name, values in zip(LIMITS, model.limits, strict=False):
+        whole = f"#define {model.prefix}_{name} {{ {f',{BREAK}'.join(map(text, values))} }}"
+        parts = wrap(whole, indent="", hanging="    ")
+        lines += [*(f"{part} \\" for part in parts[:-1]), parts[-1]]
+    return lines
 
 
 def parameter_places(model: ModelDescription) -> list[str]:

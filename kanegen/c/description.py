@@ -35,6 +35,8 @@ class ModelDescription:
         poses: Names of the bodies that `body_poses` gives, in the order of its rows.
         reactions: Name of each locked direction that `reaction_loads` gives, and the unit of its load.
         prescribed: Name and unit, "rad" or "m", of each prescribed freedom.
+        limits: Smallest and largest coordinates, speeds and efforts in the order of the C arrays, infinite
+            where there is none; () for a model without limits.
         reanchorable: Joints whose frames can be re-anchored at run time.
     """
 
@@ -58,6 +60,7 @@ class ModelDescription:
     prescribed: tuple[tuple[str, str], ...] = ()
     reanchorable: tuple[ReanchorableJoint, ...] = ()
     homogeneous: tuple[tuple[int, ...], ...] = ()
+    limits: tuple[tuple[float, ...], ...] = ()
 
     @property
     def prefix(self) -> str:
@@ -136,7 +139,15 @@ def description(system: System) -> ModelDescription:
         ),
         reanchorable=reanchorable_joints(system),
         homogeneous=_homogeneous(system),
+        limits=_limits(system),
     )
+
+
+def _limits(system: System) -> tuple[tuple[float, ...], ...]:
+    """Return `ModelDescription.limits`."""
+    limits = system.limits
+    arrays = (limits.lower, limits.upper, limits.speed, limits.effort)
+    return tuple(tuple(map(float, values)) for values in arrays) if limits else ()
 
 
 def _homogeneous(system: System) -> tuple[tuple[int, ...], ...]:
