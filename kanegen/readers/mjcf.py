@@ -2,17 +2,27 @@
 
 {x} and {y} are MuJoCo's `qpos` and `qvel` in another order: a ball joint is a quaternion with the angular
 velocity in the body, a free joint has its translation in world axes beside it, and slides and hinges are
-single freedoms with the names of their joints.
+single freedoms with the names of their joints. Springs, dampers and actuators are force elements, the
+controls of actuators are parameters, and linear equalities of joints are couplings.
 """
 
 from __future__ import annotations
 
-from kanegen.errors import ModelError, OptionError, ReadError
+import warnings
+from itertools import chain
+
+from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
+from kanegen.model.coupling import Coupling
+from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.names import usable_identifier
 from kanegen.model.rotations import ZERO, Triple
 from kanegen.model.system import System
+from kanegen.readers.mjcf_actuators import actuators
 from kanegen.readers.mjcf_compiled import Compiled, compiled
-from kanegen.readers.mjcf_tree import mjcf_tree
+from kanegen.readers.mjcf_couplings import couplings
+from kanegen.readers.mjcf_forces import compensated_gravity, springs_and_dampers
+from kanegen.readers.mjcf_left_out import LeftOut, left_out, summary
+from kanegen.readers.mjcf_tree import MjcfTree, mjcf_tree
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 
 
@@ -27,6 +37,10 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
         ReadError: If MuJoCo refuses the file, or the model has a body that cannot exist.
         OptionError: If `floating_base` is set.
         MissingError: If MuJoCo is not installed.
+
+    Warns:
+        KanegenWarning: One for all parts of the model that are left out, such as contacts, and one for names
+            that have to be changed.
     """
     if options.floating_base:
         raise OptionError(
@@ -38,12 +52,40 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
     name = usable_identifier(file.root.attributes.get("model", "") or file.path.stem)
     try:
         tree = mjcf_tree(model)
-        return System(name, tree.bodies, gravity=_gravity(model), frames=tree.frames)
+        system = System(name, tree.bodies, gravity=_gravity(model), frames=tree.frames)
+        system, without = _with_forces(system, model, tree)
     except ModelError as error:
         raise ReadError(f"{file.path}: {error}") from None
+    if text := summary(chain(left_out(model), without)):
+        _warn(f"{file.path}: the equations leave out {text}.")
+    if tree.renamed:
+        changed = (f"{quoted(old)} is called {quoted(new)}" for old, new in tree.renamed.items())
+        _warn(f"{file.path}: names that kanegen cannot use are changed: {', '.join(changed)}.")
+    return system
 
 
 READER = Reader("MJCF", ".xml", read_mjcf, root="mujoco")
+
+
+def _with_forces(system: System, model: Compiled, tree: MjcfTree) -> tuple[System, list[LeftOut]]:
+    """Return a system with forces and couplings of a model, and what of them is left out."""
+    found = [*springs_and_dampers(model, tree), *actuators(model, tree)]
+    elements = [element for element in found if isinstance(element, ForceElement)]
+    for frame, center, load in compensated_gravity(model, tree):
+        system = system.with_points({load.point: (frame, center)})
+        elements.append(load)
+    system = system.with_force_elements(*elements)
+    equalities = list(couplings(model, tree))
+    coupled = [one for one in equalities if isinstance(one, Coupling)]
+    locked = dict(one for one in equalities if isinstance(one, tuple))
+    system = system.with_couplings(*coupled) if coupled else system
+    system = system.with_locked(locked) if locked else system
+    return system, [part for part in (*found, *equalities) if isinstance(part, LeftOut)]
+
+
+def _warn(message: str) -> None:
+    """Issue a `KanegenWarning` with a message about a file."""
+    warnings.warn(message, KanegenWarning, stacklevel=5)
 
 
 def _gravity(model: Compiled) -> Triple:

@@ -48,6 +48,7 @@ class MjcfJoint:
         reference: Coordinate of a slide or a hinge where the body is at its place in the file (m or rad).
         range: Smallest and largest coordinate of a slide or a hinge (m or rad).
         effort: Largest magnitude of the force of actuators on a slide or a hinge (N or N m).
+        armature: Reflected inertia against each of its speeds (kg m^2 or kg).
     """
 
     number: int
@@ -58,6 +59,7 @@ class MjcfJoint:
     reference: float
     range: tuple[float, float]
     effort: float
+    armature: float
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,13 @@ class Compiled:
     def name(self, kind: str, number: int) -> str:
         """Return the name of an object of a kind such as "body", `<kind><number>` where the file has none."""
         return str(getattr(self.model, kind)(number).name) or f"{kind}{number}"
+
+    def of_actuator(self, values: Any, actuator: int) -> float:
+        """Return the inertia or damping that an actuator adds to what it drives, 0 for the number -1."""
+        if actuator < 0:
+            return 0.0
+        gear = float(self.model.actuator_gear[self.model.actuator_outadr[actuator]][0])
+        return gear * gear * float(values[actuator])
 
     def names(self, kind: str, numbers: Iterable[int]) -> tuple[str, ...]:
         """Return the names of several objects of a kind."""
@@ -126,6 +135,8 @@ class Compiled:
             reference=float(model.qpos0[model.jnt_qposadr[number]]),
             range=(float(lower), float(upper)),
             effort=max(abs(float(force)) for force in forces),
+            armature=float(model.dof_armature[model.jnt_dofadr[number]])
+            + self.of_actuator(model.actuator_armature, int(model.jnt_actuatorid[number])),
         )
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from kanegen.model import right_angles
 from kanegen.model.body import Body
-from kanegen.model.coordinates import FREEDOMS, QUATERNION, SPEED_KINDS
+from kanegen.model.coordinates import ANGLES, FREEDOMS, QUATERNION, SPEED_KINDS
 from kanegen.model.frame import Frame as NamedFrame
 from kanegen.model.joint import Joint
 from kanegen.model.limits import Limits
@@ -37,6 +37,7 @@ class MjcfTree:
         frames: Frames of bodies, where they are not those of the model, and of sites.
         coordinates: (nq,) name in kanegen of each element of MuJoCo's `qpos`.
         speeds: (nv,) name in kanegen of each element of MuJoCo's `qvel`.
+        moving: Names of the frames of the bodies that move, by their number in MuJoCo.
         renamed: Names of the file that kanegen cannot use, each with the one that it has instead.
     """
 
@@ -44,6 +45,7 @@ class MjcfTree:
     frames: tuple[NamedFrame, ...]
     coordinates: tuple[str, ...]
     speeds: tuple[str, ...]
+    moving: dict[int, str]
     renamed: dict[str, str]
 
 
@@ -68,6 +70,7 @@ def mjcf_tree(model: Compiled) -> MjcfTree:
         frames=tuple(builder.frames()),
         coordinates=tuple(coordinates),
         speeds=tuple(speeds),
+        moving={body: names.bodies[body] for body in builder.moving()},
         renamed=names.renamed,
     )
 
@@ -104,7 +107,7 @@ class _Names:
                 label = f"{base}_{number}"
             taken.add(label)
             found.append(label)
-            if label != name:
+            if label not in (name, name + suffix):
                 self.renamed[name] = label
         return found
 
@@ -160,6 +163,10 @@ class _Builder:
         if number != GROUND:
             self._moving[number - 1].parts.append(self._model.rigid(body).resolved_in(frame))
 
+    def moving(self) -> Iterator[int]:
+        """Yield the numbers of the bodies of the file that are not welded to the ground."""
+        return (body for body, (number, _) in enumerate(self._places) if number != GROUND)
+
     def bodies(self) -> Iterator[Body]:
         """Yield the bodies of the system."""
         for one in self._moving:
@@ -204,7 +211,18 @@ def _joint(group: JointGroup, names: list[str], place: Frame) -> Joint:
         coordinates=group.coordinates,
         freedom_names=tuple("" if is_alone else named.get(i, "") for i in range(len(FREEDOMS))),
         limits=_limits(group),
+        armature=_armature(group),
     )
+
+
+def _armature(group: JointGroup) -> tuple[float, ...]:
+    """Return (6,) the reflected inertias of the freedoms of a group (kg m^2, kg)."""
+    found = [0.0] * len(FREEDOMS)
+    for index, joint in zip(group.indices, group.joints, strict=False):
+        found[index] = joint.armature
+    for index in ANGLES if group.joints[-1].type == "ball" else ():
+        found[index] = group.joints[-1].armature
+    return (group.joints[0].armature,) * len(FREEDOMS) if group.joints[0].type == "free" else tuple(found)
 
 
 def _limits(group: JointGroup) -> Limits:
