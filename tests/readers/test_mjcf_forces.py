@@ -109,7 +109,8 @@ def test_linear_equalities_are_couplings(tmp_path: Path) -> None:
 def test_what_is_left_out_is_one_warning(tmp_path: Path) -> None:
     text = """<mujoco><compiler angle="radian"/><option density="1.2"/><worldbody><geom size="1"/>
       <body name="one"><joint name="j" range="-1 1" limited="true" frictionloss="0.1"/>
-      <joint name="b" type="ball" stiffness="3" pos="1 0 0"/><geom name="g" size="0.1"/><site name="s"/></body>
+      <joint name="b" type="ball" stiffness="3" pos="1 0 0"/><geom name="g" size="0.1"/>
+      <site name="s"/></body>
       <body name="m" mocap="true"/></worldbody>
       <tendon><spatial name="rope"><site site="s"/><site site="s2"/></spatial></tendon>
       <actuator><muscle name="muscle" joint="j"/><motor name="at site" site="s" gear="0 0 1 0 0 0"/>
