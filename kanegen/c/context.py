@@ -125,7 +125,7 @@ def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
     return {
         "freedoms": [(place, *row) for place, row in enumerate(freedoms)],
         "coordinates": [(place, *row) for place, row in enumerate(coordinates)] * model.has_other_coordinates,
-        "poses": declarations.poses(model, outputs),
+        "frames": declarations.frames(model, outputs),
         "reactions": declarations.reactions(model, outputs),
         "loads": _loaded_rows(model.body_names, model.loaded),
         "point_loads": _loaded_rows(points, model.loaded_points),

@@ -14,6 +14,7 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
 from kanegen.program.ir import Array
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE
+from kanegen.recursion.outputs import OF_FRAMES
 
 
 def prototype(model: str, function: Function, formats: Formats) -> list[str]:
@@ -152,8 +153,8 @@ def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
     if model.points:
         rows.append((f"{prefix}_POINTS", len(model.points), "points of the bodies"))
     asked = [function.name for function in functions]
-    if rows_of_poses := poses(model, asked):
-        rows.append((f"{prefix}_POSES", len(rows_of_poses), "bodies with poses"))
+    if rows_of_frames := frames(model, asked):
+        rows.append((f"{prefix}_POSES", len(rows_of_frames), "frames with poses"))
     if places := reactions(model, asked):
         rows.append((f"{prefix}_REACTIONS", len(places), "locked directions with reaction loads"))
     if model.prescribed:
@@ -238,10 +239,16 @@ def _enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
     )
 
 
-def poses(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str]]:
-    """Return row and body of `body_poses` if this output is computed for a selection of bodies, else []."""
-    some = "body_poses" in outputs and model.poses != model.body_names
-    return list(enumerate(model.poses)) if some else []
+def frames(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str]]:
+    """Return row and name of the frames in outputs about them; [] where none is computed or they are bodies.
+
+    A frame with another name than its body is followed by what it is fixed to.
+    """
+    if model.poses == model.body_names or not set(OF_FRAMES).intersection(outputs):
+        return []
+    pairs = zip(model.poses, model.pose_bodies, strict=True)
+    names = [name if name == body else f"{name}  on {body or 'the ground'}" for name, body in pairs]
+    return list(enumerate(names))
 
 
 def reactions(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str, str]]:

@@ -32,7 +32,8 @@ class ModelDescription:
         points: Name of each point and name of its body.
         loaded_points: For each point whether it takes a force and a moment.
         force_elements: One line of text for each force element.
-        poses: Names of the bodies that `body_poses` gives, in the order of its rows.
+        poses: Names of the frames that outputs about frames give, in the order of their rows.
+        pose_bodies: Names of the bodies in which these frames are fixed, "" for the ground.
         reactions: Name of each locked direction that `reaction_loads` gives, and the unit of its load.
         prescribed: Name and unit, "rad" or "m", of each prescribed freedom.
         limits: Smallest and largest coordinates, speeds and efforts in the order of the C arrays, infinite
@@ -56,6 +57,7 @@ class ModelDescription:
     loaded_points: tuple[bool, ...] = ()
     force_elements: tuple[str, ...] = ()
     poses: tuple[str, ...] = ()
+    pose_bodies: tuple[str, ...] = ()
     reactions: tuple[tuple[str, str], ...] = ()
     prescribed: tuple[tuple[str, str], ...] = ()
     reanchorable: tuple[ReanchorableJoint, ...] = ()
@@ -128,6 +130,9 @@ def description(system: System) -> ModelDescription:
         loaded_points=tuple(point.loads for _, point in system.points),
         force_elements=tuple(element.summary for element in system.force_elements),
         poses=system.pose_names,
+        pose_bodies=tuple(
+            system.bodies[frame.body - 1].name if frame.body else "" for frame in system.pose_frames
+        ),
         reactions=tuple(
             zip(system.reaction_names, (f.effort for f in system.reaction_freedoms), strict=True)
         ),

@@ -44,7 +44,8 @@ Outputs = Annotated[
         metavar="NAME",
         help="Compute this output (repeatable): mass_matrix, forcing, inverse_dynamics, reaction_loads, "
         "forward_dynamics, error_estimate, error_bound, regularity, kinetic_energy, potential_energy, "
-        "momentum, mass_center, body_poses, coordinate_rates, point_positions, point_velocities, "
+        "momentum, mass_center, body_poses, frame_velocities, frame_accelerations, "
+        "frame_bias_accelerations, frame_jacobians, coordinate_rates, point_positions, point_velocities, "
         "point_accelerations, point_jacobians, prescribed_efforts, forcing_derivatives, "
         "inverse_dynamics_derivatives, forward_dynamics_derivatives.",
     ),

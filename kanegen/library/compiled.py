@@ -105,7 +105,7 @@ class CompiledModel:
 
     @property
     def pose_names(self) -> tuple[str, ...]:
-        """Names of the bodies of `body_poses`, in the order of its rows."""
+        """Names of the frames in outputs about frames, in the order of their rows."""
         return self.source.model.poses
 
     @property

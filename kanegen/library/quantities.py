@@ -11,7 +11,7 @@ from kanegen.model.arguments import Floats, NamedInputs
 
 
 class Quantities(CompiledModel):
-    """Methods for coordinate rates, poses of bodies, points, mass centre, momentum and energies."""
+    """Methods for coordinate rates, points, mass centre, momentum and energies."""
 
     def coordinate_rates(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
         """Return the rates {xdot} of the coordinates: Eq. (9) for angular velocities as speeds, else {y}.
@@ -35,30 +35,6 @@ class Quantities(CompiledModel):
             xdot = library.coordinate_rates(x, y)
         """
         return self._run("coordinate_rates", (x, y), inputs)[0]
-
-    def body_poses(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
-        """Return rotation and origin of the bodies `pose_names`, Eqs. (3) and (22).
-
-        The rows 0 to 2 of `poses[..., i, :, :]` are [R_K] of the body K that is `pose_names[i]`: the basis
-        vectors of its frame in inertial components. Row 3 is the position {p_O_K} of its origin from the
-        inertial origin, in inertial components. So a point {r'} of K is at [R_K]^T {r'} + {p_O_K}.
-
-        Args:
-            x: (m,) or (B, m) coordinates, rad, m or 1.
-            inputs: Inputs that only some systems have, as in `forcing`.
-
-        Returns:
-            (k, 4, 3) or (B, k, 4, 3) for k bodies, 1 and m.
-
-        Raises:
-            ArrayError: If an argument has the wrong shape or type.
-            OptionError: If the library was built without this output.
-
-        Example:
-            poses = library.body_poses(x)
-            rotation, origin = poses[0, :3], poses[0, 3]
-        """
-        return self._run("body_poses", (x,), inputs)[0]
 
     def point_positions(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
         """Return the positions {p_P} of the points from the inertial origin, Eq. (22).

@@ -18,12 +18,13 @@ from kanegen.recursion.outputs.selection import (
     require_available,
     solving,
 )
-from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, ERROR_BOUNDS, OUTPUTS
+from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, ERROR_BOUNDS, OF_FRAMES, OUTPUTS
 
 __all__ = [
     "DERIVATIVES",
     "EQUATIONS",
     "ERROR_BOUNDS",
+    "OF_FRAMES",
     "OUTPUTS",
     "Derivative",
     "ErrorBound",

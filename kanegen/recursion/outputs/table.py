@@ -6,6 +6,12 @@ from kanegen.model.system import System
 from kanegen.program.ir import Array, Condition
 from kanegen.recursion.coordinate_rates import coordinate_rates
 from kanegen.recursion.energy_and_momentum import kinetic_energy, mass_center, momentum, potential_energy
+from kanegen.recursion.frame_motion import (
+    frame_accelerations,
+    frame_bias_accelerations,
+    frame_jacobians,
+    frame_velocities,
+)
 from kanegen.recursion.inverse_dynamics import forcing, inverse_dynamics, prescribed_efforts
 from kanegen.recursion.kinematics import body_poses
 from kanegen.recursion.mass_matrix import mass_matrix
@@ -43,13 +49,32 @@ def _n(system: System) -> int:
     return len(system.freedoms)
 
 
+def _chosen(system: System) -> str:
+    """Return what has the rows of outputs about frames: every body, or what the system selects."""
+    if system.poses is None:
+        return "body"
+    bodies = {body.name for body in system.bodies}
+    return "chosen body" if bodies.issuperset(system.poses) else "chosen frame"
+
+
 def _poses_doc(system: System) -> str:
-    """Return the documentation of `body_poses`, which depends on whether bodies are selected."""
-    which = "body" if system.poses is None else "chosen body"
+    """Return the documentation of `body_poses`."""
+    which = _chosen(system)
+    if which == "chosen frame":
+        return (
+            "for each chosen frame the rows of its [R], which takes inertial components to its own, Eq. (3), "
+            "then its origin, Eq. (22), inertial components"
+        )
     return (
         f"for each {which} the rows of [R_K], Eq. (3), which takes inertial to body components, "
         "then its origin {p_O_K}, Eq. (22), inertial components"
     )
+
+
+def _six_rows(system: System, name: str, unit: str, what: str) -> Array:
+    """Return the array of an output with six components for each frame."""
+    doc = f"for each {_chosen(system)} {what}, inertial components"
+    return Array(name, (len(system.pose_names), 6), unit, doc)
 
 
 def _rate_units(system: System) -> str:
@@ -212,6 +237,51 @@ _ENTRIES = (
         Recursion("turns of the joints", body_poses),
     ),
     Output(
+        "frame_velocities",
+        lambda system: _six_rows(
+            system,
+            "frame_velocities",
+            "rad/s, m/s",
+            "its angular velocity, Eq. (11), then the velocity of its origin, Eq. (27)",
+        ),
+        ("x", "y"),
+        Recursion("velocities of the bodies", frame_velocities),
+    ),
+    Output(
+        "frame_accelerations",
+        lambda system: _six_rows(
+            system,
+            "frame_accelerations",
+            "rad/s^2, m/s^2",
+            "its angular acceleration, Eq. (20), then that of its origin, Eq. (33), without gravity",
+        ),
+        ("x", "y", "ydot"),
+        Recursion("accelerations of the bodies", frame_accelerations),
+    ),
+    Output(
+        "frame_bias_accelerations",
+        lambda system: _six_rows(
+            system,
+            "frame_bias_accelerations",
+            "rad/s^2, m/s^2",
+            "its accelerations for {ydot} = 0, angular, then of its origin: d/dt of its Jacobian times {y}",
+        ),
+        ("x", "y"),
+        Recursion("accelerations of the bodies", frame_bias_accelerations),
+    ),
+    Output(
+        "frame_jacobians",
+        lambda system: Array(
+            "frame_jacobians",
+            (len(system.pose_names), 6, _n(system)),
+            "1, m",
+            f"for each {_chosen(system)} the partial velocities by {{y}}: of its angular velocity, Eq. (15), "
+            "then of its origin, Eq. (32), inertial components",
+        ),
+        ("x",),
+        Recursion("turns of the joints", frame_jacobians),
+    ),
+    Output(
         "coordinate_rates",
         lambda system: Array(
             "xdot",
@@ -307,6 +377,15 @@ _ENTRIES = (
 
 OUTPUTS: dict[str, Output] = {output.name: output for output in _ENTRIES}
 """The outputs by name."""
+
+OF_FRAMES = (
+    "body_poses",
+    "frame_velocities",
+    "frame_accelerations",
+    "frame_bias_accelerations",
+    "frame_jacobians",
+)
+"""The outputs with a row for each frame that the system selects."""
 
 EQUATIONS = ("mass_matrix", "forcing")
 """The outputs that are computed unless others are asked for: [A] and {f} of Eq. (42)."""
