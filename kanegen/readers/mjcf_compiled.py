@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from kanegen import extras
-from kanegen.errors import KanegenWarning, ReadError
+from kanegen.errors import KanegenWarning, ReadError, quoted
 from kanegen.model import right_angles
 from kanegen.model.rotations import UNIT, ZERO, Square, Triple, normalized, rotation_quaternion, transpose
 from kanegen.readers.reader import ModelFile
@@ -24,6 +24,13 @@ from kanegen.readers.welding import Frame, Rigid
 
 ROUNDING = 2e-15
 """Largest error (rad) of a direction or an orientation by the conversions of MuJoCo's compiler."""
+
+_NUMBERS = (
+    ("body", "body", ("pos", "quat", "mass", "inertia", "ipos", "iquat", "gravcomp")),
+    ("joint", "jnt", ("pos", "axis", "stiffness")),
+    ("site", "site", ("pos", "quat")),
+)
+"""Kinds of parts, what the names of their arrays begin with, and the arrays that the reader uses."""
 
 _NO_RANGE = (-math.inf, math.inf)
 
@@ -151,17 +158,43 @@ def compiled(file: ModelFile) -> Compiled:
         KanegenWarning: If MuJoCo warns of something in the file other than old syntax.
     """
     mujoco = extras.module("mujoco", extra=extras.MUJOCO)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
+    messages: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(messages.append)  # or MuJoCo writes a file into the current folder
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
             model = mujoco.MjSpec.from_file(str(file.path)).compile()
-        except Exception as error:
-            raise ReadError(_refusal(file, str(error))) from None
-    for warning in caught:
-        message = _one_line(str(warning.message))
+    except Exception as error:
+        raise ReadError(_refusal(file, str(error))) from None
+    finally:
+        mujoco.set_mju_user_warning(before)
+    for message in map(_one_line, (*messages, *(str(warning.message) for warning in caught))):
         if not re.search(_NOT_OF_THE_FILE, message):
             warnings.warn(f"{file.path}: MuJoCo warns: {message}.", KanegenWarning, stacklevel=5)
-    return Compiled(file.path, mujoco, model)
+    found = Compiled(file.path, mujoco, model)
+    _check_numbers(found)
+    return found
+
+
+def _check_numbers(compiled: Compiled) -> None:
+    """Make sure that the numbers of bodies, joints and sites are finite, and their directions not zero.
+
+    Raises:
+        ReadError: If one is not; the message names the part.
+    """
+    for kind, prefix, names in _NUMBERS:
+        for name in names:
+            values = getattr(compiled.model, f"{prefix}_{name}")
+            for number, row in enumerate(values):
+                entries = [float(value) for value in row] if values.ndim > 1 else [float(row)]
+                is_direction = name.endswith("quat") or name == "axis"
+                if not all(map(math.isfinite, entries)) or (is_direction and not any(entries)):
+                    problem = (
+                        "no direction" if all(map(math.isfinite, entries)) else "a number that is not finite"
+                    )
+                    label = f"{kind} {quoted(compiled.name(kind, number))}"
+                    raise ReadError(f"{compiled.path}: {label} has {problem} ({name}). Correct its numbers.")
 
 
 def triple(values: Any) -> Triple:

@@ -156,6 +156,7 @@ def test_gravity_that_is_switched_off_is_zero(tmp_path: Path) -> None:
         ("<robot/>", "a URDF file: let its name end in .urdf"),
         ('<mujoco><asset><mesh file="no.stl"/></asset></mujoco>', "no.stl.*Put the file where the model"),
         ("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>", "mass and inertia"),
+        (body('<joint name="j" axis="inf 0 0"/>'), "joint 'j' has a number that is not finite"),
     ],
 )
 def test_a_file_that_mujoco_refuses_gets_one_line(text: str, message: str, tmp_path: Path) -> None:

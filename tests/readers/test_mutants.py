@@ -39,6 +39,10 @@ def of_urdf(number: int, folder: Path) -> Callable[[], kg.System]:
     return of_file(mutants.urdf_mutant(number), folder / "robot.urdf", floating_base=number % 2 == 0)
 
 
+def of_mjcf(number: int, folder: Path) -> Callable[[], kg.System]:
+    return of_file(mutants.mjcf_mutant(number), folder / "model.xml")
+
+
 def of_expression(number: int, folder: Path) -> Callable[[], kg.System]:
     """Return the system with an expression as the effort of a drive, or as a potential."""
 
@@ -54,11 +58,17 @@ def of_arrays(number: int, folder: Path) -> Callable[[], kg.System]:
     return lambda: kg.System.from_arrays(**mutants.array_mutant(number))
 
 
-KINDS = {"toml": of_toml, "urdf": of_urdf, "expression": of_expression, "arrays": of_arrays}
-QUICK = {"toml": 60, "urdf": 100, "expression": 300, "arrays": 300}
+KINDS = {
+    "toml": of_toml,
+    "urdf": of_urdf,
+    "mjcf": of_mjcf,
+    "expression": of_expression,
+    "arrays": of_arrays,
+}
+QUICK = {"toml": 60, "urdf": 100, "mjcf": 60, "expression": 300, "arrays": 300}
 """Number of mutants of each kind that every change must pass."""
 
-SLOW = {"toml": 4000, "urdf": 5000, "expression": 8000, "arrays": 8000}
+SLOW = {"toml": 4000, "urdf": 5000, "mjcf": 2000, "expression": 8000, "arrays": 8000}
 """Number of mutants of each kind in `make slow`."""
 
 PART = 500

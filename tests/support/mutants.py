@@ -286,6 +286,13 @@ def urdf_mutant(number: int) -> str:
     return _text_mutant((every_joint, URDF, URDF), _URDF_CHANGES, f"urdf {number}")
 
 
+def mjcf_mutant(number: int) -> str:
+    """Return mutant `number` of the models of MuJoCo."""
+    files = ("every_force.xml", "mjcf/gymnasium/hopper.xml", "mjcf/gymnasium/ant.xml")
+    seeds = [(ROOT / "tests/readers/data" / file).read_text(encoding="utf-8") for file in files]
+    return _text_mutant(seeds, _URDF_CHANGES, f"mjcf {number}")
+
+
 def _text_mutant(seeds: Sequence[str], changes: Sequence[Change], number: str) -> str:
     """Return a mutant of one of the seeds, with one change or several."""
     rng = random.Random(number)
