@@ -35,6 +35,7 @@ ORDER = (
     "library",
     "measure",
     "compiler",
+    "interop",
     "studies",
     "cli",
 )

@@ -149,7 +149,7 @@ def description(system: System) -> ModelDescription:
 
 
 def _limits(system: System) -> tuple[tuple[float, ...], ...]:
-    """Return `ModelDescription.limits`."""
+    """Return `ModelDescription.limits` of a system."""
     limits = system.limits
     arrays = (limits.lower, limits.upper, limits.speed, limits.effort)
     return tuple(tuple(map(float, values)) for values in arrays) if limits else ()

@@ -126,7 +126,7 @@ def _body(
     orientation, rates, *_ = state
     r_tilde = skew(system.mass_center[k])
 
-    turn, rate_matrix, rate_matrix_dot = _rotation_and_rates(system, k, orientation, rates)
+    turn, rate_matrix, rate_matrix_dot = rotation_and_rates(system, k, orientation, rates)
     relative_omega = apply(rate_matrix, rates)  # (8)
     rotate = turn @ system.joint_orientation[k]  # (4)
     rotate_dot = transposed(skew(relative_omega)) @ rotate  # (7)
@@ -191,10 +191,17 @@ def _origin(
     return offset, offset_dot, origin_y, origin_y_dot
 
 
-def _rotation_and_rates(
+def rotation_and_rates(
     system: SystemArrays, k: int, orientation: Numbers, rates: Numbers
 ) -> tuple[Numbers, Numbers, Numbers]:
-    """Return (..., 3, 3) matrices of a joint: its rotation, Eq. (4), [P_K^AV], Eq. (17), and its rate."""
+    """Return (..., 3, 3) matrices of a joint: its rotation, Eq. (4), [P_K^AV], Eq. (17), and its rate.
+
+    Args:
+        system: The numbers of the tree.
+        k: Index of the body, from 0.
+        orientation: (..., 3) angles (rad) or (..., 4) Euler parameters of the body in its joint frame.
+        rates: (..., 3) generalized speeds of the orientation (rad/s).
+    """
     rotation = system.rotations[k]
     if isinstance(rotation, QuaternionRotation):
         turn = rotation_by_quaternion(orientation)

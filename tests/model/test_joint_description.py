@@ -21,6 +21,7 @@ from tests.support.paths import ROOT
 ELSEWHERE = {
     "model/rotations.py": "quaternions in a robot file, which become a constant orientation",
     "readers/urdf_elements.py": "the same",
+    "interop/orientations.py": "quaternions of other programs",
     "readers/mjcf_compiled.py": "the same in a model that MuJoCo has compiled",
 }
 """Modules that are about quaternions, but not about a kind of joint."""

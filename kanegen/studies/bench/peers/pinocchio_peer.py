@@ -56,7 +56,7 @@ def _with_same_coordinates(problem: Problem) -> list[Participant]:
 def _with_free_flyers(problem: Problem) -> list[Participant]:
     """Build the participant with free-flyers."""
     tree = floating_joints(problem.system)
-    way = FreeFlyer(tree)
+    way = FreeFlyer(problem.system, tree)
     table = problem.write("free-flyer-joints", _table(problem.system, tree))
     states = write_states(way.states(problem.states), problem.folder / "free-flyer-states")
     convert = functools.partial(way.results, states=problem.states)
