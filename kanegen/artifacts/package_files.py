@@ -23,4 +23,7 @@ def readme(source: Source) -> dict[str, str]:
 
 
 def _variables(source: Source) -> Context:
-    return context(source.model, source.functions, source.outputs, source.operations, source.variant)
+    variables = context(source.model, source.functions, source.outputs, source.operations, source.variant)
+    return variables | {
+        "elementary": [name for name in source.files if name.startswith("kanegen_elementary")]
+    }

@@ -6,14 +6,16 @@ arrays of another precision than the arithmetic, and batches in SIMD vectors whe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from kanegen.c import usage
 from kanegen.c.context import Context, context
 from kanegen.c.declarations import prepared_places
 from kanegen.c.dialect import Dialect, finite_test, scalar
-from kanegen.c.functions import PrintedFunction, printed_functions
+from kanegen.c.double_double_elementary import DOUBLE_DOUBLE_ELEMENTARY
+from kanegen.c.elementary import ELEMENTARY, elementary_header
+from kanegen.c.functions import Code, PrintedFunction, printed_functions
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.nomenclature import nomenclature
 from kanegen.c.simd import SIMD, Simd
@@ -23,6 +25,7 @@ from kanegen.c.vector_sincos import FEW
 from kanegen.errors import ModelError
 from kanegen.options import STRICT
 from kanegen.program.cut import LONGEST_PART
+from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS
 from kanegen.recursion.outputs import OUTPUTS, prerequisites
 from kanegen.recursion.outputs.output import OfSolution
 
@@ -41,10 +44,11 @@ _NEEDED = {"kanegen_simd.h": "simd", "kanegen_sincos.h": "sincos", "kanegen_doub
 
 _RESERVED_NAMES = frozenset(
     """
-    assert complex ctype errno fenv features float inttypes iso646 kanegen_double_double kanegen_simd
-    kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched setjmp
-    signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn string
-    strings tgmath threads time uchar unistd wchar wctype
+    assert complex ctype errno features fenv float inttypes iso646 kanegen_double_double
+    kanegen_elementary kanegen_elementary_dd kanegen_elementaryf kanegen_elementaryl kanegen_simd
+    kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched
+    setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib
+    stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
     """.split()
 )
 """Names of models whose header would hide a header of the C library, or whose source would hide the
@@ -93,6 +97,7 @@ class C99:
             for pattern, template in FILES.items()
             if template not in _NEEDED or variables[_NEEDED[template]] is not None
         }
+        files |= _elementary_headers(variables["functions"])
         types = double_double.declared if double_double else ""
         return Printed(files, types + variables["declarations"])
 
@@ -115,8 +120,32 @@ class C99:
             "vector_sincos": max(function.code.vector_sincos for function in printed),
             "has_sines": any(function.code.has_sines for function in printed),
             "few": FEW,
+            "scalar_headers": _header_names(function.code for function in printed),
+            "batch_headers": _header_names(function.simd_code for function in printed),
         }
         return {**variables, "declarations": fill("c99/declarations.h", **variables)}
+
+
+def _header_names(codes: Iterable[Code]) -> list[str]:
+    """Return the headers of elementary functions that some functions call, each once."""
+    called = dict.fromkeys(code.elementary for code in codes if code.elementary is not None)
+    return [f"{elementary_header(precision)}.h" for precision in called]
+
+
+def _elementary_headers(functions: Sequence[PrintedFunction]) -> dict[str, str]:
+    """Return the text of every header of elementary functions that is included, by its name."""
+    called = {code.elementary for function in functions for code in (function.code, function.simd_code)}
+    precisions = [precision for precision in PRECISIONS.values() if precision in called]
+    if DOUBLE_DOUBLE in called and DOUBLE not in called:
+        precisions.insert(0, DOUBLE)
+    return {
+        f"{elementary_header(precision)}.h": fill(
+            "c99/kanegen_elementary_dd.h", elementary_dd=DOUBLE_DOUBLE_ELEMENTARY
+        )
+        if precision is DOUBLE_DOUBLE
+        else fill("c99/kanegen_elementary.h", elementary=ELEMENTARY[precision])
+        for precision in precisions
+    }
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,8 @@ OPERATIONS = {
     "divide": "divisions",
     "sqrt": "square roots",
     "sincos": "sines and cosines",
+    "compare": "comparisons",
+    "function": "calls of exp, log, tanh and atan2",
     "prepare": "operations of the parameter-only step",
 }
 """Descriptions of the kinds of operations in `Source.operations`."""

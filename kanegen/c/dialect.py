@@ -13,11 +13,21 @@ from typing import Any
 from kanegen.c.expression import Expression, Notation, converted, literal, notation
 from kanegen.c.formats import Formats, uniform
 from kanegen.c.usage import NO_NAMES, Run, element
-from kanegen.program.ir import Array, Op
+from kanegen.program.ir import CHOICES, TRANSCENDENTAL, Array, Op
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS, Precision
 
 FUNCTIONS = (Op.SIN, Op.COS, Op.SQRT, Op.ABS)
-"""Operations that are function calls."""
+"""Operations that are calls of functions of libm, or of kanegen in their place."""
+
+ELEMENTARY = (*CHOICES, *TRANSCENDENTAL)
+"""Operations that are calls of functions of the headers `kanegen_elementary`."""
+
+
+def elementary_function(op: Op, precision: Precision) -> str:
+    """Return the name of the C function for one of `ELEMENTARY`."""
+    if precision is DOUBLE_DOUBLE:
+        return precision.c_function(op.value)
+    return f"kanegen_{op.value}{precision.libm_suffix}"
 
 
 def finite_test(precision: Precision) -> str:
@@ -112,9 +122,11 @@ class Dialect:
         """Return the name of the function for `op`.
 
         Args:
-            op: One of `FUNCTIONS`.
-            everywhere: Whether its argument is the same in all states.
+            op: One of `FUNCTIONS` or `ELEMENTARY`.
+            everywhere: Whether its arguments are the same in all states.
         """
+        if op in ELEMENTARY:
+            return elementary_function(op, self.arithmetic)
         if self.kanegen_sincos and op in (Op.SIN, Op.COS):
             return f"kanegen_{op.value}{self.arithmetic.libm_suffix}"
         return self.arithmetic.c_function(op.value)

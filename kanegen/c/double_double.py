@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import factorial
+from typing import Any
 
 import mpmath
 
@@ -48,9 +49,16 @@ class Series:
     head: tuple[tuple[str, str], ...]
 
 
-def _series(orders: Sequence[int], exact_count: int) -> Series:
+def _alternating(orders: Sequence[int], exact_count: int) -> Series:
     """Return alternating reciprocal factorials of `orders`, the last `exact_count` as two doubles each."""
-    exact = [Fraction((-1) ** (k + 1), factorial(order)) for k, order in enumerate(orders)][::-1]
+    return series(
+        [Fraction((-1) ** (k + 1), factorial(order)) for k, order in enumerate(orders)], exact_count
+    )
+
+
+def series(coefficients: Sequence[Fraction], exact_count: int) -> Series:
+    """Return the series of coefficients, lowest order first, the first `exact_count` as two doubles each."""
+    exact = coefficients[::-1]
     heads = (double_double_parts(coefficient) for coefficient in exact[-exact_count:])
     return Series(
         tuple(repr(float(coefficient)) for coefficient in exact[:-exact_count]),
@@ -58,16 +66,20 @@ def _series(orders: Sequence[int], exact_count: int) -> Series:
     )
 
 
-def _half_pi_parts() -> tuple[str, ...]:
-    with mpmath.workprec(400):
-        rest = as_fraction(mpmath.pi / 2)
-    parts = []
-    for k in range(_PARTS - 1):
+def parts(number: Any, count: int) -> tuple[str, ...]:
+    """Return literals of doubles that sum to a number below 2; all but the last have `_PART_BITS` bits."""
+    rest, found = as_fraction(number), []
+    for k in range(count - 1):
         unit = Fraction(1, 2 ** (_PART_BITS * (k + 1) - 1))
         part = rest // unit * unit
-        parts.append(float(part))
+        found.append(float(part))
         rest -= part
-    return tuple(map(repr, (*parts, float(rest))))
+    return tuple(map(repr, (*found, float(rest))))
+
+
+def _half_pi() -> Any:
+    with mpmath.workprec(400):
+        return mpmath.pi / 2
 
 
 @dataclass(frozen=True)
@@ -85,10 +97,10 @@ class DoubleDoubleHeader:
     declaration: str = DECLARATION
     limit: str = "1e6"
     reciprocal: str = repr(0.6366197723675814)
-    parts: tuple[str, ...] = _half_pi_parts()
+    parts: tuple[str, ...] = parts(_half_pi(), _PARTS)
     series: tuple[tuple[str, Series], ...] = (
-        ("S", _series(range(3, 31, 2), 8)),  # sin r = r + r z S(z), z = r^2
-        ("C", _series(range(2, 32, 2), 9)),  # cos r = 1 + z C(z)
+        ("S", _alternating(range(3, 31, 2), 8)),  # sin r = r + r z S(z), z = r^2
+        ("C", _alternating(range(2, 32, 2), 9)),  # cos r = 1 + z C(z)
     )
 
     @property

@@ -14,7 +14,7 @@ from enum import IntEnum
 from typing import Any
 
 from kanegen.c.layout import BREAK, HINGE
-from kanegen.program.ir import Op
+from kanegen.program.ir import ARITY, Op
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, Precision
 
 
@@ -169,9 +169,10 @@ def apply(
             return _sum(a, -b, written)
         case ((Op.MULTIPLY | Op.DIVIDE), (a, b)):
             return written.product(op, a, b)
-        case ((Op.ABS | Op.SQRT | Op.SIN | Op.COS), (a,)):
-            return Expression(f"{function}({written.text(a)})", operations=a.operations + 1)
-    raise ValueError(f"{op} is no operation on {len(operands)} operands")
+    if not function or len(operands) != ARITY[op]:
+        raise ValueError(f"{op} is no operation on {len(operands)} operands")
+    arguments = f",{BREAK}".join(map(written.text, operands))
+    return Expression(f"{function}({arguments})", operations=sum(one.operations for one in operands) + 1)
 
 
 def _sum(a: Expression, b: Expression, written: Notation) -> Expression:

@@ -12,7 +12,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from kanegen.c import usage
-from kanegen.c.dialect import SCALAR, Dialect
+from kanegen.c.dialect import ELEMENTARY, SCALAR, Dialect
 from kanegen.c.expression import Expression, Level, apply, literal
 from kanegen.c.layout import BREAK, WIDTH, comment, wrap
 from kanegen.c.vector_sincos import NAMES, vector_sincos
@@ -154,6 +154,8 @@ class _Printer:
             return Expression(place)
         function = self._dialect.function(instruction.op, i in self._uniform)
         operands = self._operands(instruction.operands)
+        if instruction.op in ELEMENTARY and i not in self._uniform:
+            operands = tuple(map(self._result, instruction.operands))
         return apply(instruction.op, operands, function, self._dialect.notation)
 
     def _vector_element(self, i: int) -> str | None:

@@ -22,14 +22,15 @@ from kanegen.c.declarations import (
     simd_failures,
     simd_prototype,
 )
-from kanegen.c.dialect import Dialect, simd
+from kanegen.c.dialect import ELEMENTARY, Dialect, simd
 from kanegen.c.function_body import body
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, wrap
 from kanegen.c.simd import SIMD
 from kanegen.c.target import RenderInput, Target
 from kanegen.c.vector_sincos import vector_sincos
-from kanegen.program.ir import WORKSPACE, Program
+from kanegen.program.ir import WORKSPACE, Op, Program
+from kanegen.program.precision import DOUBLE_DOUBLE, Precision
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class Code:
         has_sines: Whether it calls functions of kanegen_sincos.h.
         locals: Names of the locals that hold values, in all parts.
         takes_sines: Whether it computes a sine or a cosine by any function.
+        elementary: Precision of the functions of a header `kanegen_elementary` that it calls, None without.
     """
 
     body: list[str]
@@ -51,6 +53,7 @@ class Code:
     has_sines: bool = False
     locals: frozenset[str] = frozenset()
     takes_sines: bool = False
+    elementary: Precision | None = None
 
 
 @dataclass(frozen=True)
@@ -159,10 +162,13 @@ def code(
     most = max((sincos.count for sincos in found if sincos), default=0)
     bodies = [body(program, dialect, function.shared) for program in programs]
     names = frozenset(name for one in bodies for name in one.locals)
+    called = (*ELEMENTARY, Op.ABS) if dialect.arithmetic is DOUBLE_DOUBLE else ELEMENTARY
+    elementary = any(usage.has_operations(part, called) for part in programs)
+    precision = dialect.arithmetic if elementary else None
     status = bodies[-1].status
     if len(programs) == 1 and not flushes:
         lines = [*bodies[0].lines, *_ending(function, programs, dialect, status, infinite)]
-        return Code(lines, (), most, has_sines, names, takes_sines)
+        return Code(lines, (), most, has_sines, names, takes_sines, precision)
     calls = _beginning(function, programs, dialect, flushes)
     parts = []
     for number, (program, one) in enumerate(zip(programs, bodies, strict=True), start=1):
@@ -172,7 +178,7 @@ def code(
     if flushes:
         calls.append("    restore_mode(before);")
     calls += _ending(function, programs, dialect, status and "status", infinite)
-    return Code(calls, tuple(parts), most, has_sines, names, takes_sines)
+    return Code(calls, tuple(parts), most, has_sines, names, takes_sines, precision)
 
 
 def _beginning(function: Function, programs: Sequence[Program], dialect: Dialect, flushes: bool) -> list[str]:

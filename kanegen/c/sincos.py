@@ -15,15 +15,12 @@ from dataclasses import dataclass
 
 import mpmath
 
-from kanegen.c.layout import BREAK, wrap
 from kanegen.c.minimax import Minimax, minimax
+from kanegen.c.polynomial import SHORT, polynomial
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
 
 AHEAD = 64
 """Zero bits before 2/pi in the table of its bits, so that small exponents need no special case."""
-
-SHORT = 3
-"""Number of terms of a polynomial up to which Horner's scheme, which loses less, is as fast as any."""
 
 DIGITS = 6
 """Number of digits of 32 bits of 2/pi that an angle is multiplied by."""
@@ -110,23 +107,7 @@ class Sincos:
 
     def polynomial(self, target: str, coefficients: Sequence[float]) -> list[str]:
         """Return a statement that evaluates a polynomial in z, with many terms in z and zz = z z."""
-        size = 2 if len(coefficients) > SHORT else 1
-        text = ""
-        for k in reversed(range(0, len(coefficients), size)):
-            terms = self._sum(coefficients[k : k + size])
-            text = f"{terms}{_product('z' * size, text)}" if text else terms
-        return wrap(f"{target} = {text};")
-
-    def _sum(self, terms: Sequence[float]) -> str:
-        literals = [f"{'-' if term < 0 else ''}{self.precision.literal(abs(term))}" for term in terms]
-        return " + ".join([literals[0], *(f"{text}*z" for text in literals[1:])]).replace("+ -", "- ")
-
-
-def _product(power: str, factor: str) -> str:
-    """Return `power*factor` as a further summand."""
-    if BREAK in factor or " " in factor:
-        return f"{BREAK}+ {power}*({factor})"
-    return f" {'-' if factor.startswith('-') else '+'} {power}*{factor.removeprefix('-')}"
+        return polynomial(target, coefficients, self.precision)
 
 
 _DOUBLE = Sincos(

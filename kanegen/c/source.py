@@ -26,7 +26,9 @@ class Source:
         outputs: Names of the outputs that the functions fill, such as `("mass_matrix", "forcing")`.
         functions: Every generated function; each but `prepare` has a batch form, too.
         operations: Operation counts of one evaluation of all outputs: "add", "multiply", "divide", "sqrt",
-            "sincos", and "prepare", the operations of the parameter-only step.
+            "sincos", and "prepare", the operations of the parameter-only step; where they occur, also
+            "compare", signs, minima, maxima and conditions, and "function", calls of exp, log, tanh and
+            atan2.
         files: Text of every file by its name: header, source, example, build files, README.
         cdef: The declarations of the header, as cffi reads them.
         variant: The choices that shaped the code.

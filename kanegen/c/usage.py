@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import prod
@@ -177,7 +177,12 @@ def partners(program: Program) -> dict[int, int]:
 
 def has_sines(program: Program) -> bool:
     """Return whether an output needs a sine or a cosine."""
-    return any(program.instructions[i].op in (Op.SIN, Op.COS) for i in live(program))
+    return has_operations(program, (Op.SIN, Op.COS))
+
+
+def has_operations(program: Program, operations: Container[Op]) -> bool:
+    """Return whether an output needs one of some operations."""
+    return any(program.instructions[i].op in operations for i in live(program))
 
 
 def names(program: Program, taken: Iterable[str]) -> dict[int, str]:

@@ -16,10 +16,24 @@ from kanegen.program.ir import Array, Op, Output, Program
 from kanegen.recursion import RecursiveForm
 from kanegen.recursion.outputs import input_arrays, output_array
 from kanegen.recursion.tree import Derived
+from kanegen.symbolic import functions
 from kanegen.symbolic.definitions import Definition
 
-FUNCTIONS: dict[type[Expr], Op] = {sympy.sin: Op.SIN, sympy.cos: Op.COS}
-"""The instruction for each function of SymPy."""
+FUNCTIONS: dict[type[Expr], Op] = {
+    sympy.sin: Op.SIN,
+    sympy.cos: Op.COS,
+    sympy.Abs: Op.ABS,
+    sympy.sign: Op.SIGN,
+    functions.sign: Op.SIGN,
+    functions.minimum: Op.MIN,
+    functions.maximum: Op.MAX,
+    functions.choice: Op.SELECT,
+    functions.exp: Op.EXP,
+    functions.log: Op.LOG,
+    functions.tanh: Op.TANH,
+    functions.atan2: Op.ATAN2,
+}
+"""The instruction for each function of SymPy and of `kanegen.symbolic.functions`."""
 
 
 def lower(form: RecursiveForm, outputs: Sequence[str], constants: Constants = DOUBLE_CONSTANTS) -> Program:
@@ -98,13 +112,11 @@ class _Lowering:
             return reduce(self.builder.multiply, (self.value(factor) for factor in arguments))
         if expression.is_Pow and arguments[1].is_Rational and arguments[1].q.bit_count() == 1:
             return self._power(self.value(arguments[0]), arguments[1].p, arguments[1].q)
-        if isinstance(expression, sympy.Abs | sympy.sign):
-            base = self.value(arguments[0])
-            size = self.builder.function(Op.SQRT, self.builder.multiply(base, base))
-            return size if isinstance(expression, sympy.Abs) else self.builder.divide(base, size)
+        if expression is sympy.pi:
+            return self.builder.constant(self.constants.functions.pi)
         function = FUNCTIONS.get(type(expression))
         if function is not None:
-            return self.builder.function(function, self.value(arguments[0]))
+            return self.builder.function(function, *map(self.value, arguments))
         raise TypeError(f"no instruction for {type(expression).__name__}: {expression}")
 
     def _power(self, base: int, numerator: int, denominator: int) -> int:

@@ -74,9 +74,9 @@ class Builder:
         """Append the sign change -a."""
         return self._value(Instruction(Op.NEGATE, (a,)))
 
-    def function(self, op: Op, a: int) -> int:
-        """Append the magnitude, square root, sine or cosine of a."""
-        return self._value(Instruction(op, (a,)))
+    def function(self, op: Op, *operands: int) -> int:
+        """Append a function of one or more values, such as the square root or the larger of two."""
+        return self._value(Instruction(op, operands))
 
     def _value(self, instruction: Instruction) -> int:
         """Append an instruction and return the number of its value."""

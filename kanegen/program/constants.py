@@ -82,7 +82,7 @@ class Constants:
     are_rotations_exact: bool
 
     functions = MULTIPRECISION
-    """Context with `sin`, `cos` and `sqrt` of the numbers."""
+    """Context with the functions of the numbers, such as `sin` and `sqrt`."""
 
     def quotient(self, numerator: int, denominator: int) -> Any:
         """Return a rational number as a constant of a program."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from kanegen.program.ir import EVALUATE, Module, Op, Program
+from kanegen.program.ir import CHOICES, EVALUATE, TRANSCENDENTAL, Module, Op, Program
 
 COUNTED = {
     Op.ADD: "add",
@@ -14,14 +14,25 @@ COUNTED = {
     Op.SQRT: "sqrt",
     Op.SIN: "sincos",
     Op.COS: "sincos",
+    **dict.fromkeys(CHOICES, "compare"),
+    **dict.fromkeys(TRANSCENDENTAL, "function"),
 }
 """The kind under which each operation is counted; all others cost nothing."""
 
+ALWAYS_LISTED = ("add", "multiply", "divide", "sqrt", "sincos")
+"""Kinds that stand in every count; the others stand in it where they occur."""
+
 
 def count(program: Program) -> dict[str, int]:
-    """Count the operations of one evaluation by kind; "add" includes subtractions, a sign change is free."""
+    """Count the operations of one evaluation by kind; sign changes and magnitudes are free.
+
+    "add" includes subtractions. "compare" counts signs, minima, maxima and conditions, and "function" calls
+    of exp, log, tanh and atan2; these two are left out where there are none.
+    """
     found = Counter(COUNTED[i.op] for i in program.instructions if i.op in COUNTED)
-    return {kind: found[kind] for kind in ("add", "multiply", "divide", "sqrt", "sincos")}
+    return {
+        kind: found[kind] for kind in dict.fromkeys(COUNTED.values()) if kind in ALWAYS_LISTED or found[kind]
+    }
 
 
 def operations(module: Module) -> dict[str, int]:
@@ -33,4 +44,5 @@ def operations(module: Module) -> dict[str, int]:
     programs = [module.functions[EVALUATE]] if has_all else list(module.functions.values())
     counts = [count(program) for program in programs]
     prepare = sum(count(module.prepare).values()) if module.prepare else 0
-    return {kind: sum(one[kind] for one in counts) for kind in counts[0]} | {"prepare": prepare}
+    kinds = dict.fromkeys(kind for kind in COUNTED.values() if any(kind in one for one in counts))
+    return {kind: sum(one.get(kind, 0) for one in counts) for kind in kinds} | {"prepare": prepare}

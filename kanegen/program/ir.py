@@ -40,6 +40,14 @@ class Op(StrEnum):
     SQRT = "sqrt"
     SIN = "sin"
     COS = "cos"
+    SIGN = "sign"  # -1, 0 or 1
+    MIN = "min"
+    MAX = "max"
+    SELECT = "select"  # the second operand where the first is positive, the third where it is 0 or negative
+    EXP = "exp"
+    LOG = "log"
+    TANH = "tanh"
+    ATAN2 = "atan2"
 
 
 ARITY = {
@@ -54,8 +62,22 @@ ARITY = {
     Op.SQRT: 1,
     Op.SIN: 1,
     Op.COS: 1,
+    Op.SIGN: 1,
+    Op.MIN: 2,
+    Op.MAX: 2,
+    Op.SELECT: 3,
+    Op.EXP: 1,
+    Op.LOG: 1,
+    Op.TANH: 1,
+    Op.ATAN2: 2,
 }
 """The number of operands that each operation takes."""
+
+CHOICES = (Op.SIGN, Op.MIN, Op.MAX, Op.SELECT)
+"""Operations that compare numbers and round nothing; a NaN decides nothing, and gives NaN."""
+
+TRANSCENDENTAL = (Op.EXP, Op.LOG, Op.TANH, Op.ATAN2)
+"""Functions beside sine and cosine whose values are rounded; for `ATAN2` a zero has no sign."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,10 @@ from kanegen.program.constants import Constants
 from kanegen.program.ir import Instruction, Op, Program
 from kanegen.program.selection import dependencies
 
+FIRST_DIFFERENTIATED = {Op.SIGN: 1, Op.SELECT: 1}
+"""The first operand on which the derivative of an operation depends, where it is not the first of all: a sign
+and a condition are constant but for jumps, which derivatives leave out."""
+
 Tangent = dict[int, int]
 """Number of the value that is the derivative, by direction; directions with a zero derivative are absent."""
 
@@ -40,6 +44,7 @@ def tangents(
         Tangents by instruction, for all instructions that the wanted ones depend on.
     """
     rules = _Rules(builder, constants)
+    divisors = {x.operands[1] for x in program.instructions if x.op is Op.DIVIDE}
     found: dict[int, Tangent] = {}
     for i in dependencies(program, wanted):
         instruction = program.instructions[i]
@@ -48,10 +53,15 @@ def tangents(
             continue
         inner = [found[j] for j in instruction.operands]
         values = [moved[j] for j in instruction.operands]
-        active = dict.fromkeys(direction for tangent in inner for direction in tangent)
+        differentiated = inner[FIRST_DIFFERENTIATED.get(instruction.op, 0) :]
+        active = dict.fromkeys(direction for tangent in differentiated for direction in tangent)
         found[i] = {}
         for direction in active:
-            value = rules.derivative(instruction.op, moved[i], values, [t.get(direction) for t in inner])
+            slopes = [t.get(direction) for t in inner]
+            if instruction.op is Op.SQRT and i not in divisors:
+                value = rules.derivative_of_root(moved[i], slopes[0])
+            else:
+                value = rules.derivative(instruction.op, moved[i], values, slopes)
             found[i][direction] = _named(builder, value, instruction, direction)
     return found
 
@@ -72,7 +82,7 @@ class _Rules:
     """
 
     def __init__(self, builder: Builder, constants: Constants) -> None:
-        self._builder = builder
+        self._builder, self._constants = builder, constants
         self.one = builder.constant(constants.quotient(1, 1))
         self._half = builder.constant(constants.quotient(1, 2))
 
@@ -99,15 +109,67 @@ class _Rules:
         if op is Op.DIVIDE:
             fall = None if db is None else make.multiply(value, db)
             return make.multiply(self._difference(da, fall), make.divide(self.one, more[0]))
+        if op in (Op.MIN, Op.MAX):
+            first_less_second = make.subtract(a, more[0])
+            later = make.negate(first_less_second) if op is Op.MAX else first_less_second
+            return make.function(Op.SELECT, later, self._or_zero(db), self._or_zero(da))
+        if op is Op.SELECT:
+            return make.function(Op.SELECT, a, self._or_zero(db), self._or_zero(inner[2]))
+        if op is Op.ATAN2:
+            return self._of_arctangent(a, more[0], da, db)
         assert da is not None
-        if op is Op.NEGATE:
-            return make.negate(da)
-        if op is Op.SQRT:
-            return make.multiply(da, make.divide(self._half, value))
-        if op is Op.SIN:
-            return make.multiply(make.function(Op.COS, a), da)
+        return self._of_one(op, value, a, da)
+
+    def derivative_of_root(self, value: int, da: int | None) -> int:
+        """Return the derivative of a square root, 0 where its operand does not change.
+
+        Where a root is 0, its derivative has no limit. But where also that of its operand is 0, as that of a
+        sum of squares, the root is at a minimum, and 0 is the derivative that makes products with it finite.
+        """
+        assert da is not None
+        make = self._builder
+        slope = make.multiply(da, make.divide(self._half, value))
+        return make.function(Op.SELECT, make.function(Op.ABS, da), slope, self._or_zero(None))
+
+    def _of_one(self, op: Op, value: int, a: int, da: int) -> int:
+        """Return the derivative of a function of one operand."""
+        make = self._builder
+        match op:
+            case Op.NEGATE:
+                return make.negate(da)
+            case Op.ABS:
+                return make.multiply(make.function(Op.SIGN, a), da)
+            case Op.SQRT:
+                return make.multiply(da, make.divide(self._half, value))
+            case Op.SIN:
+                return make.multiply(make.function(Op.COS, a), da)
+            case Op.EXP:
+                return make.multiply(value, da)
+            case Op.LOG:
+                return make.divide(da, a)
+            case Op.TANH:
+                return make.multiply(self._slope_of_tanh(a), da)
         assert op is Op.COS
         return make.negate(make.multiply(make.function(Op.SIN, a), da))
+
+    def _slope_of_tanh(self, a: int) -> int:
+        """Return 1 - tanh^2 as (2 e/(1 + e^2))^2 with e = exp(-|a|), which keeps its digits for large a."""
+        make = self._builder
+        e = make.function(Op.EXP, make.negate(make.function(Op.ABS, a)))
+        root = make.divide(make.add(e, e), make.add(self.one, make.multiply(e, e)))
+        return make.multiply(root, root)
+
+    def _of_arctangent(self, y: int, x: int, dy: int | None, dx: int | None) -> int:
+        """Return (x dy - y dx)/(x^2 + y^2), the derivative of the angle of the point (x, y)."""
+        make = self._builder
+        left = None if dy is None else make.multiply(x, dy)
+        right = None if dx is None else make.multiply(y, dx)
+        squared = make.add(make.multiply(x, x), make.multiply(y, y))
+        return make.divide(self._difference(left, right), squared)
+
+    def _or_zero(self, a: int | None) -> int:
+        """Return a derivative as a value, 0 where there is none."""
+        return self._builder.constant(self._constants.quotient(0, 1)) if a is None else a
 
     def _sum(self, a: int | None, b: int | None) -> int:
         """Return a + b, of which at most one is zero."""

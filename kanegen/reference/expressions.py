@@ -1,128 +1,22 @@
 """Expressions of force elements: their values, their slopes, and bounds on the rounding of both.
 
-An expression is evaluated in any arithmetic that has the operations of the grammar: in NumPy numbers, in
-`Dual` numbers, which carry a slope along (forward-mode differentiation by one variable), and in `Rounded`
-numbers, which carry a bound on their rounding error (running error analysis, Higham 2002, section 3.3). A
-dual number may be made of rounded ones. Nothing is shared with the derivation that becomes C but the parsed
-expression.
+An expression is evaluated in any of the `arithmetics`. Nothing is shared with the derivation that becomes C
+but the parsed expression.
 """
 
 from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 
-from kanegen.model.force_elements.expression import Constant, Expression, Leaf, Operation, Power, folded
+from kanegen.model.force_elements.expression import PI, Constant, Expression, Leaf, Operation, Power, folded
 from kanegen.model.numbers import value_of
+from kanegen.reference import arithmetics
+from kanegen.reference.arithmetics import Dual, Rounded, Value, function
 from kanegen.reference.matrices import Numbers
-
-Value = Any
-"""An array, a `Dual` or a `Rounded` number."""
-
-
-def function(name: str, value: Value) -> Value:
-    """Return `abs`, `cos`, `sin` or `sqrt` of a value in any of the arithmetics."""
-    if isinstance(value, Dual | Rounded):
-        return getattr(value, name)()
-    if name == "abs":
-        # Complex numbers are real ones whose small imaginary part carries a derivative.
-        return value * np.sign(value.real)
-    return getattr(np, name)(value)
-
-
-@dataclass(frozen=True)
-class Dual:
-    """A value and its slope, the derivative by one variable."""
-
-    value: Value
-    slope: Value
-
-    def __add__(self, other: Dual) -> Dual:
-        return Dual(self.value + other.value, self.slope + other.slope)
-
-    def __sub__(self, other: Dual) -> Dual:
-        return Dual(self.value - other.value, self.slope - other.slope)
-
-    def __neg__(self) -> Dual:
-        return Dual(-self.value, -self.slope)
-
-    def __mul__(self, other: Dual) -> Dual:
-        return Dual(self.value * other.value, self.slope * other.value + self.value * other.slope)
-
-    def __truediv__(self, other: Dual) -> Dual:
-        quotient = self.value / other.value
-        return Dual(quotient, (self.slope - quotient * other.slope) / other.value)
-
-    def sin(self) -> Dual:
-        """Return the sine of an angle (rad)."""
-        return Dual(function("sin", self.value), self.slope * function("cos", self.value))
-
-    def cos(self) -> Dual:
-        """Return the cosine of an angle (rad)."""
-        return Dual(function("cos", self.value), -(self.slope * function("sin", self.value)))
-
-    def sqrt(self) -> Dual:
-        """Return the square root of a positive value."""
-        root = function("sqrt", self.value)
-        return Dual(root, self.slope / (root + root))
-
-    def abs(self) -> Dual:
-        """Return the absolute value of the number."""
-        size = function("abs", self.value)
-        return Dual(size, self.slope * (self.value / size))
-
-
-@dataclass(frozen=True)
-class Rounded:
-    """A value and a bound on its error, in units of roundoff, from all operations that computed it."""
-
-    value: Value
-    error: Value
-
-    def __add__(self, other: Rounded) -> Rounded:
-        return _rounded(self.value + other.value, self.error + other.error)
-
-    def __sub__(self, other: Rounded) -> Rounded:
-        return _rounded(self.value - other.value, self.error + other.error)
-
-    def __neg__(self) -> Rounded:
-        return Rounded(-self.value, self.error)
-
-    def __mul__(self, other: Rounded) -> Rounded:
-        error = np.abs(self.value) * other.error + np.abs(other.value) * self.error
-        return _rounded(self.value * other.value, error)
-
-    def __truediv__(self, other: Rounded) -> Rounded:
-        quotient = self.value / other.value
-        return _rounded(quotient, (self.error + np.abs(quotient) * other.error) / np.abs(other.value))
-
-    def sin(self) -> Rounded:
-        """Return the sine of an angle (rad)."""
-        return _rounded(np.sin(self.value), np.abs(np.cos(self.value)) * self.error)
-
-    def cos(self) -> Rounded:
-        """Return the cosine of an angle (rad)."""
-        return _rounded(np.cos(self.value), np.abs(np.sin(self.value)) * self.error)
-
-    def sqrt(self) -> Rounded:
-        """Return the square root of a positive value."""
-        root = np.sqrt(self.value)
-        return _rounded(root, self.error / (2 * np.abs(root)))
-
-    def abs(self) -> Rounded:
-        """Return the absolute value of the number."""
-        return Rounded(np.abs(self.value), self.error)
-
-
-def _rounded(value: Value, error: Value) -> Rounded:
-    """Return the result of an operation: `error` comes from its operands, its own rounding is added."""
-    return Rounded(value, error + np.abs(value))
-
 
 Variables = Mapping[str, Numbers]
 """Values of the variables of an expression by name."""
@@ -134,7 +28,18 @@ _OPERATIONS: dict[str, Callable[..., Value]] = {
     "/": operator.truediv,
     "negate": operator.neg,
     "tan": lambda angle: function("sin", angle) / function("cos", angle),
-    **{name: partial(function, name) for name in ("abs", "cos", "sin", "sqrt")},
+    **{name: partial(function, name) for name in ("abs", "cos", "exp", "log", "sign", "sin", "sqrt", "tanh")},
+    "atan2": arithmetics.arctangent,
+    "min": arithmetics.smaller,
+    "max": arithmetics.larger,
+    "if": arithmetics.chosen,
+    "<": partial(arithmetics.compared, np.less),
+    "<=": partial(arithmetics.compared, np.less_equal),
+    ">": partial(arithmetics.compared, np.greater),
+    ">=": partial(arithmetics.compared, np.greater_equal),
+    "and": arithmetics.both,
+    "or": arithmetics.either,
+    "not": arithmetics.negated,
 }
 
 
@@ -177,6 +82,8 @@ def evaluate(
     def operation(node: Operation | Power, operands: list[Value]) -> Value:
         if isinstance(node, Power):
             return _power(operands[0], node.exponent, constant(1.0))
+        if node.operator == PI:
+            return constant(np.pi) * constant(1.0)  # rounded
         return _OPERATIONS[node.operator](*operands)
 
     return folded(expression.root, leaf, operation)

@@ -29,6 +29,7 @@ from kanegen.model.force_elements.expression import (
 from kanegen.model.force_elements.names import Place, variable_places
 from kanegen.model.numbers import Number
 from kanegen.model.system import System
+from kanegen.symbolic import functions
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import coordinate, speed, time
 
@@ -49,8 +50,25 @@ _OPERATIONS: dict[str, Callable[..., Expr]] = {
     "sin": sympy.sin,
     "sqrt": sympy.sqrt,
     "tan": lambda angle: sympy.sin(angle) / sympy.cos(angle),
+    "exp": functions.exp,
+    "log": functions.log,
+    "tanh": functions.tanh,
+    "atan2": functions.atan2,
+    "sign": functions.sign,
+    "min": functions.minimum,
+    "max": functions.maximum,
+    "pi": lambda: sympy.pi,
+    "if": functions.choice,
+    ">": functions.greater,
+    "<": lambda a, b: functions.greater(b, a),
+    ">=": functions.not_less,
+    "<=": lambda a, b: functions.not_less(b, a),
+    "and": functions.both,
+    "or": functions.either,
+    "not": functions.negated,
 }
-"""SymPy's functions for the operations of expressions."""
+"""Functions of SymPy expressions for the operations of expressions; a condition holds where it is
+positive."""
 
 
 _COPIES = {"tan": 2}
@@ -101,6 +119,8 @@ class _Parts:
 
     def derivatives(self, by: Sequence[Symbol]) -> list[Expr]:
         """Return the derivatives of the root by symbols that are no parts; what they share becomes parts."""
+        if any(map(functions.has_branches, (*self.values.values(), self.root))):
+            return [self._directional(symbol) for symbol in by]
         terms: dict[Symbol, list[Expr]] = {symbol: [] for symbol in (*self.values, *by)}
 
         def spread(value: Expr, weight: Expr) -> None:
@@ -113,6 +133,24 @@ class _Parts:
         for symbol, value in reversed([*self.values.items()]):
             spread(value, self._part(Add(*terms[symbol])))
         return [Add(*terms[symbol]) for symbol in by]
+
+    def _directional(self, by: Symbol) -> Expr:
+        """Return the derivative of the root by one symbol, in forward mode.
+
+        A branch that is not taken may have a derivative without value, with which nothing must be multiplied,
+        and neither must that of a square root where it is 0.
+        """
+        step = Dummy(real=True)
+        slopes: dict[Symbol, Expr] = {by: S.One}
+
+        def slope(value: Expr) -> Expr:
+            moved = {s: s + step * slopes[s] for s in value.free_symbols if slopes.get(s, S.Zero) != 0}
+            moving = functions.with_roots(value.xreplace(moved))
+            return functions.without_roots(moving.diff(step).xreplace({step: S.Zero}))
+
+        for symbol, value in [*self.values.items()]:
+            slopes[symbol] = self._part(slope(value))
+        return slope(self.root)
 
 
 @dataclass(frozen=True)
@@ -133,8 +171,8 @@ class ExpressionTranslator:
         """Return an expression in SymPy.
 
         Raises:
-            ModelError: If the expression divides by zero, or takes the root of a negative number, in every
-                state.
+            ModelError: If the expression has no value in any state: it divides by zero, or takes the root or
+                the logarithm of a number that has none.
         """
         parts = _Parts(self._leaf, expression)
         (value,) = self._defined(expression, parts, [parts.root], {})
@@ -144,8 +182,8 @@ class ExpressionTranslator:
         """Return the derivatives of an energy by its coordinates, also locked ones, by place (body, kind).
 
         Raises:
-            ModelError: If a derivative divides by zero, or takes the root of a negative number, in every
-                state.
+            ModelError: If a derivative divides by zero, or takes the root or the logarithm of a number that
+                has none, in every state.
         """
         places = {name: self._places[name] for name in energy.variables}
         symbols = {place: coordinate(*place) for place in dict.fromkeys(places.values())}
@@ -209,7 +247,7 @@ def _checked(value: Expr, expression: Expression) -> Expr:
     if number.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
         raise ModelError(
             f"expression {quoted(str(expression))} has no value: in every state it divides by zero or takes "
-            "the root of a negative number."
+            "the root of a negative number, or the logarithm of a number that is not positive."
         )
     if value.is_Rational and max(abs(value.p).bit_length(), value.q.bit_length()) > MOST_BITS:
         raise ModelError(

@@ -13,7 +13,8 @@ from kanegen.symbolic import symbols
 
 HINGE = kg.Joint(position=(0, 0, 1), free=(False, False, True, False, False, False))
 SAFE = (
-    "tau force torque ydot A f p c n i k s S C sin cos sqrt tan abs pi INFINITY NAN M_PI NULL EOF errno "
+    "tau force torque ydot A f p c n i k s S C sin cos sqrt tan abs INFINITY NAN M_PI NULL EOF errno "
+    "exp log tanh atan2 sign min max select kanegen_exp minimum maximum choice "
     "stdin batch count status parameters prepared mass w failed inaccurate least_margin before result "
     "sines cosines t1 L fe_1_3 p_m e0 xdot point_force evaluate S_1_3 Add Symbol numpy E N O Q beta zeta"
 ).split()
@@ -79,6 +80,14 @@ def test_parameter_does_not_take_the_place_of_a_symbol() -> None:
 def test_symbols_of_bodies_that_do_not_exist_are_free() -> None:
     for name in symbol_names(3):
         assert system(name).parameters[0].name == name
+
+
+def test_a_parameter_in_an_expression_is_not_called_pi() -> None:
+    with pytest.raises(
+        kg.ModelError, match="'pi' in expression 'pi\\*t': this is the number pi, but a parameter"
+    ):
+        kg.parse("pi*t", [kg.Parameter("pi", 3.0)])
+    assert system("pi", "t").parameters[0].name == "pi"
 
 
 @pytest.mark.parametrize("names", [SAFE[::2], SAFE[1::2]])

@@ -14,7 +14,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from kanegen.c.sincos import SHORT, Sincos
+from kanegen.c.polynomial import SHORT
+from kanegen.c.sincos import Sincos
 from kanegen.measure.bounds.approximation import largest_error
 from kanegen.measure.bounds.arithmetic import Step
 from kanegen.measure.bounds.intervals import Intervals, up_sum

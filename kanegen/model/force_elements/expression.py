@@ -14,9 +14,28 @@ from kanegen.model.numbers import Number, toml_number
 
 _T = TypeVar("_T")
 
-FUNCTIONS = ("abs", "cos", "sin", "sqrt", "tan")
-"""Functions that an expression may call. Their results have the same bits on every machine; others, such as
-exp, come from the C library, whose last bits differ between systems."""
+FUNCTIONS = {
+    "abs": 1,
+    "atan2": 2,
+    "cos": 1,
+    "exp": 1,
+    "log": 1,
+    "max": 2,
+    "min": 2,
+    "sign": 1,
+    "sin": 1,
+    "sqrt": 1,
+    "tan": 1,
+    "tanh": 1,
+}
+"""Functions that an expression may call, with their numbers of operands. Their results have the same bits on
+every machine."""
+
+COMPARISONS = ("<", "<=", ">", ">=")
+"""Operators that make a condition of two numbers."""
+
+PI = "pi"
+"""Name of the number pi."""
 
 TIME = "t"
 """Name of the variable that is the time (s)."""
@@ -49,7 +68,15 @@ class Power:
 
 @dataclass(frozen=True)
 class Operation:
-    """An operation; `operator` is one of `+ - * /`, "negate" or one of `FUNCTIONS`."""
+    """An operation on numbers or on conditions.
+
+    Attributes:
+        operator: One of `+ - * /`, "negate", one of `FUNCTIONS`, or `PI`, which has no operands. Conditions
+        are
+            one of `COMPARISONS`, "and", "or" and "not". "if" takes a condition, the number where it holds,
+            and the number elsewhere.
+        operands: The numbers or conditions.
+    """
 
     operator: str
     operands: tuple[Node, ...]
@@ -60,9 +87,13 @@ Node = Constant | Variable | Power | Operation
 Step = Leaf | int | tuple[str, int]
 """A node of a tree in a list: a leaf, the exponent of a power, or an operator and its number of operands."""
 
-_LEVELS = {"+": 1, "-": 1, "*": 2, "/": 2, "negate": 3}
-_POWER = 4
-_ATOM = 5
+_LEVELS = {
+    **{"if": 1, "or": 2, "and": 3, "not": 4},
+    **dict.fromkeys(COMPARISONS, 5),
+    **{"+": 6, "-": 6, "*": 7, "/": 7, "negate": 8},
+}
+_POWER = 9
+_ATOM = 10
 
 
 @dataclass(frozen=True)
@@ -250,10 +281,20 @@ def _text_of_operation(node: Operation | Power, operands: list[Text]) -> Text:
     level = _LEVELS.get(node.operator, _ATOM)
     if node.operator == "negate":
         return f"-{_within(operands[0], level)}", level
+    if node.operator == "not":
+        return f"not {_within(operands[0], level)}", level
+    if node.operator == "if":
+        condition, then, otherwise = operands
+        return f"{_within(then, level + 1)} if {_within(condition, level + 1)} else {otherwise[0]}", level
+    if node.operator == PI:
+        return PI, _ATOM
     if node.operator in FUNCTIONS:
-        return f"{node.operator}({operands[0][0]})", level
+        return f"{node.operator}({', '.join(text for text, _ in operands)})", level
     # Without brackets, an operation of the same level on the right would be evaluated first.
-    left, right = _within(operands[0], level), _within(operands[1], level + 1)
+    left, right = (
+        _within(operands[0], level + (node.operator in COMPARISONS)),
+        _within(operands[1], level + 1),
+    )
     return f"{left} {node.operator} {right}", level
 
 

@@ -1,8 +1,12 @@
 """The grammar of expressions, and a parser that evaluates nothing.
 
-    expression = number | variable | parameter | "(" expression ")" | function "(" expression ")"
+    expression = number | "pi" | variable | parameter | "(" expression ")"
+               | function "(" expression {"," expression} ")"
                | ("+" | "-") expression | expression ("+" | "-" | "*" | "/") expression
                | expression "**" whole number
+               | expression "if" condition "else" expression
+    condition  = expression {("<" | "<=" | ">" | ">=") expression} | "(" condition ")"
+               | "not" condition | condition ("and" | "or") condition
     variable   = "t" | "x." name | "y." name | 'x["' name '"]' | 'y["' name '"]'
 
 Operators bind as in Python, whose parser makes the tree; everything else that Python allows is refused.
@@ -14,12 +18,15 @@ import ast
 import keyword
 import re
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import reduce
+from itertools import pairwise
 
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.force_elements.expression import (
     FUNCTIONS,
+    PI,
     TIME,
     Constant,
     Expression,
@@ -46,6 +53,17 @@ VECTORS = ("x", "y")
 """Names of the vectors whose elements are variables: coordinates and speeds."""
 
 _SIGNS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+
+_WORDS = ("if", "else", "and", "or", "not")
+"""Words of Python that the grammar has."""
+
+_COMPARISONS: dict[type[ast.cmpop], str] = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
+
+_SEVERAL = ("max", "min")
+"""Functions that take two numbers or more."""
+
+_NUMBERS = {1: "one number", 2: "two numbers"}
+"""Numbers of operands in words."""
 
 
 def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
@@ -82,7 +100,7 @@ def _tree(text: str) -> ast.expr:
             return ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
         where = f" near column {error.offset}" if error.offset else ""
-        words = [word for word in re.findall(r"\w+", text) if keyword.iskeyword(word)]
+        words = [word for word in re.findall(r"\w+", text) if keyword.iskeyword(word) and word not in _WORDS]
         if words:
             raise ModelError(f"{_quoted(text)}: {words[0]!r} cannot be a name in an expression.") from None
         raise ModelError(f"{_quoted(text)}: no expression{where}.") from None
@@ -95,6 +113,11 @@ def _quoted(text: str) -> str:
     return f"expression {text if len(text) <= 80 else f'{text[:77]}...'!r}"
 
 
+def _joined(operator: str, operands: Sequence[Node]) -> Node:
+    """Return an operation on two operands applied to one or more, from the left."""
+    return reduce(lambda a, b: Operation(operator, (a, b)), operands)
+
+
 class _Reader:
     """Converts Python's syntax tree to an expression and refuses everything outside the grammar."""
 
@@ -105,11 +128,7 @@ class _Reader:
 
     def node(self, found: ast.expr, depth: int = 0, power: int = 1) -> Node:
         """Return the tree of `found`, at depth `depth`, inside exponents that multiply to `power`."""
-        if depth > MAX_DEPTH:
-            raise self._refused(found, f"more than {MAX_DEPTH} operations inside each other.")
-        if self._operations > MAX_OPERATIONS:
-            raise ModelError(f"{_quoted(self._text)}: more than {MAX_OPERATIONS} operations.")
-        self._operations += isinstance(found, ast.UnaryOp | ast.BinOp | ast.Call)
+        self._count(found, depth)
         match found:
             case ast.Constant(value=bool() | complex() | str() | bytes() | None):
                 raise self._refused(found, "no number.")
@@ -132,11 +151,55 @@ class _Reader:
                 return Operation(_SIGNS[type(op)], pair)
             case ast.Call():
                 return self._call(found, depth, power)
-        raise self._refused(found, "only numbers, names, + - * / **, brackets and functions are possible.")
+            case ast.IfExp(test=test, body=then, orelse=otherwise):
+                branches = (self.node(branch, depth + 1, power) for branch in (then, otherwise))
+                return Operation("if", (self._condition(test, depth + 1), *branches))
+            case ast.Compare() | ast.BoolOp() | ast.UnaryOp(op=ast.Not()):
+                raise self._refused(
+                    found, "a condition is no number. Write <number> if <condition> else <number>."
+                )
+        raise self._refused(
+            found, "only numbers, names, + - * / **, brackets, functions, and if with else are possible."
+        )
+
+    def _count(self, found: ast.expr, depth: int) -> None:
+        """Count an operation, and refuse an expression that is too deep or too long."""
+        if depth > MAX_DEPTH:
+            raise self._refused(found, f"more than {MAX_DEPTH} operations inside each other.")
+        if self._operations > MAX_OPERATIONS:
+            raise ModelError(f"{_quoted(self._text)}: more than {MAX_OPERATIONS} operations.")
+        kinds = ast.UnaryOp | ast.BinOp | ast.Call | ast.IfExp | ast.Compare | ast.BoolOp
+        self._operations += isinstance(found, kinds)
+
+    def _condition(self, found: ast.expr, depth: int) -> Node:
+        """Return the tree of a condition; each comparison of a chain must hold."""
+        self._count(found, depth)
+        match found:
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                return Operation("not", (self._condition(operand, depth + 1),))
+            case ast.BoolOp(op=op, values=values):
+                parts = [self._condition(value, depth + 1) for value in values]
+                return _joined("and" if isinstance(op, ast.And) else "or", parts)
+            case ast.Compare(left=left, ops=ops, comparators=others) if all(
+                type(op) in _COMPARISONS for op in ops
+            ):
+                # A number in the middle of a chain counts twice, as it stands in two comparisons.
+                pairs = zip(ops, pairwise((left, *others)), strict=True)
+                return _joined("and", [self._comparison(op, pair, depth) for op, pair in pairs])
+        raise self._refused(found, "a condition compares numbers by < <= > >=, and may have and, or, not.")
+
+    def _comparison(self, op: ast.cmpop, pair: tuple[ast.expr, ast.expr], depth: int) -> Node:
+        """Return the comparison of two numbers."""
+        a, b = (self.node(number, depth + 1) for number in pair)
+        return Operation(_COMPARISONS[type(op)], (a, b))
 
     def _named(self, found: ast.expr, name: str) -> Node:
-        """Return the time or the parameter of a name; a name must not be both."""
+        """Return pi, the time or the parameter of a name; a name must have one meaning."""
         parameter = self._parameters.get(name)
+        if parameter and name == PI:
+            raise self._refused(found, "this is the number pi, but a parameter has the same name. Rename it.")
+        if name == PI:
+            return Operation(PI, ())
         if name in VECTORS:
             hint = " A parameter in an expression needs another name." if parameter else ""
             raise self._refused(found, f"one element is needed, such as {name}.arm.theta1.{hint}")
@@ -177,9 +240,12 @@ class _Reader:
             name = ast.unparse(found.func)
             known = f"There are {', '.join(FUNCTIONS)}."
             raise self._refused(found, f"there is no function {quoted(name)}. {known}")
-        if found.keywords or len(found.args) != 1:
-            raise self._refused(found, f"{found.func.id} takes one number.")
-        return Operation(found.func.id, (self.node(found.args[0], depth + 1, power),))
+        name, count = found.func.id, FUNCTIONS[found.func.id]
+        more = name in _SEVERAL
+        if found.keywords or len(found.args) < count or (len(found.args) > count and not more):
+            raise self._refused(found, f"{name} takes {_NUMBERS[count]}{' or more' * more}.")
+        operands = [self.node(operand, depth + 1, power) for operand in found.args]
+        return _joined(name, operands) if more else Operation(name, tuple(operands))
 
     def _refused(self, found: ast.expr, why: str) -> ModelError:
         """Return the error that refuses a part of the expression, with the reason."""

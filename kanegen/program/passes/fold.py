@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from kanegen.program.builder import Builder
+from kanegen.program.evaluate import function
 from kanegen.program.ir import Array, Instruction, Op, Program
 
 
@@ -23,6 +24,28 @@ def fold(program: Program) -> Program:
     for instruction in program.instructions:
         moved.append(builder.copy(instruction, [moved[j] for j in instruction.operands]))
     return builder.program([output.renumbered(moved) for output in program.outputs])
+
+
+ODD = (Op.SIN, Op.SIGN, Op.TANH)
+"""Functions that change their sign with that of their operand."""
+
+EVEN = (Op.COS, Op.ABS)
+"""Functions that do not depend on the sign of their operand."""
+
+LARGEST_EXPONENT = 1e4
+"""Largest magnitude of a number whose exponential is folded; beyond it is no finite number or 0 in C."""
+
+
+def _is_defined(op: Op, number: Any) -> bool:
+    """Return whether a function of a number is a finite real number."""
+    match op:
+        case Op.SQRT:
+            return bool(number >= 0)
+        case Op.LOG:
+            return bool(number > 0)
+        case Op.EXP:
+            return bool(abs(number) <= LARGEST_EXPONENT)
+    return True
 
 
 class FoldingBuilder(Builder):
@@ -54,8 +77,7 @@ class FoldingBuilder(Builder):
                 return self.divide(*operands)
             case Op.NEGATE:
                 return self.negate(*operands)
-            case Op.ABS | Op.SQRT | Op.SIN | Op.COS:
-                return self.function(instruction.op, *operands)
+        return self.function(instruction.op, *operands)
 
     def add(self, a: int, b: int) -> int:
         """Return the sum a + b."""
@@ -143,17 +165,21 @@ class FoldingBuilder(Builder):
             return self.constant(-x)
         return self._value(Instruction(Op.NEGATE, (a,)))
 
-    def function(self, op: Op, a: int) -> int:
-        """Return the magnitude, square root, sine or cosine of a."""
+    def function(self, op: Op, *operands: int) -> int:
+        """Return a function of one or more values."""
+        a = operands[0]
         inner = self._negated(a)
-        if inner is not None and op is Op.SIN:
+        if inner is not None and op in ODD:
             return self.negate(self.function(op, inner))
-        if inner is not None and op in (Op.COS, Op.ABS):
+        if inner is not None and op in EVEN:
             return self.function(op, inner)
-        x = self._number(a)
-        if x is not None and (op is not Op.SQRT or x >= 0):
-            return self.constant(getattr(getattr(x, "context", math), op.value)(x))
-        return self._value(Instruction(op, (a,)))
+        numbers = [self._number(operand) for operand in operands]
+        if op is Op.SELECT and numbers[0] is not None:
+            return operands[1] if numbers[0] > 0 else operands[2]
+        if all(number is not None for number in numbers) and _is_defined(op, numbers[0]):
+            compute = function(op, getattr(numbers[0], "context", math))
+            return self.constant(compute(*numbers))
+        return self._value(Instruction(op, operands))
 
     def _number(self, value: int) -> Any:
         """Return the number that a value is, or None."""

@@ -16,6 +16,7 @@ from sympy.printing.str import StrPrinter
 
 from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS
 from kanegen.symbolic.equations import Equations
+from kanegen.symbolic.functions import python_sign
 from kanegen.symbolic.symbols import (
     acceleration,
     coordinate,
@@ -46,6 +47,9 @@ class _LatexPrinter(LatexPrinter):  # type: ignore[misc]  # SymPy has no types
 
 
 class _PythonPrinter(PythonCodePrinter):  # type: ignore[misc]  # SymPy has no types
+    def _print_sign(self, function: Expr) -> str:
+        return python_sign(self.doprint(function.args[0]))
+
     def _print_Float(self, number: Float) -> str:
         return repr(float(number))
 
@@ -56,7 +60,7 @@ def text(expr: Expr) -> str:
 
 
 def python(expr: Expr) -> str:
-    """Return `expr` in Python, with `sin` and `cos` as bare names."""
+    """Return `expr` in Python, with the functions of the module `math` as bare names."""
     return str(_PythonPrinter({"fully_qualified_modules": False}).doprint(expr))
 
 

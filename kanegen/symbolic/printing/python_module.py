@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
+from kanegen.symbolic import functions
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.literal.numeric import needed_definitions
 from kanegen.symbolic.printing.document import kinematic_relation
@@ -16,8 +17,8 @@ from kanegen.symbolic.symbols import force, parameter, point_force, point_moment
 
 TAKEN = frozenset(
     [
-        *"A PARAMETERS coordinate_rates copysign cos f force forcing mass_matrix np parameters".split(),
-        *"point_force point_moment prescribed sin sqrt t torque x y".split(),
+        *"A PARAMETERS coordinate_rates atan2 cos exp f force forcing log mass_matrix max min np".split(),
+        *"parameters pi point_force point_moment prescribed sin sqrt t tanh torque x y".split(),
         *keyword.kwlist,
     ]
 )
@@ -33,7 +34,7 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
         f: (n, 1) {f}.
     """
     names = _names([p.name for p in equations.system.parameters])
-    functions = ", ".join(sorted({"cos", "sin", *_roots(equations, f)}))
+    functions = ", ".join(sorted({"cos", "sin", *_functions(equations, f)}))
     head = [
         _docstring(equations),
         f"from math import {functions}",
@@ -50,13 +51,16 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
     return "\n\n\n".join(parts) + "\n"
 
 
-def _roots(equations: Equations, f: ImmutableMatrix) -> Iterable[str]:
-    """Yield the functions of `math` beside sine and cosine that force elements need."""
+def _functions(equations: Equations, f: ImmutableMatrix) -> Iterable[str]:
+    """Yield the names of `math` beside sine and cosine that force elements need."""
     values = [*f, *(definition.value for definition in equations.definitions)]
     if any(value.has(sympy.Pow) and any(p.exp.q == 2 for p in value.atoms(sympy.Pow)) for value in values):
         yield "sqrt"
-    if any(value.has(sympy.sign) for value in values):
-        yield "copysign"
+    for function in (functions.exp, functions.log, functions.tanh, functions.atan2):
+        if any(value.has(function) for value in values):
+            yield function.__name__
+    if any(value.has(sympy.pi) for value in values):
+        yield "pi"
 
 
 def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
