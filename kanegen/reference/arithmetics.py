@@ -173,16 +173,16 @@ class Dual:
         return Dual(function("sign", self.value), _zero(self.slope))
 
     def exp(self) -> Dual:
-        """Return the exponential."""
+        """Return e to the power of the number."""
         value = function("exp", self.value)
         return Dual(value, self.slope * value)
 
     def log(self) -> Dual:
-        """Return the natural logarithm."""
+        """Return the natural logarithm of a positive number."""
         return Dual(function("log", self.value), self.slope / self.value)
 
     def tanh(self) -> Dual:
-        """Return the hyperbolic tangent."""
+        """Return the hyperbolic tangent of the number."""
         return Dual(function("tanh", self.value), self.slope * function("squared_secant", self.value))
 
     def arctangent(self, other: Dual) -> Dual:
@@ -245,17 +245,17 @@ class Rounded:
         return Rounded(np.sign(self.value), np.where(certain, 0.0, ANYTHING))
 
     def exp(self) -> Rounded:
-        """Return the exponential."""
+        """Return e to the power of the number."""
         value = np.exp(self.value)
         return Rounded(value, value * self.error + 2 * value)
 
     def log(self) -> Rounded:
-        """Return the natural logarithm."""
+        """Return the natural logarithm of a positive number."""
         value = np.where(self.value > 0, np.log(self.value), np.nan)
         return Rounded(value, self.error / np.abs(self.value) + 2 * np.abs(value))
 
     def tanh(self) -> Rounded:
-        """Return the hyperbolic tangent."""
+        """Return the hyperbolic tangent of the number."""
         value = np.tanh(self.value)
         return Rounded(value, self.error / np.cosh(self.value) ** 2 + 2 * np.abs(value))
 

@@ -21,7 +21,7 @@ class _Real(Function):  # type: ignore[misc]  # SymPy has no types
 
 
 class exp(_Real):  # printed under its name
-    """The exponential function."""
+    """The exponential function, e to the power of its argument."""
 
     nargs = (1,)
 
@@ -31,7 +31,7 @@ class exp(_Real):  # printed under its name
 
 
 class log(_Real):
-    """The natural logarithm."""
+    """The natural logarithm of a positive number."""
 
     nargs = (1,)
 
@@ -41,7 +41,7 @@ class log(_Real):
 
 
 class tanh(_Real):
-    """The hyperbolic tangent."""
+    """The hyperbolic tangent of a number, from -1 to 1."""
 
     nargs = (1,)
 
@@ -78,7 +78,7 @@ class sign(_Real):
         return sympy.sign(argument) if argument.is_Rational else None
 
     def fdiff(self, argindex: int = 1) -> Expr:
-        """Return 0."""
+        """Return 0, also at the jump."""
         return S.Zero
 
     def _latex(self, printer: Any) -> str:
