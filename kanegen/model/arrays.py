@@ -13,6 +13,7 @@ from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.body import Body
 from kanegen.model.coordinates import Rotation, rotation_of
+from kanegen.model.coupling import CoupledFreedom, values_of
 from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.names import Place, variable_places
@@ -86,10 +87,11 @@ class SystemArrays:
     frames: Mapping[str, FrameArrays]
     load_rotation: Floats  # (N, 3, 3)
     armature: Floats  # (N, 6)
+    coupled: tuple[CoupledFreedom[float], ...]  # each after those that it follows
 
     def rows(self) -> dict[str, Any]:
-        """Return the arguments of `System.from_arrays` for the same bodies, without forces and frames."""
-        others = ("forces", "frames", "load_rotation")
+        """Return the arguments of `System.from_arrays` for the same bodies and nothing else."""
+        others = ("forces", "frames", "load_rotation", "coupled")
         return {field.name: getattr(self, field.name) for field in fields(self) if field.name not in others}
 
     @property
@@ -121,6 +123,7 @@ def system_arrays(system: SystemDescription) -> SystemArrays:
         frames={name: fixed_frame(system, name) for name in system.frame_names},
         load_rotation=np.array([fixed_frame(system, body.name).rotation for body in bodies]),
         armature=_floats([joint.armature for joint in joints]),
+        coupled=values_of(system.coupled),
     )
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
@@ -100,8 +100,11 @@ class Coupling:
         return table if self.offset == 0 else {**table, "offset": toml_number(self.offset)}
 
 
+_N = TypeVar("_N", bound=Number)
+
+
 @dataclass(frozen=True)
-class CoupledFreedom:
+class CoupledFreedom(Generic[_N]):
     """A coupled freedom, with the freedoms that it follows.
 
     Attributes:
@@ -111,8 +114,8 @@ class CoupledFreedom:
     """
 
     freedom: Freedom
-    terms: tuple[tuple[Freedom, Number], ...]
-    offset: Number
+    terms: tuple[tuple[Freedom, _N], ...]
+    offset: _N
 
 
 def with_permanent_names(couplings: Iterable[Coupling], bodies: Sequence[Body]) -> tuple[Coupling, ...]:
@@ -151,7 +154,7 @@ def coupled_bodies(bodies: Sequence[Body], couplings: Sequence[Coupling]) -> tup
     return tuple(changed)
 
 
-def ordered(couplings: Sequence[Coupling], bodies: Sequence[Body]) -> tuple[CoupledFreedom, ...]:
+def ordered(couplings: Sequence[Coupling], bodies: Sequence[Body]) -> tuple[CoupledFreedom[Number], ...]:
     """Return the coupled freedoms, each after those coupled freedoms that it follows.
 
     Raises:
@@ -159,7 +162,7 @@ def ordered(couplings: Sequence[Coupling], bodies: Sequence[Body]) -> tuple[Coup
     """
     known = {coupling.freedom: coupling for coupling in couplings}
     places = _names(bodies)
-    found: dict[str, CoupledFreedom] = {}
+    found: dict[str, CoupledFreedom[Number]] = {}
     for name in known:
         path = [name]
         while path:
@@ -241,13 +244,13 @@ def _circle(names: Sequence[str]) -> str:
     )
 
 
-def values_of(coupled: Iterable[CoupledFreedom]) -> tuple[CoupledFreedom, ...]:
+def values_of(coupled: Iterable[CoupledFreedom[Number]]) -> tuple[CoupledFreedom[float], ...]:
     """Return the coupled freedoms with parameters at their defaults."""
     return tuple(
-        replace(
-            one,
-            terms=tuple((freedom, value_of(factor)) for freedom, factor in one.terms),
-            offset=value_of(one.offset),
+        CoupledFreedom(
+            one.freedom,
+            tuple((freedom, value_of(factor)) for freedom, factor in one.terms),
+            value_of(one.offset),
         )
         for one in coupled
     )

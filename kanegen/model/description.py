@@ -64,9 +64,22 @@ class SystemDescription:
         return self._ordered(lambda joint: joint.prescribed)
 
     @cached_property
-    def coupled(self) -> tuple[CoupledFreedom, ...]:
+    def coupled(self) -> tuple[CoupledFreedom[Number], ...]:
         """The freedoms that follow others, each after those coupled freedoms that it follows."""
         return ordered(self.couplings, self.bodies)
+
+    @cached_property
+    def moving_places(self) -> dict[Freedom, int]:
+        """The place of every freedom that moves: `freedoms`, then `prescribed`, then `coupled`."""
+        coupled = (one.freedom for one in self.coupled)
+        return {one: i for i, one in enumerate((*self.freedoms, *self.prescribed, *coupled))}
+
+    @cached_property
+    def in_couplings(self) -> frozenset[Freedom]:
+        """The freedoms that are coupled, or that a coupled freedom follows."""
+        return frozenset(
+            freedom for one in self.coupled for freedom in (one.freedom, *(other for other, _ in one.terms))
+        )
 
     def _ordered(self, which: Callable[[Joint], tuple[bool, ...]]) -> tuple[Freedom, ...]:
         """Return the freedoms that `which` selects at each joint, in the order of Eq. (1)."""

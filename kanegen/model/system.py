@@ -374,8 +374,8 @@ class System(SystemDescription):
 
         Args:
             speeds: One of `coordinates.SPEEDS`: "angle_rates", or "angular_velocity" for the components of
-                {omega_hat'_K}, Eq. (8), with which [A] is regular everywhere. Joints with fewer free angles
-                and joints with a quaternion stay as they are.
+                {omega_hat'_K}, Eq. (8), with which [A] is regular everywhere. Joints with fewer free angles,
+                with a quaternion, or with an angle in a coupling stay as they are.
 
         Raises:
             OptionError: If there are no such speeds.
@@ -393,8 +393,8 @@ class System(SystemDescription):
         Args:
             coordinates: One of `coordinates.ORIENTATIONS`: "angles", in the sequence 1-2-3 where there were
                 none, or "quaternion", with which neither [A] nor {xdot} is singular in any orientation.
-                Other joints stay as they are. The speeds of a joint that had a quaternion stay its angular
-                velocity.
+                Other joints, and those with an angle in a coupling, stay as they are. The speeds of a joint
+                that had a quaternion stay its angular velocity.
 
         Raises:
             OptionError: If there are no such coordinates.
@@ -436,6 +436,7 @@ class System(SystemDescription):
     def _with_free_orientations(self, change: Callable[[Joint], Joint]) -> Self:
         """Return the same system with `change` applied to every joint that has three free angles.
 
+        A joint with an angle that a coupled freedom follows stays as it is.
         Limits of the angles of a joint that becomes another one have no meaning any more.
 
         Raises:
@@ -445,9 +446,10 @@ class System(SystemDescription):
             KanegenWarning: If there are such limits, which are left out.
         """
         bodies, without = list(self.bodies), []
+        followed = {freedom.body for freedom in self.in_couplings if freedom.is_angle}
         for k, body in enumerate(self.bodies):
             joint = body.joint
-            if not joint.has_free_orientation:
+            if not joint.has_free_orientation or k + 1 in followed:
                 continue
             unlimited = replace(joint, limits=without_angles(joint.limits))
             changed = change(unlimited)

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from kanegen.recursion.inverse_dynamics import BodyMotion
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.joint_motion import FreedomMotion, JointMotion
 from kanegen.recursion.kinematics import Pose, poses
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import ZERO, add, cross, multiply, subtract, unit
+from kanegen.recursion.vectors import ZERO, add, cross, multiply, scale, subtract, unit
 from kanegen.symbolic.definitions import Vector
 
 MATRIX_COST = 15
@@ -84,7 +84,7 @@ def acceleration(tree: Tree, one: Attached, motion: BodyMotion) -> BodyVector:
 
 @dataclass(frozen=True)
 class PartialVelocities:
-    """Partial velocities by freedom, in inertial components; those of other freedoms are zero.
+    """Partial velocities by place in {y}, in inertial components; those of other freedoms are zero.
 
     Attributes:
         angular: Of the angular velocity of the body, Eq. (15).
@@ -93,6 +93,12 @@ class PartialVelocities:
 
     angular: dict[int, Vector]
     linear: dict[int, Vector]
+
+    def add(self, motion: FreedomMotion, angular: Vector, linear: Vector) -> None:
+        """Add what a freedom moves to the partial velocities of the entries of {y} that move it."""
+        for place, share in motion.shares.items():
+            for found, velocity in ((self.angular, angular), (self.linear, linear)):
+                found[place] = add(found.get(place, ZERO), scale(share, velocity))
 
 
 def partial_velocities(tree: Tree, one: Attached, seen: Sequence[Pose]) -> PartialVelocities:
@@ -109,26 +115,25 @@ def partial_velocities(tree: Tree, one: Attached, seen: Sequence[Pose]) -> Parti
     found = PartialVelocities({}, {})
     for joint in path(tree, one.body):
         arm = tree.definitions.vector(f"r{name}_{joint.body}", subtract(p, seen[joint.body].origin))
-        for freedom, axis in _axes(tree, joint, seen):
-            found.angular[freedom] = axis
-            found.linear[freedom] = cross(axis, arm)
-        lower = seen[joint.lower]
-        found.linear.update({t.freedom: lower.inertial(t.direction) for t in joint.translations})
+        for turning, axis in _axes(tree, joint, seen):
+            found.add(turning, axis, cross(axis, arm))
+        for sliding in joint.translations:
+            found.add(sliding, ZERO, seen[joint.lower].inertial(sliding.direction))
     return found
 
 
-def _axes(tree: Tree, joint: JointMotion, seen: Sequence[Pose]) -> Iterator[tuple[int, Vector]]:
+def _axes(tree: Tree, joint: JointMotion, seen: Sequence[Pose]) -> Iterator[tuple[FreedomMotion, Vector]]:
     """Yield the freedoms that rotate body K, with their axes in inertial components."""
     pose = seen[joint.body]
     for speed in joint.angular_speeds:
-        yield speed.freedom, pose.inertial(unit(speed.axis))
+        yield speed, pose.inertial(unit(speed.axis))
     for place, step in enumerate(joint.angles):
-        if step.freedom != NO_FREEDOM:
+        if step.shares:
             axis = unit(step.axis)
             for outer in joint.angles[place + 1 :]:
                 axis = outer.turn.up(axis)
             axis = tree.definitions.vector(f"n_{step.frame}", pose.inertial(axis))
-            yield step.freedom, axis
+            yield step, axis
 
 
 def inertial(tree: Tree, vectors: Sequence[BodyVector]) -> list[Vector]:

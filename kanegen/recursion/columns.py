@@ -13,6 +13,9 @@ can cost less than turning every column through the joint and shifting it.
 translations begin as equal forces along the basis vectors of its lower body's frame. On their way inward they
 carry that frame along, so that another force which began in it need not be turned again: it stays the same
 combination of the three, and of only two for the column of an angle about a basis vector.
+
+Where couplings let one entry of {y} move several freedoms, `merged` adds their columns as soon as they have
+one frame and one origin, so that no more columns pass inward than there are entries of {y}.
 """
 
 from __future__ import annotations
@@ -21,10 +24,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol, Self
 
-from sympy import Expr
+from sympy import Expr, S
 
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, Rows, add, count_nonzero, cross, multiply, scale, unit
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
@@ -39,7 +42,12 @@ class Column(Protocol):
 
     @property
     def freedom(self) -> int:
-        """Place of the freedom in {y}."""
+        """Number of the freedom among those that move, or place in {y} of a column that was merged."""
+        ...
+
+    @property
+    def places(self) -> Mapping[int, Expr]:
+        """Factors by place in {y}: by how much each entry of {ydot} accelerates along the freedom."""
         ...
 
     @property
@@ -49,6 +57,10 @@ class Column(Protocol):
 
     def moment_about(self, axis: int, definitions: Definitions) -> Expr:
         """Return component `axis` of the moment {M}."""
+        ...
+
+    def whole_moment(self, definitions: Definitions) -> Vector:
+        """Return the moment {M}."""
         ...
 
     def down(self, turn: Turn, frame: str, definitions: Definitions) -> Self:
@@ -65,7 +77,8 @@ class RotationColumn:
     """The column of an angle, or of a component of a relative angular velocity.
 
     Attributes:
-        freedom: Place of the freedom in {y}.
+        freedom: Number of the freedom among those that move.
+        places: Factors by place in {y}.
         label: Suffix of the names of intermediates.
         force: The force {F}.
         moment: The moment {M}.
@@ -73,6 +86,7 @@ class RotationColumn:
     """
 
     freedom: int
+    places: Mapping[int, Expr]
     label: str
     force: Vector
     moment: Vector
@@ -81,6 +95,10 @@ class RotationColumn:
     def moment_about(self, axis: int, definitions: Definitions) -> Expr:
         """Return component `axis` of the moment {M}."""
         return self.moment[axis]
+
+    def whole_moment(self, definitions: Definitions) -> Vector:
+        """Return the moment {M}."""
+        return self.moment
 
     def down(self, turn: Turn, frame: str, definitions: Definitions) -> Self:
         """Return the column in components of the frame below a turn."""
@@ -99,7 +117,8 @@ class TranslationColumn:
     """The column of a translation: a force through a point, whose moment is {point} x {force}.
 
     Attributes:
-        freedom: Place of the freedom in {y}.
+        freedom: Number of the freedom among those that move.
+        places: Factors by place in {y}.
         label: Suffix of the names of intermediates.
         body: Number of the composite body that the translation moves.
         force: The force {F}.
@@ -107,6 +126,7 @@ class TranslationColumn:
     """
 
     freedom: int
+    places: Mapping[int, Expr]
     label: str
     body: int
     force: Vector
@@ -116,6 +136,10 @@ class TranslationColumn:
         """Return component `axis` of the moment {M}."""
         name = f"M_{self.label}_{self.freedom}_{axis}"
         return definitions.define(name, cross(self.point, self.force)[axis])
+
+    def whole_moment(self, definitions: Definitions) -> Vector:
+        """Return the moment {M}."""
+        return Vector(*(self.moment_about(axis, definitions) for axis in range(3)))
 
     def down(self, turn: Turn, frame: str, definitions: Definitions) -> Self:
         """Return the column in components of the frame below a turn."""
@@ -136,7 +160,7 @@ class ShiftedColumns:
     Attributes:
         moment_matrix: Moment about the lower origin by angular velocity of the composite body about its own,
             in the lower body's frame.
-        axes: Axes of the rotations in that frame, by freedom.
+        axes: Axes of the rotations in that frame, by number of the freedom.
         lower: Number of the lower body.
         definitions: Definitions that the intermediates are added to.
     """
@@ -163,9 +187,9 @@ def shifted_columns(
         definitions: Definitions that the intermediates are added to.
     """
     axes = {
-        step.freedom: definitions.vector(f"Z_{step.frame}", joint.down_from(step, unit(step.axis)))
+        step.number: definitions.vector(f"Z_{step.frame}", joint.down_from(step, unit(step.axis)))
         for step in joint.angles
-        if step.freedom != NO_FREEDOM
+        if step.shares
     }
     for speed in joint.angular_speeds:
         axes[speed.freedom] = definitions.vector(f"Z_{joint.body}_{speed.axis}", joint.down(unit(speed.axis)))
@@ -181,8 +205,8 @@ def _shift_saves(axes: dict[int, Vector], composite: Inertia, joint: JointMotion
     by_matrix = 1 + (1 if composite.mass == 0 else 4) * arms
     by_turns = inner = 0
     for step in joint.angles:
-        if step.freedom in axes:
-            components = count_nonzero(axes[step.freedom])
+        if step.number in axes:
+            components = count_nonzero(axes[step.number])
             by_matrix += MOMENT_COST[components]
             by_turns += inner + (2 if components == 1 else 4) * arms
         inner += step.turn.cost
@@ -230,7 +254,7 @@ class ForceBasis:
 
 def force_basis(joint: JointMotion, mass: Expr) -> ForceBasis | None:
     """Return the force basis of a joint with three translations along basis vectors of the lower frame."""
-    if len(joint.translations) < 3 or joint.constant:
+    if not joint.translates_freely or joint.constant:
         return None
     one, two, three = (translation.freedom for translation in joint.translations)
     return ForceBasis((one, two, three), mass)
@@ -254,6 +278,46 @@ def _combine_force(
     for freedom, share in column.shares.items():
         force = add(force, scale(share, forces[freedom]))
     return replace(column, force=definitions.vector(f"F_{column.label}_{joint.body}q", force))
+
+
+def merged(columns: Sequence[Column], body: str, frame: str, definitions: Definitions) -> list[Column]:
+    """Return columns about one origin, with those of the same entries of {y} added where this leaves fewer.
+
+    Args:
+        columns: Columns in one frame and about one origin.
+        body: Number of the body at which they have arrived.
+        frame: Suffix of the names of quantities in the frame.
+        definitions: Definitions that the intermediates are added to.
+    """
+    result: list[Column] = []
+    for group in _groups(columns):
+        places = sorted({place for col in group for place in col.places})
+        if len(places) >= len(group):
+            result += group
+            continue
+        for place in places:
+            force = moment = ZERO
+            for col in group:
+                share = col.places.get(place, S.Zero)
+                force = add(force, scale(share, col.force))
+                moment = add(moment, scale(share, col.whole_moment(definitions)))
+            label = f"{body}y{place}"
+            force = definitions.vector(f"F_{label}_{frame}", force)
+            moment = definitions.vector(f"M_{label}_{frame}", moment)
+            result.append(RotationColumn(place, {place: S.One}, label, force, moment))
+    return result
+
+
+def _groups(columns: Sequence[Column]) -> list[list[Column]]:
+    """Return columns in groups that have no entries of {y} in common, in the order of their first columns."""
+    groups: list[list[Column]] = []
+    for col in columns:
+        linked = [
+            group for group in groups if any(other.places.keys() & col.places.keys() for other in group)
+        ]
+        groups = [group for group in groups if group not in linked]
+        groups.append([*(other for group in linked for other in group), col])
+    return groups
 
 
 def _combination_cost(shares: int) -> int:

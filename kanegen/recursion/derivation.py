@@ -71,6 +71,8 @@ def _solvers(system: System, solver: str) -> tuple[str, ...]:
     if solver in SOLVERS:
         return (solver,)
     every = tuple(SOLVERS)
+    if system.couplings:
+        return every[1:]
     return every if factorisation.worth_trying(system) else every[:1]
 
 

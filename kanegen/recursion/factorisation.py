@@ -3,6 +3,11 @@
 Freedoms are eliminated from the outermost inward. An entry of [A] is zero unless one of its freedoms carries
 the other, and this order keeps it so: no fill (Featherstone 2008, section 6.5). Cheap for short trees; its
 cost grows with the third power of the depth, that of articulated bodies with the first.
+
+Where freedoms are coupled, an entry of {y} moves several of them, and is eliminated where the innermost one
+stands. An entry of [A] is then zero unless a freedom that one entry of {y} moves carries one that the other
+moves, and an elimination may fill entries: it couples all rows that it changes. The pattern follows from the
+tree and the couplings alone.
 """
 
 from __future__ import annotations
@@ -11,6 +16,7 @@ from collections.abc import Mapping, Sequence
 
 from sympy import Expr, S
 
+from kanegen.model.coordinates import Freedom
 from kanegen.model.system import System
 from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried, Requirement, required_efforts
 from kanegen.recursion.joint_path import joint_path, released
@@ -104,7 +110,7 @@ class Factorisation:
         result, define = list(components), self.tree.definitions.define
         for joint in self.tree.joints:
             along = carried.get(joint.body, NOT_CARRIED)
-            for one in joint.translations:
+            for one in joint.translations if joint.translates_freely else ():
                 own = components[one.freedom] - along.acceleration[one.axis]
                 result[one.freedom] = define(f"{name}_{one.freedom}", own)
             for speed in joint.angular_speeds:
@@ -135,16 +141,56 @@ def _factorise(
 
 
 def carriers(system: System) -> dict[int, list[int]]:
-    """Return for every freedom, from the outermost inward, the freedoms inward of it on its path."""
-    number = system.places
-    outward: dict[int, list[int]] = {0: []}
-    for k, body in enumerate(system.bodies, start=1):
-        own = [f for f in system.freedoms if f.body == k]
-        own.sort(key=lambda f: (f.is_angle, f.axis))  # translations carry angles, the first angle the next
-        outward[k] = outward[body.lower] + [number[f] for f in own]
+    """Return the rows of [A] that the elimination of each freedom changes, in the order of elimination.
+
+    Freedoms are eliminated from the outermost inward. Without couplings the rows are those of the freedoms
+    inward of it on its path.
+
+    Args:
+        system: The tree.
+
+    Returns:
+        Places in {y} from the innermost, by place of the eliminated freedom.
+    """
+    linked, order = _pattern(system)
+    rank = {place: i for i, place in enumerate(order)}
     found: dict[int, list[int]] = {}
-    for k in range(system.number_of_bodies, 0, -1):
-        before = len(outward[system.connection[k - 1]])
-        for place in range(len(outward[k]) - 1, before - 1, -1):
-            found[outward[k][place]] = outward[k][:place]
+    for place in order:
+        left = {other for other in linked[place] if rank[other] > rank[place]}
+        found[place] = sorted(left, key=lambda other: -rank[other])
+        if system.couplings:
+            for other in left:
+                linked[other] |= left - {other}
     return found
+
+
+def _pattern(system: System) -> tuple[dict[int, set[int]], list[int]]:
+    """Return the places in {y} that [A] links with each place, and all places in the order of elimination."""
+    moved = _places_that_move(system)
+    linked: dict[int, set[int]] = {place: set() for place in range(len(system.freedoms))}
+    outward: dict[int, list[tuple[int, ...]]] = {0: []}
+    for k, body in enumerate(system.bodies, start=1):
+        own = [freedom for freedom in moved if freedom.body == k]
+        own.sort(key=lambda f: (f.is_angle, f.axis))  # translations carry angles, the first angle the next
+        outward[k] = outward[body.lower] + [moved[freedom] for freedom in own]
+    order: dict[int, None] = {}
+    for k in range(system.number_of_bodies, 0, -1):
+        inner = len(outward[system.connection[k - 1]])
+        for i in range(len(outward[k]) - 1, inner - 1, -1):
+            on_path = {place for places in outward[k][: i + 1] for place in places}
+            for place in outward[k][i]:
+                linked[place] |= on_path - {place}
+                for other in on_path - {place}:
+                    linked[other].add(place)
+                order.pop(place, None)  # the innermost freedom that it moves decides
+                order[place] = None
+    return linked, list(order)
+
+
+def _places_that_move(system: System) -> dict[Freedom, tuple[int, ...]]:
+    """Return the places in {y} that move each freedom, itself or through couplings."""
+    found: dict[Freedom, tuple[int, ...]] = {one: (place,) for one, place in system.places.items()}
+    for one in system.coupled:
+        places = [place for other, _ in one.terms for place in found.get(other, ())]
+        found[one.freedom] = tuple(dict.fromkeys(places))
+    return {freedom: places for freedom, places in found.items() if places}

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from sympy import Expr
 
 from kanegen.recursion.columns import RotationColumn
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
+from kanegen.recursion.joint_motion import JointMotion, Step
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, count_nonzero, dot, unit
@@ -57,8 +57,8 @@ class FixedFrameJoint:
     Attributes:
         body: Number of body K.
         basis: The fixed frame in components of K.
-        axes: Axes of the free rotations in the fixed frame, by freedom.
-        directions: Directions of the free translations in the fixed frame, by freedom.
+        axes: Axes of the rotations in the fixed frame, by number of the freedom.
+        directions: Directions of the translations in the fixed frame, by number of the freedom.
         offset: Vector from the origin of the lower body to that of K in the fixed frame (m).
     """
 
@@ -101,14 +101,14 @@ def _first(joint: JointMotion, tree: Tree) -> FixedFrameJoint:
     The fixed frame is the one above the innermost angle, where the axes of two angles are basis vectors;
     where the speeds are an angular velocity, it is the frame of the body.
     """
-    free = [i for i, step in enumerate(joint.steps) if step.freedom != NO_FREEDOM]
+    free = [i for i, step in enumerate(joint.steps) if step.shares]
     below = joint.steps if joint.angular_speeds else joint.steps[: free[0] + 1] if free else ()
-    directions = {translation.freedom: translation.direction for translation in joint.translations}
+    directions = {translation.number: translation.direction for translation in joint.translations}
     for step in below:
         for freedom, direction in directions.items():
             name = f"u_{freedom}_{step.frame}"
             directions[freedom] = tree.definitions.vector(name, step.turn.up(direction))
-    axes = {step.freedom: unit(step.axis) for step in below if step.freedom != NO_FREEDOM}
+    axes = {step.number: unit(step.axis) for step in below if step.shares}
     seen = FixedFrameJoint(joint.body, Basis((unit(0), unit(1), unit(2))), axes, directions, ZERO)
     return _outward(seen, joint, joint.steps[len(below) :], tree.definitions)
 
@@ -117,8 +117,8 @@ def _next(joint: JointMotion, basis: Basis, definitions: Definitions) -> FixedFr
     """Return a joint in components of the fixed frame, from the basis in the frame of the lower body."""
     k = joint.body
     directions = {
-        translation.freedom: definitions.vector(
-            f"u_{translation.freedom}h", basis.to_fixed(translation.direction)
+        translation.number: definitions.vector(
+            f"u_{translation.number}h", basis.to_fixed(translation.direction)
         )
         for translation in joint.translations
     }
@@ -132,10 +132,10 @@ def _outward(
     """Return the joint with the axes of its turns `steps` and with the basis above them."""
     axes, basis = dict(seen.axes), seen.basis
     for step in steps:
-        if step.freedom != NO_FREEDOM:
-            axes[step.freedom] = basis.to_fixed(unit(step.axis))
+        if step.shares:
+            axes[step.number] = basis.to_fixed(unit(step.axis))
         basis = basis.up(step.turn, f"{step.frame}u", definitions)
-    axes |= {speed.freedom: basis.to_fixed(unit(speed.axis)) for speed in joint.angular_speeds}
+    axes |= {speed.number: basis.to_fixed(unit(speed.axis)) for speed in joint.angular_speeds}
     return replace(seen, axes=axes, basis=basis)
 
 
@@ -198,5 +198,5 @@ def _basis_cost(joint: JointMotion) -> int:
 
 
 def _rotations(joint: JointMotion) -> int:
-    """Return the number of free rotations of a joint."""
-    return len(joint.angular_speeds) + sum(step.freedom != NO_FREEDOM for step in joint.steps)
+    """Return the number of rotations of a joint that {y} moves."""
+    return len(joint.angular_speeds) + sum(bool(step.shares) for step in joint.steps)

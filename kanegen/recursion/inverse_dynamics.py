@@ -3,7 +3,8 @@
 An outward pass computes the motion of every body, an inward pass the force and moment about its origin that
 this motion requires, less the loads. Their component along a freedom is the generalized force that the
 freedom requires; for {ydot} = 0 this is minus its entry of {f} (Luh, Walker and Paul 1980; Featherstone 2008,
-section 5.3). Prescribed freedoms require such a force too.
+section 5.3). Prescribed freedoms require such a force too. That of a coupled freedom adds to those of the
+freedoms that it follows, times its factors.
 
 The motion of a body is its angular velocity, its angular acceleration and the acceleration of its origin for
 some {ydot}; gravity enters as an upward acceleration of the ground. For {ydot} = 0 these are the terms of
@@ -20,13 +21,13 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from sympy import Expr, S
+from sympy import Add, Expr, S
 
 from kanegen.recursion.constants import exact
 from kanegen.recursion.force_elements import applied_wrenches, element_efforts
 from kanegen.recursion.frames import fixed_frame
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.joint_motion import FreedomMotion, JointMotion
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import (
     ZERO,
@@ -59,8 +60,7 @@ def inverse_dynamics(tree: Tree) -> Derived:
 def prescribed_efforts(tree: Tree) -> Derived:
     """Derive the generalized forces at the prescribed freedoms, beside loads and gravity."""
     found = _all_required_efforts(tree, _required(tree, accelerated=True))
-    first = len(tree.system.freedoms)
-    return Derived([found[first + i] for i in range(len(tree.system.prescribed))])
+    return Derived(found[len(tree.system.freedoms) :])
 
 
 @dataclass(frozen=True)
@@ -168,8 +168,8 @@ def _outward(
         turned = step.turn.up(omega)
         rate = scale(step.rate, unit(step.axis))
         alpha = add(step.turn.up(alpha), cross(turned, rate))
-        if accelerated or step.freedom == NO_FREEDOM:
-            alpha = add(alpha, scale(step.acceleration, unit(step.axis)))
+        own = step.acceleration if accelerated else step.prescribed_acceleration
+        alpha = add(alpha, scale(own, unit(step.axis)))
         alpha = definitions.vector(f"alpha_{above}", alpha)
         omega = definitions.vector(f"omega_{above}", add(turned, rate))
         acceleration = definitions.vector(f"a_{above}", step.turn.up(acceleration))
@@ -194,8 +194,8 @@ def _origin_acceleration(
     carried = add(lower.acceleration, multiply(lower.field, joint.offset))
     for translation in joint.moving_translations:
         sliding = add(sliding, scale(translation.rate, translation.direction))
-        if accelerated or translation.freedom == NO_FREEDOM:
-            carried = add(carried, scale(translation.acceleration, translation.direction))
+        own = translation.acceleration if accelerated else translation.prescribed_acceleration
+        carried = add(carried, scale(own, translation.direction))
     twice = definitions.vector(f"w_{joint.lower}", scale(exact(2.0), lower.omega))
     sliding = definitions.vector(f"v_{joint.body}", sliding)
     return definitions.vector(f"a_{joint.body}j", add(carried, cross(twice, sliding)))
@@ -238,14 +238,13 @@ def required(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) 
 
 def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
     """Return the generalized forces that accelerate the armature of motors, by number of the freedom."""
-    return {
-        element.number: tree.definitions.define(
-            f"fm_{element.number}", element.armature * element.acceleration
-        )
-        for joint in tree.joints
-        for element in joint.elements
-        if element.armature != 0 and (accelerated or element.freedom == NO_FREEDOM)
-    }
+    found: dict[int, Expr] = {}
+    for joint in tree.joints:
+        for one in joint.elements:
+            rate = one.acceleration if accelerated else one.prescribed_acceleration
+            if one.armature != 0 and rate != 0:
+                found[one.number] = tree.definitions.define(f"fm_{one.number}", one.armature * rate)
+    return found
 
 
 def required_wrenches(tree: Tree, moved: Mapping[int, BodyMotion]) -> list[Wrench]:
@@ -355,25 +354,33 @@ def carried_wrenches(tree: Tree, wrenches: Sequence[Wrench]) -> Iterator[Carried
 
 def required_efforts(tree: Tree, needed: Requirement) -> list[Expr]:
     """Return the generalized forces that are required, less those of force elements, by freedom."""
-    found = _all_required_efforts(tree, needed)
-    return [found[i] for i in range(len(tree.system.freedoms))]
+    return _all_required_efforts(tree, needed)[: len(tree.system.freedoms)]
 
 
-def _all_required_efforts(tree: Tree, needed: Requirement) -> dict[int, Expr]:
-    """Return required generalized forces by number of the freedom, as in `Step.number`."""
-    result: dict[int, Expr] = {}
+def _all_required_efforts(tree: Tree, needed: Requirement) -> list[Expr]:
+    """Return required generalized forces at the freedoms, then at the prescribed freedoms."""
+    along: dict[int, tuple[FreedomMotion, Expr]] = {}
     for carried in carried_wrenches(tree, needed.wrenches):
         joint = carried.joint
-        result |= {speed.freedom: carried.above.moment[speed.axis] for speed in joint.angular_speeds}
+        along |= {one.number: (one, carried.above.moment[one.axis]) for one in joint.angular_speeds}
         for step, moment in zip(joint.steps, carried.moments, strict=True):
             if step.moves:
-                result[step.number] = moment[step.axis]
+                along[step.number] = step, moment[step.axis]
         for translation in joint.moving_translations:
             work = dot(translation.direction, carried.force)
-            result[translation.number] = tree.definitions.define(f"f_{translation.number}", work)
+            work = tree.definitions.define(f"f_{translation.number}", work)
+            along[translation.number] = translation, work
     acting = element_efforts(tree)
-    moving = enumerate((*tree.system.freedoms, *tree.system.prescribed))
-    return {
-        i: result[i] + needed.efforts.get(i, S.Zero) - acting.get((freedom.body, freedom.index), S.Zero)
-        for i, freedom in moving
-    }
+    n = len(tree.system.freedoms)
+    required: list[list[Expr]] = [[] for _ in range(n + len(tree.system.prescribed))]
+    for freedom, number in tree.system.moving_places.items():
+        one, work = along[number]
+        own = needed.efforts.get(number, S.Zero)
+        effort = work + own - acting.get((freedom.body, freedom.index), S.Zero)
+        if one.is_coupled:
+            effort = tree.definitions.define(f"fn_{number}", effort)
+        for i, share in one.shares.items():
+            required[i].append(share * effort)
+        for i, share in one.prescribed_shares.items():
+            required[n + i].append(share * effort)
+    return [Add(*parts) for parts in required]

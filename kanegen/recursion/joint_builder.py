@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import sympy
+from sympy import Add, S
 
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, Freedom, Rotation
@@ -23,6 +25,7 @@ from kanegen.recursion.turns import (
 )
 from kanegen.recursion.vectors import ZERO, add, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
+from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.symbols import acceleration, coordinate, speed
 
 
@@ -41,15 +44,16 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     along = [definitions.vector(f"u_{k}_{i + 1}", down(constant, unit(i))) for i in range(3)]
     directions = along[0], along[1], along[2]
     arm = Vector(*(exact(value) for value in body.joint.position))
+    moving: list[Translation] = []
     for axis in range(3):
         moves = body.joint.moving[3 + axis]
-        s = coordinate(k, 3 + axis) if moves else exact(body.joint.locked[3 + axis])
+        if moves:
+            motion = _motion(system, Freedom(k, 3 + axis), definitions)
+            moving.append(Translation(direction=directions[axis], **motion))
+        s = moving[-1].value if moves else exact(body.joint.locked[3 + axis])
         arm = add(arm, scale(s, directions[axis]))
-    moving = [
-        _translation(system, Freedom(k, 3 + i), directions[i]) for i in range(3) if body.joint.moving[3 + i]
-    ]
-    free = tuple(one for one in moving if one.freedom != NO_FREEDOM)
-    prescribed = tuple(one for one in moving if one.freedom == NO_FREEDOM)
+    free = tuple(one for one in moving if one.shares)
+    prescribed = tuple(one for one in moving if not one.shares)
     fixed = [Step(turn, f"{k}c{i + 1}") for i, turn in enumerate(constant)]
     about_axes = [index for index in body.joint.rotation.coordinates if index in ANGLES]
     angles = [_angle_step(system, Freedom(k, index), definitions) for index in about_axes]
@@ -62,11 +66,13 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
         kinds = body.joint.speed_kinds
         speeds = tuple(
             AngularSpeed(
-                number[Freedom(k, i)],
-                i,
-                speed(k, kinds[i]),
-                acceleration(k, kinds[i]),
-                exact(body.joint.armature[i]),
+                freedom=number[Freedom(k, i)],
+                number=number[Freedom(k, i)],
+                axis=i,
+                rate=speed(k, kinds[i]),
+                acceleration=acceleration(k, kinds[i]),
+                shares={number[Freedom(k, i)]: S.One},
+                armature=exact(body.joint.armature[i]),
             )
             for i in ANGLES
         )
@@ -74,19 +80,30 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
     return _with_origin(joint, body, definitions)
 
 
-def _translation(system: System, freedom: Freedom, direction: Vector) -> Translation:
-    """Return a free or prescribed translation along `direction`, which is given in the lower body's frame."""
-    place, number = _place_and_number(system, freedom)
-    k, index = freedom.body, freedom.index
-    armature = exact(system.bodies[k - 1].joint.armature[index])
-    rates = speed(k, index), acceleration(k, index)
-    return Translation(place, freedom.axis, direction, *rates, number, armature)
-
-
-def _place_and_number(system: System, freedom: Freedom) -> tuple[int, int]:
-    """Return the attributes `freedom` and `number` of a `Step` or a `Translation`."""
-    place = system.places.get(freedom, NO_FREEDOM)
-    return place, len(system.places) + system.prescribed.index(freedom) if place == NO_FREEDOM else place
+def _motion(system: System, freedom: Freedom, definitions: Definitions) -> dict[str, Any]:
+    """Return the attributes of the `FreedomMotion` of a freedom that moves, by name."""
+    motions, places = FreedomMotions(system, exact), system.moving_places
+    n, number = len(system.freedoms), places[freedom]
+    shares = {places[one]: share for one, share in motions.shares(freedom).items()}
+    moves = {symbol: symbol(freedom.body, freedom.index).name for symbol in (coordinate, speed, acceleration)}
+    driven = (
+        share * acceleration(one.body, one.index)
+        for one, share in motions.shares(freedom).items()
+        if places[one] >= n
+    )
+    return {
+        "freedom": number if number < n else NO_FREEDOM,
+        "number": number,
+        "axis": freedom.axis,
+        "value": definitions.define(moves[coordinate], motions.coordinate(freedom)),
+        "rate": definitions.define(moves[speed], motions.speed(freedom)),
+        "acceleration": definitions.define(moves[acceleration], motions.acceleration(freedom)),
+        "prescribed_acceleration": definitions.define(f"{moves[acceleration]}p", Add(*driven)),
+        "shares": {i: share for i, share in shares.items() if i < n},
+        "prescribed_shares": {i - n: share for i, share in shares.items() if i >= n},
+        "is_coupled": freedom in system.in_couplings,
+        "armature": exact(system.bodies[freedom.body - 1].joint.armature[freedom.index]),
+    }
 
 
 def _turning_as_a_whole(joint: JointMotion, rotation: Rotation, definitions: Definitions) -> JointMotion:
@@ -153,19 +170,19 @@ def orientation_turns(orientation: Matrix | Angles, name: str, definitions: Defi
 
 
 def _angle_step(system: System, freedom: Freedom, definitions: Definitions) -> Step:
-    """Return the turn of an angle, free, prescribed or locked."""
+    """Return the turn of an angle, moving or locked."""
     k, index = freedom.body, freedom.index
     joint = system.bodies[k - 1].joint
     frame, axis = f"{k}a{index + 1}", joint.axes[index]
     if not joint.moving[index]:
         locked = joint.locked[index]
         return Step(_constant_turn(f"{k}_{index + 1}", axis, locked, definitions), frame, angle=index)
-    angle = coordinate(k, index)
+    motion = _motion(system, freedom, definitions)
+    angle = motion["value"]
     sine = definitions.define(f"S_{k}_{index + 1}", sympy.sin(angle))
     cosine = definitions.define(f"C_{k}_{index + 1}", sympy.cos(angle))
-    place, number = _place_and_number(system, freedom)
-    turn, rates = planar_turn(axis, sine, cosine, angle), (speed(k, index), acceleration(k, index))
-    return Step(turn, frame, place, axis, *rates, sine, cosine, index, number, exact(joint.armature[index]))
+    turn = planar_turn(axis, sine, cosine, angle)
+    return Step(turn, frame, sine=sine, cosine=cosine, angle=index, **motion | {"axis": axis})
 
 
 def _constant_turn(name: str, axis: int, angle: Number, definitions: Definitions) -> Turn:

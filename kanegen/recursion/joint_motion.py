@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
 from sympy import Expr, S
 
@@ -18,87 +18,76 @@ NO_ANGLE = -1
 """Number of the angle of a constant turn."""
 
 
-@dataclass(frozen=True)
-class Step:
-    """One turn of a joint.
+@dataclass(frozen=True, kw_only=True)
+class FreedomMotion:
+    """The motion of a freedom: its rate is a linear function of {y} and of prescribed rates.
 
     Attributes:
-        turn: Turn from the lower to the upper frame.
-        frame: Suffix of the names of quantities in the frame below the turn.
-        freedom: Place in {y} of the angle of the turn, or `NO_FREEDOM`.
-        axis: Basis vector about which this angle turns.
-        rate: Rate of the angle (rad/s).
-        acceleration: Second derivative of the angle (rad/s^2).
-        sine: Sine of the angle.
-        cosine: Cosine of the angle.
-        angle: Number of the angle of the turn, 0 to 2, free or locked; or `NO_ANGLE`.
-        number: `freedom`, or n plus the place in `system.prescribed` for a prescribed angle.
-        armature: Reflected inertia of the motor of the angle (kg m^2).
+        freedom: Place in {y}; `NO_FREEDOM` where the freedom is prescribed, coupled or locked.
+        number: Number among the freedoms that move: `freedom`, or n plus the place in `system.prescribed`, or
+            n + p plus the place in `system.coupled`; `NO_FREEDOM` where it is locked.
+        axis: Basis vector about or along which the freedom moves.
+        value: The coordinate (rad, m).
+        rate: The rate (rad/s, m/s).
+        acceleration: Second derivative (rad/s^2, m/s^2).
+        prescribed_acceleration: The part of it that prescribed accelerations cause.
+        shares: Factors of the entries of {y} in the rate, by place in {y}.
+        prescribed_shares: Factors of the prescribed rates in the rate, by place in `system.prescribed`.
+        is_coupled: Whether the freedom is coupled, or a coupled freedom follows it.
+        armature: Reflected inertia of the motor of the freedom (kg m^2, kg).
     """
 
-    turn: Turn
-    frame: str
     freedom: int = NO_FREEDOM
+    number: int = NO_FREEDOM
     axis: int = 0
+    value: Expr = S.Zero
     rate: Expr = S.Zero
     acceleration: Expr = S.Zero
-    sine: Expr = S.Zero
-    cosine: Expr = S.One
-    angle: int = NO_ANGLE
-    number: int = NO_FREEDOM
+    prescribed_acceleration: Expr = S.Zero
+    shares: Mapping[int, Expr] = field(default_factory=dict)
+    prescribed_shares: Mapping[int, Expr] = field(default_factory=dict)
+    is_coupled: bool = False
     armature: Expr = S.Zero
 
     @property
     def moves(self) -> bool:
-        """Whether the angle is free or prescribed."""
+        """Whether the freedom is free, prescribed or coupled."""
         return self.number != NO_FREEDOM
 
 
 @dataclass(frozen=True)
-class Translation:
-    """A free or prescribed translation of a joint.
+class Step(FreedomMotion):
+    """One turn of a joint, with the motion of its angle.
 
     Attributes:
-        freedom: Place in {y}, or `NO_FREEDOM` where the translation is prescribed.
-        axis: Basis vector of the joint frame along which it moves.
-        direction: The same vector in the lower body's frame.
-        rate: Rate of the translation (m/s).
-        acceleration: Second derivative of the translation (m/s^2).
-        number: `freedom`, or n plus the place in `system.prescribed` for a prescribed translation.
-        armature: Reflected inertia of the motor of the translation (kg).
+        turn: Turn from the lower to the upper frame.
+        frame: Suffix of the names of quantities in the frame below the turn.
+        sine: Sine of the angle.
+        cosine: Cosine of the angle.
+        angle: Number of the angle of the turn, 0 to 2, free or locked; or `NO_ANGLE`.
     """
 
-    freedom: int
-    axis: int
-    direction: Vector
-    rate: Expr
-    acceleration: Expr
-    number: int
-    armature: Expr
+    turn: Turn
+    frame: str
+    sine: Expr = S.Zero
+    cosine: Expr = S.One
+    angle: int = NO_ANGLE
 
 
 @dataclass(frozen=True)
-class AngularSpeed:
-    """One component of the relative angular velocity, Eq. (8), that is a speed, in the frame of body K.
+class Translation(FreedomMotion):
+    """A free, prescribed or coupled translation of a joint, along a basis vector of the joint frame.
 
     Attributes:
-        freedom: Place in {y}.
-        axis: Basis vector along which it points.
-        rate: The component itself (rad/s).
-        acceleration: Time derivative of the component (rad/s^2).
-        armature: Reflected inertia of the motor of the component (kg m^2).
+        direction: The same vector in the lower body's frame.
     """
 
-    freedom: int
-    axis: int
-    rate: Expr
-    acceleration: Expr
-    armature: Expr
+    direction: Vector
 
-    @property
-    def number(self) -> int:
-        """The place in {y}: components of an angular velocity are never prescribed."""
-        return self.freedom
+
+@dataclass(frozen=True)
+class AngularSpeed(FreedomMotion):
+    """One component of the relative angular velocity, Eq. (8), that is a speed, in the frame of body K."""
 
 
 @dataclass(frozen=True)
@@ -116,13 +105,13 @@ class JointMotion:
         offset: Vector from the origin of J to that of K, in J (m): `arm`, changed by the `origin` of both
             joints; but to O_K where `to_center` is not zero.
         origin: Vector from O_K to the point of K that serves as its origin, in K (m).
-        translations: The free translations.
+        translations: The translations that {y} moves.
         constant: The turns of [C_K], from J to the joint frame.
         angles: The turns of the angles, from the joint frame to K.
         angular_speeds: The components of the relative angular velocity, if these are the speeds of the joint.
         composed_of: The turns of the single angles of a whole rotation; empty for a quaternion.
         merged: `constant` and `angles` as one turn, for vectors that pass both; or empty.
-        prescribed_translations: The prescribed translations.
+        prescribed_translations: The translations that only prescribed motion moves.
         to_center: Vector from O_K to the origin of K, in K (m), where the origin is the mass centre of a body
             that both translates and rotates; zero elsewhere. See `tree.about_mass_centers`.
     """
@@ -143,18 +132,24 @@ class JointMotion:
     to_center: Vector = ZERO
 
     @property
+    def freedoms(self) -> tuple[FreedomMotion, ...]:
+        """The freedoms of the joint that {y} moves."""
+        return tuple(one for one in self.elements if one.shares)
+
+    @property
     def rotates(self) -> bool:
-        """Whether any angle or angular velocity is free or prescribed."""
+        """Whether any angle or angular velocity moves."""
         return bool(self.angular_speeds) or any(step.moves for step in self.angles)
 
     @property
     def rotates_freely(self) -> bool:
         """Whether the rates of three free angles are speeds, and only efforts are transmitted as a moment.
 
-        A motor with armature transmits a moment that depends on the acceleration of its angle.
+        A motor with armature transmits a moment that depends on the acceleration of its angle, and so does a
+        freedom that follows an angle.
         """
         free = [step for step in self.angles if step.freedom != NO_FREEDOM]
-        return len(free) == 3 and not any(step.armature for step in free)
+        return len(free) == 3 and not any(step.armature or step.is_coupled for step in free)
 
     @property
     def turns_freely(self) -> bool:
@@ -164,11 +159,13 @@ class JointMotion:
     @property
     def translates_freely(self) -> bool:
         """Whether all three translations are free, and only efforts are transmitted as a force."""
-        return len(self.translations) == 3 and not any(one.armature for one in self.translations)
+        return len(self.translations) == 3 and not any(
+            one.armature or one.is_coupled for one in self.translations
+        )
 
     @property
-    def elements(self) -> tuple[Step | Translation | AngularSpeed, ...]:
-        """The angles, components of the angular velocity and translations that are free or prescribed."""
+    def elements(self) -> tuple[FreedomMotion, ...]:
+        """The angles, components of the angular velocity and translations that move."""
         return (
             *(step for step in self.angles if step.moves),
             *self.angular_speeds,
@@ -183,7 +180,7 @@ class JointMotion:
 
     @property
     def moving_translations(self) -> tuple[Translation, ...]:
-        """The translations that are free or prescribed."""
+        """The translations that move."""
         return self.translations + self.prescribed_translations
 
     @property

@@ -8,12 +8,12 @@ alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from sympy import Expr, S
+from sympy import Add, Expr, S
 
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion
+from kanegen.recursion.joint_motion import FreedomMotion, JointMotion
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, Wrench, add, cross
@@ -32,7 +32,9 @@ class FreeComponent:
 
     Attributes:
         index: One of `ROTATIONS` or `TRANSLATIONS`.
-        freedom: Place of the freedom in {y}.
+        freedom: Number of the freedom among those that move, its place in {y} where it is not coupled.
+        shares: Factors by place in {y}: by how much each entry of {ydot} accelerates along the component.
+        is_coupled: Whether the freedom is coupled, or a coupled freedom follows it.
         is_absolute: Whether it is the whole component of the acceleration of the body, instead of what the
             joint adds to that of the lower body.
         armature: Reflected inertia of its motor (kg m^2, kg); zero where the component is absolute.
@@ -40,8 +42,14 @@ class FreeComponent:
 
     index: int
     freedom: int
+    shares: Mapping[int, Expr]
+    is_coupled: bool = False
     is_absolute: bool = False
     armature: Expr = S.Zero
+
+    def acceleration(self, components: Sequence[Expr]) -> Expr:
+        """Return the acceleration along the component, from the free components by place in {y}."""
+        return Add(*(share * components[i] for i, share in self.shares.items()))
 
 
 @dataclass(frozen=True)
@@ -147,25 +155,30 @@ def _elements(joint: JointMotion, together: bool) -> Iterator[PathElement]:
     all_angles = together and joint.rotates_freely
     if all_translations:
         for index, translation in zip(TRANSLATIONS, joint.translations, strict=True):
-            yield FreeComponent(index, translation.freedom, is_absolute=True)
+            yield _component(index, translation, is_absolute=True)
         if joint.to_center != ZERO:
             yield OriginChange(joint.to_center, f"{joint.body}o")
     for speed in joint.angular_speeds:
-        is_absolute = together and joint.turns_freely
-        yield FreeComponent(speed.axis, speed.freedom, is_absolute, speed.armature)
+        yield _component(speed.axis, speed, is_absolute=together and joint.turns_freely)
     if all_angles:
         for index, step in zip(ROTATIONS, joint.angles, strict=True):
-            yield FreeComponent(index, step.freedom, is_absolute=True)
+            yield _component(index, step, is_absolute=True)
     for step in reversed(joint.angles):
-        if step.freedom != NO_FREEDOM and not all_angles:
-            yield FreeComponent(step.axis, step.freedom, armature=step.armature)
+        if step.shares and not all_angles:
+            yield _component(step.axis, step)
         yield FrameChange(step.turn, step.frame)
     if all_translations:
         one, two, three = (translation.freedom for translation in joint.translations)
         yield FreeTranslations((one, two, three))
     else:
         for translation in joint.translations:
-            yield FreeComponent(3 + translation.axis, translation.freedom, armature=translation.armature)
+            yield _component(3 + translation.axis, translation)
     for step in reversed(joint.constant):
         yield FrameChange(step.turn, step.frame)
     yield OriginChange(joint.offset, f"{joint.body}j")
+
+
+def _component(index: int, motion: FreedomMotion, *, is_absolute: bool = False) -> FreeComponent:
+    """Return the component of an acceleration that a freedom leaves free."""
+    armature = S.Zero if is_absolute else motion.armature
+    return FreeComponent(index, motion.number, motion.shares, motion.is_coupled, is_absolute, armature)

@@ -8,15 +8,16 @@ component of {F}.
 
 Three refinements save operations: shifted columns begin about the lower origin, force combinations replace
 turned forces, and fixed-frame columns stay in one frame on long paths; see `columns` and
-`fixed_frame_columns`.
+`fixed_frame_columns`. Where freedoms are coupled, the entries of the freedoms that follow add to those of the
+freedoms that they follow, times their factors, and columns are added on their way inward.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from sympy import Expr, S
+from sympy import Add, Expr, S
 
 from kanegen.recursion.columns import (
     Column,
@@ -25,11 +26,12 @@ from kanegen.recursion.columns import (
     TranslationColumn,
     combine_forces,
     force_basis,
+    merged,
     shifted_columns,
 )
 from kanegen.recursion.fixed_frame_columns import FixedFrameJoint, fixed_frame_joints
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
+from kanegen.recursion.joint_motion import NO_FREEDOM, FreedomMotion, JointMotion, Step
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import column, cross, dot, scale, unit
 
@@ -41,11 +43,11 @@ def mass_matrix(tree: Tree) -> Derived:
     assembly = _Assembly(tree, list(tree.inertias), moving, fixed, fixed_frame_joints(tree))
     for joint in reversed(tree.joints):
         tree.about(joint.body, "composite body and its columns of [A], Eq. (43)")
+        assembly.merge_columns(joint.body)
         assembly.pass_fixed_columns(joint)
         assembly.pass_moving_columns(joint)
     n = len(tree.system.freedoms)
-    pairs = ((max(r, c), min(r, c)) for r in range(n) for c in range(n))
-    return Derived([assembly.entries.get(pair, S.Zero) for pair in pairs])
+    return Derived([assembly.entry(i, j) for i in range(n) for j in range(n)])
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,8 @@ class _Assembly:
         fixed: Columns by body that are about its origin, in the fixed frame.
         seen: Joints by body where columns change to the fixed frame.
         bases: Force basis by body: the translation columns that began along the basis vectors of its frame.
-        entries: Entries of [A] by pair of freedoms, the larger first.
+        entries: Terms of the entries of [A] by pair of places in {y}, the larger first.
+        shares: Factors by place in {y}, by number of the freedom.
     """
 
     tree: Tree
@@ -68,11 +71,44 @@ class _Assembly:
     fixed: list[list[RotationColumn]]
     seen: dict[int, FixedFrameJoint]
     bases: dict[int, ForceBasis] = field(default_factory=dict)
-    entries: dict[tuple[int, int], Expr] = field(default_factory=dict)
+    entries: dict[tuple[int, int], list[Expr]] = field(default_factory=dict)
+    shares: dict[int, Mapping[int, Expr]] = field(default_factory=dict)
 
-    def record(self, a: int, b: int, value: Expr) -> None:
-        """Store the entries (a, b) and (b, a), which are the same."""
-        self.entries[max(a, b), min(a, b)] = value
+    def __post_init__(self) -> None:
+        for joint in self.tree.joints:
+            self.shares.update((one.number, one.shares) for one in joint.freedoms)
+
+    def record(self, col: Column, number: int, value: Expr) -> None:
+        """Store the component of a column along another freedom: both halves of [A] have it."""
+        for i, factor in col.places.items():
+            for j, share in self.shares[number].items():
+                twice = 2 if i == j else 1
+                self._add(i, j, twice * factor * share * value)
+
+    def record_own(self, one: FreedomMotion, value: Expr) -> None:
+        """Store the inertia that a freedom itself moves."""
+        for i, share in one.shares.items():
+            for j, other in one.shares.items():
+                if j <= i:
+                    self._add(i, j, share * other * value)
+
+    def _add(self, i: int, j: int, value: Expr) -> None:
+        """Add a term to the entries (i, j) and (j, i), which are the same."""
+        self.entries.setdefault((max(i, j), min(i, j)), []).append(value)
+
+    def entry(self, i: int, j: int) -> Expr:
+        """Return an entry of [A], the sum of its terms."""
+        terms = self.entries.get((max(i, j), min(i, j)), [])
+        if len(terms) < 2:
+            return terms[0] if terms else S.Zero
+        return self.tree.definitions.define(f"A_{max(i, j)}_{min(i, j)}", Add(*terms))
+
+    def merge_columns(self, k: int) -> None:
+        """Add the columns that have arrived at body `k` where the same entries of {y} cause them."""
+        definitions = self.tree.definitions
+        self.moving[k - 1] = merged(self.moving[k - 1], f"{k}", f"{k}", definitions)
+        fixed = merged(self.fixed[k - 1], f"{k}", f"{k}h", definitions)
+        self.fixed[k - 1] = [col for col in fixed if isinstance(col, RotationColumn)]
 
     def pass_fixed_columns(self, joint: JointMotion) -> None:
         """Record the entries of fixed-frame columns with a joint, and pass them inward with new ones."""
@@ -82,7 +118,7 @@ class _Assembly:
         fixed = self.fixed[joint.body - 1]
         for col in fixed:
             for freedom, value in seen.entries(col, definitions).items():
-                self.record(col.freedom, freedom, value)
+                self.record(col, freedom, value)
         if joint.lower:
             arriving = [col for col in self.moving[joint.body - 1] if isinstance(col, RotationColumn)]
             fixed = fixed + [seen.to_fixed(col, definitions) for col in arriving]
@@ -98,7 +134,7 @@ class _Assembly:
             self._record_angle([*arriving, *own], step)
             arriving = [col.down(step.turn, step.frame, definitions) for col in arriving]
             own = [col.down(step.turn, step.frame, definitions) for col in own]
-            if step.freedom != NO_FREEDOM:
+            if step.shares:
                 own.append(self._angle_column(step, joint, above, composite))
         arriving = combine_forces(arriving, joint, definitions)
         self._record_translations([*arriving, *own], composite, joint)
@@ -112,12 +148,12 @@ class _Assembly:
         begun: list[RotationColumn] = []
         for speed in joint.angular_speeds:
             for col in (*self.moving[joint.body - 1], *begun):
-                self.record(col.freedom, speed.freedom, col.moment_about(speed.axis, self.tree.definitions))
+                self.record(col, speed.number, col.moment_about(speed.axis, self.tree.definitions))
             moment = column(composite.inertia, speed.axis)
-            self.record(speed.freedom, speed.freedom, moment[speed.axis] + speed.armature)
+            self.record_own(speed, moment[speed.axis] + speed.armature)
             label = f"{joint.body}w{speed.axis + 1}"
             force = cross(unit(speed.axis), composite.moment)
-            begun.append(RotationColumn(speed.freedom, label, force, moment))
+            begun.append(RotationColumn(speed.number, speed.shares, label, force, moment))
         return begun
 
     def _arriving(self, joint: JointMotion) -> list[Column]:
@@ -135,16 +171,16 @@ class _Assembly:
 
     def _record_angle(self, columns: Iterable[Column], step: Step) -> None:
         """Record the entries of an angle with columns in components above or below its turn."""
-        if step.freedom != NO_FREEDOM:
+        if step.shares:
             for col in columns:
-                self.record(col.freedom, step.freedom, col.moment_about(step.axis, self.tree.definitions))
+                self.record(col, step.number, col.moment_about(step.axis, self.tree.definitions))
 
     def _angle_column(self, step: Step, joint: JointMotion, above: Inertia, below: Inertia) -> RotationColumn:
         """Begin the column of an angle below its turn, where the composite body is `below`."""
         axis = unit(step.axis)
         moment = column(below.inertia, step.axis)
-        self.record(step.freedom, step.freedom, moment[step.axis] + step.armature)
-        col = RotationColumn(step.freedom, step.frame, cross(axis, below.moment), moment)
+        self.record_own(step, moment[step.axis] + step.armature)
+        col = RotationColumn(step.number, step.shares, step.frame, cross(axis, below.moment), moment)
         basis = self.bases.get(joint.body)
         if basis is None or step is not joint.steps[-1]:
             return col
@@ -155,10 +191,10 @@ class _Assembly:
         """Record the entries of the joint's translations."""
         for translation in joint.translations:
             for col in columns:
-                name = f"A_{col.freedom}_{translation.freedom}"
+                name = f"A{'c' * translation.is_coupled}_{col.freedom}_{translation.number}"
                 value = self.tree.definitions.define(name, dot(translation.direction, col.force))
-                self.record(col.freedom, translation.freedom, value)
-            self.record(translation.freedom, translation.freedom, composite.mass + translation.armature)
+                self.record(col, translation.number, value)
+            self.record_own(translation, composite.mass + translation.armature)
 
     def _pass_to_lower_body(
         self, arriving: list[Column], own: list[RotationColumn], composite: Inertia, joint: JointMotion
@@ -188,9 +224,11 @@ class _Assembly:
         center = definitions.vector(f"c_{joint.body}", center)
         columns: list[TranslationColumn] = []
         for translation in joint.translations:
-            label = f"{joint.body}s{translation.freedom}"
+            number, shares = translation.number, translation.shares
+            is_free = translation.freedom != NO_FREEDOM
+            label = f"{joint.body}s{number}" if is_free else f"{joint.body}t{translation.axis + 1}"
             force = definitions.vector(f"F_{label}", scale(composite.mass, translation.direction))
-            columns.append(TranslationColumn(translation.freedom, label, joint.body, force, center))
+            columns.append(TranslationColumn(number, shares, label, joint.body, force, center))
         if basis := force_basis(joint, composite.mass):
             self.bases.setdefault(joint.lower, basis)
         return columns

@@ -7,11 +7,13 @@ path allows: `PivotBounds.carried`. Rounding changes a pivot by a few unit round
 
 A pivot is never less than the energy of some of the bodies alone: `PivotBounds.least`. For the first angle
 that moves inward of a body, the inertia of the body about its axis is known exactly: translations between
-the two cannot reduce what its motion across them costs. Elsewhere the body of the joint alone counts.
+the two cannot reduce what its motion across them costs. Elsewhere the body of the joint alone counts. For a
+freedom that couplings name, there is no lower bound.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -19,7 +21,7 @@ from sympy import Expr, Rational, S
 
 from kanegen.model.body import Body
 from kanegen.recursion.constants import exact
-from kanegen.recursion.joint_motion import NO_FREEDOM, JointMotion, Step
+from kanegen.recursion.joint_motion import NO_FREEDOM, FreedomMotion, JointMotion, Step
 from kanegen.recursion.principal_inertia import largest_inertia, least_inertia
 from kanegen.recursion.reach import NO_DISTANCE, Reach, Square
 from kanegen.recursion.tree import Tree
@@ -60,16 +62,18 @@ class PivotBounds:
         self._carried = [Bound() for _ in tree.system.freedoms]
         self._least = list(self._carried)
         self._widened: set[int] = set()
+        self._moved = Counter(i for joint in tree.joints for one in joint.freedoms for i in one.shares)
         for joint in tree.joints:
             body = tree.system.bodies[joint.body - 1]
             tree.about(joint.body, "bounds of the pivots that it is part of")
             for freedom, least in _least_of_joint(body, joint, together).items():
                 self._least[freedom] = Bound(least)
             self._carry(joint)
-            for element in joint.elements:
-                if element.freedom != NO_FREEDOM:
-                    for bounds in (self._carried, self._least):
-                        bounds[element.freedom] = bounds[element.freedom].plus(element.armature)
+            for one in joint.freedoms:
+                for place, factor in one.shares.items():
+                    self._carried[place] = self._carried[place].plus(factor**2 * one.armature)
+                if one.freedom != NO_FREEDOM:
+                    self._least[one.freedom] = self._least[one.freedom].plus(one.armature)
 
     def carried(self, freedom: int, share: Rational = S.One) -> Expr:
         """Return a share of the bound of the inertias that a freedom carries."""
@@ -111,12 +115,12 @@ class PivotBounds:
             freely = self._together and below.translates_freely
             if below.angular_speeds:
                 for speed in below.angular_speeds:
-                    self._add(speed.freedom, largest, mass, *reach.distance())
+                    self._add(speed, largest, mass, *reach.distance())
                 reach = reach.below_any_rotation()
             else:
                 reach = self._add_to_angles(below, body, mass, largest, reach)
             for one in below.translations:
-                self._add(one.freedom, mass, S.Zero)
+                self._add(one, mass, S.Zero)
             if freely and (below.turns_freely or below.rotates_freely):
                 return
             if freely:
@@ -141,37 +145,41 @@ class PivotBounds:
         """
         components = self._together and joint.rotates_freely
         for step in reversed(joint.angles):
-            if step.freedom != NO_FREEDOM:
-                axis = reach.upward(step.axis) if _comes_first(joint, self._together) else None
+            if step.shares:
+                known = _comes_first(joint, self._together) and not step.is_coupled
+                axis = reach.upward(step.axis) if known else None
                 if axis:
                     self._raise_least(step, _inertia_about(body, axis), mass, reach)
                 if axis and _is_basis_vector(axis):
                     self._add_exactly(step, _inertia_about(body, axis), mass, reach)
                 else:
                     distance = reach.distance(None if components else step.axis)
-                    self._add(step.freedom, largest, mass, *distance)
+                    self._add(step, largest, mass, *distance)
             reach = reach.below(step)
         return reach
 
     def _add(
         self,
-        freedom: int,
+        one: FreedomMotion,
         inertia: Expr,
         mass: Expr,
         distance: Expr = S.Zero,
         excursions: tuple[Square, ...] = (),
     ) -> None:
-        """Add the inertia of a body about an axis at a distance, to which excursions add, to a bound.
+        """Add the inertia of a body about an axis at a distance, to which excursions add, to bounds.
 
-        The square of a sum is at most the number of its terms times the sum of their squares.
+        The square of a sum is at most the number of its terms times the sum of their squares. So it is for
+        the motions that one entry of {y} gives to a body through several coupled freedoms.
         """
         terms = [Square(distance * distance)] if distance != 0 else []
-        bound = self._carried[freedom].plus(inertia)
-        for square in (*terms, *excursions):
-            bound = bound.plus(S.Zero, (len(terms) + len(excursions)) * mass, square)
-        if len(terms) + len(excursions) > 1:
-            self._widened.add(freedom)
-        self._carried[freedom] = bound
+        for place, share in one.shares.items():
+            weight = self._moved[place] * share**2
+            bound = self._carried[place].plus(weight * inertia)
+            for square in (*terms, *excursions):
+                bound = bound.plus(S.Zero, (len(terms) + len(excursions)) * weight * mass, square)
+            if len(terms) + len(excursions) > 1 or one.is_coupled:
+                self._widened.add(place)
+            self._carried[place] = bound
 
     def _add_exactly(self, step: Step, inertia: Expr, mass: Expr, reach: Reach) -> None:
         """Add a body with its inertia about the axis of a turn, and through its mass centre, to a bound.
@@ -205,6 +213,8 @@ def _least_of_joint(body: Body, joint: JointMotion, together: bool) -> dict[int,
 
     The last angle of a joint is left out where `PivotBounds` knows it exactly.
     """
+    if any(one.is_coupled for one in joint.freedoms):
+        return {}
     mass, center = exact(body.mass), [exact(value) for value in body.mass_center]
     angles = [step for step in joint.angles if step.freedom != NO_FREEDOM]
     rotations = [step.freedom for step in angles] + [speed.freedom for speed in joint.angular_speeds]

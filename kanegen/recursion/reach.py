@@ -19,7 +19,6 @@ from kanegen.recursion.tree import Tree
 from kanegen.recursion.turns import Turn
 from kanegen.recursion.vectors import ZERO, add, dot, scale, unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import coordinate
 
 
 @dataclass(frozen=True)
@@ -87,10 +86,9 @@ class Reach:
         described = tree.system.bodies[joint.body - 1].joint
         center = add(reach.center, Vector(*(exact(value) for value in described.position)))
         translations = list(reach.translations)
+        translations += [(one.value, one.direction) for one in joint.moving_translations]
         for axis, direction in enumerate(joint.directions):
-            if described.moving[3 + axis]:
-                translations.append((coordinate(joint.body, 3 + axis), direction))
-            else:
+            if not described.moving[3 + axis]:
                 center = add(center, scale(exact(described.locked[3 + axis]), direction))
         center = self.definitions.vector("cw", center)
         return replace(reach, center=center, translations=tuple(translations))

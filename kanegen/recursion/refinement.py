@@ -18,12 +18,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import sympy
-from sympy import Expr
+from sympy import Add, Expr, S
 
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.inverse_dynamics import BodyMotion, Requirement, body_motions, required
-from kanegen.recursion.joint_motion import NO_FREEDOM
 from kanegen.recursion.pivot_margins import PivotMargins
 from kanegen.recursion.solved_motion import solved_motions
 from kanegen.recursion.solver import Solver
@@ -137,10 +136,11 @@ def _with_free_components(solver: Solver, bias: Requirement, components: Sequenc
         tree.about(k, "what the solution needs, Eq. (44)")
         own = _accelerated(tree.inertias[k - 1], Vector(*a[:3]), Vector(*a[3:]))
         total.append(bias.wrenches[k - 1].plus(own, f"{k}own", tree.definitions))
-        for element in joint.elements:
-            if element.armature != 0 and element.freedom != NO_FREEDOM:
-                needed = element.armature * components[element.freedom]
-                efforts[element.freedom] = tree.definitions.define(f"fm_{element.freedom}", needed)
+        for one in joint.freedoms:
+            if one.armature != 0:
+                rate = Add(*(share * components[i] for i, share in one.shares.items()))
+                needed = efforts.get(one.number, S.Zero) + one.armature * rate
+                efforts[one.number] = tree.definitions.define(f"fm_{one.number}", needed)
     return Requirement(total, efforts)
 
 

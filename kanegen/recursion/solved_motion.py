@@ -56,7 +56,7 @@ def solved_motions(tree: Tree, paths: Paths, components: Sequence[Expr]) -> dict
                 if element.is_absolute:
                     replaced[i], moved = a[i], components[freedom]
                 else:
-                    moved = tree.definitions.define(f"r_{freedom}", a[i] + components[freedom])
+                    moved = tree.definitions.define(f"r_{freedom}", a[i] + element.acceleration(components))
                 a = (*a[:i], moved, *a[i + 1 :])
                 continue
             if isinstance(element, FreeTranslations):

@@ -22,7 +22,6 @@ from kanegen.recursion.tree import Tree
 from kanegen.recursion.turns import ComposedTurn, MatrixTurn, PlanarTurn, Turn
 from kanegen.recursion.vectors import ZERO, add, cross, dot, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Vector
-from kanegen.symbolic.symbols import coordinate
 
 HALF = Rational(1, 2)
 
@@ -132,8 +131,7 @@ def _seen(tree: Tree, path: Sequence[JointMotion], place: Place, name: str, touc
         sliding = ZERO
         for translation in joint.moving_translations:
             velocity = add(velocity, scale(translation.rate, translation.direction))
-            moved = coordinate(joint.body, 3 + translation.axis)
-            sliding = add(sliding, scale(moved, translation.direction))
+            sliding = add(sliding, scale(translation.value, translation.direction))
         velocity = define(f"{name}v_{joint.body}j", velocity)
         displacement = define(f"{name}d_{joint.body}j", add(place.displacement, sliding))
         place = Place(add(_constant_arm(tree, joint), place.constant), displacement)

@@ -1,7 +1,8 @@
 """Equations (36)-(44) of the notes: [A] and {f}, against which generated code is checked.
 
 They are sums over the bodies of products of the matrices in `kinematics`, written as in the notes. The
-columns of locked freedoms are dropped before the sums. The columns of prescribed freedoms multiply
+columns of locked freedoms are dropped before the sums, and those of coupled freedoms are added to the columns
+of the freedoms that they follow, times their factors. The columns of prescribed freedoms multiply
 prescribed rates and accelerations, and they also give the generalized forces that the prescribed motion
 requires.
 """
@@ -26,7 +27,7 @@ from kanegen.reference.arguments import (
     speeds,
 )
 from kanegen.reference.force_elements import contributions
-from kanegen.reference.freedoms import free_columns, full_order, prescribed_columns
+from kanegen.reference.freedoms import free_columns, full_order, gathered, prescribed_columns
 from kanegen.reference.kinematics import BodyKinematics, kinematics
 from kanegen.reference.matrices import Numbers, apply, transposed
 from kanegen.reference.motors import motor_forces, motor_mass_matrix
@@ -85,8 +86,8 @@ def mass_matrix(system: System | SystemArrays, x: ArrayLike, prescribed: ArrayLi
     x = coordinates(system, x)
     free, motion = free_columns(system), prescribed_motion(system, prescribed, x)
     bodies = kinematics(system, x, np.zeros((*x.shape[:-1], int(free.sum())), x.dtype), motion)
-    center_y = [body.center_y[..., free] for body in bodies]
-    omega_y = [body.omega_y[..., free] for body in bodies]
+    center_y = [gathered(system, body.center_y, free) for body in bodies]
+    omega_y = [gathered(system, body.omega_y, free) for body in bodies]
     linear_momentum_y = [m * v for m, v in zip(system.mass, center_y, strict=True)]
     angular_momentum_y = [inertia @ w for inertia, w in zip(system.inertia, omega_y, strict=True)]
     # One product of the bodies' matrices on top of each other is their sum over K, and much faster.
@@ -189,9 +190,12 @@ def _terms(
     elements = contributions(system, moving, (passed.x, motion[..., 0, :]), rates, passed.point_inputs)
     zero = np.zeros_like(rates[..., columns])
     return ForcingTerms(
-        **{name: sum((terms[name][..., columns] for terms in bodies), start=zero) for name in bodies[0]},
-        elements=sum((part.value[..., columns] for part in elements), start=zero),
-        motors=zero + motor_forces(system, accelerations)[..., columns],
+        **{
+            name: sum((gathered(system, terms[name], columns) for terms in bodies), start=zero)
+            for name in bodies[0]
+        },
+        elements=sum((gathered(system, part.value, columns) for part in elements), start=zero),
+        motors=zero + gathered(system, motor_forces(system, accelerations), columns),
     )
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from kanegen.model.arrays import FrameArrays, SystemArrays
 from kanegen.model.system import System
 from kanegen.reference.arguments import arrays_of, coordinates, prescribed_motion, speeds
-from kanegen.reference.freedoms import free_columns, full_order
+from kanegen.reference.freedoms import free_columns, full_order, gathered
 from kanegen.reference.kinematics import BodyKinematics, kinematics
 from kanegen.reference.matrices import Numbers, apply, skew, transposed
 
@@ -71,14 +71,11 @@ def frame_motions(
     rates = full_order(system, y, motion[..., 1, :])
     unaccelerated = full_order(system, 0 * ydot, motion[..., 2, :])
     accelerated = full_order(system, ydot, motion[..., 2, :])
-    found = [
-        _motion(system.frames[name], bodies, rates, (unaccelerated, accelerated), free_columns(system))
-        for name in names
-    ]
+    found = [_motion(system.frames[name], bodies, rates, (unaccelerated, accelerated)) for name in names]
     pose, jacobian, velocity, bias, acceleration = ([one[i] for one in found] for i in range(len(found[0])))
     return FrameMotions(
         poses=np.stack(pose, axis=-3),
-        jacobians=np.stack(jacobian, axis=-3),
+        jacobians=gathered(system, np.stack(jacobian, axis=-3), free_columns(system)),
         velocities=np.stack(velocity, axis=-2),
         accelerations=np.stack(acceleration, axis=-2),
         bias=np.stack(bias, axis=-2),
@@ -90,12 +87,14 @@ def _motion(
     bodies: Sequence[BodyKinematics],
     rates: Numbers,
     accelerations: tuple[Numbers, Numbers],
-    free: Numbers,
 ) -> tuple[Numbers, ...]:
-    """Return pose, Jacobian, velocity and, for each of two (..., 6N) accelerations, the acceleration."""
+    """Return pose, Jacobian, velocity and, for each of two (..., 6N) accelerations, the acceleration.
+
+    The Jacobian has a column for each of the 6N speeds.
+    """
     if not frame.body:
         still = np.zeros((*rates.shape[:-1], 6), rates.dtype)
-        jacobian = np.zeros((*still.shape, int(free.sum())), rates.dtype)
+        jacobian = np.zeros((*still.shape, rates.shape[-1]), rates.dtype)
         pose = np.concatenate([frame.rotation, frame.position[None]])
         return np.broadcast_to(pose, (*rates.shape[:-1], 4, 3)), jacobian, still, still, still
     body, arm = bodies[frame.body - 1], skew(frame.position)
@@ -106,7 +105,7 @@ def _motion(
     velocity = apply(v_y, rates)  # (31)
     origin = apply(up, body.position + frame.position)  # (23)
     pose = np.concatenate([frame.rotation @ body.rotation, origin[..., None, :]], axis=-2)
-    jacobian = np.concatenate([up @ body.omega_y, up @ v_y], axis=-2)[..., free]
+    jacobian = np.concatenate([up @ body.omega_y, up @ v_y], axis=-2)
     found = [pose, jacobian, np.concatenate([apply(up, body.omega), apply(up, velocity)], axis=-1)]
     for accelerated in accelerations:
         angular = apply(body.omega_y, accelerated) + apply(body.omega_y_dot, rates)

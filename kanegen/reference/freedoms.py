@@ -1,7 +1,7 @@
 """All 6N freedoms in the order of Eq. (1): the angles of all bodies, then their translations.
 
-A freedom of a system is free, prescribed or locked; a quaternion stands for three angles. In shapes, `...` is
-the batch: nothing, or (B,).
+A freedom of a system is free, prescribed, coupled or locked; a quaternion stands for three angles. In shapes,
+`...` is the batch: nothing, or (B,).
 """
 
 from __future__ import annotations
@@ -68,6 +68,12 @@ def orientations_and_translations(
                 rest_prescribed = rest_prescribed[..., moved.sum() :]
             found.append(own)
         parts.append(found)
+    of_kind = {True: parts[0], False: parts[1]}
+    for one in system.coupled:
+        value = of_kind[one.freedom.is_angle][one.freedom.body - 1]
+        value[..., one.freedom.axis] = one.offset + sum(
+            factor * of_kind[other.is_angle][other.body - 1][..., other.axis] for other, factor in one.terms
+        )
     return parts[0], parts[1]
 
 
@@ -83,7 +89,36 @@ def full_order(system: SystemArrays, values: Numbers, prescribed: Numbers) -> Nu
     full = np.full((*values.shape[:-1], system.free.size), 0.0, dtype)
     full[..., free_columns(system)] = values
     full[..., prescribed_columns(system)] = prescribed
+    for one in system.coupled:
+        place = column(system, one.freedom.body, one.freedom.index)
+        full[..., place] = sum(
+            factor * full[..., column(system, other.body, other.index)] for other, factor in one.terms
+        )
     return full
+
+
+def gathered(
+    system: SystemArrays, values: Numbers, columns: NDArray[np.bool_], *, sizes: bool = False
+) -> Numbers:
+    """Return those of (..., 6N) forces or partial velocities that belong to `columns`.
+
+    What belongs to a coupled freedom adds to the freedoms that it follows, times its factors.
+
+    Args:
+        system: The numbers of the tree.
+        values: One value for each freedom, in the order of Eq. (1).
+        columns: (6N,) flags of the free or of the prescribed freedoms.
+        sizes: Whether the values are magnitudes, which never cancel.
+    """
+    if not system.coupled:
+        return values[..., columns]
+    total = values.copy()
+    for one in reversed(system.coupled):
+        own = total[..., column(system, one.freedom.body, one.freedom.index)]
+        for other, factor in one.terms:
+            share = abs(factor) if sizes else factor
+            total[..., column(system, other.body, other.index)] += share * own
+    return total[..., columns]
 
 
 def rates_of_bodies(full: Numbers) -> tuple[Numbers, Numbers]:

@@ -20,7 +20,7 @@ from kanegen.model.arrays import Floats, SystemArrays
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.reference.arguments import point_inputs, prescribed_motion
 from kanegen.reference.force_elements import contributions
-from kanegen.reference.freedoms import UNPRESCRIBED, free_columns, full_order
+from kanegen.reference.freedoms import UNPRESCRIBED, free_columns, full_order, gathered
 from kanegen.reference.kinematics import BodyKinematics
 from kanegen.reference.matrices import Numbers, apply, length, transposed
 from kanegen.reference.motors import motor_mass_matrix
@@ -189,7 +189,8 @@ def element_magnitude(
     motion = prescribed_motion(system, prescribed, x)
     speeds, free = full_order(system, y, motion[..., 1, :]), free_columns(system)
     parts = contributions(system, bodies, (x, motion[..., 0, :]), speeds, point_inputs(system, x, **loads))
-    return sum((part.magnitude[..., free] for part in parts), start=np.zeros(y.shape))
+    sizes = (gathered(system, part.magnitude, free, sizes=True) for part in parts)
+    return sum(sizes, start=np.zeros(y.shape))
 
 
 def rounding_bound(bodies: int, precision: Precision = DOUBLE, storage: Precision = DOUBLE) -> float:
@@ -215,8 +216,8 @@ def rounding_bound(bodies: int, precision: Precision = DOUBLE, storage: Precisio
 def _columns(system: SystemArrays, maxima: tuple[PathMaxima, ...]) -> tuple[Floats, Floats]:
     """Return (..., N, n) largest lengths of the free columns of [v_G,y] and of [omega_y]."""
     free = free_columns(system)
-    center_y = np.stack([body.center_y[..., free] for body in maxima], axis=-2)
-    omega_y = np.stack([body.omega_y[..., free] for body in maxima], axis=-2)
+    center_y = np.stack([gathered(system, body.center_y, free, sizes=True) for body in maxima], axis=-2)
+    omega_y = np.stack([gathered(system, body.omega_y, free, sizes=True) for body in maxima], axis=-2)
     return center_y, omega_y
 
 

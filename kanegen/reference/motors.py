@@ -1,8 +1,8 @@
 """What motors add to the equations of the notes: the reflected inertia of each freedom.
 
 A motor with the reflected inertia a has the kinetic energy a y^2 / 2 in the speed y of its freedom. By Kane's
-method its generalized inertia force is -a {ydot}, at its own freedom alone. In shapes, `...` is the batch:
-nothing, or (B,).
+method its generalized inertia force is -a {ydot}, at its own freedom alone, or at those that this one
+follows. In shapes, `...` is the batch: nothing, or (B,).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from kanegen.model.arrays import Floats, SystemArrays
-from kanegen.reference.freedoms import free_columns
+from kanegen.reference.freedoms import free_columns, gathered
 from kanegen.reference.matrices import Numbers
 
 
@@ -22,7 +22,9 @@ def armature_in_order(system: SystemArrays) -> Floats:
 
 def motor_mass_matrix(system: SystemArrays) -> Floats:
     """Return the (n, n) part of [A] that belongs to motors."""
-    return np.diag(armature_in_order(system)[free_columns(system)])
+    rates = gathered(system, np.eye(system.free.size), free_columns(system))
+    matrix: Floats = rates.T @ (armature_in_order(system)[:, None] * rates)
+    return matrix
 
 
 def motor_forces(system: SystemArrays, accelerations: Numbers) -> Numbers:

@@ -62,7 +62,10 @@ def _numbers(system: System, arrays: SystemArrays) -> Iterator[tuple[str, Floats
 
 
 def _moved(arrays: SystemArrays) -> dict[tuple[int, bool], Exponents]:
-    """Return what angles and translations of each body move, by the body and whether it is an angle."""
+    """Return what angles and translations of each body move, by the body and whether it is an angle.
+
+    What coupled freedoms move counts for the freedoms that they follow.
+    """
     count, gravity = len(arrays.mass), _exponent(arrays.gravity)
     found: dict[tuple[int, bool], Exponents] = {
         (k, is_angle): {"inertia": [], "weight": []}
@@ -82,6 +85,12 @@ def _moved(arrays: SystemArrays) -> dict[tuple[int, bool], Exponents]:
             found[k, False]["weight"] += [mass + gravity]
             distance += _length(arrays.joint_position[k - 1]) + _length(arrays.locked[k - 1, 3:])
             k = int(arrays.connection[k - 1])
+    for one in reversed(arrays.coupled):
+        own = found[one.freedom.body, one.freedom.is_angle]
+        for other, factor in one.terms:
+            share, moved = _exponent(np.array(factor)), found[other.body, other.is_angle]
+            moved["inertia"] += [exponent + 2 * share for exponent in own["inertia"]]
+            moved["weight"] += [exponent + share for exponent in own["weight"]]
     return found
 
 

@@ -27,7 +27,7 @@ from kanegen.errors import SingularError, counted, quoted
 from kanegen.model.arrays import Floats, SystemArrays
 from kanegen.model.system import System
 from kanegen.model.validation import INERTIA_ROUNDING, ORTHOGONALITY
-from kanegen.reference.freedoms import UNPRESCRIBED, free_columns
+from kanegen.reference.freedoms import UNPRESCRIBED, free_columns, gathered
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.magnitudes import path_maxima
 from kanegen.reference.motors import armature_in_order
@@ -165,26 +165,27 @@ def velocity_rows(
         order: Indices of the freedoms in the order of the columns.
         prescribed: (3, p) motion of the prescribed freedoms.
     """
-    columns = np.flatnonzero(free_columns(arrays))[list(order)]
-    still = np.zeros(len(columns))
+    free, places = free_columns(arrays), list(order)
+    still = np.zeros(len(places))
     bodies = kinematics(arrays, x, still, prescribed)
     blocks, sizes = [], []
     for k, maxima in enumerate(path_maxima(arrays, bodies, still, prescribed)):
         if arrays.mass[k] > 0:
-            blocks.append(bodies[k].center_y[:, columns])
-            sizes.append(maxima.center_y[columns])
+            blocks.append(gathered(arrays, bodies[k].center_y, free)[:, places])
+            sizes.append(gathered(arrays, maxima.center_y, free, sizes=True)[places])
         axes = inertia_axes(arrays.inertia[k])
         if len(axes):
-            blocks.append(axes @ bodies[k].omega_y[:, columns])
-            sizes.append(maxima.omega_y[columns])
-    for row in np.flatnonzero(armature_in_order(arrays)[columns]):
-        blocks.append(np.eye(len(columns))[[row]])
-        sizes.append(blocks[-1][0])
-    table = np.reshape(sizes, (-1, len(columns)))
+            blocks.append(axes @ gathered(arrays, bodies[k].omega_y, free)[:, places])
+            sizes.append(gathered(arrays, maxima.omega_y, free, sizes=True)[places])
+    rates = gathered(arrays, np.eye(arrays.free.size), free)[:, places]
+    for row in rates[np.flatnonzero(armature_in_order(arrays))]:
+        blocks.append(row[None])
+        sizes.append(np.abs(row))
+    table = np.reshape(sizes, (-1, len(places)))
     row_scale, column_scale = _equilibration(table)
     scaled = [scale * block * column_scale for scale, block in zip(row_scale, blocks, strict=True)]
     magnitudes = np.linalg.norm(table * row_scale[:, None] * column_scale, axis=0)
-    return VelocityRows(np.vstack([np.zeros((len(columns), len(columns))), *scaled]), magnitudes)
+    return VelocityRows(np.vstack([np.zeros((len(places), len(places))), *scaled]), magnitudes)
 
 
 def inertia_axes(inertia: Floats) -> Floats:

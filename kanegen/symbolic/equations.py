@@ -27,7 +27,7 @@ from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.force_elements import ElementForces
 from kanegen.symbolic.literal.intermediates import Intermediates
-from kanegen.symbolic.literal.motors import motor_mass_matrix
+from kanegen.symbolic.literal.motors import motor_forces, motor_mass_matrix
 from kanegen.symbolic.literal.numeric import NumericEquations, numeric
 from kanegen.symbolic.symbols import accelerations, coordinates, force, prescribed, speed, speeds, torque
 
@@ -107,13 +107,14 @@ class Equations:
 
     @cached_property
     def A(self) -> ImmutableMatrix:
-        """[A], (n, n): the generalized mass matrix, Eq. (43), with the armature of motors on its diagonal."""
+        """[A], (n, n): the generalized mass matrix, Eq. (43), with the armature of motors."""
         return total([*(body.mass_matrix for body in self.bodies), motor_mass_matrix(self.system)])
 
     @cached_property
     def f(self) -> ImmutableMatrix:
         """{f}, (n, 1): the right side, Eq. (44), with weight, loads and force elements as its forces."""
-        return total([*(body.forcing for body in self.bodies), self.element_forces])
+        own = (body.forcing for body in self.bodies)
+        return total([*own, self.element_forces, motor_forces(self.system)])
 
     @cached_property
     def generalized_forces(self) -> ImmutableMatrix:
@@ -176,7 +177,8 @@ class Equations:
                 "intermediates. Print it with intermediates instead (closed=False), or read equations.A, "
                 "equations.f and equations.definitions."
             )
-        return replace(closed, f=total([closed.f, literal.element_forces]))
+        further = (literal.element_forces, motor_forces(self.system))
+        return replace(closed, f=total([closed.f, *further]))
 
     def lambdify(self) -> NumericEquations:
         """Return NumPy functions of [A] and {f} for small tasks; the library of `kg.build` is faster by far.

@@ -16,7 +16,7 @@ import sympy
 from sympy import Add, Dummy, Expr, S, Symbol
 
 from kanegen.errors import ModelError, quoted
-from kanegen.model.coordinates import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS, Freedom
 from kanegen.model.force_elements.expression import (
     TIME,
     Constant,
@@ -31,6 +31,7 @@ from kanegen.model.numbers import Number
 from kanegen.model.system import System
 from kanegen.symbolic import functions
 from kanegen.symbolic.definitions import Definitions
+from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.symbols import coordinate, speed, time
 
 LONGEST_PART = 24
@@ -231,13 +232,21 @@ class ExpressionTranslator:
     def _coordinate(self, place: Place) -> Expr:
         k, kind = place
         joint = self.system.bodies[k - 1].joint
+        if kind < len(FREEDOMS) and joint.coupled[kind]:
+            return self._motions.coordinate(Freedom(k, kind))
         is_symbol = kind >= len(FREEDOMS) or joint.moving[kind]
         return coordinate(k, kind) if is_symbol else self.number(joint.locked[kind])
 
     def _speed(self, place: Place) -> Expr:
         k, index = place
         joint = self.system.bodies[k - 1].joint
+        if joint.coupled[index]:
+            return self._motions.speed(Freedom(k, index))
         return speed(k, joint.speed_kinds[index]) if joint.moving[index] else S.Zero
+
+    @cached_property
+    def _motions(self) -> FreedomMotions:
+        return FreedomMotions(self.system, self.number)
 
 
 def _checked(value: Expr, expression: Expression) -> Expr:

@@ -19,6 +19,7 @@ from kanegen.measure.truth.tree import tree
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
 from tests.support import systems
+from tests.support.couplings import random_couplings
 from tests.support.high_precision import true_values
 
 OUTPUTS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
@@ -44,10 +45,14 @@ def with_parameters(system: kg.System, seed: int) -> kg.System:
     return replace(system, bodies=(replace(first, mass=kg.Parameter("m1", first.mass), joint=joint), *others))
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(16))
 def test_both_algorithms_enclose_the_same_numbers(seed: int) -> None:
+    """The last quarter of the trees has couplings."""
     rng = np.random.default_rng(seed)
     system = with_parameters(systems.random_system(rng, bodies=1 + seed % 6), seed)
+    if seed >= 12:
+        system = random_couplings(system, rng, share=0.5)
+        assert system.couplings
     values = inputs(system, seed)
     found = truth.truth(system, **values, outputs=OUTPUTS, parameters={"m1": 0.7})
     x, y, ydot = values["x"], values["y"], values["ydot"]

@@ -33,9 +33,9 @@ def exact(values: NDArray[np.float64] | None) -> Any:
 
 def exact_system(system: SystemArrays) -> SystemArrays:
     """The same system for high-precision states."""
-    arrays = {field.name: np.asarray(getattr(system, field.name)) for field in fields(system)}
-    floats = [name for name, values in arrays.items() if values.dtype == np.float64]
-    return replace(system, **{name: exact(getattr(system, name)) for name in floats})
+    arrays = {field.name: getattr(system, field.name) for field in fields(system)}
+    floats = {name: v for name, v in arrays.items() if isinstance(v, np.ndarray) and v.dtype == np.float64}
+    return replace(system, **{name: exact(values) for name, values in floats.items()})
 
 
 def true_values(system: SystemArrays, states: States) -> dict[str, NDArray[Any]]:

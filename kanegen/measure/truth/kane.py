@@ -8,25 +8,26 @@ their time derivatives go into Eqs. (36)-(44) as they stand in the notes.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from kanegen.measure.truth.balls import arb_mat, beside, cross, identity, stacked, unit, zeros
+from kanegen.measure.truth.balls import arb, arb_mat, beside, cross, identity, stacked, unit, zeros
 from kanegen.measure.truth.tree import Link, Tree, rotations_along
 
 
 @dataclass(frozen=True)
 class Axis:
-    """The axis of a free freedom in space; vectors are (3, 1), in inertial components.
+    """The axis of a freedom in space that {y} moves; vectors are (3, 1), in inertial components.
 
     Attributes:
-        place: Index of the freedom in {y}.
+        shares: Indices in {y} with the factors by which those speeds move the freedom.
         direction: Unit vector along the axis.
         direction_dot: Time derivative of the unit vector.
         point: Origin O_K, through which the axis of an angle passes; None for a translation.
         point_dot: Velocity of this origin.
     """
 
-    place: int
+    shares: Mapping[int, arb]
     direction: arb_mat
     direction_dot: arb_mat
     point: arb_mat | None
@@ -42,7 +43,7 @@ class Frame:
         omega: Angular velocity of the body.
         origin: Position of its origin O_K.
         origin_dot: Velocity of this origin.
-        axes: Axes of all free freedoms that move the body.
+        axes: Axes of all freedoms that move the body and are not locked.
     """
 
     rotation: arb_mat
@@ -85,9 +86,10 @@ def equations(tree: Tree) -> Equations:
         own_matrix, own_forces = _contribution(link, frame, tree)
         matrix += own_matrix
         forces += own_forces
-        for place, armature in zip(link.places, link.armature, strict=True):
-            if place is not None:
-                matrix[place, place] += armature
+        for shares, armature in zip(link.shares, link.armature, strict=True):
+            for i, share in shares.items():
+                for j, other in shares.items():
+                    matrix[i, j] += share * other * armature
     loads, gravity, velocity = (arb_mat(n, 1, forces.entries()[i::3]) for i in range(3))
     return Equations(matrix, loads, gravity, velocity)
 
@@ -101,14 +103,14 @@ def _frame(link: Link, lower: Frame) -> Frame:
     origin_dot = lower.origin_dot + cross(lower.omega, arm) + slide
     axes = [*lower.axes]
     for i in range(3):
-        direction, place = joint.transpose() * unit(i), link.places[3 + i]
-        if place is not None:
-            axes.append(Axis(place, direction, cross(lower.omega, direction), None, zeros(3, 1)))
+        direction, shares = joint.transpose() * unit(i), link.shares[3 + i]
+        if shares:
+            axes.append(Axis(shares, direction, cross(lower.omega, direction), None, zeros(3, 1)))
     rotations = [rotation * joint for rotation in rotations_along(link)]
     directions, carriers = _directions(link, rotations, lower.omega)
-    for direction, carrier, place in zip(directions, carriers, link.places, strict=False):
-        if place is not None:
-            axes.append(Axis(place, direction, cross(carrier, direction), origin, origin_dot))
+    for direction, carrier, shares in zip(directions, carriers, link.shares, strict=False):
+        if shares:
+            axes.append(Axis(shares, direction, cross(carrier, direction), origin, origin_dot))
     return Frame(rotations[3], carriers[3], origin, origin_dot, tuple(axes))
 
 
@@ -165,6 +167,7 @@ def _partials(
             w, w_dot = v, v_dot
             v, v_dot = cross(w, arm), cross(w_dot, arm) + cross(w, arm_dot)
         for name, vector in (("v", v), ("v_dot", v_dot), ("w", w), ("w_dot", w_dot)):
-            rows[name][axis.place] = vector.transpose()
+            for place, share in axis.shares.items():
+                rows[name][place] = rows[name][place] + vector.transpose() * share
     v_y, v_y_dot, w_y, w_y_dot = (stacked(rows[name]).transpose() for name in rows)
     return v_y, v_y_dot, w_y, w_y_dot

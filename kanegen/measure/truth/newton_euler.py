@@ -8,7 +8,7 @@ the forces that no acceleration requires. Rotations and angle rates come from th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -118,9 +118,10 @@ def _required_forces(tree: Tree, ydot: arb_mat, moving: bool) -> arb_mat:
         force, moment = forces[k] + own_force, moments[k] + own_moment
         passed = motion.rotation.transpose() * force
         needed = stacked([motion.rate_matrix.transpose() * moment, link.orientation * passed])
-        for index, place in enumerate(link.places):
-            if place is not None:
-                rows[place] = _row(needed, index) + _row(ydot, place) * link.armature[index]
+        for index, shares in enumerate(link.shares):
+            moved = _rows(ydot, [shares])
+            for place, share in shares.items():
+                rows[place] = rows[place] + (_row(needed, index) + moved * link.armature[index]) * share
         forces[link.lower] += passed
         moments[link.lower] += motion.rotation.transpose() * moment + cross(motion.arm, passed)
     return stacked(rows)
@@ -130,7 +131,7 @@ def _motion(link: Link, lower: Motion, ydot: arb_mat, moving: bool) -> Motion:
     """Return the motion of body K from that of its lower body."""
     rotate, rates, rates_dot = _rotation_and_rates(link)
     to_lower = link.orientation.transpose()
-    angles_ddot, translation_ddot = _rows(ydot, link.places[:3]), _rows(ydot, link.places[3:])
+    angles_ddot, translation_ddot = _rows(ydot, link.shares[:3]), _rows(ydot, link.shares[3:])
     rotation, arm = rotate * link.orientation, link.position + to_lower * link.translation
     carried = rotation * lower.omega
     relative = rates * link.rates if moving else zeros(3, 1)
@@ -204,9 +205,15 @@ def _rotation_by_quaternion(quaternion: arb_mat) -> arb_mat:
     return identity(3) + (across * across - across * scalar) * (2 / squared)
 
 
-def _rows(ydot: arb_mat, places: Sequence[int | None]) -> arb_mat:
-    """Return (3, m) rows of `ydot` by their indices, zeros where a freedom is locked."""
-    return stacked([zeros(1, ydot.ncols()) if place is None else _row(ydot, place) for place in places])
+def _rows(ydot: arb_mat, freedoms: Sequence[Mapping[int, arb]]) -> arb_mat:
+    """Return (3, m) accelerations of three freedoms: sums of rows of `ydot`, zeros where one is locked."""
+    found = []
+    for shares in freedoms:
+        total = zeros(1, ydot.ncols())
+        for place, share in shares.items():
+            total = total + _row(ydot, place) * share
+        found.append(total)
+    return stacked(found)
 
 
 def _row(matrix: arb_mat, index: int) -> arb_mat:

@@ -8,7 +8,7 @@ rounding; it means the rotation nearest to it, which is an exact function of its
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from kanegen.measure.truth.balls import (
@@ -24,7 +24,6 @@ from kanegen.measure.truth.balls import (
 )
 from kanegen.model.arrays import Floats
 from kanegen.model.coordinates import NOTES, SEQUENCES, Axes, Coordinate, Freedom, QuaternionRotation
-from kanegen.model.joint import Joint
 from kanegen.model.numbers import Matrix, Number, Parameter, Vector, map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.program.constants import quarter_turns
@@ -57,7 +56,8 @@ class Link:
 
     Attributes:
         lower: Number of the lower body J, 0 for the ground.
-        places: Index of each of the six freedoms in {y}; None where a freedom is locked.
+        shares: For each of the six freedoms, indices in {y} with the factors by which those speeds move it;
+            one index with the factor 1 for a free freedom, none for a locked one.
         mass: Mass m_K.
         inertia: Central inertia [I'_{G_K}], in K.
         center: Mass centre {r'_K} from O_K, in K.
@@ -76,7 +76,7 @@ class Link:
     """
 
     lower: int
-    places: tuple[int | None, ...]
+    shares: tuple[dict[int, arb], ...]
     mass: arb
     inertia: arb_mat
     center: arb_mat
@@ -132,23 +132,21 @@ def tree(system: System, state: State) -> Tree:
 def _link(system: System, k: int, state: State) -> Link:
     """Return body K and its joint."""
     body = system.bodies[k - 1]
-    places = tuple(system.places.get(Freedom(k, index)) for index in range(6))
-    coordinate_places = tuple(system.coordinate_places.get(Coordinate(k, index)) for index in range(6))
-    locked = map_numbers(body.joint.locked, value_of)
-    coordinates = _filled(coordinate_places, state.x, locked)
-    speeds = _filled(places, state.y, (0.0,) * 6)
+    functions = [_function(system, Freedom(k, index)) for index in range(6)]
+    coordinates = [_coordinate(system, Freedom(k, index), state) for index in range(6)]
+    speeds = [_sum(shares, state.y) for shares, _ in functions]
     inward = identity(3)
     for frame in system.frame_path(body.name):
         inward = inward * _orientation(frame.orientation).transpose()
     return Link(
         lower=body.lower,
-        places=places,
+        shares=tuple(shares for shares, _ in functions),
         mass=arb(value_of(body.mass)),
         inertia=square(map_numbers(body.inertia, value_of)),
         center=column(map_numbers(body.mass_center, value_of)),
         position=column(map_numbers(body.joint.position, value_of)),
         orientation=_orientation(body.joint.orientation),
-        angles=column(_angles(body.joint, coordinate_places, state)),
+        angles=column(coordinates[:3]),
         quaternion=_quaternion(system, k, state),
         axes=body.joint.axes,
         translation=column(coordinates[3:]),
@@ -161,17 +159,45 @@ def _link(system: System, k: int, state: State) -> Link:
     )
 
 
-def _filled(places: Sequence[int | None], values: Floats, locked: Sequence[float]) -> list[float]:
-    """Return the six numbers of a joint: from `values` where a freedom is free, else from `locked`."""
-    return [
-        other if place is None else float(values[place]) for place, other in zip(places, locked, strict=True)
-    ]
+def _function(system: System, freedom: Freedom) -> tuple[dict[int, arb], arb]:
+    """Return the factors by index in {y}, and the offset, of the linear function that moves a freedom.
+
+    A coupled freedom follows other freedoms; where these are coupled themselves, so do they.
+    """
+    if freedom in system.places:
+        return {system.places[freedom]: arb(1)}, arb(0)
+    shares: dict[int, arb] = {}
+    offset = arb(0)
+    for one in system.coupled:
+        if one.freedom == freedom:
+            offset += arb(value_of(one.offset))
+            for other, factor in one.terms:
+                inner, constant = _function(system, other)
+                offset += arb(value_of(factor)) * constant
+                for place, share in inner.items():
+                    shares[place] = shares.get(place, arb(0)) + arb(value_of(factor)) * share
+    return shares, offset
 
 
-def _angles(joint: Joint, places: Sequence[int | None], state: State) -> list[float | arb]:
-    """Return the three angles of a joint, free or locked."""
-    pairs = zip(places[:3], joint.locked[:3], strict=True)
-    return [_constant_angle(locked) if place is None else float(state.x[place]) for place, locked in pairs]
+def _coordinate(system: System, freedom: Freedom, state: State) -> float | arb:
+    """Return the coordinate of a freedom, moving or locked; 0 for an angle that a quaternion stands for."""
+    joint = system.bodies[freedom.body - 1].joint
+    place = system.coordinate_places.get(Coordinate(freedom.body, freedom.index))
+    if place is not None:
+        return float(state.x[place])
+    if joint.coupled[freedom.index]:
+        shares, value = _function(system, freedom)
+        for i, share in shares.items():
+            followed = system.freedoms[i]
+            value += share * float(state.x[system.coordinate_place(followed.body, followed.index)])
+        return value
+    locked = joint.locked[freedom.index]
+    return _constant_angle(locked) if freedom.is_angle else value_of(locked)
+
+
+def _sum(shares: Mapping[int, arb], speeds: Floats) -> arb:
+    """Return the rate of a freedom from the speeds that move it."""
+    return sum((share * float(speeds[place]) for place, share in shares.items()), arb(0))
 
 
 def _quaternion(system: System, k: int, state: State) -> arb_mat | None:

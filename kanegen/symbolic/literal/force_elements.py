@@ -15,6 +15,7 @@ from kanegen.model.force_elements.names import Place, coordinate_places, speed_p
 from kanegen.model.system import System
 from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.expressions import ExpressionTranslator
+from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.frames import point_position
 from kanegen.symbolic.literal.joint import skew
@@ -124,8 +125,12 @@ class ElementForces:
         return self._kinematics(name).partial_velocity.T * force + partial_angular_velocity.T * moment
 
     def _on_freedom(self, place: Place, effort: Expr) -> ImmutableMatrix:
-        """Return (n, 1) generalized forces of a force or torque on one freedom (N, N m)."""
-        rows = [effort if Freedom(*place) == freedom else S.Zero for freedom in self.system.freedoms]
+        """Return (n, 1) generalized forces of a force or torque on one freedom (N, N m).
+
+        On a coupled freedom it acts on the freedoms that this one follows, times its factors.
+        """
+        shares = FreedomMotions(self.system, expression).shares(Freedom(*place))
+        rows = [effort * shares.get(freedom, S.Zero) for freedom in self.system.freedoms]
         return ImmutableMatrix(len(rows), 1, rows)
 
     def _kinematics(self, end: End) -> _PointKinematics:

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Self
 
 import sympy
-from sympy import Expr, ImmutableMatrix, S, Symbol
+from sympy import Add, Expr, ImmutableMatrix, S, Symbol
 
 from kanegen.model.body import Body
 from kanegen.model.coordinates import (
@@ -29,11 +29,11 @@ from kanegen.model.coordinates import (
 from kanegen.model.numbers import Matrix, Number, Parameter, Vector
 from kanegen.model.system import System
 from kanegen.program.constants import sine_cosine
+from kanegen.symbolic.freedom_motion import FreedomMotions, Shares
 from kanegen.symbolic.literal.intermediates import Intermediates
 from kanegen.symbolic.symbols import (
     accelerations,
     column,
-    coordinate,
     expression,
     matrix,
     parameter,
@@ -104,7 +104,9 @@ class JointEquations:
     def coordinate(self, index: int) -> Expr:
         """Return freedom `index` of `FREEDOMS`: its symbol, or the value at which it is locked (rad, m)."""
         joint = self.body.joint
-        return coordinate(self.number, index) if joint.moving[index] else expression(joint.locked[index])
+        if joint.moving[index]:
+            return self._motions.coordinate(Freedom(self.number, index))
+        return expression(joint.locked[index])
 
     @property
     def _orientation(self) -> Angles | Quaternion:
@@ -127,7 +129,7 @@ class JointEquations:
         joint = self.body.joint
         if not joint.moving[index]:
             return constant_sine_cosine(joint.locked[index])
-        angle = coordinate(self.number, index)
+        angle = self.coordinate(index)
         return sympy.sin(angle), sympy.cos(angle)
 
     @property
@@ -148,13 +150,34 @@ class JointEquations:
     def _speed(self, index: int) -> Expr:
         """Return the speed of freedom `index` of `FREEDOMS`, zero where it is locked (rad/s, m/s)."""
         joint = self.body.joint
+        if joint.coupled[index]:
+            return self._motions.speed(Freedom(self.number, index))
         return speed(self.number, joint.speed_kinds[index]) if joint.moving[index] else S.Zero
 
+    @cached_property
+    def _motions(self) -> FreedomMotions:
+        """The motion of freedoms, coupled ones in terms of those that they follow."""
+        return FreedomMotions(self.system, expression)
+
     def _prescribed(self, symbol: Callable[[int, int], Symbol], first: int) -> ImmutableMatrix:
-        """Return (3, 1) symbols of freedoms `first` to `first` + 2, zeros where one is not prescribed."""
-        prescribed = self.body.joint.prescribed
-        three = range(first, first + 3)
-        return ImmutableMatrix([symbol(self.number, i) if prescribed[i] else S.Zero for i in three])
+        """Return (3, 1) parts of freedoms `first` to `first` + 2 that prescribed motion causes."""
+        return ImmutableMatrix(
+            [
+                Add(
+                    *(
+                        share * symbol(other.body, other.index)
+                        for other, share in self._shares(index).items()
+                        if other not in self.system.places
+                    )
+                )
+                for index in range(first, first + 3)
+            ]
+        )
+
+    def _shares(self, index: int) -> Shares:
+        """Return the free and prescribed freedoms that move freedom `index`, with their factors."""
+        is_moving = self.body.joint.moving[index]
+        return self._motions.shares(Freedom(self.number, index)) if is_moving else {}
 
     @property
     def _y(self) -> ImmutableMatrix:
@@ -167,13 +190,16 @@ class JointEquations:
         return ImmutableMatrix(accelerations(self.system))
 
     def _columns(self, block: ImmutableMatrix, first: int) -> ImmutableMatrix:
-        """Return (3, n) zeros, with the columns of `block` for the freedoms `first` to `first` + 2."""
+        """Return (3, n) zeros, with the columns of `block` for the freedoms `first` to `first` + 2.
+
+        The column of a coupled freedom adds to those of the freedoms that it follows, times its factors.
+        """
         number = self.system.places
         columns = [sympy.zeros(3, 1)] * len(number)
         for axis in range(3):
-            freedom = Freedom(self.number, first + axis)
-            if freedom in number:
-                columns[number[freedom]] = block[:, axis]
+            for freedom, share in self._shares(first + axis).items():
+                if freedom in number:
+                    columns[number[freedom]] += share * block[:, axis]
         return ImmutableMatrix.hstack(*columns)
 
     def _named(self, quantity: str, value: ImmutableMatrix) -> ImmutableMatrix:
