@@ -85,7 +85,7 @@ def _with_forces(system: System, model: Compiled, tree: MjcfTree) -> tuple[Syste
 
 def _warn(message: str) -> None:
     """Issue a `KanegenWarning` with a message about a file."""
-    warnings.warn(message, KanegenWarning, stacklevel=5)
+    warnings.warn(message, KanegenWarning, stacklevel=4)
 
 
 def _gravity(model: Compiled) -> Triple:

@@ -19,6 +19,7 @@ from kanegen import extras
 from kanegen.errors import KanegenWarning, ReadError, quoted
 from kanegen.model import right_angles
 from kanegen.model.rotations import UNIT, ZERO, Square, Triple, normalized, rotation_quaternion, transpose
+from kanegen.readers.mjcf_assets import compiled_without_assets
 from kanegen.readers.reader import ModelFile
 from kanegen.readers.welding import Frame, Rigid
 
@@ -36,6 +37,9 @@ _NO_RANGE = (-math.inf, math.inf)
 
 _NOT_OF_THE_FILE = "is deprecated|Inertia matrix is too close to singular"
 """Warnings of MuJoCo about old syntax, and about the state in which it tries its own solver."""
+
+_NO_FILE = "Error opening file"
+"""What MuJoCo says of a file that a model refers to and that is missing."""
 
 JointType = Literal["free", "ball", "slide", "hinge"]
 JOINT_TYPES: tuple[JointType, ...] = ("free", "ball", "slide", "hinge")
@@ -164,17 +168,32 @@ def compiled(file: ModelFile) -> Compiled:
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            model = mujoco.MjSpec.from_file(str(file.path)).compile()
-    except Exception as error:
-        raise ReadError(_refusal(file, str(error))) from None
+            model = _model(mujoco, file, messages)
     finally:
         mujoco.set_mju_user_warning(before)
     for message in map(_one_line, (*messages, *(str(warning.message) for warning in caught))):
         if not re.search(_NOT_OF_THE_FILE, message):
-            warnings.warn(f"{file.path}: MuJoCo warns: {message}.", KanegenWarning, stacklevel=5)
+            warnings.warn(f"{file.path}: MuJoCo warns: {message}.", KanegenWarning, stacklevel=4)
     found = Compiled(file.path, mujoco, model)
     _check_numbers(found)
     return found
+
+
+def _model(mujoco: Any, file: ModelFile, messages: list[str]) -> Any:
+    """Return the `mujoco.MjModel` of a file; what MuJoCo says beside it is added to `messages`.
+
+    Raises:
+        ReadError: If MuJoCo refuses the file.
+    """
+    path = str(file.path)
+    try:
+        return mujoco.MjSpec.from_file(path).compile()
+    except Exception as error:
+        model = compiled_without_assets(mujoco, path) if _NO_FILE in str(error) else None
+        if model is None:
+            raise ReadError(_refusal(file, str(error))) from None
+        messages.append(f"{error}. No inertia needs it, so meshes and textures are left out")
+        return model
 
 
 def _check_numbers(compiled: Compiled) -> None:
@@ -240,7 +259,7 @@ def _refusal(file: ModelFile, message: str) -> str:
         message = message.replace(line[0], "")
         place += f":{line[1]}" if int(line[1]) else ""
     hint = ""
-    if "opening file" in message or "Unknown file" in message:
+    if _NO_FILE in message:
         hint = " Put the file where the model expects it, beside the model or in its meshdir."
     return f"{place}: MuJoCo refuses the model: {_one_line(message)}.{hint}"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -144,6 +145,10 @@ def test_gravity_that_is_switched_off_is_zero(tmp_path: Path) -> None:
     assert kg.load(model_file(tmp_path, text)).gravity == (0, 0, 0)
 
 
+NO_MESH = """<mujoco><asset><mesh name="m" file="no.stl"/></asset>
+<worldbody><body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>"""
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -154,7 +159,7 @@ def test_gravity_that_is_switched_off_is_zero(tmp_path: Path) -> None:
         ("<mujoco><worldbody/></mujoco>", "no joint of this model moves"),
         ("<mujoco", "not well-formed XML"),
         ("<robot/>", "a URDF file: let its name end in .urdf"),
-        ('<mujoco><asset><mesh file="no.stl"/></asset></mujoco>', "no.stl.*Put the file where the model"),
+        (NO_MESH, "no.stl.*Put the file where the model"),
         ("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>", "mass and inertia"),
         (body('<joint name="j" axis="inf 0 0"/>'), "joint 'j' has a number that is not finite"),
     ],
@@ -164,6 +169,23 @@ def test_a_file_that_mujoco_refuses_gets_one_line(text: str, message: str, tmp_p
         kg.load(model_file(tmp_path, text))
     assert "\n" not in str(caught.value)
     assert str(caught.value).startswith(str(tmp_path / "model.xml"))
+
+
+MESH = '<geom type="mesh" mesh="m"/><geom type="box" size="1 1 1" material="shiny"/>'
+
+
+def test_a_missing_mesh_is_no_loss_where_the_body_has_its_inertia(tmp_path: Path) -> None:
+    assets = '<asset><mesh name="m" file="no.stl"/><texture name="t" type="2d" file="no.png"/>'
+    assets += '<material name="shiny" texture="t"/></asset><worldbody>'
+    path = model_file(tmp_path, body("<joint/>" + MESH).replace("<worldbody>", assets))
+    with pytest.warns(
+        KanegenWarning, match="no.stl.*No inertia needs it, so meshes and textures are left out"
+    ):
+        system = kg.load(path)
+    assert system.bodies[0].mass == 2
+    without = re.sub("<inertial[^>]*/>", "", path.read_text())
+    with pytest.raises(ReadError, match=r"opening file.*no\.stl"):
+        kg.load(model_file(tmp_path, without))
 
 
 def test_a_floating_base_is_for_urdf_files(tmp_path: Path) -> None:
