@@ -5,3 +5,9 @@ bodies, and returns a `StateMap`, which converts both ways. `docs/conventions.md
 side. A module here may import the model and the reference, and no other program: it reads models that a
 caller passes.
 """
+
+from __future__ import annotations
+
+from kanegen.interop import mujoco, pinocchio
+
+__all__ = ["mujoco", "pinocchio"]
