@@ -46,8 +46,8 @@ MJCF = """<mujoco model="robot"><compiler angle="radian" eulerseq="XYZ"/><option
 <inertial pos="0 0.3 0.1" mass="2" fullinertia="0.2 0.1 0.15 0.01 0.02 -0.03"/>
 <body name="tool" pos="0 0.5 0" euler="0 0.6 0"><joint name="slide" type="slide" axis="1 0 0"/>
 <inertial pos="0.05 0 0" mass="1" diaginertia="0.05 0.04 0.03"/></body></body></body></worldbody></mujoco>"""
-"""The same robot; MuJoCo's upper-case sequence is about fixed axes, as rpy is. The inertia of the base, in the
-axes of the body, is filled in."""
+"""The same robot; an upper-case sequence of MuJoCo is about fixed axes, as rpy is. The inertia of the base,
+in the axes of the body, is filled in."""
 
 
 @dataclass(frozen=True)
