@@ -17,12 +17,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 
 import kanegen as kg
 from kanegen.model.coordinates import FREEDOMS
 from tests.support import systems
-from tests.support.robots import dynamics, floating_model, places, robot_file
+from tests.support.robots import dynamics, fixed_model, floating_model, places, robot_file
 
 ROOT = Path(__file__).parent.parent
 EIGHT_BODY = ROOT / "models" / "eight_body.toml"
@@ -69,7 +68,7 @@ def random_trees() -> float:
 def robot(name: str, floating: bool) -> tuple[float, float]:
     path = robot_file(name)
     system = kg.load(path, floating_base=floating)
-    model, several = floating_model(path, system) if floating else (pin.buildModelFromUrdf(str(path)), {})
+    model, several = floating_model(path, system) if floating else (fixed_model(path), {})
     order = places(system, model, several)
     states = np.random.default_rng(7).uniform(-2, 2, (2, STATES, len(order)))
     library = kg.build(system)

@@ -1,9 +1,10 @@
 """Reads URDF robot files.
 
-{x} is exactly that of the file, and every link and joint is a frame under its own name. The frame in which a
-body has its mass centre and inertia may be turned: where a joint's axis is not +x, +y or +z, a constant
-rotation [B] takes link components to body components, so that the joint moves along or about a basis vector.
-Masses, centres, inertias and further joints turn with it; poses, points and loads are those of the link.
+{x} is exactly that of the file, without the joints that follow others by <mimic>, and every link and joint is
+a frame under its own name. The frame in which a body has its mass centre and inertia may be turned: where a
+joint's axis is not +x, +y or +z, a constant rotation [B] takes link components to body components, so that
+the joint moves along or about a basis vector. Masses, centres, inertias and further joints turn with it;
+poses, points and loads are those of the link.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 from kanegen.readers.urdf_elements import JointLimit, Robot, RobotJoint, read_robot
 from kanegen.readers.urdf_frames import robot_frames, shadowed_joints
+from kanegen.readers.urdf_mimic import mimic_couplings
 from kanegen.readers.urdf_tree import GROUND, MovingLink, robot_tree
 from kanegen.readers.urdf_vocabulary import listed, unread
 from kanegen.readers.welding import Frame, weld
@@ -41,7 +43,7 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
         ReadError: If the file is not well formed, not one tree, or has a body that cannot exist.
 
     Warns:
-        KanegenWarning: If a joint has `mimic`, which is ignored, a limit that leaves no motion, the name of a
+        KanegenWarning: If a fixed joint has `mimic`, a joint a limit that leaves no motion, the name of a
             link other than its own, or a name that has to be changed.
     """
     left_out = unread(file.root)
@@ -59,9 +61,10 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
     _warn_of_names(robot, file.path)
     frames = [_body_frame(link.joint) for link in moving]
     bodies = tuple(_bodies(moving, frames))
+    couplings = mimic_couplings(robot, moving, bodies)
     try:
         named = robot_frames(robot, tree, [frame.matrix for frame in frames])
-        return System(usable_identifier(robot.name), bodies, frames=named)
+        return System(usable_identifier(robot.name), bodies, frames=named, couplings=couplings)
     except ModelError as error:
         raise ReadError(f"{file.path}: {error}") from None
 
@@ -142,10 +145,10 @@ def _warn_of_limits(moving: Sequence[MovingLink], path: Path) -> None:
 
 
 def _warn_of_mimic(robot: Robot, path: Path) -> None:
-    """Warn of joints with `mimic`, which is ignored."""
-    mimics = [joint.name for joint in robot.joints.values() if joint.mimic and joint.kind != "fixed"]
-    if mimics:
-        _warn(f"{path}: <mimic> is not kept: these joints move on their own: {', '.join(mimics)}.")
+    """Warn of fixed joints with `mimic`, which says nothing there."""
+    fixed = [joint.name for joint in robot.joints.values() if joint.mimic and joint.kind == "fixed"]
+    if fixed:
+        _warn(f"{path}: these joints are fixed, so their <mimic> says nothing: {', '.join(fixed)}.")
 
 
 def _warn_of_names(robot: Robot, path: Path) -> None:

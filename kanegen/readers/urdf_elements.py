@@ -70,6 +70,23 @@ class JointLimit:
 
 
 @dataclass(frozen=True)
+class Mimic:
+    """The joint whose position another one follows: multiplier times its position, plus offset.
+
+    Attributes:
+        joint: Name of the joint that is followed.
+        multiplier: Factor (1, m/rad or rad/m).
+        offset: Position where that of the other joint is zero (rad, m).
+        where: File and line.
+    """
+
+    joint: str
+    multiplier: float
+    offset: float
+    where: str
+
+
+@dataclass(frozen=True)
 class RobotJoint:
     """A joint of a robot file.
 
@@ -81,7 +98,7 @@ class RobotJoint:
         origin: Frame of the child in the parent at joint position zero.
         axis: Unit vector, in child components.
         limit: Position, speed and effort at the most, infinite where the file has none.
-        mimic: Whether the file makes its position follow another joint's.
+        mimic: The joint that its position follows; None where it moves by itself.
         where: File and line.
     """
 
@@ -91,7 +108,7 @@ class RobotJoint:
     child: str
     origin: Frame
     axis: Triple
-    mimic: bool
+    mimic: Mimic | None
     where: str
     limit: JointLimit = field(default_factory=JointLimit)
 
@@ -187,10 +204,25 @@ def _joint(element: Element, tolerance: float) -> RobotJoint:
         child=element.child("child").text("link"),
         origin=_origin(element, tolerance),
         axis=_axis(element, tolerance) if kind in WITH_AXIS else DEFAULT_AXIS,
-        mimic=element.optional("mimic") is not None,
+        mimic=_mimic(element),
         where=element.where,
         limit=_limit(element, kind) if kind in WITH_LIMIT else JointLimit(),
     )
+
+
+def _mimic(element: Element) -> Mimic | None:
+    """Return what the `<mimic>` of a joint says."""
+    mimic = element.optional("mimic")
+    if mimic is None:
+        return None
+    attributes = mimic.attributes
+    multiplier = mimic.number("multiplier") if "multiplier" in attributes else 1.0
+    offset = mimic.number("offset") if "offset" in attributes else 0.0
+    if multiplier == 0:
+        raise mimic.error(
+            "<mimic multiplier>: 0 leaves no motion. Make the joint fixed, with its offset in its <origin>."
+        )
+    return Mimic(mimic.text("joint"), multiplier, offset, mimic.where)
 
 
 def _limit(element: Element, kind: str) -> JointLimit:

@@ -67,7 +67,7 @@ def robot_tree(robot: Robot, floating_base: bool) -> RobotTree:
 
 def _base_joint(root: Link, kind: str) -> RobotJoint:
     """Return a joint of some kind between the ground and the root link."""
-    return RobotJoint("", kind, "", root.name, Frame(), (1.0, 0.0, 0.0), False, root.where)
+    return RobotJoint("", kind, "", root.name, Frame(), (1.0, 0.0, 0.0), None, root.where)
 
 
 def _joints_by_parent(robot: Robot) -> dict[str, list[RobotJoint]]:

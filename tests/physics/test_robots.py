@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 import kanegen as kg
-from tests.support.robots import FIXED_ROBOTS, FLOATING_ROBOTS, dynamics, floating_model, places, robot_file
+from tests.support.robots import (
+    FIXED_ROBOTS,
+    FLOATING_ROBOTS,
+    dynamics,
+    fixed_model,
+    floating_model,
+    places,
+    robot_file,
+)
 
 TOLERANCE = 1e-12
 """Tolerance of the comparison; robots of this size lose less than 1e-14 on either side."""
@@ -23,7 +30,7 @@ def test_c_agrees_with_pinocchio(name: str, floating: bool) -> None:
     if floating:
         model, several = floating_model(path, system)
     else:
-        model, several = pin.buildModelFromUrdf(str(path)), {}
+        model, several = fixed_model(path), {}
     order = places(system, model, several)
     states = np.random.default_rng(7).uniform(-2, 2, (2, 100, len(order)))
     library = kg.build(system)

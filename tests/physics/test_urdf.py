@@ -15,8 +15,17 @@ from kanegen.model.rotations import Triple
 from kanegen.model.system import System
 from kanegen.readers import load
 from kanegen.reference import equations as reference
+from tests.support.couplings import rate_matrices, released
 from tests.support.paths import EVERY_JOINT
-from tests.support.robots import REFUSED, dynamics, floating_model, places, robot_files
+from tests.support.robots import (
+    FOLLOWERS_FIRST,
+    REFUSED,
+    dynamics,
+    fixed_model,
+    floating_model,
+    places,
+    robot_files,
+)
 from tests.support.systems import random_inertia
 
 FLOATING_ONLY = ("quadrotor_base", "iris_simple")
@@ -32,6 +41,17 @@ def assert_same_dynamics(system: System, model: pin.Model, several: dict[str, tu
     np.testing.assert_allclose(ours, f, rtol=0, atol=1e-14 * max(np.abs(f).max(), 1e-3))
 
 
+def assert_reduced(system: System, model: pin.Model, several: dict[str, tuple[str, ...]]) -> None:
+    """Require that couplings reduce [A] and {f} of Pinocchio's independent joints, by [G] of the rates."""
+    independent, (free, _, offset) = released(system), rate_matrices(system)
+    x, y = np.random.default_rng(4).uniform(-1, 1, (2, len(system.freedoms)))
+    order = places(independent, model, several)
+    a, f = dynamics(model, order, free @ x + offset, free @ y)
+    a, f = free.T @ a @ free, free.T @ f
+    np.testing.assert_allclose(reference.mass_matrix(system, x), a, rtol=0, atol=1e-14 * np.abs(a).max())
+    np.testing.assert_allclose(reference.forcing(system, x, y), f, rtol=0, atol=1e-14 * np.abs(f).max())
+
+
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
 @pytest.mark.parametrize("floating_base", [False, True], ids=["fixed", "floating"])
 @pytest.mark.parametrize("path", robot_files(), ids=lambda path: path.stem)
@@ -41,14 +61,20 @@ def test_real_robots(path: Path, floating_base: bool) -> None:
             load(path, floating_base)
         return
     system = load(path, floating_base)
+    independent = released(system)
     if floating_base:
-        model, several = floating_model(path, system)
+        model, several = floating_model(path, independent)
     else:
         model, several = pin.buildModelFromUrdf(str(path)), {}
     assert system.values().mass.sum() == pytest.approx(
         sum(inertia.mass for inertia in list(model.inertias)[1:]), rel=1e-14
     )
-    assert_same_dynamics(system, model, several)
+    assert_same_dynamics(independent, model, several)
+    if system.couplings:
+        assert_reduced(system, model, several)
+    if system.couplings and path.stem not in FOLLOWERS_FIRST:
+        model, several = floating_model(path, system) if floating_base else (fixed_model(path), {})
+        assert_same_dynamics(system, model, several)
 
 
 def test_there_are_real_robots() -> None:

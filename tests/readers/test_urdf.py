@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import kanegen as kg
 from kanegen.errors import KanegenWarning, ReadError
 from kanegen.model.joint import IDENTITY
 from kanegen.model.rotations import apply, normalized, rotation_quaternion, rotation_rpy, rotation_to_axis
@@ -118,11 +119,55 @@ def test_rotations() -> None:
         assert np.linalg.det(b) > 0
 
 
-def test_mimic_joints_move_on_their_own(tmp_path: Path) -> None:
+def test_a_mimic_joint_follows_another(tmp_path: Path) -> None:
     text = BASE + link("a") + link("b") + joint("j", "base", "a")
-    text += joint("k", "a", "b", '<mimic joint="j" multiplier="2"/>')
-    with pytest.warns(KanegenWarning, match=r"r\.urdf: <mimic> is not kept: .* move on their own: k\."):
-        assert read(tmp_path, text).freedom_names == ("j", "k")
+    system = read(tmp_path, text + joint("k", "a", "b", '<mimic joint="j" multiplier="2" offset="0.1"/>'))
+    assert system.freedom_names == ("j",)
+    assert system.coupled_names == ("k",)
+    assert system.couplings == (kg.Coupling("b.theta1", {"a.theta1": 2.0}, 0.1),)
+    assert read(tmp_path, text + joint("k", "a", "b", '<mimic joint="j"/>')).couplings[0].pairs[0][1] == 1.0
+
+
+def test_the_gripper_of_a_bug_report() -> None:
+    """The right finger mirrors the left one, whose travel an offset shifts."""
+    library = kg.build(
+        load(EVERY_JOINT.parent / "from_reports" / "mimic.urdf"), ("mass_matrix", "forward_dynamics")
+    )
+    assert library.freedom_names == ("roll", "jl")
+    x, y, tau = [0.3, 0.02], [0.5, 0.1], [0.01, 0.2]
+    np.testing.assert_allclose(library.mass_matrix(x), np.diag([0.00176372, 0.06]), rtol=1e-12, atol=1e-18)
+    found = library.forward_dynamics(x, y, tau)
+    np.testing.assert_allclose(found, [31.1964091572, 3.3410833333], rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("joints", "message"),
+    [
+        ('<mimic joint="x"/>', r"r\.urdf:\d+: <mimic>: there is no joint 'x'\. Known are 'j', 'k'"),
+        ('<mimic joint="k"/>', r"r\.urdf:\d+: <mimic>: joint 'k' follows 'k': a circle"),
+        ('<mimic joint="j" multiplier="0"/>', r"r\.urdf:\d+: <mimic multiplier>: 0 leaves no motion"),
+        ('<mimic joint="j" multiplier="two"/>', r"r\.urdf:\d+: .*'two'"),
+        ("<mimic/>", r"r\.urdf:\d+: .*joint"),
+    ],
+)
+def test_a_mimic_joint_that_cannot_follow(tmp_path: Path, joints: str, message: str) -> None:
+    text = BASE + link("a") + link("b") + joint("j", "base", "a") + joint("k", "a", "b", joints)
+    with pytest.raises(ReadError, match=message):
+        read(tmp_path, text)
+
+
+def test_mimic_of_joints_without_a_freedom_of_their_own(tmp_path: Path) -> None:
+    text = BASE + link("a") + link("b") + joint("k", "a", "b", '<mimic joint="j"/>')
+    with pytest.raises(ReadError, match=r"<mimic>: joint 'j' is to be followed, but is fixed"):
+        read(tmp_path, text + joint("j", "base", "a", kind="fixed"))
+    with pytest.raises(ReadError, match=r"'j' is to be followed, but is planar and has 3 freedoms"):
+        read(tmp_path, text + joint("j", "base", "a", kind="planar"))
+    text = BASE + link("a") + link("b") + joint("j", "base", "a", '<mimic joint="k"/>')
+    with pytest.raises(ReadError, match=r"<mimic>: joint 'j' follows 'k' follows 'j': a circle"):
+        read(tmp_path, text + joint("k", "a", "b", '<mimic joint="j"/>'))
+    with pytest.warns(KanegenWarning, match=r"these joints are fixed, so their <mimic> says nothing: k\."):
+        text = BASE + link("a") + link("b") + joint("j", "base", "a")
+        read(tmp_path, text + joint("k", "a", "b", '<mimic joint="j"/>', kind="fixed"))
 
 
 def test_names_that_cannot_be_used_are_changed(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import kanegen as kg
 from benchmarks import cost_reports, scenes
 from kanegen.cli.app import app
 from kanegen.compiler import compile_module
+from kanegen.model.limits import NO_LIMITS
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.tables import markdown
 from tests.support.robots import robot_file
@@ -87,12 +88,9 @@ def test_the_command_writes_the_same_page(tmp_path: Path) -> None:
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
 def test_the_panda_arm_is_the_robot_with_a_locked_gripper() -> None:
     """The models agree to the last bit."""
-    robot = kg.load(robot_file("panda"))
-    bodies = tuple(
-        replace(body, joint=replace(body.joint, free=FIXED)) if "finger" in body.name else body
-        for body in robot.bodies
-    )
-    arm = replace(robot, name="panda_arm", bodies=bodies)
+    robot = kg.load(robot_file("panda")).with_locked({"panda_finger_joint1": 0.0})
+    bodies = tuple(replace(body, joint=replace(body.joint, limits=NO_LIMITS)) for body in robot.bodies)
+    arm = replace(robot, name="panda_arm", bodies=bodies, frames=())
     arm = arm.with_points({"tool": ("panda_link7", (0.0, 0.0, 0.21))})
     assert kg.load("models/panda_arm.toml") == arm
     assert len(arm.freedoms) == 7

@@ -23,9 +23,13 @@ REFUSED = {
     "quadrotor_base": r"quadrotor_base\.urdf:\d+: no joint of this robot moves\. floating_base=True frees",
     "iris_simple": r"iris_simple\.urdf:\d+: no joint of this robot moves",
     "romeo_laas_small": r"romeo_laas_small\.urdf:\d+: body '\w+': inertia is not positive semidefinite",
+    "alex_psyonic_hands": r"alex_psyonic_hands\.urdf:\d+: <mimic>: there is no joint 'index_q1'",
     "ur3": r"ur3\.urdf:\d+: the robot has no <link>",
 }
 """Error messages for files that describe no freedom, or a body that cannot exist, by stem."""
+
+FOLLOWERS_FIRST = ("romeo", "talos_full_v2", "talos_full_v2_box")
+"""Files in which a joint with `mimic` follows a joint further out or in another branch; Pinocchio refuses."""
 
 FREE = ("s1", "s2", "s3", "theta1", "theta2", "theta3")
 """Freedoms of a floating joint in Pinocchio's order."""
@@ -54,17 +58,22 @@ def angles_and_translations() -> pin.JointModelComposite:
     return joint
 
 
+def fixed_model(path: Path) -> pin.Model:
+    """Pinocchio's reading of a robot whose root link is welded to the ground; joints follow by `mimic`."""
+    return pin.buildModelFromUrdf(str(path), mimic=True)
+
+
 def floating_model(path: Path, system: System) -> tuple[pin.Model, Several]:
-    """Pinocchio's reading of a robot whose root link has six freedoms."""
-    model = pin.buildModelFromUrdf(str(path), angles_and_translations())
+    """Pinocchio's reading of a robot whose root link has six freedoms; joints follow by `mimic`."""
+    model = pin.buildModelFromUrdf(str(path), angles_and_translations(), mimic=bool(system.couplings))
     return model, {"root_joint": tuple(f"{system.bodies[0].name}.{name}" for name in FREE)}
 
 
 def places(system: System, model: pin.Model, several: Several) -> NDArray[np.int64]:
     """For every velocity of Pinocchio's model its place in {x}."""
-    names = [
-        freedom for joint in list(model.names)[1:] for freedom in several.get(joint, (usable_label(joint),))
-    ]
+    joints = zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+    moving = [name for name, joint in joints if joint.nv]
+    names = [freedom for joint in moving for freedom in several.get(joint, (usable_label(joint),))]
     assert sorted(names) == sorted(system.freedom_names)
     return np.array([system.freedom_names.index(name) for name in names])
 
