@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from kanegen.model.limits import Limits as Limits
     from kanegen.model.numbers import Parameter as Parameter
     from kanegen.model.reanchoring import reanchored as reanchored
+    from kanegen.model.rotor import Rotor as Rotor
     from kanegen.model.system import System as System
     from kanegen.options import Variant as Variant
     from kanegen.readers import load as load
@@ -106,6 +107,7 @@ _MODULES = {
     "model.limits": ("Limits",),
     "model.numbers": ("Parameter",),
     "model.reanchoring": ("reanchored",),
+    "model.rotor": ("Rotor",),
     "model.system": ("System",),
     "options": ("Variant",),
     "readers": ("load",),

@@ -34,7 +34,7 @@ def show(summary: Summary, console: Console) -> None:
     bodies = counted(system.number_of_bodies, "body", "bodies")
     freedoms = counted(len(system.freedoms), "freedom")
     gravity = ", ".join(_text(value) for value in system.gravity)
-    console.print(f"[bold]{escape(system.name)}[/]: {bodies}, {freedoms}, gravity ({gravity}) m/s^2\n")
+    console.print(f"[bold]{system.name}[/]: {bodies}, {freedoms}, gravity ({gravity}) m/s^2\n")
     drawing = console.render(_tree(system), console.options.update_width(WIDEST))
     console.print(Segments(drawing), soft_wrap=True)
     for title, remark, content in _sections(summary):
@@ -70,6 +70,10 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
     if system.couplings:
         equations = escape("\n".join(coupling.summary for coupling in system.couplings))
         yield "Couplings", ", which take freedoms out of x and y", equations
+    if armature := _armature(system):
+        yield "Armature", " of motors (kg m^2, kg)", escape(armature)
+    if system.rotors:
+        yield "Rotors", "", escape("\n".join(rotor.summary for rotor in system.rotors))
     if system.parameters:
         yield "Parameters", ", with their defaults", _parameters(system)
     if system.force_elements:
@@ -155,6 +159,13 @@ def _moving(body: Body) -> str:
     joint = body.joint
     kinds = (("", joint.free), ("prescribed ", joint.prescribed), ("coupled ", joint.coupled))
     return ", ".join(word + " ".join(selected_freedoms(flags)) for word, flags in kinds if any(flags))
+
+
+def _armature(system: System) -> str:
+    """Return the reflected inertias of motors in words, "" if there are none."""
+    every = zip(system.freedom_names, system.freedoms, strict=True)
+    named = ((name, system.bodies[f.body - 1].joint.armature[f.index]) for name, f in every)
+    return ", ".join(f"{name} {_text(value)}" for name, value in named if value)
 
 
 def _text(value: Number) -> str:

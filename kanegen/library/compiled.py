@@ -76,7 +76,7 @@ class CompiledModel:
     @property
     def name(self) -> str:
         """Name of the system."""
-        return self.source.model.shown
+        return self.source.model.name
 
     @property
     def n(self) -> int:

@@ -138,7 +138,7 @@ def is_well_conditioned(system: System, losses: Losses) -> bool:
     if not (losses.largest <= LARGEST_FORMATION_LOSS).all():
         return False
     # [A] is singular at gimbal lock, where no solver fails; force elements, which name rates, are not in [A].
-    regular = replace(system, force_elements=(), bodies=tuple(map(_regular, system.bodies)))
+    regular = replace(system, force_elements=(), bodies=_with_regular_speeds(system))
     size, states = system.number_of_bodies * len(system.freedoms), losses.states
     count = min(len(states), max(4, MATRIX_ENTRIES // size))
     chosen = np.linspace(0, len(states) - 1, count).astype(int)
@@ -146,15 +146,18 @@ def is_well_conditioned(system: System, losses: Losses) -> bool:
     return bool(_amplification(matrix) <= LARGEST_UNREFINED_ERROR)
 
 
-def _regular(body: Body) -> Body:
-    """Return a body whose speeds are its angular velocity where solvers eliminate its three angles together.
+def _with_regular_speeds(system: System) -> tuple[Body, ...]:
+    """Return the bodies with angular velocities as speeds where solvers eliminate three angles together.
 
-    They eliminate angles whose motors have armature one by one.
+    They eliminate angles that have armature or drive rotors one by one.
     """
-    joint = body.joint
-    if joint.has_free_orientation and not any(joint.armature[:3]):
-        return replace(body, joint=replace(joint, speeds=SPEEDS[1]))
-    return body
+    driving = {one.freedom.body for one in system.mounted_rotors}
+    return tuple(
+        replace(body, joint=replace(body.joint, speeds=SPEEDS[1]))
+        if body.joint.has_free_orientation and not any(body.joint.armature[:3]) and k not in driving
+        else body
+        for k, body in enumerate(system.bodies, start=1)
+    )
 
 
 def reporting(refinement: Refinement, losses: Losses, *, accurate: bool = True) -> Refinement:

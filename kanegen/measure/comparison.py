@@ -32,6 +32,7 @@ from kanegen.reference.magnitudes import (
     forcing_magnitude,
     mass_matrix_magnitude,
     path_maxima,
+    rotor_forcing_magnitude,
     rounding_bound,
 )
 from kanegen.reference.states import States, random_states
@@ -206,6 +207,7 @@ def _batch_errors(
         truth = reference.forcing(arrays, x, y, force, torque, **states.inputs)
         size = forcing_magnitude(arrays, maxima, force, torque)
         size = size + element_magnitude(arrays, bodies, x, y, **states.inputs)
+        size = size + rotor_forcing_magnitude(arrays, maxima, y, states.prescribed)
         loads = {"force": force, "torque": torque}
         stored = {name: None if load is None else storage.from_doubles(load) for name, load in loads.items()}
         value = storage.to_doubles(library.forcing(stored_x, stored_y, **stored, **inputs))

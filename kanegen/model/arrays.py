@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.body import Body
-from kanegen.model.coordinates import Rotation, rotation_of
+from kanegen.model.coordinates import Freedom, Rotation, rotation_of
 from kanegen.model.coupling import CoupledFreedom, values_of
 from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.element import ForceElement
@@ -63,6 +63,25 @@ class FrameArrays:
 
 
 @dataclass(frozen=True)
+class RotorArrays:
+    """A rotor as numbers.
+
+    Attributes:
+        body: Number of its carrier, 0 for the ground.
+        freedom: The freedom that it drives.
+        axis: (3,) unit vector along its axis, in components of its carrier.
+        inertia: Moment of inertia about the axis (kg m^2).
+        ratio: Ratio of the gear (1, rad/m).
+    """
+
+    body: int
+    freedom: Freedom
+    axis: Floats
+    inertia: float
+    ratio: float
+
+
+@dataclass(frozen=True)
 class SystemArrays:
     """The numbers of a system of N bodies; row K - 1 belongs to body K. Units as `System.from_arrays`.
 
@@ -88,17 +107,12 @@ class SystemArrays:
     load_rotation: Floats  # (N, 3, 3)
     armature: Floats  # (N, 6)
     coupled: tuple[CoupledFreedom[float], ...]  # each after those that it follows
+    rotors: tuple[RotorArrays, ...]
 
     def rows(self) -> dict[str, Any]:
         """Return the arguments of `System.from_arrays` for the same bodies and nothing else."""
-        others = ("forces", "frames", "load_rotation", "coupled")
+        others = ("forces", "frames", "load_rotation", "coupled", "rotors")
         return {field.name: getattr(self, field.name) for field in fields(self) if field.name not in others}
-
-    def place(self, name: str) -> tuple[int, Floats]:
-        """Return number of the body and position in it (m) of a point, or of the origin of a frame."""
-        if name in self.forces.points:
-            return self.forces.points[name]
-        return self.frames[name].body, self.frames[name].position
 
     @property
     def rotations(self) -> tuple[Rotation, ...]:
@@ -130,6 +144,7 @@ def system_arrays(system: SystemDescription) -> SystemArrays:
         load_rotation=np.array([fixed_frame(system, body.name).rotation for body in bodies]),
         armature=_floats([joint.armature for joint in joints]),
         coupled=values_of(system.coupled),
+        rotors=rotor_arrays(system),
     )
 
 
@@ -142,6 +157,16 @@ def fixed_frame(system: SystemDescription, name: str) -> FrameArrays:
         found = FrameArrays(frame.body, found.point(position), turn @ found.rotation)
     known = system.frames_by_name.get(name)
     return replace(found, body=known.body) if known else found
+
+
+def rotor_arrays(system: SystemDescription) -> tuple[RotorArrays, ...]:
+    """Return the rotors of a system as numbers, parameters at their defaults."""
+    found = []
+    for one in system.mounted_rotors:
+        axis = fixed_frame(system, one.frame).rotation.T @ _floats(one.direction)
+        inertia, ratio = value_of(one.rotor.inertia), value_of(one.rotor.ratio)
+        found.append(RotorArrays(one.body, one.freedom, axis, inertia, ratio))
+    return tuple(found)
 
 
 def _force_arrays(system: SystemDescription) -> ForceArrays:

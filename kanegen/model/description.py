@@ -21,8 +21,8 @@ from kanegen.model.force_elements.expression import TIME
 from kanegen.model.frame import Frame, frames_by_name, resolved
 from kanegen.model.joint import Joint
 from kanegen.model.limits import SystemLimits
-from kanegen.model.names import identifier
 from kanegen.model.numbers import Number, Parameter, Vector, map_numbers
+from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 
 GRAVITY: Vector = (0.0, 0.0, -9.81)
 """Default gravity in inertial components (m/s^2)."""
@@ -43,15 +43,7 @@ class SystemDescription:
     reactions: tuple[str, ...] | None = None
     couplings: tuple[Coupling, ...] = ()
     frames: tuple[Frame, ...] = ()
-
-    @cached_property
-    def identifier(self) -> str:
-        """The C identifier with which files, functions and constants of generated code begin.
-
-        It is the name of the system where this is an identifier, and else derived from it: see
-        `names.identifier`.
-        """
-        return identifier(self.name)
+    rotors: tuple[Rotor, ...] = ()
 
     @property
     def number_of_bodies(self) -> int:
@@ -199,31 +191,24 @@ class SystemDescription:
             name = found[-1].frame
         return tuple(reversed(found))
 
-    def place(self, name: str) -> tuple[int, Point]:
-        """Return where a spring ends or a load acts: at a point, or at the origin of a frame.
-
-        Returns:
-            Number of the body, 0 for the ground, and the point.
-
-        Raises:
-            KeyError: If there is neither a point nor a frame of this name.
-
-        Example:
-            body, point = system.place("tool")
-        """
-        if name in self._points_by_name:
-            return self._points_by_name[name]
-        return self.frames_by_name[name].body, Point(name, (0.0, 0.0, 0.0), frame=name)
-
-    @cached_property
-    def _points_by_name(self) -> dict[str, tuple[int, Point]]:
-        """Every point by its name, with the number of its body."""
-        return {point.name: (k, point) for k, point in self.points}
-
     @cached_property
     def _further_frames(self) -> dict[str, Frame]:
         """The frames beside the bodies' own of the model, by name."""
         return {frame.name: frame for frame in self.frames}
+
+    @cached_property
+    def mounted_rotors(self) -> tuple[MountedRotor, ...]:
+        """The rotors, each with the freedom that it drives and with its carrier.
+
+        Raises:
+            ModelError: If there is no freedom, body or frame of a name.
+        """
+
+        def carrier(name: str, label: str) -> tuple[int, str]:
+            frame = self.frame(name, label)
+            return frame.body, frame.name if frame.name in self.frames_by_name else ""
+
+        return mounted_rotors(self.rotors, self.bodies, self.freedom, carrier)
 
     @cached_property
     def depends_on_time(self) -> bool:
@@ -260,6 +245,8 @@ class SystemDescription:
             map_numbers(tuple(coupling.numbers()), collect)
         for frame in self.frames:
             map_numbers((frame.position, frame.orientation), collect)
+        for rotor in self.rotors:
+            map_numbers((rotor.inertia, rotor.ratio), collect)
         for element in self.force_elements:
             for value in element.numbers():
                 collect(value)

@@ -85,6 +85,8 @@ def _obstacle(system: System, body: Body) -> str:
         return (
             "it slides along some axes of its joint frame only. Free all three translations, or leave it out"
         )
+    if any(system.bodies[one.freedom.body - 1] is body for one in system.mounted_rotors):
+        return "its coordinates drive rotors, and others would do so. Leave it out"
     if joint.speeds_are_rates and any(joint.armature[:3]):
         return "its angles have armature, which would belong to others. Leave it out"
     if any(armature != joint.armature[3] for armature in joint.armature[4:]):
@@ -111,6 +113,7 @@ def _are_three_of_its_own(system: System, names: list[str]) -> bool:
         used += _parameter_names(tuple(point.position for point in body.points))
         used += _parameter_names((joint.position, joint.orientation, joint.locked, joint.armature))
     further = [value for coupling in system.couplings for value in coupling.numbers()]
+    further += [value for rotor in system.rotors for value in (rotor.inertia, rotor.ratio)]
     further += [value for element in system.force_elements for value in element.numbers()]
     used += _parameter_names(tuple(further))
     return len(names) == len(set(names)) == 3 and all(used.count(name) == 1 for name in names)

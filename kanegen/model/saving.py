@@ -36,6 +36,8 @@ def system_table(system: SystemDescription) -> dict[str, Any]:
     ]
     if system.couplings:
         table["coupling"] = [coupling.as_table() for coupling in system.couplings]
+    if system.rotors:
+        table["rotor"] = [rotor.as_table() for rotor in system.rotors]
     elements = {kind: [e.as_table() for e in system.force_elements if type(e) is kind] for kind in KINDS}
     return table | {kind.KEY: tables for kind, tables in elements.items() if tables}
 
@@ -69,7 +71,7 @@ def _lines(table: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
 
 def _key(key: str) -> str:
     """Return a key of TOML, quoted if necessary."""
-    return key if _BARE_KEY.fullmatch(key) else json.dumps(key, ensure_ascii=False)
+    return key if _BARE_KEY.fullmatch(key) else json.dumps(key)
 
 
 def _value(value: Any) -> str:
@@ -77,7 +79,7 @@ def _value(value: Any) -> str:
     if isinstance(value, float) and math.isinf(value):
         return "inf" if value > 0 else "-inf"
     if not isinstance(value, tuple):
-        return json.dumps(value, ensure_ascii=False)
+        return json.dumps(value)
     if value and isinstance(value[0], tuple):
         return "".join(["[\n", *(f"    {_value(row)},\n" for row in value), "]"])
     return f"[{', '.join(map(_value, value))}]"

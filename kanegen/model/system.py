@@ -12,7 +12,7 @@ from kanegen.choices import did_you_mean, require_one
 from kanegen.errors import KanegenWarning, ModelError, WriteError, quoted
 from kanegen.files import path_of, write_whole
 from kanegen.model import locking, output_rows, validation
-from kanegen.model.arrays import SystemArrays, bodies_from_arrays, system_arrays
+from kanegen.model.arrays import SystemArrays, bodies_from_arrays, rotor_arrays, system_arrays
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.coupling import Coupling, coupled_bodies, with_permanent_names
@@ -23,9 +23,10 @@ from kanegen.model.force_elements.names import with_resolved_names
 from kanegen.model.frame import Frame, check_points, checked_frames
 from kanegen.model.joint import IDENTITY, Joint
 from kanegen.model.limits import without_angles
-from kanegen.model.names import check_label
+from kanegen.model.names import check_identifier
 from kanegen.model.numbers import Number, Parameter, map_numbers, numbers
 from kanegen.model.right_angles import checked_tolerance
+from kanegen.model.rotor import Rotor, check_carriers, check_freedoms, permanent_name
 from kanegen.model.saving import system_table, toml_text
 
 
@@ -34,7 +35,7 @@ class System(SystemDescription):
     """A tree of rigid bodies with gravity, force elements, and the selection of rows of outputs.
 
     Attributes:
-        name: Name of the system; generated code has the identifier that follows from it.
+        name: A C identifier; prefix of everything in the generated code.
         bodies: The bodies, lower bodies first.
         gravity: (3,) acceleration of gravity, inertial components (m/s^2).
         force_elements: Springs, dampers, drives, loads on points, potentials.
@@ -43,6 +44,7 @@ class System(SystemDescription):
             in its order; None for all.
         couplings: Freedoms that follow others: x = sum of a_i x_i + offset. They are in neither {x} nor {y}.
         frames: Frames that are fixed in a body or in the ground, beside the bodies' own.
+        rotors: Rotors of geared motors, which spin in bodies that carry them.
 
     Raises:
         ModelError: If the tree, a number or a name is not usable.
@@ -53,7 +55,7 @@ class System(SystemDescription):
     """
 
     def __post_init__(self) -> None:
-        check_label(self.name, "system name")
+        check_identifier(self.name, "system name")
         bodies = validation.instances(self.bodies, Body, "bodies")
         elements = validation.instances(self.force_elements, ForceElement, "force_elements")
         validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
@@ -75,12 +77,21 @@ class System(SystemDescription):
         validation.unique("speed name", self.speed_names)
         validation.unique("point name", self.point_names)
         check_points(self.points, self.frames_by_name)
-        bodies_of_frames = {name: frame.body for name, frame in self.frames_by_name.items()}
-        elements = with_resolved_names(elements, self.bodies, bodies_of_frames)
-        validation.store(self, force_elements=elements)
+        self._store_rotors()
+        validation.store(self, force_elements=with_resolved_names(elements, self.bodies))
         validation.parameter_names(self.parameters, self.number_of_bodies, len(self.points))
         if self.depends_on_time and any(parameter.name == TIME for parameter in self.parameters):
             raise ModelError(f"parameter name {TIME!r} is the time in expressions. Choose another name.")
+
+    def _store_rotors(self) -> None:
+        """Store the rotors with names that do not change when a freedom is locked, after checks."""
+        rotors = []
+        for rotor in validation.instances(self.rotors, Rotor, "rotors"):
+            driven = self.freedom(rotor.freedom, f"rotor {quoted(rotor.name)}")
+            rotors.append(replace(rotor, freedom=permanent_name(driven, self.bodies)))
+        validation.store(self, rotors=tuple(rotors))
+        check_freedoms(self.mounted_rotors, self.bodies)
+        check_carriers(self.mounted_rotors, self.bodies, [one.axis for one in rotor_arrays(self)])
 
     @classmethod
     def from_arrays(
@@ -117,7 +128,7 @@ class System(SystemDescription):
             locked: (N, 6) values of the locked freedoms (rad, m); default 0.
             gravity: (3,) inertial components (m/s^2).
             loads: None, True or (N,) flags: bodies that take force and torque inputs.
-            name: Name of the system.
+            name: A C identifier; prefix of everything in the generated code.
             sequence: One name or (N,) names of `coordinates.SEQUENCES`: axes of the three angles.
             speeds: One name or (N,) names of `coordinates.SPEEDS`: the generalized speeds of the angles.
             coordinates: One name or (N,) names of `coordinates.ORIENTATIONS`: coordinates of orientations.
@@ -371,6 +382,22 @@ class System(SystemDescription):
         """
         return replace(self, couplings=(*self.couplings, *couplings))
 
+    def with_rotors(self, *rotors: Rotor) -> Self:
+        """Return the same system with further rotors of geared motors.
+
+        Args:
+            rotors: Rotors, each of which spins in a body at a multiple of the rate of a freedom. Mass and
+                inertia of the body include the rotor, as if it stood still.
+
+        Raises:
+            ModelError: If a name is taken or unknown, the inertia of a body is less than that of its rotors,
+                or a freedom is coupled or its rate is no speed.
+
+        Example:
+            system.with_rotors(kg.Rotor("motor3", "elbow", axis=(0, 0, 1), inertia=3.3e-5, ratio=100.0))
+        """
+        return replace(self, rotors=(*self.rotors, *rotors))
+
     def with_speeds(self, speeds: str) -> Self:
         """Return the same system with other generalized speeds at every joint that has three free angles.
 
@@ -508,4 +535,5 @@ class System(SystemDescription):
             force_elements=tuple(element.map_numbers(change) for element in self.force_elements),
             couplings=tuple(coupling.map_numbers(change) for coupling in self.couplings),
             frames=tuple(frame.map_numbers(change) for frame in self.frames),
+            rotors=tuple(rotor.map_numbers(change) for rotor in self.rotors),
         )

@@ -12,6 +12,7 @@ from typing import Any
 from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
 from kanegen.model.coupling import Coupling
 from kanegen.model.description import GRAVITY
+from kanegen.model.rotor import Rotor
 from kanegen.model.system import System
 from kanegen.readers import toml_force_elements
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
@@ -19,8 +20,19 @@ from kanegen.readers.toml_bodies import read_bodies
 from kanegen.readers.toml_frames import read_frames
 from kanegen.readers.toml_tables import Parameters, Table, check_keys
 
-KEYS = ("name", "gravity", "parameters", "outputs", "frames", "body", "coupling", *toml_force_elements.KEYS)
+KEYS = (
+    "name",
+    "gravity",
+    "parameters",
+    "outputs",
+    "frames",
+    "body",
+    "coupling",
+    "rotor",
+    *toml_force_elements.KEYS,
+)
 COUPLING_KEYS = ("freedom", "terms", "offset")
+ROTOR_KEYS = ("name", "freedom", "axis", "inertia", "ratio", "body")
 OUTPUT_KEYS = ("body_poses", "reaction_loads")
 
 NO_GRAVITY = "none"
@@ -102,8 +114,9 @@ def _system(table: Table, path: Path, tolerance: float) -> System:
     poses, reactions = _outputs(table.get("outputs", {}))
     couplings = _couplings(table.get("coupling", []), parameters)
     frames = read_frames(table, parameters, tolerance)
+    rotors = _rotors(table.get("rotor", []), parameters)
     name = table.get("name", path.stem)
-    system = System(name, bodies, gravity, elements, poses, reactions, couplings, frames)
+    system = System(name, bodies, gravity, elements, poses, reactions, couplings, frames, rotors)
     if unused := parameters.unused():
         warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
     return system
@@ -122,6 +135,23 @@ def _couplings(entries: Any, parameters: Parameters) -> tuple[Coupling, ...]:
         terms = {name: parameters.resolve(value, label) for name, value in entry["terms"].items()}
         offset = parameters.resolve(entry.get("offset", 0), f"{label}: offset")
         found.append(Coupling(entry["freedom"], terms, offset))
+    return tuple(found)
+
+
+def _rotors(entries: Any, parameters: Parameters) -> tuple[Rotor, ...]:
+    """Return the rotors of a model file from its tables."""
+    if not isinstance(entries, list) or not all(isinstance(entry, Mapping) for entry in entries):
+        raise ModelError("rotor: begin each with a line [[rotor]], in double brackets.")
+    found = []
+    for place, entry in enumerate(entries, start=1):
+        label = f"rotor {place}"
+        check_keys(entry, ROTOR_KEYS, required=ROTOR_KEYS[:4], label=f"{label}: ")
+        resolved = {
+            key: parameters.resolve(entry[key], f"{label}: {key}")
+            for key in ("inertia", "ratio")
+            if key in entry
+        }
+        found.append(Rotor(**{**entry, **resolved}))
     return tuple(found)
 
 

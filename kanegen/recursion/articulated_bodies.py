@@ -29,6 +29,7 @@ from kanegen.recursion.joint_path import (
     joint_path,
     released,
 )
+from kanegen.recursion.rotors import spinning_rotors, with_rotors
 from kanegen.recursion.solved_motion import Paths, solved_motions
 from kanegen.recursion.tree import Tree, about_mass_centers
 from kanegen.recursion.vectors import column, subtract
@@ -53,7 +54,11 @@ class ArticulatedBodies:
         """Eliminate every free component, from the outermost body inward."""
         self.tree = tree = about_mass_centers(tree)
         self.released = released(tree, together=True)
-        self.paths: Paths = {joint.body: joint_path(joint, together=True) for joint in tree.joints}
+        rotors = spinning_rotors(tree)
+        self.paths: Paths = {
+            joint.body: with_rotors(joint_path(joint, together=True), joint, rotors, tree.definitions)
+            for joint in tree.joints
+        }
         self._eliminations: dict[int, Elimination] = {}
         bodies = [rigid_body(own) for own in tree.inertias]
         for joint in reversed(tree.joints):
@@ -69,8 +74,9 @@ class ArticulatedBodies:
         definitions = self.tree.definitions
         for element in self.paths[joint.body]:
             match element:
-                case FreeComponent(index, freedom, armature=armature):
-                    body, found = body.eliminated(index, armature, f"{freedom}", definitions)
+                case FreeComponent(index, freedom, armature=armature, momentum=momentum):
+                    motor = armature, momentum
+                    body, found = body.eliminated(index, motor, f"{freedom}", definitions)
                     self._eliminations[freedom] = found
                 case FrameChange(turn, name):
                     body = body.down(turn, name, definitions)

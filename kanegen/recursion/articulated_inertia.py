@@ -13,7 +13,9 @@ in {p}. [S] depends on {x} alone, so one elimination serves any number of {p}.
 With the armature a of a motor at the joint, the component q of index i needs the effort a q more, so that
 [S]_i {alpha; a} + {p}_i + a q is the effort, where q is what the joint adds to the acceleration of the frame
 below. Then the pivot is [S]_ii + a, and a share a / ([S]_ii + a) of row and column i remains: a motor with a
-large armature holds its joint. No difference is formed for it.
+large armature holds its joint. No difference is formed for it. Rotors with the angular momentum {h} q,
+carried below or above the joint, add {h} q to the moment below it and {h}^T {alpha} to the effort, so that
+{h} is added to the row that is solved.
 """
 
 from __future__ import annotations
@@ -40,9 +42,10 @@ class Elimination:
         name: Suffix of the names of intermediates.
         pivot: Diagonal entry of [S] of the component, plus armature; positive, or [A] is singular.
         inverse: Reciprocal of the pivot.
-        gains: Entries of its row of [S] over the pivot, by index of the other component.
-        own_gain: The diagonal entry of [S] over the pivot: 1 without armature.
-        kept: Armature over the pivot: 1 less `own_gain`.
+        gains: Entries of its row of [S], with the momentum of rotors, over the pivot, by index of the other
+            component.
+        own_gain: The same for the component itself: 1 without armature.
+        kept: 1 less `own_gain`: armature over the pivot, if there is no rotor.
     """
 
     index: int
@@ -122,31 +125,37 @@ class ArticulatedInertia:
         )
 
     def eliminated(
-        self, index: int, armature: Expr, name: str, definitions: Definitions
+        self, index: int, motor: tuple[Expr, Vector], name: str, definitions: Definitions
     ) -> tuple[ArticulatedInertia, Elimination]:
         """Return the matrix after the elimination of a free component, and the elimination.
 
         Args:
             index: The component, 0-2 for rotation and 3-5 for translation.
-            armature: Reflected inertia of the motor of the component (kg m^2, kg).
+            motor: Reflected inertia of the motor of the component (kg m^2, kg), as in `FreeComponent`, and
+                angular momentum of rotors for unit rate.
             name: Suffix of the names of intermediates.
             definitions: Definitions that the intermediates are added to.
         """
-        matrix = self._matrix()
-        others = [i for i in SIX if i != index and matrix[index][i] != 0]
+        (armature, momentum), matrix = motor, self._matrix()
+        spin = (*momentum, S.Zero, S.Zero, S.Zero)
+        row = [
+            definitions.define(f"sr_{name}_{i}", entry + spin[i]) if spin[i] != 0 else entry
+            for i, entry in enumerate(matrix[index])
+        ]
+        others = [i for i in SIX if i != index and row[i] != 0]
         pivot, own_gain, kept = matrix[index][index], S.One, S.Zero
         if armature != 0:
             pivot = definitions.define(f"D_{name}", pivot + armature)
         inverse = definitions.define(f"D_{name}i", 1 / pivot)
-        gains = {i: definitions.define(f"g_{name}_{i}", matrix[index][i] * inverse) for i in others}
+        gains = {i: definitions.define(f"g_{name}_{i}", row[i] * inverse) for i in others}
         if armature != 0:
-            own_gain = definitions.define(f"g_{name}_{index}", matrix[index][index] * inverse)
-            kept = definitions.define(f"gk_{name}", armature * inverse)
+            own_gain = definitions.define(f"g_{name}_{index}", row[index] * inverse)
+            kept = definitions.define(f"gk_{name}", (armature - spin[index]) * inverse)
         for i in others:
             for j in others:
-                matrix[i][j] -= gains[min(i, j)] * matrix[index][max(i, j)]
+                matrix[i][j] -= gains[min(i, j)] * row[max(i, j)]
         for i in SIX:
-            matrix[index][i] = matrix[i][index] = kept * matrix[index][i]
+            matrix[index][i] = matrix[i][index] = kept * matrix[index][i] - own_gain * spin[i]
         found = Elimination(index, name, pivot, inverse, gains, own_gain, kept)
         return _from_matrix(matrix).named(name, definitions), found
 

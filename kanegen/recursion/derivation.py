@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from kanegen.errors import OptionError
 from kanegen.model.system import System
 from kanegen.program.constants import DOUBLE_CONSTANTS, Constants
 from kanegen.recursion import factorisation
@@ -13,6 +14,7 @@ from kanegen.recursion.outputs.output import OfSolution, Recursion
 from kanegen.recursion.outputs.table import OUTPUTS
 from kanegen.recursion.pivot_margins import PivotMargins
 from kanegen.recursion.refinement import UNREFINED, Refinement, Solution
+from kanegen.recursion.rotors import articulated_bodies_take
 from kanegen.recursion.solver import Solver
 from kanegen.recursion.tree import Derived, Tree, tree, with_own_inertias
 from kanegen.symbolic.definitions import Definition
@@ -67,12 +69,21 @@ def methods(system: System, outputs: Sequence[str], solver: str = "cheapest") ->
 
 
 def _solvers(system: System, solver: str) -> tuple[str, ...]:
-    """Return the names of the solvers to try."""
+    """Return the names of the solvers to try.
+
+    Raises:
+        OptionError: If the solver that is asked for does not take all rotors of the system.
+    """
+    every = tuple(SOLVERS) if articulated_bodies_take(system) else tuple(SOLVERS)[1:]
     if solver in SOLVERS:
+        if solver not in every:
+            raise OptionError(
+                f"solver {solver!r} takes no rotor whose carrier is apart from the freedom that it drives: "
+                f"neither its body nor the lower one, or with other turns between. Take {every[0]!r}."
+            )
         return (solver,)
-    every = tuple(SOLVERS)
     if system.couplings:
-        return every[1:]
+        return tuple(SOLVERS)[1:]
     return every if factorisation.worth_trying(system) else every[:1]
 
 

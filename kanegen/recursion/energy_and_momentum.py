@@ -20,6 +20,7 @@ from kanegen.recursion.kinematics import (
     translation_velocity,
     velocities,
 )
+from kanegen.recursion.rotors import spinning_rotors
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import ZERO, add, column, cross, dot, multiply, scale, subtract
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
@@ -80,7 +81,11 @@ def potential_energy(tree: Tree) -> Derived:
 
 
 def kinetic_energy(tree: Tree) -> Derived:
-    """Derive the sum of the kinetic energies of the bodies and of the motors, a {y}^2 / 2 for armature a."""
+    """Derive the sum of the kinetic energies of the bodies and of the motors.
+
+    The armature a of a freedom has the energy a y^2 / 2, and a rotor with the angular momentum {h} y, beside
+    its reflected inertia, {h}^T {omega_C} y in its carrier C.
+    """
     total: Expr = S.Zero
     omega = angular_velocities(tree)
     velocity = velocities(tree, omega)
@@ -98,6 +103,9 @@ def kinetic_energy(tree: Tree) -> Derived:
                     define(f"ym_{one.number}", one.rate**2),
                 )
                 total = define(f"KM_{one.number}", total + half * square)
+    for rotor in spinning_rotors(tree):
+        coupled = dot(rotor.momentum, omega[rotor.carrier]) * rotor.motion.rate
+        total = define(f"KM_{rotor.motion.number}", total + coupled)
     return Derived([total])
 
 
@@ -116,6 +124,8 @@ def _kinetic_energy(inertia: Inertia, omega: Vector, v: Vector, definitions: Def
 def momentum(tree: Tree) -> Derived:
     """Derive linear momentum, and angular momentum about the mass centre of all bodies, inertial components.
 
+    The spin of rotors counts. Armature has no momentum in space, because it is at no place.
+
     The momenta of a composite body are first taken relative to its origin, where only rotations count; each
     step inward adds the velocity of one origin relative to the next. The last one is the origin of body 1, so
     that the angular momentum loses no digits where a floating tree is far away or fast.
@@ -130,6 +140,8 @@ def momentum(tree: Tree) -> Derived:
         rows = [column(inertia.inertia, axis) for axis in range(3)]
         linear.append(cross(omega[k], inertia.moment))
         angular.append(multiply(rows, omega[k]))
+    for rotor in spinning_rotors(tree):
+        angular[rotor.carrier] = add(angular[rotor.carrier], scale(rotor.motion.rate, rotor.momentum))
     for joint in reversed(tree.joints):
         k, j = joint.body, joint.lower
         passing, arm = relative_velocity(tree, joint, omega[j]), joint.offset

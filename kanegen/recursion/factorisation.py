@@ -6,8 +6,8 @@ cost grows with the third power of the depth, that of articulated bodies with th
 
 Where freedoms are coupled, an entry of {y} moves several of them, and is eliminated where the innermost one
 stands. An entry of [A] is then zero unless a freedom that one entry of {y} moves carries one that the other
-moves, and an elimination may fill entries: it couples all rows that it changes. The pattern follows from the
-tree and the couplings alone.
+moves, and an elimination may fill entries: it couples all rows that it changes. A rotor in another branch
+than the freedom that drives it does the same. The pattern follows from the tree, couplings and rotors alone.
 """
 
 from __future__ import annotations
@@ -153,12 +153,13 @@ def carriers(system: System) -> dict[int, list[int]]:
         Places in {y} from the innermost, by place of the eliminated freedom.
     """
     linked, order = _pattern(system)
+    fills = bool(system.couplings) or _link_rotors(system, linked)
     rank = {place: i for i, place in enumerate(order)}
     found: dict[int, list[int]] = {}
     for place in order:
         left = {other for other in linked[place] if rank[other] > rank[place]}
         found[place] = sorted(left, key=lambda other: -rank[other])
-        if system.couplings:
+        if fills:
             for other in left:
                 linked[other] |= left - {other}
     return found
@@ -185,6 +186,21 @@ def _pattern(system: System) -> tuple[dict[int, set[int]], list[int]]:
                 order.pop(place, None)  # the innermost freedom that it moves decides
                 order[place] = None
     return linked, list(order)
+
+
+def _link_rotors(system: System, linked: dict[int, set[int]]) -> bool:
+    """Link what drives a rotor with what turns its carrier, and return whether there are new links."""
+    moved, before = _places_that_move(system), sum(map(len, linked.values()))
+    for one in system.mounted_rotors:
+        k = one.body
+        while k and one.freedom in moved:
+            turning = {place for freedom in moved if freedom.body == k for place in moved[freedom]}
+            for place in moved[one.freedom]:
+                linked[place] |= turning - {place}
+                for other in turning - {place}:
+                    linked[other].add(place)
+            k = system.connection[k - 1]
+    return sum(map(len, linked.values())) > before
 
 
 def _places_that_move(system: System) -> dict[Freedom, tuple[int, ...]]:

@@ -28,6 +28,7 @@ from kanegen.recursion.force_elements import applied_wrenches, element_efforts
 from kanegen.recursion.frames import fixed_frame
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import FreedomMotion, JointMotion
+from kanegen.recursion.rotors import rotor_efforts, rotor_moments, spinning_rotors
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import (
     ZERO,
@@ -69,8 +70,8 @@ class Requirement:
 
     Attributes:
         wrenches: Force and moment about its origin for each body.
-        efforts: Generalized forces that the armature of motors takes, by number of the freedom, as in
-            `Step.number`.
+        efforts: Generalized forces that the armature of motors and the rotors take, by number of the freedom,
+            as in `Step.number`.
     """
 
     wrenches: Sequence[Wrench]
@@ -233,7 +234,14 @@ def required(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) 
         moved: Motion of every body, by number.
         accelerated: Whether the freedoms have accelerations, as for `body_motions`.
     """
-    return Requirement(required_wrenches(tree, moved), _armature_efforts(tree, accelerated))
+    rotors = spinning_rotors(tree)
+    efforts = _armature_efforts(tree, accelerated)
+    alpha = {k: motion.alpha for k, motion in moved.items()}
+    for number, effort in rotor_efforts(rotors, alpha).items():
+        efforts[number] = tree.definitions.define(f"fr_{number}", efforts.get(number, S.Zero) + effort)
+    omega = {k: motion.omega for k, motion in moved.items()}
+    moments = rotor_moments(rotors, omega, accelerated=accelerated)
+    return Requirement(_required_wrenches(tree, moved, moments), efforts)
 
 
 def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
@@ -247,18 +255,24 @@ def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
     return found
 
 
-def required_wrenches(tree: Tree, moved: Mapping[int, BodyMotion]) -> list[Wrench]:
+def _required_wrenches(
+    tree: Tree, moved: Mapping[int, BodyMotion], spinning: Mapping[int, Vector]
+) -> list[Wrench]:
     """Return for each body the force and moment about its origin that its motion requires, less its loads.
 
     Args:
         tree: The tree.
         moved: Motion of every body, by number.
+        spinning: Moments that the spin of rotors requires, by number of their carrier, in its frame.
     """
     loads = applied_wrenches(tree)
-    return [
-        _required_wrench(tree, joint.body, moved[joint.body], loads.get(joint.body, Wrench()))
-        for joint in tree.joints
-    ]
+    found = []
+    for joint in tree.joints:
+        load = loads.get(joint.body, Wrench())
+        if joint.body in spinning:
+            load = replace(load, moment=subtract(load.moment, spinning[joint.body]))
+        found.append(_required_wrench(tree, joint.body, moved[joint.body], load))
+    return found
 
 
 def _required_wrench(tree: Tree, k: int, motion: BodyMotion, applied: Wrench) -> Wrench:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import sympy
-from sympy import Add, S
+from sympy import Add, Expr, S
 
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, Freedom, Rotation
@@ -72,7 +72,7 @@ def joint_motion(system: System, k: int, below: Vector, definitions: Definitions
                 rate=speed(k, kinds[i]),
                 acceleration=acceleration(k, kinds[i]),
                 shares={number[Freedom(k, i)]: S.One},
-                armature=exact(body.joint.armature[i]),
+                armature=_armature(system, Freedom(k, i), definitions),
             )
             for i in ANGLES
         )
@@ -102,8 +102,17 @@ def _motion(system: System, freedom: Freedom, definitions: Definitions) -> dict[
         "shares": {i: share for i, share in shares.items() if i < n},
         "prescribed_shares": {i - n: share for i, share in shares.items() if i >= n},
         "is_coupled": freedom in system.in_couplings,
-        "armature": exact(system.bodies[freedom.body - 1].joint.armature[freedom.index]),
+        "armature": _armature(system, freedom, definitions),
     }
+
+
+def _armature(system: System, freedom: Freedom, definitions: Definitions) -> Expr:
+    """Return the reflected inertia of the motor of a freedom and of its rotors, J n^2 (kg m^2, kg)."""
+    found = exact(system.bodies[freedom.body - 1].joint.armature[freedom.index])
+    for one in system.mounted_rotors:
+        if one.freedom == freedom:
+            found += exact(one.rotor.inertia) * exact(one.rotor.ratio) ** 2
+    return definitions.define(f"ar_{freedom.body}_{freedom.index + 1}", found)
 
 
 def _turning_as_a_whole(joint: JointMotion, rotation: Rotation, definitions: Definitions) -> JointMotion:

@@ -37,7 +37,9 @@ class FreeComponent:
         is_coupled: Whether the freedom is coupled, or a coupled freedom follows it.
         is_absolute: Whether it is the whole component of the acceleration of the body, instead of what the
             joint adds to that of the lower body.
-        armature: Reflected inertia of its motor (kg m^2, kg); zero where the component is absolute.
+        armature: Reflected inertia of its motor and rotors, with twice `momentum` along the component where a
+            rotor is carried by the body of the joint (kg m^2, kg); zero where the component is absolute.
+        momentum: Angular momentum of its rotors for unit rate, in the frame of the component.
     """
 
     index: int
@@ -46,6 +48,7 @@ class FreeComponent:
     is_coupled: bool = False
     is_absolute: bool = False
     armature: Expr = S.Zero
+    momentum: Vector = ZERO
 
     def acceleration(self, components: Sequence[Expr]) -> Expr:
         """Return the acceleration along the component, from the free components by place in {y}."""

@@ -32,6 +32,8 @@ FREEDOMS = (
     ("{K}a{i}", "angle i of body K"),
     ("{K}s{n}", "the translation of body K at place n of {y}"),
     ("{K}w{i}", "component i of the relative angular velocity of body K"),
+    ("{K}y{n}", "all freedoms outward of body K that the entry of {y} at place n moves"),
+    ("{K}r{n}", "the spin of rotors in body K that the freedom at place n of {y} drives"),
 )
 """Freedoms whose unit acceleration is meant, for the placeholder L."""
 
@@ -202,7 +204,12 @@ NAMES = (
     # Force elements
     ("ex_{n}", "part of the expression of a force element, or of its derivatives"),
     ("fe_{K}_{i}", "generalized force of force elements on freedom i of body K"),
+    ("ar_{K}_{i}", "armature of freedom i of body K, with the reflected inertia of its rotors"),
+    ("ar_{n}", "the same at place n, with what rotors add that its own body carries"),
+    ("rh_{n}_{x}", "angular momentum of rotor n for unit rate of its freedom, in its carrier"),
+    ("rc_{n}_{x}", "the same for the rotors of the freedom at place n, in the frame of its axis"),
     ("fm_{n}", "generalized force that accelerates the armature of the freedom at place n"),
+    ("fr_{n}", "fm_n, and what turns rotors along with their carriers"),
     ("kw_{n}_{x}", "second end of spring n from its first (m)"),
     ("kwd_{n}_{x}", "rate of kw_n (m/s)"),
     ("kq_{n}", "squared length of spring n (m^2)"),
@@ -251,7 +258,8 @@ NAMES = (
     ("dw", "largest distance of a mass centre from an axis (m)"),
     ("cw_{x}", "mass centre of a body from an origin, where translations are 0 (m)"),
     ("g_{n}_{i}", "gain: what the freedom at place n takes per unit of acceleration i"),
-    ("gk_{n}", "armature over pivot of the freedom at place n"),
+    ("sr_{n}_{i}", "row i of the freedom at place n, with the spin of its rotors"),
+    ("gk_{n}", "share of its row that the motor of the freedom at place n keeps inward"),
     ("e_{n}", "generalized force left for the freedom at place n"),
     ("n_{n}", "acceleration of the freedom at place n if all others were 0"),
     ("te_{n}", "generalized force of {tau} and force elements at place n"),
@@ -324,7 +332,7 @@ def _turning() -> Iterator[tuple[str, str]]:
 
 
 _PLACE = r"\d+(?:j|o|a\d?u?|c\du?|tu?)?"
-_FREEDOM = r"\d+(?:a\d|s\d+|w\d)"
+_FREEDOM = r"\d+(?:a\d|s\d+|w\d|r\d+|y\d+)"
 _PLACEHOLDERS = {
     "{K}": r"\d+",
     "{J}": r"\d+",

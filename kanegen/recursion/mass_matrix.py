@@ -32,8 +32,9 @@ from kanegen.recursion.columns import (
 from kanegen.recursion.fixed_frame_columns import FixedFrameJoint, fixed_frame_joints
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import NO_FREEDOM, FreedomMotion, JointMotion, Step
+from kanegen.recursion.rotors import SpinningRotor, spinning_rotors
 from kanegen.recursion.tree import Derived, Tree
-from kanegen.recursion.vectors import column, cross, dot, scale, unit
+from kanegen.recursion.vectors import ZERO, column, cross, dot, scale, unit
 
 
 def mass_matrix(tree: Tree) -> Derived:
@@ -41,8 +42,12 @@ def mass_matrix(tree: Tree) -> Derived:
     moving: list[list[Column]] = [[] for _ in tree.joints]
     fixed: list[list[RotationColumn]] = [[] for _ in tree.joints]
     assembly = _Assembly(tree, list(tree.inertias), moving, fixed, fixed_frame_joints(tree))
+    rotors = spinning_rotors(tree)
     for joint in reversed(tree.joints):
         tree.about(joint.body, "composite body and its columns of [A], Eq. (43)")
+        for rotor in rotors:
+            if rotor.carrier == joint.body and rotor.motion.shares:
+                assembly.add_rotor(rotor)
         assembly.merge_columns(joint.body)
         assembly.pass_fixed_columns(joint)
         assembly.pass_moving_columns(joint)
@@ -102,6 +107,12 @@ class _Assembly:
         if len(terms) < 2:
             return terms[0] if terms else S.Zero
         return self.tree.definitions.define(f"A_{max(i, j)}_{min(i, j)}", Add(*terms))
+
+    def add_rotor(self, rotor: SpinningRotor) -> None:
+        """Begin the column of the spin of a rotor in its carrier, which it passes inward with the others."""
+        motion, label = rotor.motion, f"{rotor.carrier}r{rotor.motion.number}"
+        col = RotationColumn(motion.number, motion.shares, label, ZERO, rotor.momentum)
+        self.moving[rotor.carrier - 1].append(col)
 
     def merge_columns(self, k: int) -> None:
         """Add the columns that have arrived at body `k` where the same entries of {y} cause them."""

@@ -21,10 +21,12 @@ from sympy import Expr, Rational, S
 
 from kanegen.model.body import Body
 from kanegen.recursion.constants import exact
+from kanegen.recursion.frames import fixed_frame
 from kanegen.recursion.joint_motion import NO_FREEDOM, FreedomMotion, JointMotion, Step
 from kanegen.recursion.principal_inertia import largest_inertia, least_inertia
 from kanegen.recursion.reach import NO_DISTANCE, Reach, Square
 from kanegen.recursion.tree import Tree
+from kanegen.recursion.vectors import dot
 from kanegen.symbolic.definitions import Vector
 
 
@@ -66,14 +68,12 @@ class PivotBounds:
         for joint in tree.joints:
             body = tree.system.bodies[joint.body - 1]
             tree.about(joint.body, "bounds of the pivots that it is part of")
-            for freedom, least in _least_of_joint(body, joint, together).items():
+            carries = any(one.body == joint.body for one in tree.system.mounted_rotors)
+            own = S.Zero if carries else least_inertia(body)
+            for freedom, least in _least_of_joint(body, own, joint, together).items():
                 self._least[freedom] = Bound(least)
             self._carry(joint)
-            for one in joint.freedoms:
-                for place, factor in one.shares.items():
-                    self._carried[place] = self._carried[place].plus(factor**2 * one.armature)
-                if one.freedom != NO_FREEDOM:
-                    self._least[one.freedom] = self._least[one.freedom].plus(one.armature)
+            self._add_motors(joint)
 
     def carried(self, freedom: int, share: Rational = S.One) -> Expr:
         """Return a share of the bound of the inertias that a freedom carries."""
@@ -128,6 +128,31 @@ class PivotBounds:
                 mass = S.Zero
             reach = reach.below_joint(self._tree, below)
 
+    def _add_motors(self, joint: JointMotion) -> None:
+        """Add armature and rotors to the bounds of the freedoms of a joint.
+
+        The energy of a body and its rotor is not less than that of the body without the inertia J about the
+        rotor's axis, if the freedom may move the body. The coupling of both is bounded by 2 J n omega y <=
+        J omega^2 + J n^2 y^2.
+        """
+        system, inward = self._tree.system, {inner.lower for inner in self._tree.inward(joint)}
+        armature = system.bodies[joint.body - 1].joint.armature
+        freedoms = {number: freedom for freedom, number in system.moving_places.items()}
+        for one in joint.freedoms:
+            freedom, carried = freedoms[one.number], one.armature
+            certain = exact(armature[freedom.index])
+            for mounted in system.mounted_rotors:
+                if mounted.freedom == freedom:
+                    inertia, ratio = exact(mounted.rotor.inertia), exact(mounted.rotor.ratio)
+                    if mounted.body in inward and not system.couplings:
+                        certain += inertia * ratio**2
+                    else:
+                        carried += inertia + inertia * ratio**2
+            for place, factor in one.shares.items():
+                self._carried[place] = self._carried[place].plus(factor**2 * carried)
+            if one.freedom != NO_FREEDOM:
+                self._least[one.freedom] = self._least[one.freedom].plus(certain)
+
     def _add_to_angles(
         self, joint: JointMotion, body: Body, mass: Expr, largest: Expr, reach: Reach
     ) -> Reach:
@@ -149,7 +174,7 @@ class PivotBounds:
                 known = _comes_first(joint, self._together) and not step.is_coupled
                 axis = reach.upward(step.axis) if known else None
                 if axis:
-                    self._raise_least(step, _inertia_about(body, axis), mass, reach)
+                    self._raise_least(step, self._inertia_without_rotors(body, axis), mass, reach)
                 if axis and _is_basis_vector(axis):
                     self._add_exactly(step, _inertia_about(body, axis), mass, reach)
                 else:
@@ -189,6 +214,16 @@ class PivotBounds:
         bound = self._carried[step.freedom].plus(inertia, mass, reach.square(step.axis))
         self._carried[step.freedom] = bound
 
+    def _inertia_without_rotors(self, body: Body, direction: Vector) -> Expr:
+        """Return the inertia of a body about an axis through its mass centre, without that of its rotors."""
+        found, system = _inertia_about(body, direction), self._tree.system
+        for one in system.mounted_rotors:
+            if one.body and system.bodies[one.body - 1] is body:
+                frame = fixed_frame(self._tree, one.frame, one.body)
+                along = dot(frame.inward(Vector(*map(exact, one.direction))), direction)
+                found -= exact(one.rotor.inertia) * along**2
+        return found
+
     def _raise_least(self, step: Step, inertia: Expr, mass: Expr, reach: Reach) -> None:
         """Add a body to the lower bound of the first angle that moves inward of it.
 
@@ -208,17 +243,22 @@ def _comes_first(joint: JointMotion, together: bool) -> bool:
     return not (together and (joint.rotates_freely or joint.translates_freely))
 
 
-def _least_of_joint(body: Body, joint: JointMotion, together: bool) -> dict[int, Expr]:
+def _least_of_joint(body: Body, least: Expr, joint: JointMotion, together: bool) -> dict[int, Expr]:
     """Return lower bounds of the pivots of a joint by freedom, from its own body.
 
     The last angle of a joint is left out where `PivotBounds` knows it exactly.
+
+    Args:
+        body: The body.
+        least: Lower bound of its smallest principal inertia (kg m^2).
+        joint: Its joint.
+        together: As for `PivotBounds`.
     """
     if any(one.is_coupled for one in joint.freedoms):
         return {}
     mass, center = exact(body.mass), [exact(value) for value in body.mass_center]
     angles = [step for step in joint.angles if step.freedom != NO_FREEDOM]
     rotations = [step.freedom for step in angles] + [speed.freedom for speed in joint.angular_speeds]
-    least = least_inertia(body)
     found = dict.fromkeys(
         rotations, least if _are_orthogonal(angles, together and joint.rotates_freely) else S.Zero
     )

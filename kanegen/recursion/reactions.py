@@ -18,7 +18,7 @@ from kanegen.recursion.inverse_dynamics import (
     CarriedWrench,
     body_motions,
     carried_wrenches,
-    required_wrenches,
+    required,
 )
 from kanegen.recursion.tree import Derived, Tree, ungrouped
 from kanegen.recursion.vectors import add, cross, dot
@@ -28,8 +28,8 @@ from kanegen.symbolic.definitions import Definitions
 def reaction_loads(tree: Tree) -> Derived:
     """Derive the load along every locked direction that the system selects, in its order."""
     whole = ungrouped(tree)
-    needed = required_wrenches(whole, body_motions(whole, accelerated=True))
-    every = list(carried_wrenches(whole, needed))
+    needed = required(whole, body_motions(whole, accelerated=True), accelerated=True)
+    every = list(carried_wrenches(whole, needed.wrenches))
     found: dict[tuple[int, int], Expr] = {}
     for carried in every:
         k = carried.joint.body

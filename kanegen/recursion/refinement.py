@@ -14,7 +14,7 @@ the inertia of a light body would be lost to rounding in the sum with a heavy on
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import sympy
@@ -24,10 +24,11 @@ from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.inverse_dynamics import BodyMotion, Requirement, body_motions, required
 from kanegen.recursion.pivot_margins import PivotMargins
+from kanegen.recursion.rotors import rotor_efforts, spinning_rotors
 from kanegen.recursion.solved_motion import solved_motions
 from kanegen.recursion.solver import Solver
 from kanegen.recursion.tree import Derived
-from kanegen.recursion.vectors import Wrench, add, column, cross, dot, scale
+from kanegen.recursion.vectors import ZERO, Wrench, add, column, cross, dot, scale
 from kanegen.symbolic.definitions import Vector
 
 
@@ -131,16 +132,25 @@ def _with_free_components(solver: Solver, bias: Requirement, components: Sequenc
     """Return `bias` plus what is required for the free components."""
     tree, total, efforts = solver.tree, [], dict(bias.efforts)
     solved = solved_motions(tree, solver.paths, components)
+    rotors, spinning = spinning_rotors(tree), dict[int, Vector]()
+    for rotor in rotors:
+        rate = Add(*(share * components[i] for i, share in rotor.motion.shares.items()))
+        moment = scale(rate, rotor.momentum)
+        spinning[rotor.carrier] = add(spinning.get(rotor.carrier, ZERO), moment)
     for joint in tree.joints:
         k, a = joint.body, solved[joint.body].acceleration
         tree.about(k, "what the solution needs, Eq. (44)")
         own = _accelerated(tree.inertias[k - 1], Vector(*a[:3]), Vector(*a[3:]))
+        own = replace(own, moment=add(own.moment, spinning.get(k, ZERO)))
         total.append(bias.wrenches[k - 1].plus(own, f"{k}own", tree.definitions))
         for one in joint.freedoms:
             if one.armature != 0:
                 rate = Add(*(share * components[i] for i, share in one.shares.items()))
                 needed = efforts.get(one.number, S.Zero) + one.armature * rate
                 efforts[one.number] = tree.definitions.define(f"fm_{one.number}", needed)
+    alpha = {k: Vector(*motion.acceleration[:3]) for k, motion in solved.items()}
+    for freedom, effort in rotor_efforts(rotors, alpha).items():
+        efforts[freedom] = tree.definitions.define(f"fr_{freedom}", efforts.get(freedom, S.Zero) + effort)
     return Requirement(total, efforts)
 
 

@@ -46,7 +46,7 @@ class ForcingTerms:
             (40).
         gyroscopic: `- [omega_y]^T (omega x [I] omega)`, Eq. (41).
         elements: Force elements, and loads on points.
-        motors: Generalized inertia forces of motors.
+        motors: Generalized inertia forces of motors, with those of rotors that spin.
     """
 
     loads: Numbers
@@ -93,7 +93,7 @@ def mass_matrix(system: System | SystemArrays, x: ArrayLike, prescribed: ArrayLi
     # One product of the bodies' matrices on top of each other is their sum over K, and much faster.
     linear: Numbers = transposed(_stacked(center_y)) @ _stacked(linear_momentum_y)
     angular: Numbers = transposed(_stacked(omega_y)) @ _stacked(angular_momentum_y)
-    return linear + angular + motor_mass_matrix(system)
+    return linear + angular + motor_mass_matrix(system, bodies)
 
 
 def forcing(
@@ -195,7 +195,7 @@ def _terms(
             for name in bodies[0]
         },
         elements=sum((gathered(system, part.value, columns) for part in elements), start=zero),
-        motors=zero + gathered(system, motor_forces(system, accelerations), columns),
+        motors=zero + gathered(system, motor_forces(system, moving, rates, accelerations), columns),
     )
 
 

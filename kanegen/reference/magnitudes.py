@@ -23,7 +23,7 @@ from kanegen.reference.force_elements import contributions
 from kanegen.reference.freedoms import UNPRESCRIBED, free_columns, full_order, gathered
 from kanegen.reference.kinematics import BodyKinematics
 from kanegen.reference.matrices import Numbers, apply, length, transposed
-from kanegen.reference.motors import motor_mass_matrix
+from kanegen.reference.motors import armature_in_order, spin_of
 
 
 @dataclass(frozen=True)
@@ -138,8 +138,48 @@ def mass_matrix_magnitude(system: SystemArrays, maxima: tuple[PathMaxima, ...]) 
     center_y, omega_y = _columns(system, maxima)
     linear = transposed(system.mass[:, None] * center_y) @ center_y
     angular = transposed(_inertia_size(system)[:, None] * omega_y) @ omega_y
-    magnitude: Floats = linear + angular + motor_mass_matrix(system)
+    magnitude: Floats = linear + angular + _motor_magnitude(system, maxima)
     return magnitude
+
+
+def _motor_magnitude(system: SystemArrays, maxima: tuple[PathMaxima, ...]) -> Floats:
+    """Return the (n, n) or (..., n, n) magnitudes of what motors add to [A]."""
+    magnitude: Floats = np.diag(armature_in_order(system))
+    for rotor in system.rotors:
+        place, momentum, spin = spin_of(system, rotor)
+        row = length(momentum) * maxima[rotor.body - 1].omega_y if rotor.body else 0.0 * maxima[0].omega_y
+        own = np.zeros((*row.shape, row.shape[-1]))
+        own[..., place, :] = row
+        own = own + transposed(own)
+        own[..., place, place] += spin
+        magnitude = magnitude + own
+    rates = gathered(system, np.eye(system.free.size), free_columns(system), sizes=True)
+    sizes: Floats = rates.T @ magnitude @ rates
+    return sizes
+
+
+def rotor_forcing_magnitude(
+    system: SystemArrays,
+    maxima: tuple[PathMaxima, ...],
+    y: Numbers,
+    prescribed: Numbers = UNPRESCRIBED,
+) -> Floats:
+    """Return the (..., n) magnitudes of what rotors add to {f}; the arguments are those of `path_maxima`."""
+    rates, accelerations = (
+        full_order(system, y, prescribed[..., 1, :]),
+        full_order(system, np.zeros_like(y), prescribed[..., 2, :]),
+    )
+    magnitude = np.zeros_like(rates)
+    for rotor in system.rotors:
+        place, momentum, spin = spin_of(system, rotor)
+        size = length(momentum)
+        magnitude[..., place] += spin * np.abs(accelerations[..., place])
+        if rotor.body:
+            carrier = maxima[rotor.body - 1]
+            spinning = np.abs(rates[..., place]) * carrier.rate + np.abs(accelerations[..., place])
+            magnitude += size * spinning[..., None] * carrier.omega_y
+            magnitude[..., place] += size * carrier.rate_dot
+    return gathered(system, magnitude, free_columns(system), sizes=True)
 
 
 def forcing_magnitude(

@@ -1,9 +1,10 @@
 """Systems whose [A] is singular in every state, found before any code is written.
 
 [A] = [P]^T [M] [P], where [P] holds the partial velocities of the mass centres, the partial angular
-velocities, and a row for each motor; [M] holds the masses, inertias and armatures. Whether [A] is singular
-depends only on the rows of [P] where [M] is not zero, not on how large it is there, so mass ratios cannot
-blur the answer. Scaling rows and columns does not change it either.
+velocities, and a row for each motor and each rotor; [M] holds the masses, inertias without those of rotors
+about their axes, armatures, and inertias of rotors. Whether [A] is singular depends only on the rows of [P]
+where [M] is not zero, not on how large it is there, so mass ratios cannot blur the answer. Scaling rows and
+columns does not change it either.
 
 [A] is singular where some motion moves neither mass nor inertia, that is where the columns of these rows
 depend on each other. They are orthogonalised from the outermost freedom inward, so the first column that
@@ -24,13 +25,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.errors import SingularError, counted, quoted
-from kanegen.model.arrays import Floats, SystemArrays
+from kanegen.model.arrays import Floats, RotorArrays, SystemArrays
 from kanegen.model.system import System
 from kanegen.model.validation import INERTIA_ROUNDING, ORTHOGONALITY
 from kanegen.reference.freedoms import UNPRESCRIBED, free_columns, gathered
-from kanegen.reference.kinematics import kinematics
-from kanegen.reference.magnitudes import path_maxima
-from kanegen.reference.motors import armature_in_order
+from kanegen.reference.kinematics import BodyKinematics, kinematics
+from kanegen.reference.magnitudes import PathMaxima, path_maxima
+from kanegen.reference.motors import armature_in_order, spin_of
 from kanegen.reference.states import random_states
 
 STATES = 3
@@ -169,11 +170,21 @@ def velocity_rows(
     still = np.zeros(len(places))
     bodies = kinematics(arrays, x, still, prescribed)
     blocks, sizes = [], []
-    for k, maxima in enumerate(path_maxima(arrays, bodies, still, prescribed)):
+    inertias, every = list(arrays.inertia), path_maxima(arrays, bodies, still, prescribed)
+    for rotor in arrays.rotors:
+        row, size = _rotor_row(arrays, rotor, bodies, every)
+        if row.any():
+            blocks.append(gathered(arrays, row, free)[None, places])
+            sizes.append(gathered(arrays, size, free, sizes=True)[places])
+        if rotor.body:
+            inertias[rotor.body - 1] = inertias[rotor.body - 1] - rotor.inertia * np.outer(
+                rotor.axis, rotor.axis
+            )
+    for k, maxima in enumerate(every):
         if arrays.mass[k] > 0:
             blocks.append(gathered(arrays, bodies[k].center_y, free)[:, places])
             sizes.append(gathered(arrays, maxima.center_y, free, sizes=True)[places])
-        axes = inertia_axes(arrays.inertia[k])
+        axes = inertia_axes(inertias[k])
         if len(axes):
             blocks.append(axes @ gathered(arrays, bodies[k].omega_y, free)[:, places])
             sizes.append(gathered(arrays, maxima.omega_y, free, sizes=True)[places])
@@ -186,6 +197,20 @@ def velocity_rows(
     scaled = [scale * block * column_scale for scale, block in zip(row_scale, blocks, strict=True)]
     magnitudes = np.linalg.norm(table * row_scale[:, None] * column_scale, axis=0)
     return VelocityRows(np.vstack([np.zeros((len(places), len(places))), *scaled]), magnitudes)
+
+
+def _rotor_row(
+    arrays: SystemArrays, rotor: RotorArrays, bodies: Sequence[BodyKinematics], maxima: Sequence[PathMaxima]
+) -> tuple[Floats, Floats]:
+    """Return the (6N,) partial angular velocities of a rotor about its axis, and the sizes of their terms."""
+    place, _, _ = spin_of(arrays, rotor)
+    row, size = np.zeros(arrays.free.size), np.zeros(arrays.free.size)
+    if rotor.inertia:
+        row[place] = size[place] = rotor.ratio
+        if rotor.body:
+            row += rotor.axis @ bodies[rotor.body - 1].omega_y
+            size = np.abs(size) + maxima[rotor.body - 1].omega_y
+    return row, np.abs(size)
 
 
 def inertia_axes(inertia: Floats) -> Floats:

@@ -27,7 +27,7 @@ from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.force_elements import ElementForces
 from kanegen.symbolic.literal.intermediates import Intermediates
-from kanegen.symbolic.literal.motors import motor_forces, motor_mass_matrix
+from kanegen.symbolic.literal.motors import MotorEquations
 from kanegen.symbolic.literal.numeric import NumericEquations, numeric
 from kanegen.symbolic.symbols import accelerations, coordinates, force, prescribed, speed, speeds, torque
 
@@ -107,14 +107,13 @@ class Equations:
 
     @cached_property
     def A(self) -> ImmutableMatrix:
-        """[A], (n, n): the generalized mass matrix, Eq. (43), with the armature of motors."""
-        return total([*(body.mass_matrix for body in self.bodies), motor_mass_matrix(self.system)])
+        """[A], (n, n): the generalized mass matrix, Eq. (43), with the inertia of motors."""
+        return total([*(body.mass_matrix for body in self.bodies), self._motors.mass_matrix])
 
     @cached_property
     def f(self) -> ImmutableMatrix:
         """{f}, (n, 1): the right side, Eq. (44), with weight, loads and force elements as its forces."""
-        own = (body.forcing for body in self.bodies)
-        return total([*own, self.element_forces, motor_forces(self.system)])
+        return total([*(body.forcing for body in self.bodies), self._motors.forcing, self.element_forces])
 
     @cached_property
     def generalized_forces(self) -> ImmutableMatrix:
@@ -125,6 +124,11 @@ class Equations:
     def element_forces(self) -> ImmutableMatrix:
         """The part of {F_y} from force elements and loads on points, (n, 1)."""
         return self._elements.total
+
+    @property
+    def _motors(self) -> MotorEquations:
+        """The inertia of motors."""
+        return MotorEquations(self.system, self.bodies)
 
     @cached_property
     def _elements(self) -> ElementForces:
@@ -167,7 +171,7 @@ class Equations:
                 "equations.definitions."
             )
         literal = derive(self.system, intermediates=False)
-        f = total(body.forcing for body in literal.bodies)
+        f = total([*(body.forcing for body in literal.bodies), literal._motors.forcing])
         motion = [*literal.y, *self.loads, *self.prescribed[1:, :]]
         closed = close(literal.A, f, literal.bodies, motion)
         operations = sum(sympy.count_ops(entry) for entry in literal.element_forces)
@@ -177,8 +181,7 @@ class Equations:
                 "intermediates. Print it with intermediates instead (closed=False), or read equations.A, "
                 "equations.f and equations.definitions."
             )
-        further = (literal.element_forces, motor_forces(self.system))
-        return replace(closed, f=total([closed.f, *further]))
+        return replace(closed, f=total([closed.f, literal.element_forces]))
 
     def lambdify(self) -> NumericEquations:
         """Return NumPy functions of [A] and {f} for small tasks; the library of `kg.build` is faster by far.

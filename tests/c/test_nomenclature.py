@@ -9,6 +9,7 @@ from kanegen.options import Variant
 from kanegen.program.semantics import FLUSH, RELAXED
 from kanegen.recursion.legend import FREEDOMS, MARKS, PLACES, Entry, entries, legend, shown
 from kanegen.recursion.outputs import available
+from tests.support import systems
 from tests.support.paths import MODEL_FILES, MODELS
 
 EQUATIONS = ("mass_matrix", "forcing")
@@ -113,6 +114,16 @@ def test_names_of_speeds_and_coordinates(speeds, coordinates):
 def test_names_of_precisions_and_solvers(variant):
     system = kg.load(MODELS / "six_revolute_arm.toml")
     check(kg.generate(system, ("forward_dynamics", "error_estimate", "regularity"), tier=variant))
+
+
+@pytest.mark.parametrize("solver", ["factorisation", "articulated bodies"])
+def test_names_of_motors(solver):
+    inertia, ratio = kg.Parameter("J", 0.003), kg.Parameter("n", 30.0)
+    system = systems.chain(3, ["theta3"]).with_rotors(
+        kg.Rotor("below", "body2.theta3", (1, 0.2, 0.3), inertia, ratio),
+        kg.Rotor("above", "body3.theta3", (0, 1, 1), 0.001, ratio, "body3"),
+    )
+    check(kg.generate(system, available(system), tier=Variant(solver=solver, refinement=1)))
 
 
 def test_a_name_that_nobody_explains():

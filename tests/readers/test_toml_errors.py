@@ -22,7 +22,7 @@ def with_joint(line: str) -> str:
         ("[body]\nmass = 1\n", r"a model needs bodies"),
         ("body = [1]\n", r"a model needs bodies"),
         ("nme = 'a'\n" + ONE_BODY, r"unknown key 'nme'\. Did you mean 'name'\?"),
-        ("name = ' '\n" + ONE_BODY, r"system name: ' ' is blank"),
+        ("name = '2d'\n" + ONE_BODY, r"system name: '2d' cannot be used"),
         ("gravity = [0, 1]\n" + ONE_BODY, r"gravity: expected 3 numbers, got 2 entries"),
         ("parameters = 3\n" + ONE_BODY, r"parameters: write a table, \[parameters\]"),
         ("parameters = {a-b = 1}\n" + ONE_BODY, r"parameter name: 'a-b' cannot be used"),
@@ -39,7 +39,7 @@ def with_joint(line: str) -> str:
         (ONE_BODY + "q = 1\n", r"body 'b': unknown key 'q'\. Known are 'name', 'connection', 'mass', "),
         ("[[body]]\nmass = 1\n", r"body 'body1': connection is missing"),
         ("[[body]]\nconnection = 0\n", r"body 'body1': mass is missing"),
-        ("[[body]]\nname = 'a\tb'\nconnection = 0\nmass = 1\n", r"body name: 'a\\tb' contains the invisible"),
+        ("[[body]]\nname = 'a b'\nconnection = 0\nmass = 1\n", r"body name: 'a b' cannot be used"),
         ("[[body]]\nname = 3\nconnection = 0\nmass = 1\n", r"body name: 3 is not a string"),
         (ONE_BODY + ONE_BODY, r"body name 'b' is used twice"),
         (
@@ -65,10 +65,7 @@ def with_joint(line: str) -> str:
         (ONE_BODY + "loads = 1\n", r"body 'b': loads: 1 is not true or false"),
         (ONE_BODY + "joint = 'hinge'\n", r"body 'b': joint: write a table \[body\.joint\]"),
         (with_joint("fre = 'all'"), r"body 'b': joint: unknown key 'fre'\. Did you mean 'free'\?"),
-        (
-            with_joint('name = "a\\n"'),
-            r"body 'b': joint name: 'a\\n' contains the invisible character U\+000A",
-        ),
+        (with_joint("name = 'a/b'"), r"body 'b': joint name: 'a/b' cannot be used"),
         (with_joint("position = 1"), r"body 'b': joint position: expected 3 numbers, got 1"),
         (with_joint("free = 'theta1'"), r"free: 'theta1' is neither \"all\" nor \"none\" nor a list"),
         (with_joint("free = ['theta4']"), r"free: 'theta4' is no freedom\. Did you mean 'theta3'\?"),
@@ -102,10 +99,7 @@ def with_joint(line: str) -> str:
             + "points = {p = [0, 0, 0], q = [1, 0, 0]}\n[[spring]]\nbetween = ['p', 'q']\nstiffness = 1\n",
             r"spring between 'p' and 'q': both ends are on one body",
         ),
-        (
-            ONE_BODY + "[[spring]]\nbetween = ['p', [0, 0, 0]]\nstiffness = 1\n",
-            r"there is no point or frame 'p'",
-        ),
+        (ONE_BODY + "[[spring]]\nbetween = ['p', [0, 0, 0]]\nstiffness = 1\n", r"there is no point 'p'"),
         (
             ONE_BODY + "[[spring]]\nbetween = [[0, 0, 1], [0, 0, 'h']]\nstiffness = 1\n",
             r"spring 1: .* no 'h'",
@@ -127,10 +121,7 @@ def with_joint(line: str) -> str:
             ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = [1]\n",
             r"drive 1: expression: \[.*is not a number",
         ),
-        (
-            ONE_BODY + "[[point_load]]\npoint = 'q'\nforce = [1, 2, 3]\n",
-            r"point_load: there is no point or frame 'q'",
-        ),
+        (ONE_BODY + "[[point_load]]\npoint = 'q'\nforce = [1, 2, 3]\n", r"point_load: there is no point 'q'"),
         (
             ONE_BODY + "[[potential]]\nenergy = 'y.b.s1'\n",
             r"potential 1: potential energy 'y\.b\.s1' depends on",

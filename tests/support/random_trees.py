@@ -70,7 +70,8 @@ def everything(seed: int, bodies: int = 4) -> kg.System:
     tree = with_motors(tree, Drawing(np.random.default_rng([seed, 1]), prefix="motor"))
     gravity = drawing.vector(6.0)
     system = kg.System("everything", tuple(tree), gravity)
-    return _acted_on(_with_frames(system, drawing), drawing)
+    system = _acted_on(_with_frames(system, drawing), drawing)
+    return with_rotors(system, Drawing(np.random.default_rng([seed, 2]), prefix="rotor"))
 
 
 def _body(drawing: Drawing, k: int, turn: int) -> kg.Body:
@@ -119,6 +120,23 @@ def with_motors(bodies: list[kg.Body], drawing: Drawing) -> list[kg.Body]:
     return armed
 
 
+def with_rotors(system: kg.System, drawing: Drawing, count: int = 3) -> kg.System:
+    """Return the system with rotors on random freedoms, most of them in the lower body of the joint."""
+    rated, carriers = _rated(system), ["", "", "", "ground", *system.frame_names]
+    rotors = [
+        kg.Rotor(
+            f"motor{i}",
+            drawing.one_of(rated),
+            tuple(drawing.rng.normal(size=3)),
+            drawing.number(drawing.rng.uniform(0.001, 0.01)),
+            drawing.number(drawing.rng.uniform(-20, 20)),
+            drawing.one_of(carriers),
+        )
+        for i in range(count if rated else 0)
+    ]
+    return system.with_rotors(*rotors)
+
+
 def _orientation(drawing: Drawing, kind: str) -> Any:
     match kind:
         case "matrix":
@@ -155,7 +173,7 @@ def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
     """Return the system with springs, drives, loads on points and a potential between random places."""
     every = [point.name for _, point in system.points]
     ends = [body.points[0].name for body in system.bodies]
-    above = drawing.one_of([*every, *(frame.name for frame in system.frames if frame.body)])
+    above = drawing.one_of(every)
     elements: list[kg.ForceElement] = [
         Spring((drawing.vector(2.0), above), drawing.number(3.0), drawing.number(0.7), drawing.number(0.6)),
         *(
@@ -173,11 +191,7 @@ def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
     x, y = drawing.one_of(coordinates), drawing.one_of(speeds)
     force = (parse(f"-2*y.{y}"), parse("cos(t)"), parse(f"x.{x}*{stiffness.name}", parameters))
     elements.append(
-        PointLoad(
-            drawing.one_of([*every, *system.frame_names[:2]]),
-            force=force,
-            moment=(0, parse(rate.name, parameters), 2),
-        )
+        PointLoad(drawing.one_of(every), force=force, moment=(0, parse(rate.name, parameters), 2))
     )
     rated = _rated(system)
     if rated:

@@ -25,7 +25,12 @@ from kanegen.measure.truth.certify import Truth
 from kanegen.measure.truth.enclosure import enclosure
 from kanegen.model.arrays import Floats
 from kanegen.reference.kinematics import kinematics
-from kanegen.reference.magnitudes import forcing_magnitude, mass_matrix_magnitude, path_maxima
+from kanegen.reference.magnitudes import (
+    forcing_magnitude,
+    mass_matrix_magnitude,
+    path_maxima,
+    rotor_forcing_magnitude,
+)
 from kanegen.reference.matrices import apply, length
 
 
@@ -112,6 +117,7 @@ def term_magnitudes(truth: Truth) -> dict[str, Floats]:
     maxima = path_maxima(arrays, kinematics(arrays, state.x, state.y), state.y)
     matrix = mass_matrix_magnitude(arrays, maxima)
     forcing = forcing_magnitude(arrays, maxima, state.force, state.torque)
+    forcing = forcing + rotor_forcing_magnitude(arrays, maxima, state.y)
     inverse = apply(matrix, np.abs(state.ydot)) + forcing
     return {"mass_matrix": matrix, "forcing": forcing, "inverse_dynamics": inverse}
 

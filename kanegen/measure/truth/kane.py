@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from kanegen.measure.truth.balls import arb, arb_mat, beside, cross, identity, stacked, unit, zeros
-from kanegen.measure.truth.tree import Link, Tree, rotations_along
+from kanegen.measure.truth.tree import Link, Spin, Tree, rotations_along
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,10 @@ def equations(tree: Tree) -> Equations:
             for i, share in shares.items():
                 for j, other in shares.items():
                     matrix[i, j] += share * other * armature
+    for spin in tree.spins:
+        own_matrix, own_forces = _contribution_of_rotor(spin, frames[spin.carrier], tree)
+        matrix += own_matrix
+        forces += beside([zeros(n, 1), zeros(n, 1), own_forces])
     loads, gravity, velocity = (arb_mat(n, 1, forces.entries()[i::3]) for i in range(3))
     return Equations(matrix, loads, gravity, velocity)
 
@@ -150,6 +154,27 @@ def _contribution(link: Link, frame: Frame, tree: Tree) -> tuple[arb_mat, arb_ma
     gyroscopic = inertia * (w_y_dot * tree.speeds) + cross(frame.omega, momentum)  # (40), (41)
     torque = beside([outward * link.torque, zeros(3, 1), -gyroscopic])
     return matrix, v_y.transpose() * force + w_y.transpose() * torque  # (44)
+
+
+def _contribution_of_rotor(spin: Spin, frame: Frame, tree: Tree) -> tuple[arb_mat, arb_mat]:
+    """Return what a rotor adds to its carrier in Eqs. (43) and (44): (n, n), and (n, 1) of velocity.
+
+    The rotor has its own partial angular velocities about its axis, those of its carrier and `ratio` more at
+    its freedom. Its inertia torque across the axis turns its axis along with the carrier.
+    """
+    n, axis = tree.freedoms, frame.rotation.transpose() * spin.axis
+    _, _, w_y, w_y_dot = _partials(frame, frame.origin, frame.origin_dot, n)
+    relative = zeros(1, n)
+    for place, share in spin.shares.items():
+        relative[0, place] = spin.ratio * share
+    standing = axis.transpose() * w_y
+    spinning = standing + relative
+    matrix = (spinning.transpose() * spinning - standing.transpose() * standing) * spin.inertia
+    axis_dot = cross(frame.omega, axis)
+    speed = (relative * tree.speeds)[0, 0]
+    along = (axis.transpose() * w_y_dot + axis_dot.transpose() * w_y) * tree.speeds
+    turned = w_y.transpose() * axis_dot * (spin.inertia * speed)
+    return matrix, -(relative.transpose() * along * spin.inertia) - turned
 
 
 def _partials(

@@ -112,6 +112,16 @@ def _required_forces(tree: Tree, ydot: arb_mat, moving: bool) -> arb_mat:
         motions.append(_motion(link, motions[link.lower], ydot, moving))
     forces, moments = [zeros(3, m) for _ in motions], [zeros(3, m) for _ in motions]
     rows = [zeros(1, m) for _ in range(tree.freedoms)]
+    for spin in tree.spins:
+        carrier, spinning = motions[spin.carrier], _rows(ydot, [spin.shares]) * spin.ratio
+        about_axis = (spin.axis.transpose() * carrier.alpha + spinning) * (spin.inertia * spin.ratio)
+        for place, share in spin.shares.items():
+            rows[place] = rows[place] + about_axis * share
+        moments[spin.carrier] += spin.axis * spinning * spin.inertia
+        if moving:
+            rate = sum((tree.speeds[i, 0] * share for i, share in spin.shares.items()), arb(0))
+            momentum = spin.axis * (rate * spin.ratio * spin.inertia)
+            moments[spin.carrier] += _repeated(cross(carrier.omega, momentum), m)
     for k in range(len(tree.links), 0, -1):
         link, motion = tree.links[k - 1], motions[k]
         own_force, own_moment = _effort(link, motion, moving)

@@ -8,7 +8,7 @@ rounding; it means the rotation nearest to it, which is an exact function of its
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from kanegen.measure.truth.balls import (
@@ -95,11 +95,31 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Spin:
+    """A rotor that spins in body C at a multiple of the rate of a freedom.
+
+    Attributes:
+        carrier: Number of C, 0 for the ground.
+        shares: Indices in {y} with the factors by which those speeds move the freedom.
+        axis: (3, 1) unit vector along its axis, in C.
+        inertia: Moment of inertia about the axis.
+        ratio: Angular velocity in C by rate of the freedom.
+    """
+
+    carrier: int
+    shares: Mapping[int, arb]
+    axis: arb_mat
+    inertia: arb
+    ratio: arb
+
+
+@dataclass(frozen=True)
 class Tree:
     """A system in one state.
 
     Attributes:
         links: Bodies 1 to N with their joints.
+        spins: Rotors.
         gravity: (3, 1) gravity, in inertial components.
         speeds: (n, 1) generalized speeds {y}.
         tau: (n, 1) generalized forces beside loads and gravity.
@@ -107,6 +127,7 @@ class Tree:
     """
 
     links: tuple[Link, ...]
+    spins: tuple[Spin, ...]
     gravity: arb_mat
     speeds: arb_mat
     tau: arb_mat
@@ -122,6 +143,7 @@ def tree(system: System, state: State) -> Tree:
     """Return `system` in `state`, in balls of the working precision; parameters stand at their defaults."""
     return Tree(
         links=tuple(_link(system, k, state) for k in range(1, system.number_of_bodies + 1)),
+        spins=tuple(_spins(system)),
         gravity=column(map_numbers(system.gravity, value_of)),
         speeds=column(state.y),
         tau=column(state.tau),
@@ -135,9 +157,7 @@ def _link(system: System, k: int, state: State) -> Link:
     functions = [_function(system, Freedom(k, index)) for index in range(6)]
     coordinates = [_coordinate(system, Freedom(k, index), state) for index in range(6)]
     speeds = [_sum(shares, state.y) for shares, _ in functions]
-    inward = identity(3)
-    for frame in system.frame_path(body.name):
-        inward = inward * _orientation(frame.orientation).transpose()
+    inward = _inward(system, body.name)
     return Link(
         lower=body.lower,
         shares=tuple(shares for shares, _ in functions),
@@ -157,6 +177,22 @@ def _link(system: System, k: int, state: State) -> Link:
         torque=inward * column(state.torque[k - 1]),
         armature=tuple(arb(value_of(value)) for value in body.joint.armature),
     )
+
+
+def _spins(system: System) -> Iterator[Spin]:
+    """Yield the rotors, each with what drives it."""
+    for one in system.mounted_rotors:
+        axis = _inward(system, one.frame) * column(one.rotor.direction)
+        inertia, ratio = arb(value_of(one.rotor.inertia)), arb(value_of(one.rotor.ratio))
+        yield Spin(one.body, _function(system, one.freedom)[0], axis, inertia, ratio)
+
+
+def _inward(system: System, frame: str) -> arb_mat:
+    """Return the (3, 3) rotation from components of a frame to those of its body."""
+    inward = identity(3)
+    for one in system.frame_path(frame):
+        inward = inward * _orientation(one.orientation).transpose()
+    return inward
 
 
 def _function(system: System, freedom: Freedom) -> tuple[dict[int, arb], arb]:

@@ -29,19 +29,22 @@ def read_states(path: Path) -> ActuatedStates:
 
 
 def without_loads_and_parameters(system: System) -> tuple[System, tuple[str, ...]]:
-    """Return the system without loads, force elements and run-time parameters, and notes on the changes.
+    """Return the system without loads, force elements, rotors and run-time parameters, and notes on this.
 
-    Not every peer takes loads, and none takes run-time parameters as kanegen does.
+    Not every peer takes loads, none takes run-time parameters as kanegen does, and none has the spin of
+    rotors: they count as armature.
     """
     notes = []
     if any(body.loads for body in system.bodies):
         notes.append("loads are switched off: not everything that is timed takes them")
     if system.force_elements or any(point.loads for _, point in system.points):
         notes.append("force elements and loads on points are left out: not everything that is timed has them")
+    if system.rotors:
+        notes.append("rotors count as armature: their gyroscopic part is left out, which no peer has")
     if system.parameters:
         names = ", ".join(parameter.name for parameter in system.parameters)
         notes.append(f"run-time parameters are constants, at their defaults: {names}")
-    fixed = system.map_numbers(value_of)
+    fixed = with_armature_for_rotors(system.map_numbers(value_of))
     bodies = tuple(body.without_loads() for body in fixed.bodies)
     return replace(fixed, bodies=bodies, force_elements=()), tuple(notes)
 
@@ -50,3 +53,15 @@ def limits_note(system: System) -> tuple[str, ...]:
     """Return a note that states stay within the limits of a system; none if it has no limits."""
     words = system.limits.words
     return (f"states stay within the limits of the model, on {words}",) if words else ()
+
+
+def with_armature_for_rotors(system: System) -> System:
+    """Return a system without parameters in which armature J n^2 replaces rotors."""
+    bodies = list(system.bodies)
+    for one in system.mounted_rotors:
+        joint = bodies[one.freedom.body - 1].joint
+        armature = list(map(value_of, joint.armature))
+        armature[one.freedom.index] += value_of(one.rotor.inertia) * value_of(one.rotor.ratio) ** 2
+        joint = replace(joint, armature=tuple(armature))
+        bodies[one.freedom.body - 1] = replace(bodies[one.freedom.body - 1], joint=joint)
+    return replace(system, bodies=tuple(bodies), rotors=())

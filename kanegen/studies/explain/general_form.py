@@ -83,9 +83,11 @@ def with_numbers_as_parameters(system: System) -> System:
             points=tuple(point.map_numbers(parameter_for) for point in of.points),
         )
 
-    elements = tuple(element.map_numbers(parameter_for) for element in system.force_elements)
     return replace(
-        _changed(system, body), gravity=map_numbers(system.gravity, parameter_for), force_elements=elements
+        _changed(system, body),
+        gravity=map_numbers(system.gravity, parameter_for),
+        rotors=tuple(rotor.map_numbers(parameter_for) for rotor in system.rotors),
+        force_elements=tuple(element.map_numbers(parameter_for) for element in system.force_elements),
     )
 
 

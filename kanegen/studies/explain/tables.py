@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kanegen.model import quoting
 from kanegen.studies.explain.report import ALL_BODIES, CostReport, Step
 from kanegen.studies.markdown import markdown_table
 
@@ -44,9 +43,9 @@ def markdown(report: CostReport, paragraphs: Sequence[str] = ()) -> str:
         paragraphs: Paragraphs about the model, in Markdown, below the title.
     """
     system, first, last = report.system, report.steps[0], report.steps[-1]
-    freedoms = ", ".join(map(quoting.markdown_code, system.freedom_names))
+    freedoms = ", ".join(f"`{name}`" for name in system.freedom_names)
     parts = [
-        f"# {quoting.markdown(system.name)}",
+        f"# {system.name}",
         *paragraphs,
         f"Bodies: {system.number_of_bodies}. Freedoms: {last.freedoms}, {freedoms}. Outputs: "
         f"{', '.join(report.outputs)}.",

@@ -1,47 +1,115 @@
-"""What motors add to [A] and {f}: inertia forces of the reflected inertia of each freedom."""
+"""What motors add to [A] and {f}: reflected inertias, and rotors that spin in the bodies that carry them.
+
+A rotor of inertia J about the unit vector {e}, fixed in carrier C, with the gear ratio n, has the angular
+momentum {h} y more than if it stood still in C, where {h} = J n {e} and y is the rate of the freedom that it
+drives. Its time derivative is {h} {ydot} + {omega_C} x {h} y, and a torque J n ({e}^T {domega_C/dt} +
+n {ydot}) at the freedom spins it, Eqs. (40), (41).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
-from sympy import Add, Expr, ImmutableMatrix, zeros
+from sympy import Add, Expr, ImmutableMatrix, S
 
+from kanegen.model.coordinates import Freedom
+from kanegen.model.rotor import MountedRotor
 from kanegen.model.system import System
-from kanegen.symbolic.freedom_motion import FreedomMotions, Shares
-from kanegen.symbolic.symbols import acceleration, expression
+from kanegen.symbolic.freedom_motion import FreedomMotions
+from kanegen.symbolic.literal.dynamics import BodyEquations, total
+from kanegen.symbolic.literal.frames import frame_equations
+from kanegen.symbolic.literal.joint import skew
+from kanegen.symbolic.symbols import acceleration, column, expression
 
 
-def motor_mass_matrix(system: System) -> ImmutableMatrix:
-    """Return the (n, n) matrix of the reflected inertias (kg m^2, kg), diagonal where nothing is coupled.
+@dataclass(frozen=True, eq=False)
+class MotorEquations:
+    """What the motors of a system add to its equations.
 
-    A coupled freedom with the factor a_i on freedom i adds its reflected inertia times a_i a_j.
+    Attributes:
+        system: The tree.
+        bodies: The equations of its bodies.
     """
-    found, places = zeros(len(system.freedoms), len(system.freedoms)), system.places
-    for armature, shares in _motors(system):
-        free = [(places[freedom], share) for freedom, share in shares.items() if freedom in places]
-        for i, share in free:
-            for j, other in free:
-                found[i, j] += share * other * armature
-    return ImmutableMatrix(found)
 
+    system: System
+    bodies: Sequence[BodyEquations]
 
-def motor_forces(system: System) -> ImmutableMatrix:
-    """Return the (n, 1) part of {f} from motors of coupled freedoms that prescribed motion accelerates."""
-    found, places = zeros(len(system.freedoms), 1), system.places
-    for armature, shares in _motors(system):
-        driven = Add(
-            *(share * acceleration(f.body, f.index) for f, share in shares.items() if f not in places)
-        )
-        for freedom, share in shares.items():
-            if freedom in places:
-                found[places[freedom], 0] -= share * armature * driven
-    return ImmutableMatrix(found)
+    @property
+    def mass_matrix(self) -> ImmutableMatrix:
+        """(n, n) the part of [A] that belongs to motors.
 
+        A coupled freedom with the factor a_i on freedom i adds its reflected inertia times a_i a_j.
+        """
+        parts = [inertia * rates * rates.T for inertia, rates in self._reflected()]
+        return total([ImmutableMatrix.zeros(self._n, self._n), *parts, *self._coupled()])
 
-def _motors(system: System) -> Iterator[tuple[Expr, Shares]]:
-    """Yield each reflected inertia with the free and prescribed freedoms that move it, and their factors."""
-    motions = FreedomMotions(system, expression)
-    for freedom in system.moving_places:
-        armature = expression(system.bodies[freedom.body - 1].joint.armature[freedom.index])
-        if armature != 0:
-            yield armature, motions.shares(freedom)
+    @property
+    def forcing(self) -> ImmutableMatrix:
+        """(n, 1) the part of {f} that belongs to rotors, and to motors that prescribed motion accelerates."""
+        return total([ImmutableMatrix.zeros(self._n, 1), *self._accelerated(), *self._required()])
+
+    @property
+    def _n(self) -> int:
+        """The number of free freedoms."""
+        return len(self.system.freedoms)
+
+    @cached_property
+    def _motions(self) -> FreedomMotions:
+        """The motion of all freedoms, coupled ones by those that they follow."""
+        return FreedomMotions(self.system, expression)
+
+    def _inertias(self) -> Iterator[tuple[Freedom, Expr]]:
+        """Yield each freedom that moves with the reflected inertia of its motor, or of a rotor."""
+        for freedom in self.system.moving_places:
+            yield freedom, expression(self.system.bodies[freedom.body - 1].joint.armature[freedom.index])
+        for one in self.system.mounted_rotors:
+            if one.freedom in self.system.moving_places:
+                yield one.freedom, expression(one.rotor.inertia) * expression(one.rotor.ratio) ** 2
+
+    def _reflected(self) -> Iterator[tuple[Expr, ImmutableMatrix]]:
+        """Yield reflected inertias with the (n, 1) rates of their freedoms for unit {y}."""
+        for freedom, inertia in self._inertias():
+            if inertia != 0:
+                yield inertia, self._rates(freedom)
+
+    def _accelerated(self) -> Iterator[ImmutableMatrix]:
+        """Yield the inertia forces of reflected inertias that prescribed motion accelerates."""
+        for freedom, inertia in self._inertias():
+            if inertia != 0:
+                yield -inertia * self._prescribed_acceleration(freedom) * self._rates(freedom)
+
+    def _coupled(self) -> Iterator[ImmutableMatrix]:
+        """Yield what couples rotors with the rotation of their carriers in [A], Eq. (43)."""
+        for one, rates, momentum in self._spinning():
+            row = momentum.T * self.bodies[one.body - 1].partial_angular_velocity
+            yield rates * row + row.T * rates.T
+
+    def _required(self) -> Iterator[ImmutableMatrix]:
+        """Yield what couples rotors with the rotation of their carriers in {f}, Eq. (44)."""
+        for one, rates, momentum in self._spinning():
+            carrier, rate = self.bodies[one.body - 1], self._motions.speed(one.freedom)
+            moment = momentum * self._prescribed_acceleration(one.freedom)
+            moment += skew(carrier.angular_velocity) * momentum * rate
+            about_axis = momentum.dot(carrier.angular_acceleration_bias)
+            yield -carrier.partial_angular_velocity.T * moment - rates * about_axis
+
+    def _spinning(self) -> Iterator[tuple[MountedRotor, ImmutableMatrix, ImmutableMatrix]]:
+        """Yield each rotor in a body, with the (n, 1) rates of its freedom for unit {y} and (3, 1) {h}."""
+        for one in self.system.mounted_rotors:
+            if one.body and one.freedom in self.system.moving_places:
+                size = expression(one.rotor.inertia) * expression(one.rotor.ratio)
+                axis = frame_equations(self.system, one.frame).rotation.T * column(one.direction)
+                yield one, self._rates(one.freedom), size * axis
+
+    def _rates(self, freedom: Freedom) -> ImmutableMatrix:
+        """Return the (n, 1) rates of a freedom for unit {y}."""
+        shares = self._motions.shares(freedom)
+        return ImmutableMatrix(self._n, 1, [shares.get(one, S.Zero) for one in self.system.freedoms])
+
+    def _prescribed_acceleration(self, freedom: Freedom) -> Expr:
+        """Return the part of the second derivative of a freedom that prescribed motion causes."""
+        shares = self._motions.shares(freedom).items()
+        driven = (share * acceleration(f.body, f.index) for f, share in shares if f not in self.system.places)
+        return Add(*driven)

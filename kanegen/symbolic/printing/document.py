@@ -9,6 +9,7 @@ from itertools import accumulate, groupby
 from sympy import ImmutableMatrix, Symbol
 
 from kanegen.errors import counted
+from kanegen.model.numbers import toml_number
 from kanegen.model.system import System
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.printing.blocks import body_sections
@@ -74,6 +75,7 @@ def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> I
     yield from _coordinate_rates(equations, names)
     yield from _parameters(equations, names)
     yield from _loads(system)
+    yield from _motors(system)
     yield from _force_elements(system)
     if definitions:
         yield from body_sections(system)
@@ -189,6 +191,20 @@ def _loads(system: System) -> Iterator[Section]:
 def _numbered(names: Iterable[tuple[int, str]]) -> str:
     """Return names with their numbers, separated by commas."""
     return ", ".join(f"{number} ({name})" for number, name in names)
+
+
+def _motors(system: System) -> Iterator[Section]:
+    """Yield the sections on armature and on rotors, if there are any."""
+    armature = [
+        f"{name} {toml_number(value)} kg{' m^2' if freedom.is_angle else ''}"
+        for name, freedom in zip(system.freedom_names, system.freedoms, strict=True)
+        if (value := system.bodies[freedom.body - 1].joint.armature[freedom.index])
+    ]
+    if armature:
+        note = "Reflected inertia of motors, which adds to the diagonal of [A]"
+        yield Section("Armature", f"{note}: {'; '.join(armature)}.")
+    if system.rotors:
+        yield Section("Rotors", f"{'; '.join(rotor.summary for rotor in system.rotors)}.")
 
 
 def _force_elements(system: System) -> Iterator[Section]:
