@@ -37,8 +37,8 @@ def actuators(model: Compiled, tree: MjcfTree) -> Iterator[Drive | LeftOut]:
         length = lengths[number]
         assert length is not None
         yield from _drives(model, number, length, _parameter(model, number, taken))
-    reason = "which are no linear functions of an input, a coordinate and a speed"
-    yield LeftOut("forces", "actuator", model.names("actuator", without), reason)
+    reason = "which are no linear functions of an input, lengths and their rates"
+    yield LeftOut("forces", "other actuator", model.names("actuator", without), reason)
     stateful = [number for number in linear if _has_state(model, number)]
     yield LeftOut("states", "actuator", model.names("actuator", stateful), "whose activations are inputs")
     clamped = [number for number in linear if compiled.actuator_forcelimited[number]]

@@ -14,7 +14,7 @@ def compiled_without_assets(mujoco: Any, path: str) -> Any | None:
 
     Args:
         mujoco: The module `mujoco`.
-        path: The file.
+        path: The file, which MuJoCo can parse.
 
     Returns:
         The `mujoco.MjModel`, or None if a moving body has its inertia from a mesh, or something else in the

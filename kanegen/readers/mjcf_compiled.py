@@ -187,7 +187,11 @@ def _model(mujoco: Any, file: ModelFile, messages: list[str]) -> Any:
     """
     path = str(file.path)
     try:
-        return mujoco.MjSpec.from_file(path).compile()
+        spec = mujoco.MjSpec.from_file(path)
+    except Exception as error:
+        raise ReadError(_refusal(file, str(error))) from None
+    try:
+        return spec.compile()
     except Exception as error:
         model = compiled_without_assets(mujoco, path) if _NO_FILE in str(error) else None
         if model is None:
@@ -277,5 +281,5 @@ def _includes(file: ModelFile) -> bool:
 
 def _one_line(message: str) -> str:
     """Return a message of MuJoCo as one line, without a full stop at its end."""
-    words = re.sub(r"^(XML )?Error: ", "", message.strip())
+    words = re.sub(r"^(XML )?(Error: )+", "", message.strip())
     return "; ".join(line.strip().rstrip(".") for line in words.splitlines() if line.strip())

@@ -81,7 +81,7 @@ def _of_joints(model: Compiled, tree: MjcfTree) -> Iterator[ForceElement | LeftO
             rest = float(compiled.qpos_spring[place])
             yield from Along(Length(coordinates, ((1.0, speed),)), stiffness, rest, damping).elements()
     yield LeftOut("springs", "ball or free joint", model.names("joint", balls))
-    yield LeftOut("yielding", "joint", model.names("joint", yielding), "whose springs are elastic here")
+    yield LeftOut("yielding", "joint spring", model.names("joint", yielding))
 
 
 def _of_tendons(model: Compiled, tree: MjcfTree) -> Iterator[ForceElement | LeftOut]:
@@ -103,8 +103,8 @@ def _of_tendons(model: Compiled, tree: MjcfTree) -> Iterator[ForceElement | Left
             stiffness = (0.0, 0.0, 0.0)
         damping = _with_actuator(model, damping, int(compiled.tendon_actuatorid[tendon]))
         yield from Along(length, stiffness, lower, damping).elements()
-    yield LeftOut("forces", "tendon", model.names("tendon", spatial), "through points in space")
-    yield LeftOut("springs", "tendon", model.names("tendon", slack), "which are slack or yield")
+    yield LeftOut("forces", "spatial tendon", model.names("tendon", spatial))
+    yield LeftOut("springs", "slack or yielding tendon", model.names("tendon", slack))
 
 
 def compensated_gravity(model: Compiled, tree: MjcfTree) -> Iterator[tuple[str, Triple, PointLoad]]:

@@ -56,7 +56,7 @@ def left_out(model: Compiled) -> Iterator[LeftOut]:
     yield from _constraints(model)
     fluid = {"density": compiled.opt.density, "viscosity": compiled.opt.viscosity}
     present = tuple(name for name, value in fluid.items() if value)
-    yield LeftOut("forces", "property", present, "of the fluid around the bodies", "properties")
+    yield LeftOut("forces", "property of the fluid", present, plural="properties of the fluid")
     mocap = [body for body in range(int(compiled.nbody)) if compiled.body_mocapid[body] >= 0]
     reason = "which stay where the file has them"
     yield LeftOut("motions", "mocap body", model.names("body", mocap), reason, "mocap bodies")

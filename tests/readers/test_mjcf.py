@@ -159,6 +159,7 @@ NO_MESH = """<mujoco><asset><mesh name="m" file="no.stl"/></asset>
         ("<mujoco><worldbody/></mujoco>", "no joint of this model moves"),
         ("<mujoco", "not well-formed XML"),
         ("<robot/>", "a URDF file: let its name end in .urdf"),
+        ('<mujoco>\n<include file="no.xml"/></mujoco>', "no.xml.*Put the file where the model"),
         (NO_MESH, "no.stl.*Put the file where the model"),
         ("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>", "mass and inertia"),
         (body('<joint name="j" axis="inf 0 0"/>'), "joint 'j' has a number that is not finite"),

@@ -61,9 +61,9 @@ def test_what_is_left_out_is_one_warning(tmp_path: Path) -> None:
     assert str(caught[0].message).partition("model.xml: ")[2] == (
         "the equations leave out contacts of 2 geoms (geom0, g); forces at the limits of 1 joint (j), "
         "whose ranges are kept as system.limits; dry friction of 1 joint (j); forces of 1 property "
-        "(density), of the fluid around the bodies; motions of 1 mocap body (m), which stay where the file "
-        "has them; springs of 1 ball or free joint (b); forces of 1 tendon (rope), through points in space; "
-        "forces of 2 actuators (muscle, at site), which are no linear functions of an input, a coordinate "
-        "and a speed; bounds of the forces of 1 actuator (bounded)."
+        "of the fluid (density); motions of 1 mocap body (m), which stay where the file has them; springs of "
+        "1 ball or free joint (b); forces of 1 spatial tendon (rope); forces of 2 other actuators (muscle, "
+        "at site), which are no linear functions of an input, lengths and their rates; bounds of the forces "
+        "of 1 actuator (bounded)."
     )
     assert len(caught) == 1
