@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from kanegen.choices import did_you_mean
+from kanegen.choices import did_you_mean, is_among
 from kanegen.errors import ModelError, quoted
 from kanegen.model import right_angles, validation
 from kanegen.model.body import Body, Point
@@ -19,6 +19,7 @@ KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "frames
 POINT_KEYS = ("position", "loads", "frame")
 INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
 JOINT_KEYS = (
+    "type",
     "name",
     "position",
     "orientation",
@@ -33,6 +34,9 @@ JOINT_KEYS = (
     "freedom_names",
     "armature",
 )
+
+JOINT_TYPES = {"ball": FREEDOMS[:3], "free": FREEDOMS}
+"""Free freedoms of the types of joints whose orientation is a quaternion, by the name of the type."""
 
 GROUND = "ground"
 
@@ -124,6 +128,7 @@ def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
     if not isinstance(table, Mapping):
         raise ModelError("joint: write a table [body.joint], or keys such as joint.position = [0, 0, 1].")
     check_keys(table, JOINT_KEYS, label="joint: ")
+    table = _with_type(table)
     prescribed = _flags("prescribed", table.get("prescribed", []))
     not_prescribed = selected_freedoms(not flag for flag in prescribed)
     free = _flags("free", table.get("free", list(not_prescribed)))
@@ -141,6 +146,20 @@ def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
         freedom_names=_freedom_names(table.get("freedom_names", {})),
         armature=_armature(table.get("armature", {}), parameters),
     )
+
+
+def _with_type(table: Table) -> Table:
+    """Return the table of a joint with free freedoms and coordinates in the place of its type."""
+    if "type" not in table:
+        return table
+    name, set_by_type = table["type"], ("free", "coordinates")
+    if not is_among(name, JOINT_TYPES):
+        raise ModelError(f"joint type: {quoted(name)} is unknown. {did_you_mean(name, JOINT_TYPES)}")
+    if given := [key for key in set_by_type if key in table]:
+        raise ModelError(
+            f'joint type: "{name}" says what is free. Leave out {" and ".join(given)}, or the type.'
+        )
+    return {**table, "free": list(JOINT_TYPES[name]), "coordinates": ORIENTATIONS[1]}
 
 
 def _freedom_names(table: Any) -> tuple[str, ...]:

@@ -16,13 +16,14 @@ from pathlib import Path
 
 from kanegen.errors import KanegenWarning, ModelError, ReadError, quoted
 from kanegen.model.body import Body
+from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.joint import Joint
 from kanegen.model.limits import NO_LIMITS, Limits
 from kanegen.model.names import usable_identifier, usable_label
 from kanegen.model.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
 from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
-from kanegen.readers.urdf_elements import JointLimit, Robot, RobotJoint, read_robot
+from kanegen.readers.urdf_elements import BALLS, JointLimit, Robot, RobotJoint, read_robot
 from kanegen.readers.urdf_frames import robot_frames, shadowed_joints
 from kanegen.readers.urdf_mimic import mimic_couplings
 from kanegen.readers.urdf_tree import GROUND, MovingLink, robot_tree
@@ -79,16 +80,20 @@ class _BodyFrame:
     Attributes:
         matrix: [B], from link components to body components.
         free: (6,) the freedoms that the joint leaves to the body in this frame, as `Joint.free`.
+        coordinates: Coordinates of its orientation, as `Joint.coordinates`.
     """
 
     matrix: Square
     free: tuple[bool, ...]
+    coordinates: str = ORIENTATIONS[0]
 
 
 def _body_frame(joint: RobotJoint) -> _BodyFrame:
-    """Return a frame in which the joint moves along or about a basis vector."""
+    """Return a frame in which the joint moves along or about a basis vector; that of the link for several."""
     if joint.kind == "floating":
         return _BodyFrame(UNIT, (True,) * 6)
+    if joint.kind in BALLS:
+        return _BodyFrame(UNIT, (*(True,) * 3, *(False,) * 3), ORIENTATIONS[1])
     axis, matrix = rotation_to_axis(joint.axis)
     along = tuple(i == axis for i in range(3))
     across = tuple(i != axis for i in range(3))
@@ -118,6 +123,7 @@ def _body(link: MovingLink, below: Square, frame: _BodyFrame) -> Body:
         position=apply(below, link.origin.position),
         orientation=product(to_joint_frame, transpose(below)),
         free=frame.free,
+        coordinates=frame.coordinates,
         limits=_limits(link.joint.limit, frame.free),
         name=usable_label(link.joint.name) if link.joint.name else "",
     )

@@ -15,7 +15,10 @@ from kanegen.model.rotations import ZERO, Triple, dot, normalized, rotation_quat
 from kanegen.readers.welding import Frame, Rigid
 from kanegen.readers.xml import Element
 
-JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical", "ball")
+BALLS = ("spherical", "ball")
+"""Types of joints with three free angles, which are no part of URDF but of files in use."""
+
 WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
 WITH_LIMIT = ("revolute", "continuous", "prismatic")
 UNLIMITED = 1e16
