@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import kanegen as kg
 from kanegen.errors import KanegenWarning
-from tests.support.mujoco_models import assert_same_values, model_file
+from kanegen.model.coordinates import Freedom
+from kanegen.model.coupling import ordered
+from tests.support.mujoco_models import MODELS, MujocoModel, assert_same_values, model_file
 
 FORCES = Path(__file__).parent / "data" / "every_force.xml"
 EQUALITIES = Path(__file__).parent / "data" / "equalities.xml"
@@ -44,6 +48,38 @@ def test_linear_equalities_are_couplings() -> None:
     assert (dict(of_c.terms), of_c.offset) == ({"body2.s3": 2.0}, 0.5)
     (locked,) = [one for one in system.bodies if one.name == "body3"]
     assert locked.joint.locked[2] == 0.25
+
+
+@pytest.mark.parametrize("name", ["equalities", "quadruped", "manipulator", "stacker"])
+def test_couplings_hold_the_equalities_of_mujoco(name: str) -> None:
+    path = EQUALITIES if name == "equalities" else MODELS[0].parent / f"{name}.xml"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", KanegenWarning)
+        system = kg.load(path)
+    full = replace(system, couplings=(), bodies=tuple(map(freed, system.bodies)))
+    mujoco, rng = MujocoModel(path, full), np.random.default_rng(3)
+    x, jacobian = rng.uniform(-1, 1, len(full.coordinates)), np.eye(len(full.freedoms))
+    for k, body in enumerate(system.bodies, start=1):
+        for index in range(6):
+            if body.joint.locked[index]:
+                x[full.coordinate_place(k, index)] = body.joint.locked[index]
+                jacobian[full.places[Freedom(k, index)]] = 0
+    for one in ordered(system.couplings, system.bodies):
+        terms = [(full.coordinate_place(f.body, f.index), full.places[f], factor) for f, factor in one.terms]
+        place = full.coordinate_place(one.freedom.body, one.freedom.index)
+        x[place] = one.offset + sum(factor * x[at] for at, _, factor in terms)
+        jacobian[full.places[one.freedom]] = sum(factor * jacobian[at] for _, at, factor in terms)
+    residuals, by_y = mujoco.equalities(x)
+    assert len(residuals) == len(full.freedoms) - len(system.freedoms) >= 1
+    np.testing.assert_allclose(residuals, 0, atol=1e-14)
+    np.testing.assert_allclose(by_y @ jacobian, 0, atol=1e-14)
+
+
+def freed(body: kg.Body) -> kg.Body:
+    """The body with the freedoms free that are locked at a value other than zero."""
+    joint = body.joint
+    free = tuple(a or bool(value) for a, value in zip(joint.free, joint.locked, strict=True))
+    return replace(body, joint=replace(joint, free=free))
 
 
 def test_what_is_left_out_is_one_warning(tmp_path: Path) -> None:

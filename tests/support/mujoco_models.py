@@ -64,6 +64,22 @@ class MujocoModel:
         x[self.coordinates], y[self.speeds] = data.qpos, data.qvel
         return x, y
 
+    def equalities(self, x: Floats) -> tuple[Floats, Floats]:
+        """Residuals of the linear equalities of joints and tendons at {x}, and their Jacobian by {y}."""
+        model, data = self.model, self.data
+        model.opt.disableflags = 0
+        linear = (int(self._mujoco.mjtEq.mjEQ_JOINT), int(self._mujoco.mjtEq.mjEQ_TENDON))
+        data.eq_active[:] &= np.isin(model.eq_type, linear) & ~np.any(model.eq_data[:, 2:5], axis=1)
+        data.qpos[:] = x[self.coordinates]
+        self._mujoco.mj_forward(model, data)
+        jacobian = np.zeros((data.nefc, model.nv))
+        self._mujoco.mju_sparse2dense(
+            jacobian, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind
+        ) if self._mujoco.mj_isSparse(model) else np.copyto(jacobian, data.efc_J.reshape(jacobian.shape))
+        by_y = np.zeros((data.ne, model.nv))
+        by_y[:, self.speeds] = jacobian[: data.ne]
+        return np.array(data.efc_pos[: data.ne]), by_y
+
     def mass_matrix(self) -> Floats:
         """[A] at the state."""
         full = np.zeros((self.model.nv, self.model.nv))

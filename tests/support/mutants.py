@@ -288,7 +288,7 @@ def urdf_mutant(number: int) -> str:
 
 def mjcf_mutant(number: int) -> str:
     """Return mutant `number` of the models of MuJoCo."""
-    files = ("every_force.xml", "mjcf/gymnasium/hopper.xml", "mjcf/gymnasium/ant.xml")
+    files = ("every_force.xml", "equalities.xml", "mjcf/gymnasium/hopper.xml", "mjcf/gymnasium/ant.xml")
     seeds = [(ROOT / "tests/readers/data" / file).read_text(encoding="utf-8") for file in files]
     return _text_mutant(seeds, _URDF_CHANGES, f"mjcf {number}")
 
