@@ -103,3 +103,21 @@ def test_what_is_left_out_is_one_warning(tmp_path: Path) -> None:
         "of 1 actuator (bounded)."
     )
     assert len(caught) == 1
+
+
+@pytest.mark.parametrize(
+    "path", [FORCES, MODELS[0].parents[1] / "gymnasium" / "half_cheetah.xml"], ids=lambda path: path.stem
+)
+def test_compiled_accelerations_are_those_of_mujoco(path: Path) -> None:
+    system = kg.load(path)
+    mujoco = MujocoModel(path, system)
+    x, y = mujoco.draw_state(np.random.default_rng(5))
+    controls = {name: value for name, value in mujoco.inputs().items() if name in names_of(system)}
+    library = kg.build(system, outputs=("forward_dynamics",)).with_parameters(controls)
+    expected = mujoco.of_speeds(mujoco.data.qacc_smooth)
+    np.testing.assert_allclose(library.forward_dynamics(x, y), expected, atol=1e-12 * abs(expected).max())
+
+
+def names_of(system: kg.System) -> set[str]:
+    """The names of the parameters of a system."""
+    return {parameter.name for parameter in system.parameters}
