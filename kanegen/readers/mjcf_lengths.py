@@ -38,12 +38,12 @@ class Length:
     @property
     def value(self) -> Iterable[tuple[float, str]]:
         """Coefficients of the variables of expressions in the length."""
-        return ((coefficient, f'x["{name}"]') for coefficient, name in self.coordinates)
+        return ((coefficient, f"x[{name!r}]") for coefficient, name in self.coordinates)
 
     @property
     def rate(self) -> Iterable[tuple[float, str]]:
         """Coefficients of the variables of expressions in the rate of the length."""
-        return ((coefficient, f'y["{name}"]') for coefficient, name in self.speeds)
+        return ((coefficient, f"y[{name!r}]") for coefficient, name in self.speeds)
 
 
 def joint_length(model: Compiled, tree: MjcfTree, joint: int, gear: Iterable[float]) -> Length:
