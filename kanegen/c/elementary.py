@@ -19,12 +19,13 @@ signs of zeros.
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kanegen.c.polynomial import polynomial
 from kanegen.c.simd import SIMD, Simd
-from kanegen.program.ir import ARITY, CHOICES, TRANSCENDENTAL, Op
+from kanegen.program.elementary import PLACES
+from kanegen.program.ir import ARITY, CHOICES, TRANSCENDENTAL
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
 
 
@@ -43,7 +44,6 @@ class Elementary:
         largest: Number from which e^x is infinite.
         least: Number up to which e^x is 0.
         saturated: Number from which tanh is 1.
-        errors: Bounds of the errors in units of the last place, by operation.
     """
 
     precision: Precision
@@ -56,7 +56,6 @@ class Elementary:
     largest: float = 0.0
     least: float = 0.0
     saturated: float = 0.0
-    errors: Mapping[Op, float] | None = None
 
     @property
     def header(self) -> str:
@@ -67,6 +66,11 @@ class Elementary:
     def is_own(self) -> bool:
         """Whether the functions are kanegen's own, not those of libm."""
         return bool(self.exp)
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Bounds of the errors in units in the last place, by name of the function."""
+        return {op.value: places for op, places in PLACES.items()}
 
     @property
     def simd(self) -> Simd | None:
@@ -181,7 +185,6 @@ _DOUBLE = Elementary(
     largest=710.0,
     least=-746.0,
     saturated=20.0,
-    errors={Op.EXP: 0.8, Op.LOG: 1.0, Op.TANH: 1.0, Op.ATAN2: 2.0},
 )
 
 _FLOAT = Elementary(
@@ -207,7 +210,6 @@ _FLOAT = Elementary(
     largest=89.0,
     least=-104.0,
     saturated=10.0,
-    errors={Op.EXP: 0.8, Op.LOG: 1.0, Op.TANH: 1.0, Op.ATAN2: 2.0},
 )
 
 _LONG_DOUBLE = Elementary(precision=LONG_DOUBLE)

@@ -22,7 +22,8 @@ ARITHMETIC: dict[Op, Callable[..., Any]] = {
 
 def sign(a: Any) -> Any:
     """Return -1, 0 or 1 by the sign of a number of any kind; NaN for NaN."""
-    return select(a, 1.0, select(-a, -1.0, a))
+    one = 1.0 if isinstance(a, np.ndarray) else type(a)(1)
+    return select(a, one, select(-a, -one, a))
 
 
 def minimum(a: Any, b: Any) -> Any:

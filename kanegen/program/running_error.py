@@ -10,11 +10,20 @@ holds for all rounding to nearest, whether the compiler contracts products and s
     a / b         E = (E_a + |v| E_b) / (|b| - u E_b) + |v| + t,   where |b| > 2 u E_b
     sqrt a        E = E_a / |v| + |v|
     sin a, cos a  E = E_a + c
+    exp a         E = E_a e^(u E_a) |v| + c |v| + t
+    log a         E = E_a / (|a| - u E_a) + c |v| + t
+    tanh a        E = E_a + c |v| + t
+    atan2(a, b)   E = (E_a + E_b) / (max(|a|, |b|) - u E_a - u E_b) + c |v| + t
+    min, max      E = max(E_a, E_b)
+    sign a        E = 0 where |a| > 2 u E_a
+    a if c else b E = E_a or E_b where |c| > 2 u E_c
 
-Here v is what the operation computed, t covers a result or a product of errors that underflows, and c is the
-error of the functions. What is exact has no E: inputs, sign changes, constants that the precision holds, and
-products with powers of two. Instructions that compute E round, too. They add, multiply and divide positive
-numbers, so that E is off by a factor near 1, which `SLACK` and `RAISED` cover.
+Here v is what the operation computed, t covers a result or a product of errors that underflows, and c is
+the error of the functions. Where rounding decides a sign or a condition, E reaches from one value to the
+other, and at the half-line y = 0, x < 0, where the angle of a point jumps, from -pi to pi. What is exact
+has no E: inputs, sign changes, constants that the precision holds, and products with powers of two.
+Instructions that compute E round, too. They add, multiply and divide positive numbers, so that E is off by
+a factor near 1, which `SLACK` and `RAISED` cover.
 """
 
 from __future__ import annotations
@@ -28,7 +37,8 @@ import numpy as np
 
 from kanegen.program.builder import Builder
 from kanegen.program.constants import MULTIPRECISION, as_fraction
-from kanegen.program.ir import Instruction, Op, Program
+from kanegen.program.elementary import roundoffs
+from kanegen.program.ir import CHOICES, TRANSCENDENTAL, Instruction, Op, Program
 from kanegen.program.precision import Precision
 
 SLACK = 1 / 16
@@ -159,12 +169,79 @@ class RunningErrors:
             return self._error_of_product(i, *operands)
         if op is Op.DIVIDE:
             return self._error_of_quotient(i, *operands)
+        if op in CHOICES:
+            return self._error_of_choice(op, operands)
         inner = self.error(operands[0])
         if op is Op.SQRT:
             moved = None if inner is None else self._builder.divide(inner, self.size(i))
             return self._sum([moved, self.size(i)])
+        if op in TRANSCENDENTAL:
+            own = self._builder.multiply(self._builder.constant(roundoffs(op)), self.size(i))
+            return self._sum([self._moved_by_operands(op, i, operands), own, self.least])
         assert op in _SINES
         return self._sum([inner, self._builder.constant(self._arithmetic.sine_error)])
+
+    def _moved_by_operands(self, op: Op, i: int, operands: tuple[int, ...]) -> int | None:
+        """Return the part of E of exp, log, tanh or atan2 that comes from the errors of the operands."""
+        make, a = self._builder, operands[0]
+        if op is Op.ATAN2:
+            return self._moved_angle(*operands)
+        inner = self.error(a)
+        if inner is None or op is Op.TANH:
+            return inner
+        if op is Op.LOG:
+            return make.divide(inner, self.divisor(a))
+        growth = make.function(Op.EXP, make.multiply(self.roundoff, inner))
+        return make.multiply(make.multiply(inner, growth), self.size(i))
+
+    def _moved_angle(self, y: int, x: int) -> int | None:
+        """Return the change of the angle of the point (x, y) by the errors of x and y.
+
+        By d a point at the distance r turns at most by arcsin(d/r), which is at most d/(r - d).
+        """
+        make = self._builder
+        moved = self._sum([self.error(y), self.error(x)])
+        if moved is None:
+            return None
+        distance = make.function(Op.MAX, self.size(y), self.size(x))
+        left = make.subtract(distance, make.multiply(self.roundoff, moved))
+        turned = make.divide(moved, self._where_positive(left))
+        if self.error(y) is None:
+            return turned
+        jump = make.constant(math.tau / self._arithmetic.roundoff)
+        zero = make.constant(0.0)
+        behind = make.subtract(self.value(x), make.multiply(self.roundoff, self.error(x) or zero))
+        across = make.function(Op.SELECT, behind, zero, jump)
+        return make.add(turned, make.function(Op.SELECT, self.margin(y), zero, across))
+
+    def _error_of_choice(self, op: Op, operands: tuple[int, ...]) -> int | None:
+        """Return E of a sign, a minimum, a maximum or a choice by a condition."""
+        make, errors = self._builder, [self.error(j) for j in operands]
+        if all(error is None for error in errors):
+            return None
+        zero = make.constant(0.0)
+        present = [zero if error is None else error for error in errors]
+        if op in (Op.MIN, Op.MAX):
+            return make.function(Op.MAX, *present)
+        if op is Op.SIGN:
+            return make.function(Op.SELECT, self.margin(operands[0]), zero, self._units(make.constant(2.0)))
+        condition, a, b = operands
+        own = make.function(Op.SELECT, self.value(condition), present[1], present[2])
+        if errors[0] is None:
+            return own
+        apart = make.function(Op.ABS, make.subtract(self.value(a), self.value(b)))
+        either = make.add(self._units(apart), make.add(present[1], present[2]))
+        return make.function(Op.SELECT, self.margin(condition), own, either)
+
+    def _units(self, size: int) -> int:
+        """Return a magnitude in units of u."""
+        return self._builder.multiply(self._builder.constant(1 / self._arithmetic.roundoff), size)
+
+    def _where_positive(self, value: int) -> int:
+        """Return a value where it is positive, NaN elsewhere."""
+        make = self._builder
+        root = make.function(Op.SQRT, value)
+        return make.multiply(value, make.divide(root, root))
 
     def _error_of_product(self, i: int, a: int, b: int) -> int | None:
         """Return E of a product; a power of two of at least 1 only moves the error of its other factor."""

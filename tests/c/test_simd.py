@@ -14,7 +14,7 @@ from kanegen.library.native import cache
 from kanegen.program.ir import Module, Op
 from tests.support.c_compilers import C
 from tests.support.handmade import Listing, array, bits, description, evaluate, source
-from tests.support.random_programs import programs
+from tests.support.random_programs import EXACT, programs
 from tests.support.simd import FLAGS, sine_and_cosine, wide
 
 WIDTHS = (1, 2, 4, 8)
@@ -77,7 +77,7 @@ SPECIAL = [0.0, -0.0, 1e300, 5e-324, np.inf, np.nan]
 
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(
-    programs([Op.NEGATE, Op.ABS, Op.SQRT]),
+    programs([*EXACT, Op.SQRT]),
     st.sampled_from(WIDTHS),
     st.lists(st.tuples(*[st.sampled_from(SPECIAL) | st.floats()] * 3), min_size=1, max_size=11),
 )

@@ -148,6 +148,14 @@ def evaluate(program, number=np.float64, **inputs):
         Op.SQRT: np.sqrt,
         Op.SIN: lambda a: math.sin(a) if math.isfinite(a) else math.nan,
         Op.COS: lambda a: math.cos(a) if math.isfinite(a) else math.nan,
+        Op.SIGN: lambda a: a if a == 0 or math.isnan(a) else math.copysign(1.0, a),
+        Op.MIN: lambda a, b: math.nan if math.isnan(a) or math.isnan(b) else b if b < a else a,
+        Op.MAX: lambda a, b: math.nan if math.isnan(a) or math.isnan(b) else b if b > a else a,
+        Op.SELECT: lambda c, a, b: math.nan if math.isnan(c) else a if c > 0 else b,
+        Op.EXP: lambda a: np.exp(float(a)),
+        Op.LOG: lambda a: np.log(float(a)),
+        Op.TANH: lambda a: np.tanh(float(a)),
+        Op.ATAN2: lambda a, b: np.arctan2(float(a) + 0.0, float(b) + 0.0),
     }
     values = []
     with np.errstate(all="ignore"):

@@ -3,16 +3,17 @@
 from hypothesis import strategies as st
 
 from kanegen.program.check import check
-from kanegen.program.ir import Op
+from kanegen.program.ir import ARITY, CHOICES, Op
 from tests.support.handmade import Listing, array
 
-BINARY = [Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.DIVIDE]
-UNARY = [Op.NEGATE, Op.ABS, Op.SQRT, Op.SIN, Op.COS]
+ARITHMETIC = [Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.DIVIDE]
+EXACT = [Op.NEGATE, Op.ABS, *CHOICES]
+FUNCTIONS = [*EXACT, Op.SQRT, Op.SIN, Op.COS]
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @st.composite
-def programs(draw, unary=UNARY, numbers=NUMBERS):
+def programs(draw, functions=FUNCTIONS, numbers=NUMBERS):
     """Draw random programs with repeats, names, notes, constants and several outputs."""
     code = Listing()
     for i in range(3):
@@ -21,8 +22,8 @@ def programs(draw, unary=UNARY, numbers=NUMBERS):
     for i in range(draw(st.integers(1, 60))):
         size = len(code.instructions)
         recent = st.one_of(st.integers(max(0, size - 4), size - 1), st.integers(0, size - 1))
-        op = draw(st.sampled_from(BINARY * 3 + unary))
-        operands = [draw(recent) for _ in range(1 + (op in BINARY))]
+        op = draw(st.sampled_from(ARITHMETIC * 3 + functions))
+        operands = [draw(recent) for _ in range(ARITY[op])]
         if all(j in constants for j in operands):
             operands[0] = 0  # a compiler may round sin(0.5) better than libm does
         name = f"v_{i}" if draw(st.integers(0, 3)) == 0 else ""

@@ -153,6 +153,12 @@ def _undefined(steps: Sequence[Step], found: Ranges, number: int) -> str:
             return f"the divisor {_called(steps, step.operands[1])} of {what} may be 0 in the box"
     if step.op is Op.SQRT and (found.computed[step.operands[0]].low <= 0).any():
         return f"{_called(steps, step.operands[0])}, whose root is taken, may be 0 or negative in the box"
+    if step.op is Op.LOG and (found.computed[step.operands[0]].low <= 0).any():
+        return (
+            f"{_called(steps, step.operands[0])}, whose logarithm is taken, may be 0 or negative in the box"
+        )
+    if step.op is Op.ATAN2:
+        return f"the point whose angle is {what} may be the origin in the box"
     if step.op in (Op.SIN, Op.COS):
         return f"the angle of {what} may be larger than kanegen's sine is proven for"
     return f"{what} may leave the range of {step.precision.label} precision in the box"

@@ -12,6 +12,7 @@ from itertools import product
 
 import numpy as np
 
+from kanegen.measure.bounds import functions
 from kanegen.measure.bounds.arcs import Arcs
 from kanegen.measure.bounds.arithmetic import Step
 from kanegen.measure.bounds.intervals import Intervals, enclosed, up_product, up_sum
@@ -35,7 +36,7 @@ class Ranges:
     Attributes:
         exact: (B,) intervals of the exact values.
         computed: (B,) intervals that hold the exact and the computed values.
-        rounding: (B,) bounds of the rounding error of the step itself.
+        rounding: (B,) bounds of the rounding error of the step itself, and of its jump.
         arcs: Arcs of the angles of sines and cosines, by number of the step.
     """
 
@@ -74,7 +75,9 @@ def ranges(
             exact = sweep.exact(number)
             propagated = sweep.propagated(number)
             operands = [found.computed[j] for j in step.operands]
-            own = roundings.of(step, steps, operands, up_sum([exact.magnitude, propagated]))
+            jump = sweep.jump(number)
+            own = roundings.of(step, steps, operands, up_sum([exact.magnitude, propagated, jump]))
+            own = up_sum([own, jump]) if jump.any() else own
             found.exact.append(exact)
             found.rounding.append(own)
             found.computed.append(exact.widened(up_sum([propagated, own])))
@@ -117,6 +120,8 @@ class _Sweep:
             case ((Op.SIN | Op.COS), _):
                 arcs = self._arcs(step.operands[0])
                 return arcs.sine if step.op is Op.SIN else arcs.cosine
+            case Op(), _ if step.op in functions.FUNCTIONS:
+                return functions.range_of(step.op, values)
         return values[0]
 
     def propagated(self, number: int) -> Floats:
@@ -143,7 +148,18 @@ class _Sweep:
                 return up_product(inner, computed[1].reciprocal().magnitude)
             case Op.SQRT:
                 return up_product(errors[0], root_slope(exact[0], computed[0]).magnitude)
+            case Op() if step.op in functions.FUNCTIONS:
+                pairs = zip(functions.slopes(step.op, computed), errors, strict=True)
+                return up_sum([up_product(slope.magnitude, e) for slope, e in pairs if slope is not None])
         return errors[0]
+
+    def jump(self, number: int) -> Floats:
+        """Return a bound of the error of a step that jumps where rounding errors of its operands decide."""
+        step = self.steps[number]
+        if step.op is None or step.op not in functions.FUNCTIONS:
+            return np.zeros(())
+        computed = [self.found.computed[j] for j in step.operands]
+        return functions.jump_of(step.op, computed, [self._error(j) for j in step.operands])
 
     def _error(self, number: int) -> Floats:
         """Return how far the computed range of a step reaches beyond the exact one."""

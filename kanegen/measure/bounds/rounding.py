@@ -14,9 +14,10 @@ from typing import Protocol
 import numpy as np
 
 from kanegen.measure.bounds.arithmetic import Step
-from kanegen.measure.bounds.intervals import Intervals
+from kanegen.measure.bounds.intervals import Intervals, up_product, up_sum
 from kanegen.model.arrays import Floats
 from kanegen.program.constants import MULTIPRECISION
+from kanegen.program.elementary import PLACES, SUBNORMAL_PLACES
 from kanegen.program.ir import Op
 from kanegen.program.precision import DOUBLE, Precision
 
@@ -62,8 +63,12 @@ class Roundings:
         """
         precision = step.precision
         match step.op:
-            case Op.INPUT | Op.NEGATE | Op.ABS:
+            case Op.INPUT | Op.NEGATE | Op.ABS | Op.SIGN | Op.MIN | Op.MAX | Op.SELECT:
                 return np.zeros(())
+            case Op.EXP | Op.LOG | Op.TANH | Op.ATAN2:
+                places = up_product(half_ulp(magnitude, precision), np.asarray(2 * PLACES[step.op]))
+                subnormal = np.asarray(2 * SUBNORMAL_PLACES * smallest_error(precision))
+                return _beyond_range(up_sum([places, subnormal]), magnitude, precision)
             case Op.CONSTANT:
                 return np.asarray(constant_error(step))
             case Op.SIN | Op.COS:

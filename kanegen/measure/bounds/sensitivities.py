@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kanegen.measure.bounds.arithmetic import Step
+from kanegen.measure.bounds.functions import FUNCTIONS, slopes
 from kanegen.measure.bounds.intervals import Intervals, point, up_product, up_sum
 from kanegen.measure.bounds.ranges import Ranges, root_slope
 from kanegen.measure.bounds.relations import Factor, Relations
@@ -94,6 +95,9 @@ class _ReverseSweep:
     def pass_on(self, number: int, adjoint: Intervals) -> None:
         """Add what flows from a step into the adjoints of its operands."""
         step, waiting = self._steps[number], self.waiting
+        if step.op is not None and step.op in FUNCTIONS:
+            self._pass_function(step.op, step.operands, adjoint)
+            return
         match step.op, step.operands:
             case ((Op.INPUT | Op.CONSTANT), _):
                 return
@@ -120,6 +124,13 @@ class _ReverseSweep:
                     waiting[a].add(adjoint * point(1.0).symmetric())
             case _, (a,):
                 waiting[a].add(adjoint)
+
+    def _pass_function(self, op: Op, operands: Sequence[int], adjoint: Intervals) -> None:
+        """Add what flows from a function into the adjoints of its operands."""
+        by_operand = slopes(op, [self._found.computed[j] for j in operands])
+        for j, slope in zip(operands, by_operand, strict=True):
+            if slope is not None:
+                self.waiting[j].add(adjoint * slope)
 
     def _pass_product(self, a: int, b: int, adjoint: Intervals) -> None:
         """Add what flows from a product: b exact times the error of a, a computed times that of b."""
