@@ -17,7 +17,7 @@ import kanegen as kg
 from kanegen.measure.bounds import read_domain
 from kanegen.options import Variant
 from kanegen.program.precision import precision_named
-from tests.recursion.test_functions import slide
+from tests.support.slide import slide
 
 BOX = {"x": {"q": [-1.0, 1.0], "p": [0.5, 1.5]}, "y": {"q": [-2.0, 2.0], "p": [-1.0, 1.0]}}
 

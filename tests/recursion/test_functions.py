@@ -13,21 +13,11 @@ import pytest
 import kanegen as kg
 from kanegen.errors import KanegenWarning
 from kanegen.options import Variant
+from tests.support.slide import slide
 
 OUTPUTS = ("forcing", "forcing_derivatives")
 PRECISIONS = ("double", "float", "long double", "double-double")
 X, Y = -0.02, 0.003
-
-
-def slide(effort: str | None = None, energy: str | None = None) -> kg.System:
-    """Return masses of 2 kg on slides `q` and `p` along axes 1 and 2, without gravity, with one element."""
-    nothing = ((0.0,) * 3,) * 3
-    joints = [
-        kg.Joint(name=name, free=tuple(k == axis for k in range(6))) for name, axis in (("q", 3), ("p", 4))
-    ]
-    bodies = tuple(kg.Body(f"b{k}", 0, 2.0, nothing, joint=joint) for k, joint in enumerate(joints))
-    element = kg.Potential(kg.parse(energy)) if energy else kg.Drive("q", kg.parse(effort))
-    return kg.System("slide", bodies, (0.0, 0.0, 0.0)).with_force_elements(element)
 
 
 CASES = {
