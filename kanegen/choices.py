@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Collection, Iterable
+from itertools import zip_longest
 from typing import Any
 
 from kanegen.errors import OptionError, quoted
@@ -14,19 +16,60 @@ MOST_NAMED = 30
 LONGEST_WORD = 200
 """Number of characters beyond which a word is not compared with the known names."""
 
+ALIKE = 0.65
+"""Least likeness, as `difflib` measures it, of a part of a name and a misspelt form of it."""
+
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """Return a sentence that names the known word nearest to `word`, or where none is near all of them."""
+    """Return a sentence that names the known word of which `word` is a misspelt form, or else all of them.
+
+    Names that differ in a number, such as theta4 and theta3, or in a whole part, such as forward_dynamics and
+    inverse_dynamics, mean different things, so neither is proposed for the other.
+    """
     words = list(known)
     text = word if isinstance(word, str) else quoted(word)
-    near = difflib.get_close_matches(text, words, n=1) if len(text) <= LONGEST_WORD else []
-    if near:
-        return f"Did you mean {quoted(near[0])}?"
+    near = max(((_likeness(text, one), one) for one in words), default=(0.0, ""), key=lambda pair: pair[0])
+    if near[0]:
+        return f"Did you mean {quoted(near[1])}?"
+    part_of = [one for one in words if _is_part(text, one)]
+    if len(part_of) == 1:
+        return f"Did you mean {quoted(part_of[0])}?"
     if not words:
         return "None is known."
     further = len(words) - MOST_NAMED
     more = f", and {further} more" if further > 0 else ""
     return f"Known are {', '.join(map(quoted, words[:MOST_NAMED]))}{more}."
+
+
+def _likeness(word: str, known: str) -> float:
+    """Return how much a word looks like a misspelt form of a known one, from 0 to 1."""
+    if max(len(word), len(known)) > LONGEST_WORD or _NUMBER.findall(word) != _NUMBER.findall(known):
+        return 0.0
+    letters = _NO_LETTERS.sub("", word.lower())
+    if letters and letters == _NO_LETTERS.sub("", known.lower()):
+        return 1.0
+    pairs = list(zip_longest(_parts(word), _parts(known), fillvalue=""))
+    likenesses = [difflib.SequenceMatcher(None, a, b).ratio() for a, b in pairs if a != b]
+    alike = all(min(len(a), len(b)) > 1 for a, b in pairs if a != b)
+    likeness = min(likenesses, default=0.0)
+    return likeness if alike and likeness >= ALIKE else 0.0
+
+
+def _is_part(word: str, known: str) -> bool:
+    """Return whether a word is the beginning or the end of a known one that has further parts."""
+    parts, all_parts = _parts(word), _parts(known)
+    count = len(parts)
+    return 0 < count < len(all_parts) and parts in (all_parts[:count], all_parts[-count:])
+
+
+def _parts(name: str) -> list[str]:
+    """Return the parts of a name between dots, blanks, hyphens and underscores, in lower case."""
+    return [part for part in _SEPARATOR.split(name.lower()) if part]
+
+
+_NUMBER = re.compile(r"\d+")
+_SEPARATOR = re.compile(r"[\s._:/-]+")
+_NO_LETTERS = re.compile(r"[\W_]+")
 
 
 def is_among(value: object, known: Iterable[object]) -> bool:

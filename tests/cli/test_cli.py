@@ -167,7 +167,7 @@ def test_info_as_json() -> None:
         (("info", "nowhere.toml"), "nowhere.toml"),
         (("info", "model.yaml"), "reads .toml and .urdf"),
         (("equations", PENDULUM, "--format", "word"), "format"),
-        (("generate", PENDULUM, "-o", "x", "--output", "forces"), "Did you mean 'forcing'"),
+        (("generate", PENDULUM, "-o", "x", "--output", "forcin"), "Did you mean 'forcing'"),
         (("generate", PENDULUM, "-o", "/proc/nowhere/x"), "/proc/nowhere"),
         (("generate", PENDULUM, "-o", "x", "--without", "factr"), "Did you mean 'factor'?"),
         (("check", PENDULUM, "--floating-base"), "floating_base"),

@@ -453,7 +453,7 @@ def test_simulations_tell_the_time() -> None:
 
 
 WRONG = [
-    (JointSpring("body1.s9", 1.0), "joint_spring: there is no coordinate 'body1.s9'. Did you mean"),
+    (JointSpring("body1.s9", 1.0), "joint_spring: there is no coordinate 'body1.s9'. Known are 'body1."),
     (Drive("body9.s1", 1.0), "drive: there is no speed 'body9.s1'"),
     (Drive("body1.s1", parse("x.body1.q")), "drive: there is no coordinate 'body1.q'"),
     (Drive("body1.s1", parse("x.__class__")), "drive: there is no coordinate '__class__'"),

@@ -307,7 +307,7 @@ def test_what_is_refused() -> None:
     ("written", "message"),
     [
         ("0.7", r"armature: write a table such as \{theta3 = 0\.7\}"),
-        ("{theta4 = 1}", "armature: unknown key 'theta4'. Did you mean 'theta3'"),
+        ("{theta4 = 1}", "armature: unknown key 'theta4'. Known are 'theta1'"),
         ('{theta2 = "rotor"}', "armature theta2: a string stands for a parameter, but there is no 'rotor'"),
         ("{theta2 = -1}", "armature: that of theta2 is -1.0"),
     ],

@@ -251,7 +251,7 @@ def test_model_files(tmp_path: Any) -> None:
     assert [body.joint.sequence for body in loaded.bodies] == list(names)
     assert [body.joint for body in loaded.bodies] == [body.joint for body in system.bodies]
     (tmp_path / "tree.toml").write_text(text.replace("3-1-3", "3-3-1"))
-    message = r"body 'body1': joint sequence: '3-3-1' is none of the twelve. Did you mean '3-"
+    message = r"body 'body1': joint sequence: '3-3-1' is none of the twelve. Known are '1-2-1', "
     with pytest.raises(ReadError, match=message):
         kg.load(tmp_path / "tree.toml")
 

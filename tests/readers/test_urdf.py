@@ -218,7 +218,10 @@ GOOD = TWO + joint("j", "base", "a")
         ('<link mass="0"/>', r':2: <link> lacks the attribute name="\.\.\."\.'),
         (BASE + "\n" + BASE, r":3: link 'base' exists already, at .*r\.urdf:2\. Rename one\."),
         (GOOD + link("b") + joint("j", "a", "b"), r": joint 'j' exists already, at "),
-        (TWO + joint("j", "base", "aa"), r"child link 'aa' of joint 'j' does not exist\. Did you mean 'a'\?"),
+        (
+            TWO + joint("j", "base", "aa"),
+            r"child link 'aa' of joint 'j' does not exist\. Known are 'base', 'a'\.",
+        ),
         (
             TWO + joint("j", "world", "a"),
             r"parent link 'world' of joint 'j' does not exist\. Known are 'base', 'a'",
