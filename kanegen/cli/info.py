@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Annotated
 
 import typer
 
@@ -18,7 +19,7 @@ from kanegen.cli.options import (
     Speeds,
     Without,
 )
-from kanegen.cli.terminal import progress, screen, without_warnings
+from kanegen.cli.terminal import collected_warnings, progress, screen, without_warnings
 
 
 def info(
@@ -29,9 +30,23 @@ def info(
     speeds: Speeds = None,
     coordinates: Coordinates = None,
     lock: Lock = None,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Name all frames, limits and bodies that a line counts.")
+    ] = False,
+    every: Annotated[
+        bool,
+        typer.Option(
+            "--all",
+            help="Also count the operations of derivatives and error bounds, which takes minutes for a large "
+            "tree.",
+        ),
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Show the tree of MODEL, its freedoms and parameters, and the number of operations of its outputs.
+
+    A section says what the reader left out or changed, which links are fixed in which bodies, which frames
+    are turned, and which limits there are.
 
     The column "prepare" counts operations that depend on parameters alone and run once for each set of
     parameters. The rows "this after ..." count the operations of [A] and {f} together after each pass of the
@@ -42,7 +57,8 @@ def info(
     from kanegen.model.right_angles import FOUR_DECIMALS
     from kanegen.studies.explain import exactness
 
-    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+    with collected_warnings() as left_out:
+        system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
     tolerance = right_angles or FOUR_DECIMALS
     with without_warnings():
         written, exact = (
@@ -52,8 +68,8 @@ def info(
     with progress() as report:
         found = exactness(written, exact, report)
         changes = RightAngleChanges(tolerance, bool(right_angles), found) if found else None
-        summary = summarize(system, report, without, changes)
+        summary = summarize(system, report, without, changes, every=every, left_out=left_out)
     if as_json:
         typer.echo(json.dumps(summary.as_dict(), indent=2))
     else:
-        show(summary, screen)
+        show(summary, screen, verbose)

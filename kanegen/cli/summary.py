@@ -8,6 +8,7 @@ from typing import Any
 
 from kanegen import compiler
 from kanegen import options as variants
+from kanegen.cli.model_facts import ModelFacts, model_facts
 from kanegen.model.coordinates import FREEDOMS, Freedom, selected_freedoms
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.system import System
@@ -53,6 +54,8 @@ class Summary:
             there is no forward dynamics.
         stages: Operations of [A] and {f} together after lowering and after every pass.
         right_angles: The changes of exact right angles; None if the model misses no right angle.
+        facts: Frames, limits and massless bodies, and what the reader left out.
+        outputs: Names of the outputs that the system has, also those that are not in `operations`.
     """
 
     system: System
@@ -62,11 +65,20 @@ class Summary:
     refinement: str
     stages: tuple[Stage, ...]
     right_angles: RightAngleChanges | None
+    facts: ModelFacts
+    outputs: tuple[str, ...]
+
+    @property
+    def uncounted(self) -> tuple[str, ...]:
+        """Names of the outputs whose operations are not counted."""
+        return tuple(name for name in self.outputs if name not in self.operations)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the contents of the system and all counts as plain data for JSON."""
         return {
             **_contents(self.system),
+            **self.facts.as_dict(),
+            "outputs": list(self.outputs),
             "operations": self.operations,
             "methods": self.methods,
             "massless": list(self.massless),
@@ -82,28 +94,42 @@ def summarize(
     progress: Callable[[str], None],
     without: Iterable[str] | None = None,
     right_angles: RightAngleChanges | None = None,
+    *,
+    every: bool = False,
+    left_out: Sequence[str] = (),
 ) -> Summary:
     """Count the operations of every output by itself, and of [A] and {f} together.
-
-    Derivatives and error bounds are left out, since deriving those of a large tree takes minutes.
 
     Args:
         system: The tree.
         progress: Function that receives the name of each stage.
         without: Names of the optimiser passes to leave out.
         right_angles: The changes of exact right angles, to be part of the summary.
+        every: Whether to count derivatives and error bounds, too; deriving those of a large tree takes
+            minutes.
+        left_out: Warnings of the reader of the model.
     """
     variant = variants.chosen_variant(without=without)
     massless = tuple(system.speed_names[motion[0]] for motion in massless_motions(system))
-    every = [name for name in available(system) if not method_of_program(name)]
-    names = [name for name in every if not (massless and solving([name]))]
+    possible = [name for name in available(system) if not (massless and solving([name]))]
+    names = [name for name in possible if every or not method_of_program(name)]
     alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}
     methods = {name: compiled.methods[name] for name, compiled in alone.items()}
     refinement = "" if massless else alone["forward_dynamics"].refinement
     operations[TOGETHER] = together.operations
-    return Summary(system, operations, methods, massless, refinement, together.stages, right_angles)
+    return Summary(
+        system,
+        operations,
+        methods,
+        massless,
+        refinement,
+        together.stages,
+        right_angles,
+        model_facts(system, left_out),
+        tuple(possible),
+    )
 
 
 def _contents(system: System) -> dict[str, Any]:

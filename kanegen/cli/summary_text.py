@@ -12,6 +12,7 @@ from rich.segment import Segments
 from rich.table import Table
 from rich.tree import Tree
 
+from kanegen.cli.model_facts import ModelFacts
 from kanegen.cli.summary import TOGETHER, RightAngleChanges, Summary
 from kanegen.errors import counted
 from kanegen.model.body import Body
@@ -28,8 +29,14 @@ SYMBOLS = {"mass_matrix": "[A]", "forcing": "{f}", "ydot": "{ydot}"}
 """The letters of the notes by the names of the results that exact right angles change."""
 
 
-def show(summary: Summary, console: Console) -> None:
-    """Print a summary: the tree, its sections, and the changes of exact right angles."""
+def show(summary: Summary, console: Console, verbose: bool = False) -> None:
+    """Print a summary: the tree, its sections, and the changes of exact right angles.
+
+    Args:
+        summary: The summary.
+        console: Where to print.
+        verbose: Whether to name all frames, limits and bodies that a line counts.
+    """
     system = summary.system
     bodies = counted(system.number_of_bodies, "body", "bodies")
     freedoms = counted(len(system.freedoms), "freedom")
@@ -37,9 +44,13 @@ def show(summary: Summary, console: Console) -> None:
     console.print(f"[bold]{system.name}[/]: {bodies}, {freedoms}, gravity ({gravity}) m/s^2\n")
     drawing = console.render(_tree(system), console.options.update_width(WIDEST))
     console.print(Segments(drawing), soft_wrap=True)
+    _show_facts(summary.facts, console, verbose)
     for title, remark, content in _sections(summary):
         console.print(f"\n[bold]{title}[/]{remark}")
         console.print(content)
+    if summary.uncounted:
+        text = f"further outputs, counted with --all: {', '.join(summary.uncounted)}"
+        console.print(escape(text), soft_wrap=True)
     saved = ", ".join(f"{name} {number}" for name, number in savings(summary.stages).items())
     console.print(f"passes saved: {saved or 'none was run'}")
     console.print(", ".join(f"{name} by {method}" for name, method in summary.methods.items()))
@@ -53,6 +64,19 @@ def show(summary: Summary, console: Console) -> None:
         console.print(escape(f"refinement of forward_dynamics: {summary.refinement}"))
     if summary.right_angles:
         _show_right_angles(summary.right_angles, console)
+
+
+def _show_facts(facts: ModelFacts, console: Console, verbose: bool) -> None:
+    """Print facts on the model beside its equations, and what its reader left out."""
+    lines = list(facts.lines(verbose))
+    if lines:
+        console.print("\n[bold]Frames, limits and masses[/]")
+    for line in lines:
+        console.print(escape(line), soft_wrap=True)
+    if facts.left_out:
+        console.print("\n[bold]Left out or changed[/] in reading")
+    for line in facts.left_out:
+        console.print(escape(line), soft_wrap=True)
 
 
 def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:

@@ -79,6 +79,27 @@ def show_warnings() -> None:
 
 
 @contextmanager
+def collected_warnings() -> Iterator[list[str]]:
+    """Yield a list that receives kanegen's warnings, each once, in place of the terminal.
+
+    If an error ends the command, they are shown before it.
+    """
+    found: list[str] = []
+    kept: set[int] = set()
+    caught: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", KanegenWarning)
+            yield found
+        kept = {i for i, one in enumerate(caught) if issubclass(one.category, KanegenWarning)}
+        found += dict.fromkeys(str(caught[i].message) for i in sorted(kept))
+    finally:
+        for i, one in enumerate(caught):
+            if i not in kept:
+                warnings.showwarning(one.message, one.category, one.filename, one.lineno)
+
+
+@contextmanager
 def without_warnings() -> Iterator[None]:
     """Suppress kanegen's warnings, for a model that is read again."""
     with warnings.catch_warnings():

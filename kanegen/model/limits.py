@@ -7,7 +7,7 @@ ranges of states in comparisons, studies, budgets, bounds and benches.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -142,7 +142,7 @@ class Limits:
         Example:
             any(joint.limits.limited())
         """
-        return tuple(bool(table) for table in self._tables())
+        return tuple(bool(self.table_of(index)) for index in range(len(FREEDOMS)))
 
     def as_table(self) -> dict[str, dict[str, Any]]:
         """Return the limits by freedom, as a model file holds them; freedoms without limits are left out.
@@ -150,16 +150,19 @@ class Limits:
         Example:
             kg.Limits().as_table()  # {}
         """
-        return {name: table for name, table in zip(FREEDOMS, self._tables(), strict=True) if table}
+        tables = {name: self.table_of(index) for index, name in enumerate(FREEDOMS)}
+        return {name: table for name, table in tables.items() if table}
 
-    def _tables(self) -> Iterator[dict[str, Any]]:
-        """Yield the limits of each of `FREEDOMS`, without those that are infinite."""
-        for lower, upper, speed, effort in zip(self.lower, self.upper, self.speed, self.effort, strict=True):
-            table: dict[str, Any] = {}
-            if math.isfinite(lower) or math.isfinite(upper):
-                table["position"] = (lower, upper)
-            ends = {"speed": speed, "effort": effort}
-            yield table | {name: value for name, value in ends.items() if math.isfinite(value)}
+    def table_of(self, index: int) -> dict[str, Any]:
+        """Return the limits of freedom `index` of `FREEDOMS` by name, without those that are infinite.
+
+        Example:
+            joint.limits.table_of(2).get("speed")
+        """
+        ends = {"speed": self.speed[index], "effort": self.effort[index]}
+        table: dict[str, Any] = {name: value for name, value in ends.items() if math.isfinite(value)}
+        position = (self.lower[index], self.upper[index])
+        return {"position": position, **table} if any(map(math.isfinite, position)) else table
 
 
 @dataclass(frozen=True)

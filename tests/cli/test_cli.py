@@ -165,7 +165,7 @@ def test_info_as_json() -> None:
     ("arguments", "message"),
     [
         (("info", "nowhere.toml"), "nowhere.toml"),
-        (("info", "model.yaml"), "reads .toml and .urdf"),
+        (("info", "model.yaml"), "reads .toml, .urdf and .xml"),
         (("equations", PENDULUM, "--format", "word"), "format"),
         (("generate", PENDULUM, "-o", "x", "--output", "forcin"), "Did you mean 'forcing'"),
         (("generate", PENDULUM, "-o", "/proc/nowhere/x"), "/proc/nowhere"),

@@ -1,0 +1,90 @@
+"""`kanegen info` on robot files: links, frames, limits, massless bodies, and what the reader left out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from kanegen.cli.model_facts import model_facts
+from kanegen.readers import load
+from tests.support.command import kanegen
+from tests.support.paths import PENDULUM
+from tests.support.robots import robot_file
+from tests.support.urdf import BASE, joint, link
+
+LIMIT = '<limit lower="-1.5" upper="2" velocity="3" effort="87"/>'
+ROBOT = f"""<robot name="r">{BASE}{link("a")}{link("b")}{link("tool", 0.5)}<link name="plate"/>
+{joint("j", "base", "a", '<axis xyz="0 1 1"/>' + LIMIT)}
+{joint("k", "a", "b", '<axis xyz="0 0 1"/><limit lower="0" upper="0" velocity="0" effort="5"/>')}
+{joint("weld", "b", "tool", "", "fixed")}{joint("l", "b", "plate", '<axis xyz="1 0 0"/>', "continuous")}
+</robot>"""
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> str:
+    path = tmp_path / "r.urdf"
+    path.write_text(ROBOT)
+    return str(path)
+
+
+def test_info_says_what_the_file_has_beside_the_equations(robot: str) -> None:
+    done = kanegen("info", robot)
+    text = done.stdout
+    assert "2 frames fixed in bodies or in the ground: base in ground, tool in b" in text
+    assert "1 body has another frame in the equations than in the file" in text
+    assert "points and loads are in that of the file: a\n" in text
+    assert "1 body has no mass: plate" in text
+    assert "limits on 1 of 3 coordinates, 1 of 3 speeds, 2 of 3 efforts" in text
+    assert (
+        "limits that leave no motion or no effort are taken for none: 'k' (lower and upper, velocity)" in text
+    )
+    assert "warning" not in done.stderr
+
+
+def test_verbose_names_every_limit(robot: str) -> None:
+    assert (
+        "  j: position -1.5 to 2, speed 3, effort 87\n  k: effort 5\n"
+        in kanegen("info", robot, "--verbose").stdout
+    )
+
+
+def test_json_has_all_of_it(robot: str) -> None:
+    facts = json.loads(kanegen("info", robot, "--json").stdout)
+    assert facts["frames"] == {"ground": ["base"], "b": ["tool"]}
+    assert facts["turned"] == ["a"]
+    assert facts["bodies_without_mass"] == ["plate"]
+    assert facts["limits"] == {"j": {"position": [-1.5, 2], "speed": 3, "effort": 87}, "k": {"effort": 5}}
+    assert any("taken for none" in line for line in facts["left_out"])
+
+
+def test_a_humanoid_takes_a_few_lines_and_names_all_with_verbose() -> None:
+    facts = model_facts(load(robot_file("talos_reduced"), floating_base=True), ())
+    names = [name for found in facts.frames.values() for name in found]
+    assert len(names) > 20
+    short = list(facts.lines(verbose=False))
+    assert len(short) <= 4
+    assert max(map(len, short)) < 300
+    assert "(--verbose names all)" in short[0]
+    every = "\n".join(facts.lines(verbose=True))
+    assert all(name in every for name in names)
+
+
+def test_outputs_that_are_counted_on_request_are_named() -> None:
+    facts = json.loads(kanegen("info", PENDULUM, "--json").stdout)
+    assert {"error_bound", "forward_dynamics_derivatives"} <= set(facts["outputs"]) - facts[
+        "operations"
+    ].keys()
+    text = kanegen("info", PENDULUM).stdout
+    assert "further outputs, counted with --all: error_bound, " in text
+    counted = json.loads(kanegen("info", PENDULUM, "--json", "--all").stdout)
+    assert counted["outputs"] == facts["outputs"]
+    assert counted["operations"]["error_bound"]["multiply"] > 0
+    assert counted["operations"]["forward_dynamics_derivatives"]["divide"] > 0
+
+
+def test_an_error_comes_after_the_warnings_of_its_file(robot: str) -> None:
+    done = kanegen("info", robot, "--lock", "nothing=1", status=2)
+    assert "warning: " in done.stderr
+    assert done.stderr.splitlines()[-1].startswith("error: locked: there is no freedom 'nothing'")
