@@ -18,27 +18,31 @@ from kanegen.reference.matrices import apply
 Places = tuple[int, ...]
 
 
-class Block(Protocol):
-    """One joint, or several of the same kind."""
+class Positions(Protocol):
+    """Joints whose part of q follows from {x}."""
 
     @property
     def x(self) -> Places:
-        """Places of the block in {x}."""
+        """Places of the joints in {x}."""
 
     @property
     def y(self) -> Places:
-        """Places of the block in {y}."""
+        """Places of the joints in {y}."""
 
     @property
     def q(self) -> Places:
-        """Places of the block in q."""
+        """Places of the joints in q."""
 
     @property
     def v(self) -> Places:
-        """Places of the block in v."""
+        """Places of the joints in v."""
 
     def to_q(self, x: Floats) -> Floats:
         """Return the part of q from the part of {x}."""
+
+
+class Block(Positions, Protocol):
+    """One joint, or several of the same kind, with freedoms in both programs."""
 
     def from_q(self, q: Floats) -> Floats:
         """Return the part of {x} from the part of q."""
@@ -74,6 +78,32 @@ class Scalars:
     def drift(self, x: Floats, y: Floats) -> Floats:
         """Return zeros, since [J] is constant."""
         return np.zeros_like(y)
+
+
+@dataclass(frozen=True)
+class Follower:
+    """A joint with one coordinate that moves by itself in the other program, and is coupled in kanegen.
+
+    Attributes:
+        x: Places in {x} of the freedoms that it follows.
+        y: Their places in {y}.
+        q: Its place in q.
+        v: Its place in v.
+        factors: Factor of each freedom that it follows.
+        offset: Its value where all of them are zero (rad, m).
+    """
+
+    x: Places
+    y: Places
+    q: Places
+    v: Places
+    factors: tuple[float, ...]
+    offset: float
+
+    def to_q(self, x: Floats) -> Floats:
+        """Return (..., 1) its coordinate from those that it follows."""
+        found: Floats = x @ np.array(self.factors)[:, None] + self.offset
+        return found
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
-from kanegen.interop.blocks import Ball, Places
+from kanegen.interop.blocks import Ball, Follower, Places, Scalars
 from kanegen.interop.orientations import Orientation
 from kanegen.model.coordinates import ANGLES, FREEDOMS, TRANSLATIONS, Coordinate, Freedom, selected_freedoms
 from kanegen.model.system import System
@@ -29,6 +29,46 @@ class Matching:
     def __init__(self, system: System, program: str) -> None:
         self._system, self._program = system, program
         self._arrays = system.values()
+
+    def joint(self, name: str, q: Places, v: Places) -> Scalars | Follower:
+        """Return a joint with the coordinate of a freedom, free or coupled.
+
+        Args:
+            name: Name of the freedom.
+            q: Place in the other program's coordinates.
+            v: Place in its velocities.
+
+        Raises:
+            ModelError: If no freedom that is free or coupled has this name, or what it follows is prescribed.
+        """
+        names = self._system.coupled_names
+        if name not in names:
+            return Scalars(*self.scalar(name), q, v)
+        factors, offset = self._terms(self._system.coupled[names.index(name)].freedom, name)
+        freedoms = tuple(factors)
+        x = tuple(self._system.coordinate_places[Coordinate(one.body, one.index)] for one in freedoms)
+        y = tuple(self._system.places[one] for one in freedoms)
+        return Follower(x, y, q, v, tuple(factors.values()), offset)
+
+    def _terms(self, freedom: Freedom, name: str) -> tuple[dict[Freedom, float], float]:
+        """Return the factors of the free freedoms that a freedom follows, and its offset.
+
+        Raises:
+            ModelError: If it follows a prescribed freedom.
+        """
+        if freedom in self._system.places:
+            return {freedom: 1.0}, 0.0
+        coupled = {one.freedom: one for one in self._arrays.coupled}
+        if freedom not in coupled:
+            raise ModelError(f"{self._program}'s joint {quoted(name)} follows a prescribed freedom. Free it.")
+        factors: dict[Freedom, float] = {}
+        offset = coupled[freedom].offset
+        for other, factor in coupled[freedom].terms:
+            own, shift = self._terms(other, name)
+            offset += factor * shift
+            for one, part in own.items():
+                factors[one] = factors.get(one, 0.0) + factor * part
+        return factors, offset
 
     def scalar(self, name: str) -> tuple[Places, Places]:
         """Return the places in {x} and {y} of a freedom with a coordinate of its own.

@@ -10,7 +10,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any
 
-from kanegen.interop.blocks import Block, Floating, Scalars
+from kanegen.interop.blocks import Block, Floating, Follower
 from kanegen.interop.matching import ALL_SIX, TURNING, Matching
 from kanegen.interop.state_map import StateMap, state_map_of
 from kanegen.model.names import usable_label
@@ -48,7 +48,7 @@ def state_map(system: System, model: Any) -> StateMap:
     return state_map_of(blocks, system, model.nq, model.nv, "MuJoCo")
 
 
-def _block(matching: Matching, model: Any, joint: int) -> Block:
+def _block(matching: Matching, model: Any, joint: int) -> Block | Follower:
     """Return the block of one joint."""
     number, kind = int(model.jnt_bodyid[joint]), int(model.jnt_type[joint])
     name = usable_label(model.joint(joint).name or f"joint{joint}")
@@ -65,4 +65,4 @@ def _block(matching: Matching, model: Any, joint: int) -> Block:
             q, v = tuple(range(first_q, first_q + 4)), tuple(range(first_v, first_v + 3))
             return matching.ball(matching.body(names, TURNING), q, v, scalar_last=False)
         case _:
-            return Scalars(*matching.scalar(name), (first_q,), (first_v,))
+            return matching.joint(name, (first_q,), (first_v,))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from kanegen.errors import ModelError, quoted
-from kanegen.interop.blocks import Block, CosineSine, Floating, Places, Planar, Scalars
+from kanegen.interop.blocks import Block, CosineSine, Floating, Follower, Places, Planar, Scalars
 from kanegen.interop.matching import ALL_SIX, TURNING, Matching
 from kanegen.interop.state_map import StateMap, state_map_of
 from kanegen.model.names import usable_label
@@ -29,8 +29,9 @@ def state_map(system: System, model: Any) -> StateMap:
     """Return the map between a system and a model of Pinocchio, whose joints are matched by name.
 
     Joints with one coordinate are matched with the freedoms of their names, others with the joint or body of
-    kanegen that has their name; the `root_joint` with the body whose six freedoms are free. Joint frames
-    must be the same, as they are where both programs read the same file.
+    kanegen that has their name; the `root_joint` with the body whose six freedoms are free. A joint that is
+    coupled in the system may move by itself in the model, as joints with `mimic` do unless Pinocchio is asked
+    for it. Joint frames must be the same, as they are where both programs read the same file.
 
     Args:
         system: The system, from the same robot as the model.
@@ -54,7 +55,7 @@ def state_map(system: System, model: Any) -> StateMap:
     return state_map_of(blocks, system, model.nq, model.nv, "Pinocchio")
 
 
-def _block(matching: Matching, name: str, joint: Any) -> Block:
+def _block(matching: Matching, name: str, joint: Any) -> Block | Follower:
     """Return the block of one joint.
 
     Raises:
@@ -64,7 +65,7 @@ def _block(matching: Matching, name: str, joint: Any) -> Block:
     names, kind = (usable_label(name),), joint.shortname()
     match joint.nq, joint.nv:
         case 1, 1:
-            return Scalars(*matching.scalar(names[0]), q, v)
+            return matching.joint(names[0], q, v)
         case 2, 1:
             return CosineSine(*matching.scalar(names[0]), q, v)
         case 3, 3 if "Translation" in kind:

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.errors import ArrayError, ModelError, quoted
-from kanegen.interop.blocks import Block
+from kanegen.interop.blocks import Block, Follower, Positions
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.reference.matrices import apply, transposed
@@ -35,7 +34,10 @@ class StateMap:
         m: Number of coordinates in {x}.
         n: Number of speeds in {y}.
         nq: Number of coordinates in q.
-        nv: Number of velocities in v; it is n.
+        nv: Number of velocities in v; n and the number of followers.
+        followers: Joints that are coupled in kanegen and move by themselves in the other model. With them, v
+            and vdot that kanegen takes must keep the couplings, and forces of the other program that do some
+            work are not unique.
     """
 
     blocks: tuple[Block, ...]
@@ -43,6 +45,7 @@ class StateMap:
     n: int
     nq: int
     nv: int
+    followers: tuple[Follower, ...] = ()
 
     def to_q(self, x: ArrayLike) -> Floats:
         """Return (..., nq) q from (..., m) {x}.
@@ -55,7 +58,8 @@ class StateMap:
         """
         given = _array("x", x, self.m)
         q = np.zeros((*given.shape[:-1], self.nq))
-        for block in self.blocks:
+        every: tuple[Positions, ...] = (*self.blocks, *self.followers)
+        for block in every:
             q[..., block.q] = block.to_q(given[..., block.x])
         return q
 
@@ -87,6 +91,8 @@ class StateMap:
         matrix = np.zeros((*given.shape[:-1], self.nv, self.n))
         for block in self.blocks:
             matrix[..., np.array(block.v)[:, None], np.array(block.y)] = block.jacobian(given[..., block.x])
+        for follower in self.followers:
+            matrix[..., follower.v[0], follower.y] = follower.factors
         return matrix
 
     def drift(self, x: ArrayLike, y: ArrayLike) -> Floats:
@@ -143,6 +149,7 @@ class StateMap:
         Example:
             pinocchio.aba(model, data, states.to_q(x), states.to_v(x, y), states.to_tau(x, tau))
         """
+        self._require_unique("generalized forces")
         return _solved(transposed(self.jacobian(x)), _array("tau", tau, self.n))
 
     def from_tau(self, x: ArrayLike, tau: ArrayLike) -> Floats:
@@ -159,6 +166,7 @@ class StateMap:
         Example:
             m = states.to_mass_matrix(x, library.mass_matrix(x))
         """
+        self._require_unique("a mass matrix")
         turn = transposed(self.jacobian(x))
         half = np.linalg.solve(turn, _matrix("A", a, self.n, self.n))
         return transposed(np.asarray(np.linalg.solve(turn, transposed(half))))
@@ -197,6 +205,7 @@ class StateMap:
         Example:
             states.to_columns(x, library.point_jacobians(x)[0])
         """
+        self._require_unique("a Jacobian")
         rows = transposed(_matrix("jacobian", jacobian, None, self.n))
         return transposed(np.asarray(np.linalg.solve(transposed(self.jacobian(x)), rows)))
 
@@ -208,6 +217,18 @@ class StateMap:
         """
         found: Floats = _matrix("jacobian", jacobian, None, self.nv) @ self.jacobian(x)
         return found
+
+    def _require_unique(self, what: str) -> None:
+        """Make sure that no joint of the other model is coupled in kanegen.
+
+        Raises:
+            ModelError: If one is, so that values by its velocity do not follow from those by {y}.
+        """
+        if self.followers:
+            raise ModelError(
+                f"{what} in the other program: {len(self.followers)} of its velocities follow others, so "
+                "there is more than one. Take a model whose joints are coupled, too, or convert to kanegen."
+            )
 
 
 def exchanged_rows(jacobian: ArrayLike) -> Floats:
@@ -226,7 +247,9 @@ def exchanged_rows(jacobian: ArrayLike) -> Floats:
     return np.concatenate([given[..., 3:, :], given[..., :3, :]], axis=-2)
 
 
-def state_map_of(blocks: Sequence[Block], system: System, nq: int, nv: int, program: str) -> StateMap:
+def state_map_of(
+    blocks: Sequence[Block | Follower], system: System, nq: int, nv: int, program: str
+) -> StateMap:
     """Return the map of blocks, after a check that they have every freedom of the system.
 
     Args:
@@ -239,7 +262,9 @@ def state_map_of(blocks: Sequence[Block], system: System, nq: int, nv: int, prog
     Raises:
         ModelError: If the model lacks freedoms of the system.
     """
-    found = {place for block in blocks for place in block.y}
+    followers = tuple(block for block in blocks if isinstance(block, Follower))
+    others = tuple(block for block in blocks if not isinstance(block, Follower))
+    found = {place for block in others for place in block.y}
     missing = [name for place, name in enumerate(system.freedom_names) if place not in found]
     if missing:
         names = ", ".join(missing)
@@ -247,7 +272,7 @@ def state_map_of(blocks: Sequence[Block], system: System, nq: int, nv: int, prog
             f"system {quoted(system.name)}: {program}'s model has no joints for these freedoms: {names}. "
             "Lock them, or name the joints alike."
         )
-    return StateMap(tuple(blocks), len(system.coordinates), len(system.freedoms), nq, nv)
+    return StateMap(others, len(system.coordinates), len(system.freedoms), nq, nv, followers)
 
 
 def _array(name: str, value: ArrayLike, size: int) -> Floats:
@@ -277,6 +302,7 @@ def _matrix(name: str, value: ArrayLike, rows: int | None, columns: int | None) 
 
 
 def _solved(matrix: Floats, vector: Floats) -> Floats:
-    """Return the solutions (..., n) of linear equations."""
-    found: Any = np.linalg.solve(matrix, vector[..., None])[..., 0]
-    return np.asarray(found)
+    """Return the solutions (..., n) of linear equations, which may be more than n if they agree."""
+    if matrix.shape[-2] != matrix.shape[-1]:
+        return apply(np.asarray(np.linalg.pinv(matrix)), vector)
+    return np.asarray(np.linalg.solve(matrix, vector[..., None]))[..., 0]

@@ -59,6 +59,7 @@ def test_json_has_all_of_it(robot: str) -> None:
     assert any("taken for none" in line for line in facts["left_out"])
 
 
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
 def test_a_humanoid_takes_a_few_lines_and_names_all_with_verbose() -> None:
     facts = model_facts(load(robot_file("talos_reduced"), floating_base=True), ())
     names = [name for found in facts.frames.values() for name in found]
@@ -66,7 +67,7 @@ def test_a_humanoid_takes_a_few_lines_and_names_all_with_verbose() -> None:
     short = list(facts.lines(verbose=False))
     assert len(short) <= 4
     assert max(map(len, short)) < 300
-    assert "(--verbose names all)" in short[0]
+    assert not any(name in short[0] for name in names)
     every = "\n".join(facts.lines(verbose=True))
     assert all(name in every for name in names)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -52,9 +53,10 @@ def _agrees(system: kg.System, model: Any) -> None:
     q, v = states.to_q(x), states.to_v(x, y)
     m = np.array([_symmetric(pin.crba(model, data, one)) for one in q])
     bias = np.array([pin.nonLinearEffects(model, data, *one) for one in zip(q, v, strict=True)])
-    vdot = np.array(
-        [pin.aba(model, data, *one).copy() for one in zip(q, v, states.to_tau(x, tau), strict=True)]
-    )
+    vdot = np.linalg.solve(m, (states.to_tau(x, tau) - bias)[..., None])[..., 0]
+    if not model.mimicking_joints:  # which `aba` does not take
+        one = pin.aba(model, data, q[0], v[0], states.to_tau(x, tau)[0])
+        assert np.abs(one - vdot[0]).max() <= 1e-9 * np.abs(one).max()  # times the condition of M
     _close(states.from_mass_matrix(x, m), a)
     _close(states.to_mass_matrix(x, a), m)
     _close(states.from_bias(x, y, m, bias), f)
@@ -75,7 +77,57 @@ def _agrees(system: kg.System, model: Any) -> None:
 def test_arms(name: str) -> None:
     """kinova has hinges without limits, for which Pinocchio has cosine and sine."""
     file = robot_file(name)
-    _agrees(kg.load(file), pin.buildModelFromUrdf(str(file)))
+    _agrees(kg.load(file), pin.buildModelFromUrdf(str(file), mimic=True))
+
+
+def _follows(system: kg.System, model: Any) -> None:
+    """Make sure that a model whose joints all move by themselves agrees where they keep the couplings."""
+    states, data = state_map(system, model), model.createData()
+    assert states.followers
+    sample = random_states(system, 6, seed=1)
+    x, y = sample.x, sample.y
+    ydot = np.random.default_rng(2).uniform(-1, 1, y.shape)
+    a, f = reference.mass_matrix(system, x), reference.forcing(system, x, y)
+    q, v, vdot = states.to_q(x), states.to_v(x, y), states.to_vdot(x, y, ydot)
+    m = np.array([_symmetric(pin.crba(model, data, one)) for one in q])
+    bias = np.array([pin.nonLinearEffects(model, data, *one) for one in zip(q, v, strict=True)])
+    tau = np.array([pin.rnea(model, data, *one) for one in zip(q, v, vdot, strict=True)])
+    _close(states.from_mass_matrix(x, m), a)
+    _close(states.from_bias(x, y, m, bias), f)
+    _close(states.from_tau(x, tau), np.einsum("bij,bj->bi", a, ydot) - f)
+    _close(states.from_v(x, v), y)
+    _close(states.from_vdot(x, y, vdot), ydot)
+    _close(states.from_q(q), x)
+    with pytest.raises(kg.ModelError, match="of its velocities follow others, so there is more than one"):
+        states.to_tau(x, ydot)
+
+
+def test_a_gripper_whose_fingers_move_by_themselves_in_pinocchio() -> None:
+    file = robot_file("panda")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        system = kg.load(file)
+    _follows(system, pin.buildModelFromUrdf(str(file), mimic=False))
+
+
+def test_couplings_that_follow_each_other() -> None:
+    """b follows a, and c follows b and d; Pinocchio has four joints that move by themselves."""
+    rng, model, bodies = np.random.default_rng(3), pin.Model(), []
+    for k, name in enumerate("abcd"):
+        rotation, position = systems.random_rotation(rng), rng.uniform(-1, 1, 3)
+        inertia = np.asarray(systems.random_inertia(rng, 1.0, 0.6)) + np.eye(3)
+        free = (False, k % 2 == 0, False, k % 2 == 1, False, False)
+        joint = kg.Joint(position=position, orientation=rotation, free=free, name=name)
+        bodies.append(kg.Body(name, k, 1.0, inertia, (0.1, 0.2, 0.3), joint))
+        kind = pin.JointModelRY() if k % 2 == 0 else pin.JointModelPX()
+        number = model.addJoint(k, kind, pin.SE3(rotation.T, position), name)
+        center = np.array([0.1, 0.2, 0.3])
+        model.appendBodyToJoint(number, pin.Inertia(1.0, center, inertia), pin.SE3.Identity())
+    couplings = kg.Coupling("c", {"b": 0.5, "d": -1.5}, 0.2), kg.Coupling("b", {"a": 2.0}, -0.1)
+    system = kg.System("four", tuple(bodies)).with_couplings(*couplings)
+    _follows(system, model)
+    with pytest.raises(kg.ModelError, match="joint 'c' follows a prescribed freedom"):
+        state_map(system.with_prescribed("d"), model)
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
