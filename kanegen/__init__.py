@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from kanegen.model.force_elements import Drive as Drive
     from kanegen.model.force_elements import Expression as Expression
     from kanegen.model.force_elements import ForceElement as ForceElement
+    from kanegen.model.force_elements import JointFriction as JointFriction
     from kanegen.model.force_elements import JointSpring as JointSpring
     from kanegen.model.force_elements import PointLoad as PointLoad
     from kanegen.model.force_elements import Potential as Potential
@@ -96,6 +97,7 @@ _MODULES = {
         "Drive",
         "Expression",
         "ForceElement",
+        "JointFriction",
         "JointSpring",
         "PointLoad",
         "Potential",

@@ -26,7 +26,7 @@ from kanegen.model.coordinates import (
 from kanegen.model.coupling import Coupling
 from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.elements import Drive
+from kanegen.model.force_elements.elements import Drive, JointFriction
 from kanegen.model.joint import Joint
 from kanegen.model.numbers import Number, Parameter, number, numbers, value_of
 
@@ -175,7 +175,7 @@ def _force_elements(
     locked angular velocity lose theirs.
 
     Warns:
-        KanegenWarning: If a drive acts on a component of a locked angular velocity; it is left out.
+        KanegenWarning: If a drive or friction acts on a component of a locked angular velocity; it is left out.
     """
     constants: dict[str, Number] = {}
     for k, given in orientations.items():
@@ -194,12 +194,12 @@ def _force_elements(
     idle = [
         element
         for element in system.force_elements
-        if isinstance(element, Drive) and f"y.{element.freedom}" in constants
+        if isinstance(element, Drive | JointFriction) and f"y.{element.freedom}" in constants
     ]
     if idle:
-        names = ", ".join(element.freedom for element in idle if isinstance(element, Drive))
+        names = ", ".join(element.freedom for element in idle if isinstance(element, Drive | JointFriction))
         warnings.warn(
-            f"{LOCKED}: drives on locked components of an angular velocity are left out: {names}.",
+            f"{LOCKED}: drives and friction on locked components of an angular velocity are left out: {names}.",
             KanegenWarning,
             stacklevel=4,
         )

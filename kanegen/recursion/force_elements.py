@@ -14,7 +14,14 @@ from itertools import chain
 import sympy
 from sympy import Add, Expr, Rational
 
-from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.elements import (
+    Drive,
+    JointFriction,
+    JointSpring,
+    PointLoad,
+    Potential,
+    Spring,
+)
 from kanegen.model.force_elements.names import Place, coordinate_places, speed_places
 from kanegen.recursion.constants import exact
 from kanegen.recursion.frames import position_of
@@ -47,7 +54,7 @@ def _efforts(tree: Tree) -> Iterator[tuple[Place, Expr]]:
             case JointSpring(name, stiffness, rest, damping):
                 pull = exact(stiffness) * (translator.coordinate(name) - exact(rest))
                 yield coordinates[name], -pull - exact(damping) * translator.speed(name)
-            case Drive(name, effort):
+            case Drive(freedom=name, effort=effort) | JointFriction(freedom=name, effort=effort):
                 yield speeds[name], translator.value(effort)
             case Potential(energy):
                 for place, slope in translator.gradient(energy).items():

@@ -14,7 +14,15 @@ import numpy as np
 
 from kanegen.model.arrays import SystemArrays
 from kanegen.model.coordinates import TRANSLATIONS
-from kanegen.model.force_elements.elements import Drive, End, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.elements import (
+    Drive,
+    End,
+    JointFriction,
+    JointSpring,
+    PointLoad,
+    Potential,
+    Spring,
+)
 from kanegen.model.force_elements.expression import TIME, Expression
 from kanegen.model.numbers import Number, value_of
 from kanegen.reference import expressions
@@ -81,7 +89,7 @@ def contributions(
         match element:
             case JointSpring():
                 yield state.joint_spring(element)
-            case Drive(name, effort):
+            case Drive(freedom=name, effort=effort) | JointFriction(freedom=name, effort=effort):
                 yield state.on_freedom(f"y.{name}", state.value(effort))
             case Potential(energy):
                 yield from state.potential(energy)

@@ -42,7 +42,7 @@ def _some_locked(system: kg.System, seed: int) -> dict[str, Any]:
 def _locked(system: kg.System, values: dict[str, Any]) -> kg.System:
     """The system with freedoms locked, where drives on locked angular velocities are left out."""
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "locked: drives on locked components")
+        warnings.filterwarnings("ignore", "locked: drives and friction on locked")
         return system.with_locked(values)
 
 

@@ -14,7 +14,14 @@ import numpy as np
 
 import kanegen as kg
 from kanegen.model.coordinates import FREEDOMS, SEQUENCES, SPEED_KINDS
-from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.elements import (
+    Drive,
+    JointFriction,
+    JointSpring,
+    PointLoad,
+    Potential,
+    Spring,
+)
 from kanegen.model.force_elements.grammar import parse
 from kanegen.model.force_elements.names import coordinate_places, speed_places
 from kanegen.model.joint import IDENTITY
@@ -200,6 +207,7 @@ def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
         energy = f"{stiffness.name}*cos(x.{a} - 2*x.{b})*x.{a}**3 + {roots}"
         elements.append(Potential(parse(energy, parameters)))
         elements.append(JointSpring(b, drawing.number(1.2), drawing.number(0.3), drawing.number(0.4)))
+    elements.append(JointFriction(str(drawing.one_of(speeds)), drawing.number(0.7), drawing.number(0.6)))
     return system.with_force_elements(*elements)
 
 

@@ -4,7 +4,15 @@ Numbers in them may be parameters, and efforts may be expressions of coordinates
 """
 
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.elements import (
+    KINDS,
+    Drive,
+    JointFriction,
+    JointSpring,
+    PointLoad,
+    Potential,
+    Spring,
+)
 from kanegen.model.force_elements.expression import Expression
 from kanegen.model.force_elements.grammar import parse
 
@@ -13,6 +21,7 @@ __all__ = [
     "Drive",
     "Expression",
     "ForceElement",
+    "JointFriction",
     "JointSpring",
     "PointLoad",
     "Potential",

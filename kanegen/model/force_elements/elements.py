@@ -12,7 +12,7 @@ from typing import ClassVar
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.expression import Expression
+from kanegen.model.force_elements.expression import Constant, Expression, Operation, Variable
 from kanegen.model.force_elements.grammar import parse
 from kanegen.model.numbers import Number, Vector, number, numbers, value_of
 
@@ -47,6 +47,54 @@ class JointSpring(ForceElement):
     def __post_init__(self) -> None:
         validation.store(self, freedom=_name(self.freedom, "joint_spring freedom"))
         _check_spring(self, "rest")
+
+
+@dataclass(frozen=True)
+class JointFriction(ForceElement):
+    """Coulomb friction on one freedom, smoothed about standstill: effort -friction tanh(y / smoothing).
+
+    Dry friction jumps when the motion changes its direction. Here the effort is 76 % of the friction at the
+    rate `smoothing`, and 99.5 % at three times this rate; about standstill it is the viscous effort
+    -(friction / smoothing) y. So a joint under load creeps instead of sticking, and a small `smoothing` makes
+    the equations stiff: steps of explicit integration must be shorter than about the inertia of the freedom
+    times smoothing / friction.
+
+    Attributes:
+        freedom: Name of the speed at which the friction does work.
+        friction: Magnitude of the effort far from standstill (N m or N).
+        smoothing: Rate y within which the friction is smoothed (rad/s or m/s).
+
+    Raises:
+        ModelError: If the friction is negative, the smoothing is not positive, or a value is no number.
+
+    Example:
+        kg.JointFriction("elbow.theta3", friction=1.5, smoothing=0.01)
+    """
+
+    KEY: ClassVar[str] = "joint_friction"
+
+    freedom: str
+    friction: Number
+    smoothing: Number
+
+    def __post_init__(self) -> None:
+        validation.store(self, freedom=_name(self.freedom, "joint_friction freedom"))
+        for name in ("friction", "smoothing"):
+            validation.store(self, **{name: number(getattr(self, name), f"joint_friction {name}")})
+        if value_of(self.friction) < 0:
+            raise ModelError(f"joint_friction: the friction {quoted(value_of(self.friction))} is negative.")
+        if value_of(self.smoothing) <= 0:
+            raise ModelError(
+                f"joint_friction: the smoothing {quoted(value_of(self.smoothing))} is not positive. Give a "
+                "rate within which the friction may be smaller, such as 0.01 (rad/s or m/s)."
+            )
+
+    @property
+    def effort(self) -> Expression:
+        """The effort as an expression of the speed."""
+        share = Operation("/", (Variable(f"y.{self.freedom}"), Constant(self.smoothing)))
+        friction = Operation("*", (Constant(self.friction), Operation("tanh", (share,))))
+        return Expression(Operation("negate", (friction,)))
 
 
 @dataclass(frozen=True)
@@ -173,7 +221,7 @@ class Potential(ForceElement):
                 )
 
 
-KINDS: tuple[type[ForceElement], ...] = (JointSpring, Spring, Drive, PointLoad, Potential)
+KINDS: tuple[type[ForceElement], ...] = (JointSpring, JointFriction, Spring, Drive, PointLoad, Potential)
 """Every kind of force element, in the order of a model file."""
 
 

@@ -14,7 +14,15 @@ from kanegen.errors import ModelError, quoted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS, SPEED_KINDS
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.elements import KINDS, Drive, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.elements import (
+    KINDS,
+    Drive,
+    JointFriction,
+    JointSpring,
+    PointLoad,
+    Potential,
+    Spring,
+)
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.joint import Joint
 
@@ -77,7 +85,7 @@ def referenced_variables(elements: Iterable[ForceElement]) -> set[str]:
     found: set[str] = set()
     for element in elements:
         found |= {name for expression in element.expressions() for name in expression.variables}
-        if isinstance(element, JointSpring | Drive):
+        if isinstance(element, JointSpring | JointFriction | Drive):
             found |= {f"x.{element.freedom}", f"y.{element.freedom}"}
     return found
 
@@ -129,7 +137,7 @@ class _Resolver:
                 name = self._coordinates.named(element.freedom, element.KEY)
                 self._require_rate(f"x.{name}", element.KEY)
                 return replace(element, freedom=name)
-            case Drive():
+            case Drive() | JointFriction():
                 return replace(element, freedom=self._speeds.named(element.freedom, element.KEY))
             case Spring():
                 self._check_ends(element)

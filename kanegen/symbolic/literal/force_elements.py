@@ -10,7 +10,15 @@ import sympy
 from sympy import Expr, ImmutableMatrix, S
 
 from kanegen.model.coordinates import Freedom
-from kanegen.model.force_elements.elements import Drive, End, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.elements import (
+    Drive,
+    End,
+    JointFriction,
+    JointSpring,
+    PointLoad,
+    Potential,
+    Spring,
+)
 from kanegen.model.force_elements.names import Place, coordinate_places, speed_places
 from kanegen.model.system import System
 from kanegen.symbolic.definitions import Definition, Definitions
@@ -81,7 +89,7 @@ class ElementForces:
                     pull = expression(stiffness) * (translate.coordinate(name) - expression(rest))
                     drag = expression(damping) * translate.speed(name)
                     yield self._on_freedom(coordinates[name], -pull - drag)
-                case Drive(name, effort):
+                case Drive(freedom=name, effort=effort) | JointFriction(freedom=name, effort=effort):
                     yield self._on_freedom(speeds[name], translate.value(effort))
                 case Potential(energy):
                     for place, slope in translate.gradient(energy).items():
