@@ -10,6 +10,7 @@ from kanegen.cli.loading import load_system
 from kanegen.cli.options import (
     AS_WRITTEN,
     FloatingBase,
+    JointDynamics,
     JsonFile,
     Lock,
     Model,
@@ -45,6 +46,7 @@ def bench(
     json_: JsonFile = None,
     plot: Plot = None,
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     lock: Lock = None,
 ) -> None:
@@ -62,7 +64,7 @@ def bench(
     require_plot(plot)
     require_writable(json_, plot)
     options = BenchOptions(states, rounds, seconds)
-    system = load_system(model, floating_base, right_angles, lock=lock)
+    system = load_system(model, floating_base, right_angles, lock=lock, joint_dynamics=joint_dynamics)
     with progress() as report:
         comparison = compare(system, options, report, peer)
     _show(comparison, options)

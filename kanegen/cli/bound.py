@@ -14,6 +14,7 @@ from kanegen.cli.options import (
     AsJson,
     Coordinates,
     FloatingBase,
+    JointDynamics,
     Lock,
     Model,
     Outputs,
@@ -39,6 +40,7 @@ def bound(
     ] = None,
     output: Outputs = DEFAULT_OUTPUTS,
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     precision: Precision = None,
     storage: Storage = None,
@@ -57,7 +59,7 @@ def bound(
     from kanegen import compiler, options
     from kanegen.recursion.outputs import ERROR_BOUNDS
 
-    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     with progress() as report:
         variant = options.chosen_variant(precision=precision, storage=storage, sincos=sincos)
         source = compiler.generate(system, output, report, tier=variant)

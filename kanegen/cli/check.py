@@ -13,6 +13,7 @@ from kanegen.cli.options import (
     AsJson,
     Coordinates,
     FloatingBase,
+    JointDynamics,
     Lock,
     Model,
     Precision,
@@ -30,6 +31,7 @@ def check(
     states: Annotated[int, typer.Option(min=1, help="Number of random states.")] = 1000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random states.")] = 0,
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     precision: Precision = None,
     storage: Storage = None,
@@ -46,7 +48,7 @@ def check(
     """
     from kanegen import compiler, options
 
-    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     with progress() as report:
         variant = options.chosen_variant(tier, precision=precision, storage=storage, sincos=sincos)
         result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)

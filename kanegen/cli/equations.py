@@ -7,7 +7,16 @@ from typing import Annotated
 import typer
 
 from kanegen.cli.loading import load_system
-from kanegen.cli.options import AS_WRITTEN, Coordinates, FloatingBase, Lock, Model, RightAngles, Speeds
+from kanegen.cli.options import (
+    AS_WRITTEN,
+    Coordinates,
+    FloatingBase,
+    JointDynamics,
+    Lock,
+    Model,
+    RightAngles,
+    Speeds,
+)
 from kanegen.cli.terminal import progress
 
 
@@ -18,6 +27,7 @@ def equations(
         typer.Option("--format", metavar="FORMAT", help="Form of the text: text, markdown, latex, python."),
     ] = "text",
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
@@ -27,7 +37,7 @@ def equations(
     from kanegen import compiler
     from kanegen.symbolic.printing import render
 
-    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     with progress() as report:
         derived = compiler.derive(system, progress=report)
         report("printing")

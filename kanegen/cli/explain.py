@@ -16,6 +16,7 @@ from kanegen.cli.options import (
     AsJson,
     Coordinates,
     FloatingBase,
+    JointDynamics,
     Lock,
     Model,
     Outputs,
@@ -38,6 +39,7 @@ def explain(
     poses: Poses = None,
     reactions: Reactions = None,
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
@@ -67,7 +69,7 @@ def explain(
         if path is not None and path.suffix.lower() != ending:
             raise OptionError(f"{option}: {path} does not end in {ending}.")
     require_writable(html, markdown)
-    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = with_selection(system, output, poses, reactions)
     with progress() as show_stage:
         found = cost_report(system, output, compile_, show_stage)

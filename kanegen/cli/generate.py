@@ -29,6 +29,7 @@ from kanegen.cli.options import (
     Coordinates,
     FloatingBase,
     Functions,
+    JointDynamics,
     Lock,
     Model,
     Outputs,
@@ -65,6 +66,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     poses: Poses = None,
     reactions: Reactions = None,
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     force: Annotated[
         bool, typer.Option("--force", help="Write even if the folder holds files that kanegen did not write.")
@@ -102,7 +104,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     from kanegen import compiler, options
 
     keeps_budget = has_budget(context)
-    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = with_selection(system, output, poses, reactions)
     if keeps_budget:
         source = _within_budget(system, context, output_dir, force)

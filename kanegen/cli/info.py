@@ -13,6 +13,7 @@ from kanegen.cli.options import (
     AsJson,
     Coordinates,
     FloatingBase,
+    JointDynamics,
     Lock,
     Model,
     RightAngles,
@@ -25,6 +26,7 @@ from kanegen.cli.terminal import collected_warnings, progress, screen, without_w
 def info(
     model: Model,
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     without: Without = None,
     speeds: Speeds = None,
@@ -58,11 +60,11 @@ def info(
     from kanegen.studies.explain import exactness
 
     with collected_warnings() as left_out:
-        system = load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+        system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     tolerance = right_angles or FOUR_DECIMALS
     with without_warnings():
         written, exact = (
-            load_system(model, floating_base, limit, speeds, coordinates, lock)
+            load_system(model, floating_base, limit, speeds, coordinates, lock, joint_dynamics)
             for limit in (AS_WRITTEN, tolerance)
         )
     with progress() as report:

@@ -19,6 +19,7 @@ def load_system(
     speeds: str | None = None,
     coordinates: str | None = None,
     lock: Sequence[str] | None = None,
+    joint_dynamics: bool = False,
 ) -> System:
     """Read the system of a model file, lock freedoms, and give it the speeds and coordinates asked for.
 
@@ -29,7 +30,7 @@ def load_system(
     from kanegen.lowering.accept import reformulated
     from kanegen.readers import load
 
-    system = load(model, floating_base, right_angles)
+    system = load(model, floating_base, right_angles, joint_dynamics)
     if lock:
         system = system.with_locked(_locked_values(lock))
     return reformulated(system, speeds, coordinates)

@@ -28,6 +28,10 @@ Model = Annotated[
 FloatingBase = Annotated[
     bool, typer.Option("--floating-base", help="Give the root link of a .urdf file six freedoms.")
 ]
+JointDynamics = Annotated[
+    bool,
+    typer.Option("--joint-dynamics", help="Read damping and friction of the joints of a .urdf file."),
+]
 RightAngles = Annotated[
     float,
     typer.Option(

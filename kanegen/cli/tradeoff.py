@@ -15,6 +15,7 @@ from kanegen.cli.loading import load_system
 from kanegen.cli.options import (
     AS_WRITTEN,
     FloatingBase,
+    JointDynamics,
     JsonFile,
     Lock,
     Model,
@@ -61,6 +62,7 @@ def tradeoff(
     json_: JsonFile = None,
     plot: Plot = None,
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     lock: Lock = None,
 ) -> None:
@@ -79,7 +81,7 @@ def tradeoff(
     from kanegen.studies.tradeoff.simulation import with_simulations
     from kanegen.studies.tradeoff.study import study
 
-    system = load_system(model, floating_base, right_angles, lock=lock)
+    system = load_system(model, floating_base, right_angles, lock=lock, joint_dynamics=joint_dynamics)
     files = _Files.chosen(output_dir, json_, plot, simulation)
     with progress() as show_stage:
         options = StudyOptions(

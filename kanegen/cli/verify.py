@@ -8,7 +8,15 @@ from typing import Annotated
 import typer
 
 from kanegen.cli.loading import load_system
-from kanegen.cli.options import AS_WRITTEN, Coordinates, FloatingBase, Lock, RightAngles, Speeds
+from kanegen.cli.options import (
+    AS_WRITTEN,
+    Coordinates,
+    FloatingBase,
+    JointDynamics,
+    Lock,
+    RightAngles,
+    Speeds,
+)
 from kanegen.cli.terminal import FAILED, progress
 from kanegen.extras import require
 from kanegen.studies.tradeoff import EXTRA, NEEDS
@@ -33,6 +41,7 @@ def verify(
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the fresh states.")] = 1,
     floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
     speeds: Speeds = None,
     coordinates: Coordinates = None,
@@ -49,7 +58,9 @@ def verify(
     from kanegen.cli import budget
 
     system = (
-        None if model is None else load_system(model, floating_base, right_angles, speeds, coordinates, lock)
+        None
+        if model is None
+        else load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     )
     with progress() as report:
         found = budget.verify(certificate, system, states, seed, report)

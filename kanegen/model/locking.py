@@ -175,7 +175,8 @@ def _force_elements(
     locked angular velocity lose theirs.
 
     Warns:
-        KanegenWarning: If a drive or friction acts on a component of a locked angular velocity; it is left out.
+        KanegenWarning: If a drive or friction acts on a component of a locked angular velocity; it is left
+            out.
     """
     constants: dict[str, Number] = {}
     for k, given in orientations.items():
@@ -199,7 +200,8 @@ def _force_elements(
     if idle:
         names = ", ".join(element.freedom for element in idle if isinstance(element, Drive | JointFriction))
         warnings.warn(
-            f"{LOCKED}: drives and friction on locked components of an angular velocity are left out: {names}.",
+            f"{LOCKED}: drives and friction on locked components of an angular velocity are left out: "
+            f"{names}.",
             KanegenWarning,
             stacklevel=4,
         )

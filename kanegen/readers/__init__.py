@@ -21,7 +21,10 @@ __all__ = ["load"]
 
 
 def load(
-    path: str | os.PathLike[str], floating_base: bool = False, right_angles: float = AS_WRITTEN
+    path: str | os.PathLike[str],
+    floating_base: bool = False,
+    right_angles: float = AS_WRITTEN,
+    joint_dynamics: bool = False,
 ) -> System:
     """Return the system in a model file: `.toml` (kanegen's own format), `.urdf` or `.xml` (MJCF of MuJoCo).
 
@@ -30,12 +33,14 @@ def load(
         floating_base: URDF only: the root link moves freely and becomes body 1; otherwise it is the ground.
         right_angles: Tolerance (rad): constant orientations that are no farther from a right angle, such as
             1.5708, are made exact. With 0 every number stays as written; see `kanegen.model.right_angles`.
+        joint_dynamics: URDF only: damping and friction of `<dynamics>` become a `JointSpring` and a
+            `JointFriction` with a smoothing of 0.01 rad/s or m/s. Otherwise a warning says what is left out.
 
     Raises:
         ReadError: If the file cannot be read or does not describe a usable system; the message begins with
             the file and, where known, the line.
-        OptionError: If `floating_base` is set for a file that is no URDF file, or `right_angles` is out of
-            range.
+        OptionError: If `floating_base` or `joint_dynamics` is set for a file that is no URDF file, or
+            `right_angles` is out of range.
 
     Example:
         system = kg.load("robot.urdf", floating_base=True)
@@ -44,5 +49,9 @@ def load(
         file = ModelFile(Path(path))
     except TypeError:
         raise ReadError(f"{quoted(path)} is not the path of a file.") from None
-    options = ReadOptions(flag("floating_base", floating_base), checked_tolerance(right_angles))
+    options = ReadOptions(
+        flag("floating_base", floating_base),
+        checked_tolerance(right_angles),
+        flag("joint_dynamics", joint_dynamics),
+    )
     return reader_of(file).read(file, options).with_right_angles(options.right_angles)

@@ -31,11 +31,12 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
 
     Args:
         file: The file.
-        options: `floating_base` must not be set: an MJCF file says itself which body moves freely.
+        options: Neither `floating_base` nor `joint_dynamics` may be set: an MJCF file says itself which body
+            moves freely, and its dampers are always read.
 
     Raises:
         ReadError: If MuJoCo refuses the file, or the model has a body that cannot exist.
-        OptionError: If `floating_base` is set.
+        OptionError: If `floating_base` or `joint_dynamics` is set.
         MissingError: If MuJoCo is not installed.
 
     Warns:
@@ -45,6 +46,11 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
     if options.floating_base:
         raise OptionError(
             f"{file.path}: floating_base is for URDF files. In an MJCF file, put <freejoint/> into the body."
+        )
+    if options.joint_dynamics:
+        raise OptionError(
+            f"{file.path}: joint_dynamics is for URDF files. Springs and dampers of an MJCF file are always "
+            "read."
         )
     model = compiled(file)
     if not int(model.model.njnt):

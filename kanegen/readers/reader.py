@@ -46,10 +46,12 @@ class ReadOptions:
     Attributes:
         floating_base: Whether the root link of a robot file moves freely.
         right_angles: Tolerance (rad) within which constant orientations are made exact right angles.
+        joint_dynamics: Whether damping and friction of the joints of a URDF file are read.
     """
 
     floating_base: bool = False
     right_angles: float = AS_WRITTEN
+    joint_dynamics: bool = False
 
 
 @dataclass(frozen=True)

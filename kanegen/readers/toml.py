@@ -46,7 +46,7 @@ def read_toml(file: ModelFile, options: ReadOptions) -> System:
 
     Raises:
         ReadError: If the file is not TOML, or does not describe a usable system.
-        OptionError: If a floating base is asked for.
+        OptionError: If a floating base or joint dynamics are asked for.
 
     Warns:
         KanegenWarning: If a parameter is not used.
@@ -54,6 +54,11 @@ def read_toml(file: ModelFile, options: ReadOptions) -> System:
     if options.floating_base:
         raise OptionError(
             f"{file.path}: floating_base is for URDF files. In a TOML file, free all six freedoms of body 1."
+        )
+    if options.joint_dynamics:
+        raise OptionError(
+            f"{file.path}: joint_dynamics is for URDF files. In a TOML file, write [[joint_spring]] with a "
+            "damping and [[joint_friction]]."
         )
     table = parse_toml(file.text, file.path)
     try:

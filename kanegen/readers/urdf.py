@@ -23,6 +23,8 @@ from kanegen.model.names import usable_identifier, usable_label
 from kanegen.model.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
 from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
+from kanegen.readers.urdf_dynamics import dynamic_elements
+from kanegen.readers.urdf_dynamics import left_out as dynamics_left_out
 from kanegen.readers.urdf_elements import BALLS, JointLimit, Robot, RobotJoint, read_robot
 from kanegen.readers.urdf_frames import robot_frames, shadowed_joints
 from kanegen.readers.urdf_mimic import mimic_couplings
@@ -38,14 +40,16 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
         file: The file.
         options: With `floating_base` the root link moves freely and is body 1, with its translation in world
             axes and 1-2-3 angles; otherwise it is the ground. Orientations of frames and axes are made exact
-            within the tolerance `right_angles`.
+            within the tolerance `right_angles`. With `joint_dynamics` damping and friction become force
+            elements.
 
     Raises:
         ReadError: If the file is not well formed, not one tree, or has a body that cannot exist.
 
     Warns:
         KanegenWarning: If a fixed joint has `mimic`, a joint a limit that leaves no motion, the name of a
-            link other than its own, or a name that has to be changed.
+            link other than its own, or a name that has to be changed; or if damping and friction are left
+            out.
     """
     left_out = unread(file.root)
     robot = read_robot(file.root, options.right_angles)
@@ -65,9 +69,14 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
     couplings = mimic_couplings(robot, moving, bodies)
     try:
         named = robot_frames(robot, tree, [frame.matrix for frame in frames])
-        return System(usable_identifier(robot.name), bodies, frames=named, couplings=couplings)
+        system = System(usable_identifier(robot.name), bodies, frames=named, couplings=couplings)
     except ModelError as error:
         raise ReadError(f"{file.path}: {error}") from None
+    if options.joint_dynamics:
+        return system.with_force_elements(*dynamic_elements(moving, bodies))
+    if message := dynamics_left_out(moving, system, file.path):
+        _warn(message)
+    return system
 
 
 READER = Reader("URDF", ".urdf", read_urdf, root="robot")

@@ -73,6 +73,34 @@ class JointLimit:
 
 
 @dataclass(frozen=True)
+class JointDynamics:
+    """Viscous damping and Coulomb friction of a joint with one coordinate.
+
+    Attributes:
+        damping: Damping coefficient (N m s/rad, N s/m).
+        friction: Magnitude of the friction (N m, N).
+        where: File and line.
+    """
+
+    damping: float = 0.0
+    friction: float = 0.0
+    where: str = ""
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the joint has neither damping nor friction."""
+        return not self.damping and not self.friction
+
+    def require_not_negative(self) -> None:
+        """Raise a `ReadError` if damping or friction is negative."""
+        for name, value in (("damping", self.damping), ("friction", self.friction)):
+            if value < 0:
+                raise ReadError(
+                    f"{self.where}: <dynamics {name}>: {value!r} is negative; it would drive the joint."
+                )
+
+
+@dataclass(frozen=True)
 class Mimic:
     """The joint whose position another one follows: multiplier times its position, plus offset.
 
@@ -101,6 +129,7 @@ class RobotJoint:
         origin: Frame of the child in the parent at joint position zero.
         axis: Unit vector, in child components.
         limit: Position, speed and effort at the most, infinite where the file has none.
+        dynamics: Damping and friction, zero where the file has none.
         mimic: The joint that its position follows; None where it moves by itself.
         where: File and line.
     """
@@ -114,6 +143,7 @@ class RobotJoint:
     mimic: Mimic | None
     where: str
     limit: JointLimit = field(default_factory=JointLimit)
+    dynamics: JointDynamics = field(default_factory=JointDynamics)
 
 
 @dataclass(frozen=True)
@@ -210,6 +240,7 @@ def _joint(element: Element, tolerance: float) -> RobotJoint:
         mimic=_mimic(element),
         where=element.where,
         limit=_limit(element, kind) if kind in WITH_LIMIT else JointLimit(),
+        dynamics=_dynamics(element) if kind in WITH_LIMIT else JointDynamics(),
     )
 
 
@@ -251,6 +282,17 @@ def _limit(element: Element, kind: str) -> JointLimit:
     elif lower == upper:
         lower, upper, empty = -math.inf, math.inf, ("lower and upper", *empty)
     return JointLimit(lower, upper, speed or math.inf, effort or math.inf, empty)
+
+
+def _dynamics(element: Element) -> JointDynamics:
+    """Return what the `<dynamics>` of a joint says."""
+    dynamics = element.optional("dynamics")
+    if dynamics is None:
+        return JointDynamics()
+    damping, friction = (
+        dynamics.number(name) if name in dynamics.attributes else 0.0 for name in ("damping", "friction")
+    )
+    return JointDynamics(damping, friction, dynamics.where)
 
 
 def _end(limit: Element, word: str) -> float:
