@@ -5,18 +5,20 @@ Inward, every free component of a joint's acceleration is eliminated; outward, e
 angular acceleration, where [A] is regular; Eq. (9) maps the result to the angles, unless the speeds are the
 angular velocity. A joint whose three translations are free is likewise solved in components in the frame of
 the body. A joint with six freedoms passes only its efforts inward: the inertia of its body does not load the
-lower body.
+lower body. An entry of {y} that moves several freedoms by couplings is eliminated where all of them are
+outward; see `shared_rates`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from sympy import Expr, S
+from sympy import Add, Expr, S
 
 from kanegen.recursion.articulated_inertia import ArticulatedInertia, Elimination, rigid_body
 from kanegen.recursion.coordinate_rates import angle_rates
 from kanegen.recursion.force_elements import element_efforts
+from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried, Requirement
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joint_path import (
@@ -26,13 +28,17 @@ from kanegen.recursion.joint_path import (
     FreeComponent,
     FreeTranslations,
     OriginChange,
+    SharedRate,
     joint_path,
     released,
+    shared_rates,
+    with_shared_rates,
 )
 from kanegen.recursion.rotors import spinning_rotors, with_rotors
+from kanegen.recursion.shared_rates import SharedElimination, SharedRates
 from kanegen.recursion.solved_motion import Paths, solved_motions
 from kanegen.recursion.tree import Tree, about_mass_centers
-from kanegen.recursion.vectors import column, subtract
+from kanegen.recursion.vectors import Wrench, column, subtract
 from kanegen.symbolic.definitions import Vector
 from kanegen.symbolic.symbols import generalized_force
 
@@ -55,36 +61,62 @@ class ArticulatedBodies:
         self.tree = tree = about_mass_centers(tree)
         self.released = released(tree, together=True)
         rotors = spinning_rotors(tree)
+        shared = shared_rates(tree)
+        self._at_ground = shared.get(0, [])
         self.paths: Paths = {
-            joint.body: with_rotors(joint_path(joint, together=True), joint, rotors, tree.definitions)
+            joint.body: with_shared_rates(
+                with_rotors(joint_path(joint, together=True), joint, rotors, tree.definitions),
+                shared.get(joint.body, []),
+            )
             for joint in tree.joints
         }
         self._eliminations: dict[int, Elimination] = {}
-        bodies = [rigid_body(own) for own in tree.inertias]
+        self._shared_gains: dict[int, dict[int, Expr]] = {}
+        self._shared_eliminations: dict[int, SharedElimination] = {}
+        ground = rigid_body(Inertia())
+        bodies = [ground, *(rigid_body(own) for own in tree.inertias)]
+        unknown = [SharedRates() for _ in bodies]
         for joint in reversed(tree.joints):
             k, j = joint.body, joint.lower
             tree.about(k, "articulated body, Eq. (42)")
-            passed = self._eliminate(joint, bodies[k - 1])
+            passed, rest = self._eliminate(joint, bodies[k], unknown[k])
             if j:
-                bodies[j - 1] = bodies[j - 1].plus(passed, f"{j}", tree.definitions)
-        self.pivots: Sequence[Expr] = [self._eliminations[i].pivot for i in range(len(tree.system.freedoms))]
+                bodies[j] = bodies[j].plus(passed, f"{j}", tree.definitions)
+            unknown[j] = unknown[j].plus(rest, f"{j}", tree.definitions)
+        for place in self._at_ground:
+            tree.definitions.about("what moves freedoms in several branches, Eq. (42)")
+            unknown[0], _, found = unknown[0].solved(place, ground, tree.definitions)
+            self._shared_eliminations[place] = found
+        eliminations = self._eliminations | self._shared_eliminations
+        self.pivots: Sequence[Expr] = [eliminations[i].pivot for i in range(len(tree.system.freedoms))]
 
-    def _eliminate(self, joint: JointMotion, body: ArticulatedInertia) -> ArticulatedInertia:
-        """Return the articulated inertia that body K passes inward, about the lower body's origin."""
+    def _eliminate(
+        self, joint: JointMotion, body: ArticulatedInertia, unknown: SharedRates
+    ) -> tuple[ArticulatedInertia, SharedRates]:
+        """Return what body K passes inward, about the lower body's origin."""
         definitions = self.tree.definitions
         for element in self.paths[joint.body]:
             match element:
+                case FreeComponent(index, freedom, shares=shares, armature=armature, is_coupled=True):
+                    unknown = unknown.moving(index, shares, armature, body, f"{joint.body}", definitions)
                 case FreeComponent(index, freedom, armature=armature, momentum=momentum):
                     motor = armature, momentum
                     body, found = body.eliminated(index, motor, f"{freedom}", definitions)
                     self._eliminations[freedom] = found
+                    unknown, gains = unknown.below(found, f"{freedom}", definitions)
+                    self._shared_gains[freedom] = gains
+                case SharedRate(place):
+                    unknown, body, solved = unknown.solved(place, body, definitions)
+                    self._shared_eliminations[place] = solved
                 case FrameChange(turn, name):
                     body = body.down(turn, name, definitions)
+                    unknown = unknown.down(turn, name, definitions)
                 case OriginChange(offset, name):
                     body = body.shifted(offset, name, definitions)
+                    unknown = unknown.shifted(offset, name, definitions)
                 case FreeTranslations():
                     pass  # No mass is left to transmit.
-        return body
+        return body, unknown
 
     def solve(self, bias: Requirement, name: str) -> list[Expr]:
         """Return the free components of the accelerations.
@@ -96,42 +128,90 @@ class ArticulatedBodies:
         tree, definitions, efforts = self.tree, self.tree.definitions, self._joint_efforts(bias)
         along_components = self._component_efforts(efforts)
         alone: dict[int, Expr] = {}
-        carried = list(bias.wrenches)
+        carried = [Wrench(), *bias.wrenches]
+        required: list[dict[int, Expr]] = [{} for _ in carried]
         for joint in reversed(tree.joints):
             k, j = joint.body, joint.lower
             tree.about(k, "forces on the articulated body, Eq. (42)")
-            wrench = carried[k - 1]
+            wrench = carried[k]
             for element in self.paths[k]:
                 match element:
-                    case FreeComponent(freedom=i):
+                    case FreeComponent(is_coupled=True):
+                        self._require(required[k], element, wrench)
+                    case FreeComponent(index, freedom=i):
                         effort = along_components[i]
+                        surplus = effort - [*wrench.moment, *wrench.force][index]
+                        for place, gain in self._shared_gains[i].items():
+                            needed = required[k].get(place, S.Zero)
+                            needed += gain * definitions.define(f"e_{i}", surplus)
+                            required[k][place] = definitions.define(f"er_{i}_{place}", needed)
                         wrench, alone[i] = self._eliminations[i].eliminate(wrench, effort, definitions)
+                    case SharedRate(place):
+                        wrench, required[k], alone[place] = self._shared_eliminations[place].eliminate(
+                            wrench, required[k], along_components[place], definitions
+                        )
                     case FreeTranslations():
                         wrench = element.inward(wrench, efforts)
                     case _:
                         wrench = element.inward(wrench, definitions)
             if j:
-                carried[j - 1] = carried[j - 1].plus(wrench, f"{j}", definitions)
+                carried[j] = carried[j].plus(wrench, f"{j}", definitions)
+            for place, needed in required[k].items():
+                total = required[j].get(place, S.Zero) + needed
+                required[j][place] = definitions.define(f"er_{j}_{place}", total)
+        for place in self._at_ground:
+            _, required[0], alone[place] = self._shared_eliminations[place].eliminate(
+                Wrench(), required[0], along_components[place], definitions
+            )
         return self._outward(alone, name)
+
+    def _require(self, required: dict[int, Expr], element: FreeComponent, wrench: Wrench) -> None:
+        """Add the wrench along a coupled freedom to the generalized forces of the entries that move it."""
+        along = [*wrench.moment, *wrench.force][element.index]
+        for place, share in element.shares.items():
+            needed = required.get(place, S.Zero) + share * along
+            required[place] = self.tree.definitions.define(f"er_{element.freedom}_{place}", needed)
 
     def _outward(self, alone: dict[int, Expr], name: str) -> list[Expr]:
         """Return the free components, from the value of each component where the others are zero."""
         found: dict[int, Expr] = {}
         accelerations = {0: GROUND_ACCELERATION}
+        for place in reversed(self._at_ground):
+            self._solve_shared(place, alone, GROUND_ACCELERATION, found, name)
         for joint in self.tree.joints:
             self.tree.about(joint.body, "accelerations, Eq. (42)")
             a = accelerations[joint.lower]
             for element in reversed(self.paths[joint.body]):
-                if isinstance(element, FreeComponent):
-                    i, freedom = element.index, element.freedom
-                    total, own = self._eliminations[freedom].solve(alone[freedom], a, self.tree.definitions)
-                    own = total if element.is_absolute else own
-                    found[freedom] = self.tree.definitions.define(f"{name}_{freedom}", own)
-                    a = (*a[:i], total, *a[i + 1 :])
-                else:
-                    a = element.outward(a, self.tree.definitions)
+                match element:
+                    case FreeComponent(i, freedom, is_coupled=True):
+                        moved = a[i] + element.acceleration(found)
+                        moved = self.tree.definitions.define(f"q_{freedom}", moved)
+                        a = (*a[:i], moved, *a[i + 1 :])
+                    case FreeComponent(i, freedom):
+                        gains = self._shared_gains[freedom].items()
+                        by_others = alone[freedom] - Add(*(gain * found[place] for place, gain in gains))
+                        total, own = self._eliminations[freedom].solve(by_others, a, self.tree.definitions)
+                        own = total if element.is_absolute else own
+                        found[freedom] = self.tree.definitions.define(f"{name}_{freedom}", own)
+                        a = (*a[:i], total, *a[i + 1 :])
+                    case SharedRate(place):
+                        self._solve_shared(place, alone, a, found, name)
+                    case _:
+                        a = element.outward(a, self.tree.definitions)
             accelerations[joint.body] = a
         return [found[i] for i in range(len(found))]
+
+    def _solve_shared(
+        self,
+        place: int,
+        alone: Mapping[int, Expr],
+        acceleration: Sequence[Expr],
+        found: dict[int, Expr],
+        name: str,
+    ) -> None:
+        """Add to the entries of {ydot} that are found one that moves several freedoms."""
+        value = self._shared_eliminations[place].solve(alone[place], acceleration, found)
+        found[place] = self.tree.definitions.define(f"{name}_{place}", value)
 
     def speed_rates(
         self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]
@@ -182,11 +262,13 @@ class ArticulatedBodies:
     def _joint_efforts(self, bias: Requirement) -> list[Expr]:
         """Return {tau} plus the efforts of force elements, less those that motors take, by freedom."""
         tree, acting = self.tree, element_efforts(self.tree)
-        result: list[Expr] = []
-        for i, f in enumerate(tree.system.freedoms):
-            effort = generalized_force(f.body, f.index) + acting.get((f.body, f.index), S.Zero)
-            result.append(tree.definitions.define(f"te_{i}", effort - bias.efforts.get(i, S.Zero)))
-        return result
+        result: list[Expr] = [generalized_force(f.body, f.index) for f in tree.system.freedoms]
+        shares = {one.number: one.shares for joint in tree.joints for one in joint.freedoms}
+        for freedom, number in tree.system.moving_places.items():
+            own = acting.get((freedom.body, freedom.index), S.Zero) - bias.efforts.get(number, S.Zero)
+            for i, share in shares.get(number, {}).items():
+                result[i] += share * own
+        return [tree.definitions.define(f"te_{i}", effort) for i, effort in enumerate(result)]
 
     def _component_efforts(self, efforts: Sequence[Expr]) -> list[Expr]:
         """Return the generalized forces on the free components for the efforts on the freedoms."""
@@ -223,21 +305,31 @@ class ArticulatedBodies:
         tree, definitions = self.tree, self.tree.definitions
         result: dict[int, Expr] = {}
         bodies = list(tree.inertias)
+        unknown = [SharedRates(letter="yc") for _ in (0, *bodies)]
         for joint in reversed(tree.joints):
             k, j = joint.body, joint.lower
             tree.about(k, "composite body, Eq. (43)")
-            composite = bodies[k - 1]
+            composite, rates = bodies[k - 1], unknown[k]
             for element in self.paths[k]:
                 match element:
+                    case FreeComponent(index, _, shares, True, armature=armature):
+                        body = rigid_body(composite)
+                        rates = rates.moving(index, shares, armature, body, f"{k}", definitions)
+                    case SharedRate(place):
+                        result[place] = rates.products[place, place]
                     case FreeComponent(index, freedom, armature=armature):
                         inertia = column(composite.inertia, index % 3)[index % 3]
                         result[freedom] = armature + (inertia if index in ROTATIONS else composite.mass)
                     case FrameChange(turn, name):
                         composite = composite.down(turn, name, definitions)
+                        rates = rates.down(turn, name, definitions)
                     case OriginChange(offset, name):
                         composite = composite.shifted(offset, name, definitions)
+                        rates = rates.shifted(offset, name, definitions)
                     case FreeTranslations():
                         pass
             if j:
                 bodies[j - 1] = bodies[j - 1].plus(composite, str(j), definitions)
+            unknown[j] = unknown[j].plus(rates, f"{j}", definitions)
+        result |= {place: unknown[0].products[place, place] for place in self._at_ground}
         return [result[i] for i in range(len(result))]

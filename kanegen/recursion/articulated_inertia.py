@@ -20,7 +20,7 @@ carried below or above the joint, add {h} q to the moment below it and {h}^T {al
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sympy import Expr, S
@@ -136,7 +136,7 @@ class ArticulatedInertia:
             name: Suffix of the names of intermediates.
             definitions: Definitions that the intermediates are added to.
         """
-        (armature, momentum), matrix = motor, self._matrix()
+        (armature, momentum), matrix = motor, self.matrix()
         spin = (*momentum, S.Zero, S.Zero, S.Zero)
         row = [
             definitions.define(f"sr_{name}_{i}", entry + spin[i]) if spin[i] != 0 else entry
@@ -158,6 +158,16 @@ class ArticulatedInertia:
             matrix[index][i] = matrix[i][index] = kept * matrix[index][i] - own_gain * spin[i]
         found = Elimination(index, name, pivot, inverse, gains, own_gain, kept)
         return _from_matrix(matrix).named(name, definitions), found
+
+    def less(
+        self, column: Sequence[Expr], gains: Mapping[int, Expr], name: str, definitions: Definitions
+    ) -> ArticulatedInertia:
+        """Return the matrix less the product of a column and its gains, by index of the component."""
+        matrix = self.matrix()
+        for i in gains:
+            for j in gains:
+                matrix[i][j] -= gains[min(i, j)] * column[max(i, j)]
+        return _from_matrix(matrix).named(name, definitions)
 
     def down(self, turn: Turn, name: str, definitions: Definitions) -> ArticulatedInertia:
         """Return the matrix in components of the frame below a turn."""
@@ -196,7 +206,7 @@ class ArticulatedInertia:
         )
         return ArticulatedInertia(inertia, _rows(coupling), self.mass).named(name, definitions)
 
-    def _matrix(self) -> list[list[Expr]]:
+    def matrix(self) -> list[list[Expr]]:
         """Return [S] row by row."""
         matrix = [[S.Zero] * 6 for _ in SIX]
         for (i, j), name in INDEX.items():

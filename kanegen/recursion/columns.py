@@ -60,7 +60,7 @@ class Column(Protocol):
         ...
 
     def whole_moment(self, definitions: Definitions) -> Vector:
-        """Return the moment {M}."""
+        """Return the moment {M} about the current origin."""
         ...
 
     def down(self, turn: Turn, frame: str, definitions: Definitions) -> Self:
@@ -97,7 +97,7 @@ class RotationColumn:
         return self.moment[axis]
 
     def whole_moment(self, definitions: Definitions) -> Vector:
-        """Return the moment {M}."""
+        """Return the moment {M} about the current origin."""
         return self.moment
 
     def down(self, turn: Turn, frame: str, definitions: Definitions) -> Self:
@@ -138,7 +138,7 @@ class TranslationColumn:
         return definitions.define(name, cross(self.point, self.force)[axis])
 
     def whole_moment(self, definitions: Definitions) -> Vector:
-        """Return the moment {M}."""
+        """Return the moment {M} about the current origin."""
         return Vector(*(self.moment_about(axis, definitions) for axis in range(3)))
 
     def down(self, turn: Turn, frame: str, definitions: Definitions) -> Self:

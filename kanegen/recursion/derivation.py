@@ -82,8 +82,6 @@ def _solvers(system: System, solver: str) -> tuple[str, ...]:
                 f"neither its body nor the lower one, or with other turns between. Take {every[0]!r}."
             )
         return (solver,)
-    if system.couplings:
-        return tuple(SOLVERS)[1:]
     return every if factorisation.worth_trying(system) else every[:1]
 
 

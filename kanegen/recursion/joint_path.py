@@ -8,7 +8,7 @@ alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from sympy import Add, Expr, S
@@ -50,7 +50,7 @@ class FreeComponent:
     armature: Expr = S.Zero
     momentum: Vector = ZERO
 
-    def acceleration(self, components: Sequence[Expr]) -> Expr:
+    def acceleration(self, components: Sequence[Expr] | Mapping[int, Expr]) -> Expr:
         """Return the acceleration along the component, from the free components by place in {y}."""
         return Add(*(share * components[i] for i, share in self.shares.items()))
 
@@ -122,7 +122,23 @@ class FreeTranslations:
         return (*a[:3], *ZERO)
 
 
-PathElement = FreeComponent | FrameChange | OriginChange | FreeTranslations
+@dataclass(frozen=True)
+class SharedRate:
+    """The place on the path from which on all freedoms are outward that an entry of {y} moves by couplings.
+
+    Attributes:
+        place: Place of the entry in {y}.
+    """
+
+    place: int
+
+    def outward(self, a: tuple[Expr, ...], definitions: Definitions) -> tuple[Expr, ...]:
+        """Return the same accelerations."""
+        del definitions
+        return a
+
+
+PathElement = FreeComponent | FrameChange | OriginChange | FreeTranslations | SharedRate
 
 
 def joint_path(joint: JointMotion, *, together: bool) -> tuple[PathElement, ...]:
@@ -134,6 +150,45 @@ def joint_path(joint: JointMotion, *, together: bool) -> tuple[PathElement, ...]
             the axes of K. Those of angles are then regular at gimbal lock, unlike their second derivatives.
     """
     return tuple(_elements(joint, together))
+
+
+def shared_rates(tree: Tree) -> dict[int, list[int]]:
+    """Return the entries of {y} that move several freedoms, by the outermost body that carries all of these.
+
+    Returns:
+        Places in {y} by number of the body; 0 for the ground.
+    """
+    carrier: dict[int, int] = {}
+    for joint in reversed(tree.joints):
+        for one in joint.freedoms:
+            for place in one.shares if one.is_coupled else ():
+                carrier[place] = _common_carrier(tree, carrier.get(place, joint.body), joint.body)
+    found: dict[int, list[int]] = {}
+    for place, body in carrier.items():
+        found.setdefault(body, []).append(place)
+    return found
+
+
+def _common_carrier(tree: Tree, a: int, b: int) -> int:
+    """Return the outermost body that carries two bodies; a body carries itself."""
+    while a != b:
+        # A lower body has the lower number.
+        a, b = min(a, b), tree.joints[max(a, b) - 1].lower
+    return a
+
+
+def with_shared_rates(path: tuple[PathElement, ...], places: Iterable[int]) -> tuple[PathElement, ...]:
+    """Return the path of a joint with entries of {y} solved for where their freedoms are all outward.
+
+    Args:
+        path: The path.
+        places: Places in {y} of the entries whose freedoms the body of the joint carries.
+    """
+    result = list(path)
+    for place in places:
+        own = [i for i, one in enumerate(result) if isinstance(one, FreeComponent) and place in one.shares]
+        result.insert(own[-1] + 1 if own else 0, SharedRate(place))
+    return tuple(result)
 
 
 def released(tree: Tree, *, together: bool) -> frozenset[int]:

@@ -31,6 +31,7 @@ PLACES = (
 FREEDOMS = (
     ("{K}a{i}", "angle i of body K"),
     ("{K}s{n}", "the translation of body K at place n of {y}"),
+    ("{K}t{i}", "translation i of body K, which is coupled"),
     ("{K}w{i}", "component i of the relative angular velocity of body K"),
     ("{K}y{n}", "all freedoms outward of body K that the entry of {y} at place n moves"),
     ("{K}r{n}", "the spin of rotors in body K that the freedom at place n of {y} drives"),
@@ -42,9 +43,11 @@ NAMES = (
     ("theta_{K}_{i}", "angle i of body K (rad)"),
     ("thetadot_{K}_{i}", "rate of theta_K_i"),
     ("thetaddot_{K}_{i}", "second derivative of theta_K_i"),
+    ("thetaddot_{K}_{i}p", "the part of it that prescribed motion causes"),
     ("s_{K}_{i}", "translation i of body K (m)"),
     ("sdot_{K}_{i}", "rate of s_K_i"),
     ("sddot_{K}_{i}", "second derivative of s_K_i"),
+    ("sddot_{K}_{i}p", "the part of it that prescribed motion causes"),
     ("epsilon_{K}_{i}", "element i of the quaternion of body K, of any length"),
     ("omegahat_{K}_{i}", "component i in K of the angular velocity of body K relative to its lower body"),
     ("omegahatdot_{K}_{i}", "derivative of omegahat_K_i"),
@@ -140,6 +143,7 @@ NAMES = (
     ("Q_{L}_{x}", "shares of the forces of three translations in the force of L"),
     ("E_{P}_{i}_{x}", "basis vector i of the fixed frame, in P"),
     ("A_{n}_{m}", "entry of [A]"),
+    ("Ac_{n}_{m}", "term of entries of [A]: component along freedom m of the force for freedom n"),
     ("A_{n}_{m}_{i}", "entry of [A] after the elimination of the freedom at place i"),
     # Motion and forces
     ("omega_{P}_{x}", "angular velocity (rad/s)"),
@@ -161,6 +165,7 @@ NAMES = (
     ("M_{P}o_{x}", "moment that joint K carries about O_K, in P (N m)"),
     ("F_{P}_{x}", "force that body K and all that it carries need (N)"),
     ("M_{P}_{x}", "moment that body K and all that it carries need (N m)"),
+    ("fn_{n}", "generalized force on freedom n, which couplings name, with its force elements"),
     ("f_{n}", "force that body K and all that it carries need along the translation at place n (N)"),
     # Velocities, energy, momentum, poses
     ("vo_{P}_{x}", "velocity of the origin (m/s)"),
@@ -262,6 +267,17 @@ NAMES = (
     ("gk_{n}", "share of its row that the motor of the freedom at place n keeps inward"),
     ("e_{n}", "generalized force left for the freedom at place n"),
     ("n_{n}", "acceleration of the freedom at place n if all others were 0"),
+    (
+        "yN_{n}_{P}_{x}",
+        "moment that articulated body P needs per unit of entry n of {ydot}, which couples freedoms",
+    ),
+    ("yF_{n}_{P}_{x}", "the same, force"),
+    ("yD_{n}_{m}", "generalized force that entry n of {y} needs per unit of entry m of {ydot}"),
+    ("ycN_{n}_{P}_{x}", "moment that composite body P needs per unit of entry n of {ydot}"),
+    ("ycF_{n}_{P}_{x}", "the same, force"),
+    ("ycD_{n}_{m}", "yD_n_m with all other freedoms locked"),
+    ("gy_{n}_{m}", "gain: what the freedom at place n takes per unit of entry m of {ydot}"),
+    ("er_{n}_{m}", "generalized force that entry m of {y} needs for what is outward of body or freedom n"),
     ("te_{n}", "generalized force of {tau} and force elements at place n"),
     ("tF_{P}_{x}", "force of {tau} along free translations, in P (N)"),
     ("T_{K}_{x}", "torque of {tau} about free angles, in K (N m)"),
@@ -332,7 +348,7 @@ def _turning() -> Iterator[tuple[str, str]]:
 
 
 _PLACE = r"\d+(?:j|o|a\d?u?|c\du?|tu?)?"
-_FREEDOM = r"\d+(?:a\d|s\d+|w\d|r\d+|y\d+)"
+_FREEDOM = r"\d+(?:a\d|s\d+|t\d|w\d|r\d+|y\d+)"
 _PLACEHOLDERS = {
     "{K}": r"\d+",
     "{J}": r"\d+",

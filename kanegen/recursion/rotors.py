@@ -108,8 +108,11 @@ def articulated_bodies_take(system: System) -> bool:
     The acceleration of a freedom must be eliminated where the angular acceleration of the carrier is that
     just below or just above it: the carrier is the lower body, and no free rotation of the joint lies
     between, or it is the body of the joint itself, and none lies between on that side.
+    No coupling may name the freedom.
     """
     for one in system.mounted_rotors:
+        if one.freedom in system.in_couplings:
+            return False
         joint = system.bodies[one.freedom.body - 1].joint
         rotations, index = joint.free[:3], one.freedom.index
         if not joint.free[index]:

@@ -1,7 +1,9 @@
 """The list of names at the head of generated code: exactly the names that occur, for every model."""
 
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import kanegen as kg
@@ -124,6 +126,28 @@ def test_names_of_motors(solver):
         kg.Rotor("above", "body3.theta3", (0, 1, 1), 0.001, ratio, "body3"),
     )
     check(kg.generate(system, available(system), tier=Variant(solver=solver, refinement=1)))
+
+
+@pytest.mark.parametrize("solver", ["factorisation", "articulated bodies"])
+def test_names_of_couplings(solver):
+    """Chains, several terms, a slide that follows angles, branches, motors, a spring, and a driven shaft."""
+    system = systems.random_system(
+        np.random.default_rng(3),
+        5,
+        connection=(0, 1, 2, 1, 0),
+        free=systems.flags(5, ["theta2", "s1"]),
+        loads=False,
+    ).with_prescribed("body5.theta2")
+    joint = replace(system.bodies[2].joint, armature=(0, 0.2, 0, 0.1, 0, 0))
+    bodies = [replace(b, joint=joint) if k == 2 else b for k, b in enumerate(system.bodies)]
+    system = replace(system, bodies=tuple(bodies)).with_couplings(
+        kg.Coupling("body3.s1", {"body1.theta2": 0.1, "body5.theta2": 0.2}),
+        kg.Coupling("body3.theta2", {"body4.theta2": kg.Parameter("a", -2.0)}, 0.3),
+        kg.Coupling("body2.s1", {"body3.theta2": 0.5, "body5.s1": 1.0}),
+    )
+    system = system.with_force_elements(kg.JointSpring("body3.theta2", 3.0))
+    outputs = [name for name in available(system) if "derivatives" not in name]
+    check(kg.generate(system, outputs, tier=Variant(solver=solver, refinement=1)))
 
 
 def test_a_name_that_nobody_explains():

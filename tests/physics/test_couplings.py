@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.compiler import compile_module
+from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
 from tests.support import prescribed_trees as trees
@@ -101,3 +103,16 @@ def test_the_reference_and_the_literal_equations(kind: str, driven: bool) -> Non
     literal = derive(system, intermediates=True).lambdify()
     close(literal.mass_matrix(x, prescribed=prescribed), right["mass_matrix"])
     close(literal.forcing(x, y, given["force"], given["torque"], prescribed=prescribed), right["forcing"])
+
+
+@pytest.mark.parametrize("solver", ["articulated bodies", "factorisation"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_both_solvers(kind: str, solver: str) -> None:
+    system = tree(kind, 1, driven=True)
+    given = state(system, 1)
+    variant = kg.Variant(solver=solver, refinement=1)
+    module = compile_module(system, ("forward_dynamics", "regularity"), variant=variant).module
+    inputs = {name: np.ravel(value) for name, value in given.items()}
+    found = evaluate(module.functions["evaluate"], inputs, np)
+    close(np.array(found["acceleration"]), expected(system, given)["forward_dynamics"], 1e-11)
+    assert all(0 < value <= 1 + 1e-12 for value in found["regularity"])
