@@ -156,7 +156,7 @@ def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
     if rows_of_frames := frames(model, asked):
         rows.append((f"{prefix}_POSES", len(rows_of_frames), "frames with poses"))
     if places := reactions(model, asked):
-        rows.append((f"{prefix}_REACTIONS", len(places), "locked directions with reaction loads"))
+        rows.append((f"{prefix}_REACTIONS", len(places), "reaction loads"))
     if model.prescribed:
         rows.append((f"{prefix}_PRESCRIBED", len(model.prescribed), "p, prescribed freedoms"))
     for function in functions:
@@ -252,6 +252,6 @@ def frames(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, s
 
 
 def reactions(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str, str]]:
-    """Return index, locked direction and unit of every reaction load, if the output is computed."""
+    """Return index, name and unit of every reaction load, if the output is computed."""
     asked = "reaction_loads" in outputs
     return [(place, *names) for place, names in enumerate(model.reactions)] if asked else []

@@ -34,7 +34,7 @@ class ModelDescription:
         force_elements: One line of text for each force element.
         poses: Names of the frames that outputs about frames give, in the order of their rows.
         pose_bodies: Names of the bodies in which these frames are fixed, "" for the ground.
-        reactions: Name of each locked direction that `reaction_loads` gives, and the unit of its load.
+        reactions: Name and unit of each load that `reaction_loads` gives.
         prescribed: Name and unit, "rad" or "m", of each prescribed freedom.
         limits: Smallest and largest coordinates, speeds and efforts in the order of the C arrays, infinite
             where there is none; () for a model without limits.
@@ -133,9 +133,7 @@ def description(system: System) -> ModelDescription:
         pose_bodies=tuple(
             system.bodies[frame.body - 1].name if frame.body else "" for frame in system.pose_frames
         ),
-        reactions=tuple(
-            zip(system.reaction_names, (f.effort for f in system.reaction_freedoms), strict=True)
-        ),
+        reactions=tuple((row.name, row.effort) for row in system.reaction_rows),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
         prescribed=tuple(

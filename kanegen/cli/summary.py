@@ -11,6 +11,7 @@ from kanegen import options as variants
 from kanegen.cli.model_facts import ModelFacts, model_facts
 from kanegen.model.coordinates import FREEDOMS, Freedom, selected_freedoms
 from kanegen.model.numbers import map_numbers, value_of
+from kanegen.model.reaction import Reaction
 from kanegen.model.system import System
 from kanegen.program.passes import Stage, savings
 from kanegen.recursion.outputs import EQUATIONS, available, method_of_program, solving
@@ -135,7 +136,6 @@ def summarize(
 def _contents(system: System) -> dict[str, Any]:
     """Return the contents of the system, by the keys of the JSON."""
     coordinates = zip(system.coordinate_names, system.coordinates, strict=True)
-    efforts = [freedom.effort for freedom in system.reaction_freedoms]
     return {
         "name": system.name,
         "gravity": map_numbers(system.gravity, value_of),
@@ -151,7 +151,7 @@ def _contents(system: System) -> dict[str, Any]:
         "rotors": [rotor.as_table() for rotor in system.rotors],
         "speeds": list(system.speed_names),
         "poses": list(system.pose_names),
-        "reactions": _directions(system.reaction_names, system.reaction_freedoms, efforts),
+        "reactions": [_reaction(row) for row in system.reaction_rows],
         "parameters": {parameter.name: parameter.value for parameter in system.parameters},
         "force_elements": [{"kind": element.KEY, **element.as_table()} for element in system.force_elements],
     }
@@ -177,12 +177,15 @@ def _bodies(system: System) -> list[dict[str, Any]]:
     ]
 
 
-def _directions(
-    names: Sequence[str], freedoms: Sequence[Freedom], units: Sequence[str] | None = None
-) -> list[dict[str, Any]]:
-    """A row for each freedom, with the unit of its coordinate unless `units` says otherwise."""
-    units = [freedom.unit for freedom in freedoms] if units is None else units
+def _directions(names: Sequence[str], freedoms: Sequence[Freedom]) -> list[dict[str, Any]]:
+    """A row for each freedom, with the unit of its coordinate."""
     return [
-        {"name": name, "body": freedom.body, "freedom": FREEDOMS[freedom.index], "unit": unit}
-        for name, freedom, unit in zip(names, freedoms, units, strict=True)
+        {"name": name, "body": freedom.body, "freedom": FREEDOMS[freedom.index], "unit": freedom.unit}
+        for name, freedom in zip(names, freedoms, strict=True)
     ]
+
+
+def _reaction(row: Reaction) -> dict[str, Any]:
+    """A row of `reaction_loads`: a locked freedom, or a component in a frame."""
+    what = {"frame": row.frame} if row.frame else {"freedom": FREEDOMS[row.index]}
+    return {"name": row.name, "body": row.body, **what, "unit": row.effort}

@@ -110,7 +110,7 @@ class CompiledModel:
 
     @property
     def reaction_names(self) -> tuple[str, ...]:
-        """R names of the locked directions of `reaction_loads`, in the order of its entries."""
+        """R names of the loads of `reaction_loads`, in the order of its entries."""
         return tuple(name for name, _ in self.source.model.reactions)
 
     @property

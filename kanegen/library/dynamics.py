@@ -139,11 +139,14 @@ class Dynamics(CompiledModel):
         torque: ArrayLike | None = None,
         **inputs: Unpack[NamedInputs],
     ) -> Floats:
-        """Return the loads that joints transmit along their locked directions, beside loads and gravity.
+        """Return the loads that joints transmit, along locked directions or in frames.
 
-        They act from the lower body on the body K: for an angle the moment about its origin O_K and the axis
-        of the angle, for a translation the force along its axis of the joint frame. They equal what
-        `inverse_dynamics` gives for these directions if they are free and do not move.
+        They act from the lower body on the body K. Along a locked direction this is for an angle the moment
+        about its origin O_K and the axis of the angle, for a translation the force along its axis of the
+        joint frame: what `inverse_dynamics` gives for these directions if they are free and do not move. In
+        a frame of the body it is all that the joint transmits, with the efforts on its freedoms: the moment
+        about the origin of the frame and the force, in components of the frame, as a sensor there shows
+        them.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
@@ -154,7 +157,8 @@ class Dynamics(CompiledModel):
             inputs: Inputs that only some systems have, as in `forcing`.
 
         Returns:
-            (R,) or (B, R) in the order of `reaction_names`, N m for angles and N for translations.
+            (R,) or (B, R) in the order of `reaction_names`, N m for angles and moments, N for translations
+            and forces.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.

@@ -12,7 +12,6 @@ import numpy as np
 
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, OptionError, quoted
-from kanegen.model import output_rows
 from kanegen.model.body import Body, Point
 from kanegen.model.coordinates import FREEDOMS, Coordinate, Freedom, Speed
 from kanegen.model.coupling import CoupledFreedom, Coupling, ordered
@@ -22,6 +21,7 @@ from kanegen.model.frame import Frame, frames_by_name, resolved
 from kanegen.model.joint import Joint
 from kanegen.model.limits import SystemLimits
 from kanegen.model.numbers import Number, Parameter, Vector, map_numbers
+from kanegen.model.reaction import Reaction, every_reaction, reaction_rows
 from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 
 GRAVITY: Vector = (0.0, 0.0, -9.81)
@@ -371,15 +371,16 @@ class SystemDescription:
         return tuple(map(self.frame, self.pose_names))
 
     @cached_property
-    def reaction_names(self) -> tuple[str, ...]:
-        """Names of the locked directions in the output `reaction_loads`; by default all, as in Eq. (1)."""
-        return tuple(output_rows.locked_directions(self.bodies)) if self.reactions is None else self.reactions
+    def reaction_rows(self) -> tuple[Reaction, ...]:
+        """The rows of the output `reaction_loads`; by default those of all joints, as in Eq. (1)."""
+        if self.reactions is None:
+            return tuple(every_reaction(self.bodies, self._further_frames).values())
+        return reaction_rows(self.bodies, self.frames_by_name, self.reactions)
 
     @cached_property
-    def reaction_freedoms(self) -> tuple[Freedom, ...]:
-        """The locked freedoms in the output `reaction_loads`, in its order."""
-        known = output_rows.locked_directions(self.bodies)
-        return tuple(Freedom(*known[name]) for name in self.reaction_names)
+    def reaction_names(self) -> tuple[str, ...]:
+        """Names of the rows of the output `reaction_loads`."""
+        return tuple(row.name for row in self.reaction_rows)
 
 
 class HasPrescribedNames(Protocol):

@@ -25,6 +25,7 @@ from kanegen.model.joint import IDENTITY, Joint
 from kanegen.model.limits import without_angles
 from kanegen.model.names import check_identifier
 from kanegen.model.numbers import Number, Parameter, map_numbers, numbers
+from kanegen.model.reaction import reaction_rows
 from kanegen.model.right_angles import checked_tolerance
 from kanegen.model.rotor import Rotor, check_carriers, check_freedoms, permanent_name
 from kanegen.model.saving import system_table, toml_text
@@ -40,8 +41,8 @@ class System(SystemDescription):
         gravity: (3,) acceleration of gravity, inertial components (m/s^2).
         force_elements: Springs, dampers, drives, loads on points, potentials.
         poses: Names of the frames that `body_poses` gives, in the order of its rows; None for all bodies.
-        reactions: Names of the locked directions that `reaction_loads` gives, `<body>.theta2` or `<body>.s1`,
-            in its order; None for all.
+        reactions: Names of the rows that `reaction_loads` gives, `<body>.theta2` or `<body>.s1` of locked
+            directions, `<frame>.moment1` or `<frame>.force3` in frames, in its order; None for all joints.
         couplings: Freedoms that follow others: x = sum of a_i x_i + offset. They are in neither {x} nor {y}.
         frames: Frames that are fixed in a body or in the ground, beside the bodies' own.
         rotors: Rotors of geared motors, which spin in bodies that carry them.
@@ -66,7 +67,8 @@ class System(SystemDescription):
         couplings = with_permanent_names(couplings, self.bodies)
         validation.store(self, couplings=couplings, bodies=coupled_bodies(self.bodies, couplings))
         validation.store(self, poses=output_rows.poses(self.frame, self.poses))
-        validation.store(self, reactions=output_rows.reactions(self.bodies, self.reactions))
+        if self.reactions is not None:
+            validation.store(self, reactions=self._reactions(self.reactions))
         if not self.freedoms:
             states = ["locked"] + ["prescribed"] * bool(self.prescribed) + ["coupled"] * bool(self.couplings)
             state = " or ".join(states)
@@ -274,19 +276,24 @@ class System(SystemDescription):
         return replace(self, poses=output_rows.poses(self.frame, frames))
 
     def with_reactions(self, directions: Iterable[str] | None) -> Self:
-        """Return the same system with another selection of directions in `reaction_loads`.
+        """Return the same system with another selection of loads in `reaction_loads`.
 
         Args:
-            directions: Names of locked freedoms such as `<body>.theta2`, in the order of the loads; None for
-                all.
+            directions: Names of locked freedoms such as `<body>.theta2`, of components in a frame of a body
+                such as `<frame>.moment1` or `<frame>.force3`, or of frames and bodies for all six components,
+                in the order of the loads; None for those of all joints.
 
         Raises:
             ModelError: If a direction is free, does not exist or is named twice, or none is named.
 
         Example:
-            system.with_reactions(["arm.s3"])
+            system.with_reactions(["arm.s3", "tool"])
         """
-        return replace(self, reactions=output_rows.reactions(self.bodies, directions))
+        return replace(self, reactions=None if directions is None else self._reactions(directions))
+
+    def _reactions(self, chosen: Any) -> tuple[str, ...]:
+        """Return the names of the rows of `reaction_loads` that are chosen."""
+        return tuple(row.name for row in reaction_rows(self.bodies, self.frames_by_name, chosen))
 
     def with_prescribed(self, names: Iterable[str] | str) -> Self:
         """Return the same system with the motion of some freedoms as an input; they leave {x}, {y}, [A], {f}.

@@ -161,7 +161,7 @@ def _rotors(entries: Any, parameters: Parameters) -> tuple[Rotor, ...]:
 
 
 def _outputs(table: Any) -> tuple[Any, Any]:
-    """Return the frames of `body_poses` and the locked directions of `reaction_loads`; None for all."""
+    """Return the frames of `body_poses` and the rows of `reaction_loads`; None for all."""
     if not isinstance(table, Mapping):
         raise ModelError('outputs: write a table, [outputs], with lines such as body_poses = ["tool"].')
     check_keys(table, OUTPUT_KEYS, label="outputs: ")

@@ -163,6 +163,7 @@ NAMES = (
     ("M_{K}s_{x}", "sum of the moments that bodies K and before need of their lower body (N m)"),
     ("F_{K}l{i}", "force that joint K carries along its locked translation i (N)"),
     ("M_{P}o_{x}", "moment that joint K carries about O_K, in P (N m)"),
+    ("M_{K}f_{x}", "moment that joint K carries about the origin of a frame of body K, in K (N m)"),
     ("F_{P}_{x}", "force that body K and all that it carries need (N)"),
     ("M_{P}_{x}", "moment that body K and all that it carries need (N m)"),
     ("fn_{n}", "generalized force on freedom n, which couplings name, with its force elements"),

@@ -1,9 +1,12 @@
-"""The output `reaction_loads`: the loads that joints transmit along locked directions.
+"""The output `reaction_loads`: the loads that joints transmit, along locked directions or in frames.
 
-A reaction load is the generalized force that `inverse_dynamics` would give for the direction if it were free
-and at rest: the component of the transmitted force along a translation of the joint frame, or of the moment
-about O_K along the axis of an angle. The recursion is that of {f}, but inertias are not regrouped: regrouping
-does not change [A] and {f}, but changes the load that the joint between the two bodies transmits.
+The load along a locked direction is the generalized force that `inverse_dynamics` would give for it if it
+were free and at rest: the component of the transmitted force along a translation of the joint frame, or of
+the moment about O_K along the axis of an angle. In a frame, the load is all that the joint transmits, about
+the origin of the frame: what the lower body exerts on the body, efforts on freedoms included.
+
+The recursion is that of {f}, but inertias are not regrouped: regrouping does not change [A] and {f}, but
+changes the load that the joint between the two bodies transmits.
 """
 
 from __future__ import annotations
@@ -13,7 +16,9 @@ from collections.abc import Iterator
 from sympy import Expr, S
 
 from kanegen.model.joint import Joint
+from kanegen.model.reaction import Reaction
 from kanegen.recursion.force_elements import element_efforts
+from kanegen.recursion.frames import fixed_frame
 from kanegen.recursion.inverse_dynamics import (
     CarriedWrench,
     body_motions,
@@ -21,25 +26,44 @@ from kanegen.recursion.inverse_dynamics import (
     required,
 )
 from kanegen.recursion.tree import Derived, Tree, ungrouped
-from kanegen.recursion.vectors import add, cross, dot
+from kanegen.recursion.vectors import add, cross, dot, subtract
 from kanegen.symbolic.definitions import Definitions
 
 
 def reaction_loads(tree: Tree) -> Derived:
-    """Derive the load along every locked direction that the system selects, in its order."""
+    """Derive every load that the system selects, in its order."""
     whole = ungrouped(tree)
     needed = required(whole, body_motions(whole, accelerated=True), accelerated=True)
     every = list(carried_wrenches(whole, needed.wrenches))
     found: dict[tuple[int, int], Expr] = {}
+    in_frames: dict[tuple[str, int], Expr] = {}
     for carried in every:
         k = carried.joint.body
         tree.about(k, "what its joint carries along locked directions")
         joint = tree.system.bodies[k - 1].joint
         found |= {(k, angle): load for angle, load in _moments(carried, joint, tree.definitions)}
         found |= {(k, 3 + axis): load for axis, load in _forces(carried, joint, tree.definitions)}
+        rows = [row for row in tree.system.reaction_rows if row.frame and row.body == k]
+        for name in dict.fromkeys(row.frame for row in rows):
+            in_frames |= {(name, i): load for i, load in enumerate(_in_frame(tree, carried, name))}
     acting = element_efforts(tree)
-    places = [(freedom.body, freedom.index) for freedom in tree.system.reaction_freedoms]
-    return Derived([found[place] - acting.get(place, S.Zero) for place in places])
+
+    def load(row: Reaction) -> Expr:
+        if row.frame:
+            return in_frames[row.frame, row.index]
+        return found[row.body, row.index] - acting.get((row.body, row.index), S.Zero)
+
+    return Derived([load(row) for row in tree.system.reaction_rows])
+
+
+def _in_frame(tree: Tree, carried: CarriedWrench, name: str) -> tuple[Expr, ...]:
+    """Return the moment about the origin of a frame and the force, in components of the frame."""
+    k, above = carried.joint.body, carried.above
+    frame = fixed_frame(tree, name, k)
+    tree.about(k, "what its joint carries, in a frame")
+    arm = subtract(carried.joint.origin, frame.origin)
+    moment = tree.definitions.vector(f"M_{k}f", add(above.moment, cross(arm, above.force)))
+    return (*frame.outward(moment), *frame.outward(above.force))
 
 
 def _moments(carried: CarriedWrench, joint: Joint, definitions: Definitions) -> Iterator[tuple[int, Expr]]:

@@ -10,8 +10,11 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.coordinates import FREEDOMS, SEQUENCES
+from kanegen.model.arrays import FrameArrays
+from kanegen.model.coordinates import ANGLES, FREEDOMS, SEQUENCES, TRANSLATIONS, Freedom
+from kanegen.model.numbers import value_of
 from kanegen.program.count import count
+from kanegen.reference.kinematics import kinematics
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.general_form import steps, with_all_freedoms, with_numbers_as_parameters
 from tests.support import moving_bodies, systems
@@ -28,7 +31,7 @@ ROUNDING = 1e-13
 def require_right(system: kg.System, seed: int) -> None:
     given = quaternion_state(system, seed)
     every = efforts(system, given)
-    expected = np.array([every[freedom] for freedom in system.reaction_freedoms])
+    expected = np.array([every[row.freedom] for row in system.reaction_rows])
     size = max(map(abs, every.values()))
     assert reactions(system, given) == pytest.approx(expected, abs=ROUNDING * size)
 
@@ -68,7 +71,7 @@ def test_they_are_efforts_of_the_same_tree_with_nothing_locked(kind: str) -> Non
 @pytest.mark.parametrize("seed", range(100))
 def test_a_hundred_random_trees(seed: int) -> None:
     system = turned(seed, 1 + seed % 7, locked=bool(seed % 3), orientations=bool(seed % 2))
-    if system.reaction_freedoms:
+    if system.reaction_rows:
         require_right(system, seed)
 
 
@@ -133,7 +136,7 @@ def test_compiled_code() -> None:
         np.array([one[name] for one in given]) for name in ("x", "y", "ydot", "force", "torque")
     )
     batch = library.reaction_loads(x, y, ydot, force, torque)
-    assert batch.shape == (9, len(system.reaction_freedoms))
+    assert batch.shape == (9, len(system.reaction_rows))
     together = library.evaluate(x, y, force, torque, ydot=ydot)
     size = np.abs(batch).max()
     assert together.reaction_loads == pytest.approx(batch, abs=ROUNDING * size)
@@ -141,7 +144,7 @@ def test_compiled_code() -> None:
         one = library.reaction_loads(x[row], y[row], ydot[row], force[row], torque[row])
         assert one.tolist() == batch[row].tolist()
         every = efforts(system, given[row])
-        expected = [every[freedom] for freedom in system.reaction_freedoms]
+        expected = [every[row.freedom] for row in system.reaction_rows]
         assert one == pytest.approx(expected, abs=ROUNDING * max(map(abs, every.values())))
     other = library.with_parameters({"number7": 1.5}).reaction_loads(x[0], y[0], ydot[0], force[0], torque[0])
     expected = reactions(system.with_parameters({"number7": 1.5}), given[0])
@@ -199,12 +202,12 @@ def test_a_file_keeps_the_selection(tmp_path: Path) -> None:
     ("names", "message"),
     [
         (["upper.theta3"], r"'upper.theta3' is free; its effort is what inverse_dynamics gives\. Lock it"),
-        (["uper.theta1"], r"no locked direction 'uper.theta1'\. Did you mean 'upper.theta1'\?"),
-        ("upper.s4", r"no locked direction 'upper.s4'\. Known are '"),
+        (["uper.theta1"], r"no locked direction or frame 'uper.theta1'\. Did you mean 'upper.theta1'\?"),
+        ("upper.s4", r"no locked direction or frame 'upper.s4'\. Known are '"),
         (["upper.s1", "upper.s1"], r"reaction loads: 'upper.s1' is named twice"),
         ([], r"reaction loads: none is chosen\. Name one"),
-        ([["upper.s1"]], r"there is no locked direction \['upper.s1'\]"),
-        (3, r"there is no locked direction 3"),
+        ([["upper.s1"]], r"there is no locked direction or frame \['upper.s1'\]"),
+        (3, r"there is no locked direction or frame 3"),
     ],
 )
 def test_invalid_selections_are_refused(names: object, message: str) -> None:
@@ -218,3 +221,83 @@ def test_where_nothing_is_locked() -> None:
         kg.generate(system, ("reaction_loads",))
     with pytest.raises(kg.ModelError, match=r"reaction loads: no direction of a joint is locked\."):
         system.with_reactions(["body1.theta7"])
+
+
+def wrenches(system: kg.System, given: dict[str, np.ndarray]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return for each body the moment about O_K and the force of its joint, in K, by virtual power.
+
+    The efforts of the same tree with nothing locked do the power of the moment on the relative angular
+    velocity and of the force on the velocity of the joint's translations.
+    """
+    every = efforts(system, given)
+    free = tuple(
+        replace(b, joint=replace(b.joint, free=(True,) * 6, coordinates="angles", name=""))
+        for b in system.bodies
+    )
+    whole = replace(system, bodies=free, reactions=None)
+    x = np.zeros(len(whole.coordinates))
+    for coordinate, place in whole.coordinate_places.items():
+        locked = system.bodies[coordinate.body - 1].joint.locked
+        known = system.coordinate_places.get(coordinate)
+        x[place] = value_of(locked[coordinate.index]) if known is None else given["x"][known]
+    arrays = whole.values()
+    found = []
+    for k, body in enumerate(kinematics(arrays, x, 0 * x), start=1):
+        angles, slides = (np.array([every[Freedom(k, i)] for i in part]) for part in (ANGLES, TRANSLATIONS))
+        moment = np.linalg.solve(body.rate_matrix.T, angles)
+        found.append((moment, body.relative_rotation @ arrays.joint_orientation[k - 1].T @ slides))
+    return found
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_load_in_a_frame_is_all_that_the_joint_transmits(seed: int) -> None:
+    """About the origin of the frame and in its components; a frame of a body for its users is the default."""
+    rng = np.random.default_rng(seed)
+    system = turned(seed, 4, free=np.delete(freed("theta2 s1"), 0, axis=0))
+    names = [body.name for body in system.bodies]
+    frames = {
+        names[1]: (names[1], rng.normal(size=3), rng.normal(size=3)),
+        "sensor": (names[2], rng.normal(size=3), rng.normal(size=3)),
+    }
+    system = system.with_frames(frames)
+    assert f"{names[1]}.moment1" in system.reaction_names
+    assert f"{names[1]}.theta1" not in system.reaction_names
+    assert f"{names[0]}.theta1" in system.reaction_names
+    chosen = system.with_reactions([names[1], "sensor", names[3], f"{names[0]}.s3"])
+    given = quaternion_state(system, seed)
+    found = reactions(chosen, given)
+    joints = wrenches(system, given)
+    expected = []
+    for k, name in ((2, names[1]), (3, "sensor"), (4, "")):
+        moment, force = joints[k - 1]
+        frame = system.values().frames[name] if name else FrameArrays(k, np.zeros(3), np.eye(3))
+        about = moment - np.cross(frame.position, force)
+        expected += [*(frame.rotation @ about), *(frame.rotation @ force)]
+    size = np.abs(expected).max()
+    assert found[:-1] == pytest.approx(np.array(expected), abs=ROUNDING * size)
+    assert found[-1] == pytest.approx(efforts(system, given)[Freedom(1, 5)], abs=ROUNDING * size)
+
+
+def test_a_load_in_a_frame_includes_efforts_on_freedoms() -> None:
+    """For given accelerations a spring at the hinge relieves the motor; the joint transmits the same."""
+    system = kg.load(MODELS / "double_pendulum.toml").with_reactions(["upper"])
+    given = quaternion_state(system, 1)
+    sprung = system.with_force_elements(kg.JointSpring("q1", stiffness=30.0, damping=2.0))
+    assert reactions(sprung, given) == pytest.approx(reactions(system, given), abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("chosen", "message"),
+    [
+        (["table"], r"reaction loads: 'table' is fixed to the ground, below which there is no joint"),
+        (["tool.moment4"], r"reaction loads: there is no locked direction or frame 'tool.moment4'"),
+        (["tool", "tool.force1"], r"reaction loads: 'tool.force1' is named twice"),
+        ([None], r"reaction loads: there is no locked direction or frame None"),
+        (["upper.theta3"], r"'upper.theta3' is free"),
+    ],
+)
+def test_invalid_loads_in_frames_are_refused(chosen: list[object], message: str) -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    system = system.with_frames({"tool": ("lower", (0, 0, 1)), "table": ("ground", (0, 0, 1))})
+    with pytest.raises(kg.ModelError, match=message):
+        system.with_reactions(chosen)  # type: ignore[arg-type]

@@ -22,7 +22,7 @@ from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import Solution
 
 REACTIONS = Subject(
-    lambda system: system.reaction_freedoms,
+    lambda system: system.reaction_rows,
     "has no locked directions, all joints move freely. Lock some, or ask for inverse_dynamics.",
 )
 
@@ -69,6 +69,20 @@ def _poses_doc(system: System) -> str:
         f"for each {which} the rows of [R_K], Eq. (3), which takes inertial to body components, "
         "then its origin {p_O_K}, Eq. (22), inertial components"
     )
+
+
+def _reactions_doc(system: System) -> str:
+    """Return the documentation of `reaction_loads`, which may hold locked directions and loads in frames."""
+    in_frames = [bool(row.frame) for row in system.reaction_rows]
+    directions = (
+        "what holds locked directions, beside loads and gravity: for an angle the moment about O_K and "
+        "its axis, for a translation the force along it"
+    )
+    loads = (
+        "what the lower body exerts on a body through its joint, efforts on freedoms included: the moment "
+        "about the origin of a frame of the body, and the force, in components of the frame"
+    )
+    return "; ".join([directions] * (not all(in_frames)) + [loads] * any(in_frames))
 
 
 def _six_rows(system: System, name: str, unit: str, what: str) -> Array:
@@ -128,10 +142,9 @@ _ENTRIES = (
         "reaction_loads",
         lambda system: Array(
             "reaction_loads",
-            (len(system.reaction_freedoms),),
+            (len(system.reaction_rows),),
             "N m, N",
-            "what holds locked directions, beside loads and gravity: for an angle the moment about O_K and "
-            "its axis, for a translation the force along it",
+            _reactions_doc(system),
         ),
         ("x", "y", "ydot", *LOADS),
         Recursion("recursion of forces", reaction_loads),

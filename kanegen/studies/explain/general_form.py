@@ -39,7 +39,7 @@ def equivalent_outputs(system: System, outputs: Sequence[str]) -> tuple[str, ...
 
     Where all freedoms are free, reaction loads are among the generalized forces of inverse dynamics.
     """
-    if system.reaction_freedoms:
+    if system.reaction_rows:
         return tuple(outputs)
     return chosen("inverse_dynamics" if name == "reaction_loads" else name for name in outputs)
 
