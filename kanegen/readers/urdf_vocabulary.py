@@ -24,12 +24,14 @@ class Vocabulary:
         children: Names of the elements inside that are read.
         passed_over: Names of elements inside that say nothing about the motion.
         moves: Whether the element places or moves something, so that any other content is an error.
+        has_more: Whether further attributes have no effect.
     """
 
     attributes: tuple[str, ...] = ()
     children: tuple[str, ...] = ()
     passed_over: tuple[str, ...] = ()
     moves: bool = False
+    has_more: bool = False
 
 
 _PASSED_OVER_IN_LINK = (
@@ -62,6 +64,7 @@ ELEMENTS = {
     "parent": Vocabulary(("link",), moves=True),
     "child": Vocabulary(("link",), moves=True),
     "mimic": Vocabulary(("joint", "multiplier", "offset"), moves=True),
+    "limit": Vocabulary(("lower", "upper", "velocity", "effort"), has_more=True),
     "dynamics": Vocabulary(("damping", "friction")),
 }
 """The elements whose content matters, by name; each occurs in one place or with one meaning."""
@@ -168,9 +171,11 @@ def _content(element: Element) -> Iterator[Unread]:
         yield Unread(f"text in <{element.tag}>", element.line)
     for child in element.children:
         if child.tag in known.children:
-            if element.tag != "robot" and child.tag in ELEMENTS:
+            if element.tag != "robot":
                 yield from _content(child)
-        elif child.tag not in known.passed_over and not _says_zero(child):
+        elif child.tag in known.passed_over:
+            _refuse_mass(element, child)
+        elif not _says_zero(child):
             _refuse_loss(element, child)
             remark = REMARKS.get(child.tag)
             what = f"<{child.shown}> in <{element.tag}>" + (f": {remark}" if remark else "")
@@ -180,7 +185,8 @@ def _content(element: Element) -> Iterator[Unread]:
 def _attributes(element: Element, known: Vocabulary) -> Iterator[Unread]:
     """Yield the unknown attributes of an element; one that may place or move something is an error."""
     for name, value in element.attributes.items():
-        if name in known.attributes or name.startswith("xmlns") or ":" in name or _is_zero(value):
+        is_foreign = name.startswith("xmlns") or (":" in name and not known.moves)
+        if name in known.attributes or is_foreign or _is_zero(value):
             continue
         shown = f'{excerpt(name, QUOTED)}="{excerpt(value, QUOTED)}"'
         if name.lower() in known.attributes:
@@ -189,9 +195,20 @@ def _attributes(element: Element, known: Vocabulary) -> Iterator[Unread]:
             raise element.error(
                 f"<{element.tag} {shown}>: this attribute would be lost.{_place(name.lower())}"
             )
+        if known.has_more:
+            continue
         if known.moves:
             raise element.error(f"<{element.tag} {shown}> would be lost. {_spelt(element.tag)}")
         yield Unread(f"attribute {excerpt(name, QUOTED)} of <{element.tag}>", element.line)
+
+
+def _refuse_mass(element: Element, child: Element) -> None:
+    """Raise a `ReadError` if an element of a link or a joint that is passed over holds mass or motion."""
+    lost = {"link": MASSES, "joint": (*MASSES, *CONNECTIONS, "origin", "axis")}.get(element.tag, ())
+    for inner in child.walk():
+        if inner.tag.lower() in lost:
+            place = _place(inner.tag.lower())
+            raise inner.error(f"<{inner.shown}> in <{child.tag}> would be lost.{place}")
 
 
 def _refuse_loss(element: Element, child: Element) -> None:
@@ -199,16 +216,18 @@ def _refuse_loss(element: Element, child: Element) -> None:
     known = ELEMENTS[element.tag]
     if child.tag.lower() in known.children:
         raise child.error(f"<{child.shown}>: write <{child.tag.lower()}> in lower case.")
+    if child.tag.lower() in ELEMENTS.keys() - {"robot", "dynamics", "limit"}:
+        raise child.error(f"<{child.shown}> in <{element.tag}> would be lost.{_place(child.tag.lower())}")
     hint = _hint(child, known)
     for inner in child.walk():
         name = inner.tag.lower()
         if name in MASSES or (element.tag == "robot" and name in CONNECTIONS):
-            here = f"<{inner.shown}> in <{element.tag}>"
-            if inner is not child:
-                here = f"<{child.shown}> is no part of URDF: <{inner.shown}> in it"
-            raise inner.error(f"{here} would be lost.{_place(name)}")
-        if element.tag == "joint" and any(place in inner.attributes for place in PLACES):
-            raise child.error(f"<{child.shown}> in <joint> is no part of URDF and would be lost.{hint}")
+            what = f"<{child.shown}> is no part of URDF: <{inner.shown}> in it"
+            raise inner.error(f"{what} would be lost.{_place(name)}")
+        if element.tag in ("joint", "inertial") and any(place in inner.attributes for place in PLACES):
+            raise child.error(
+                f"<{child.shown}> in <{element.tag}> is no part of URDF and would be lost.{hint}"
+            )
     if known.moves:
         hint = f" {_spelt(element.tag)}"
     if hint:
@@ -223,9 +242,9 @@ def _hint(child: Element, known: Vocabulary) -> str:
 
 
 def _place(tag: str) -> str:
-    """Return a sentence that says where an element belongs, "" if it has several places."""
-    owner = next((name for name, known in ELEMENTS.items() if tag in known.children and tag != "origin"), "")
-    return f" <{tag}> is an element inside <{owner}>." if owner else ""
+    """Return a sentence that says where an element belongs, "" for what is no element."""
+    owners = " or ".join(f"<{name}>" for name, known in ELEMENTS.items() if tag in known.children)
+    return f" <{tag}> is an element inside {owners}." if owners else ""
 
 
 def _spelt(tag: str) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import kanegen as kg
-from tests.support.paths import MODEL_FILES, ROOT
+from tests.support.paths import FROM_REPORTS, MODEL_FILES, ROOT
 
 NUMBERS = (
     *("0", "1", "-1", "-0.0", "1e155", "-1e155", "1e308", "1e-308", "5e-324", "1e400", "nan", "inf", "-inf"),
@@ -89,10 +89,39 @@ NAMES = (
 PLAIN_NUMBERS = (*NUMBERS[:22], "1", "0.5", "-2", "1e-12", "3.14159", "0.7854", "${x}", "1 2", "")
 """Numbers that take the place of a number of a robot file."""
 
-TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "0 0 1", "0 0 0", "1 1 1", "1")
+TYPES = (
+    "revolute",
+    "continuous",
+    "prismatic",
+    "fixed",
+    "floating",
+    "planar",
+    "spherical",
+    "ball",
+    "0 0 1",
+    "0 0 0",
+    "1 1 1",
+    "1",
+)
 """Types of joints and axes that take the place of an attribute of a robot file."""
 
+TAGS = (
+    "link",
+    "joint",
+    "inertial",
+    "Inertial",
+    "mass",
+    "origin",
+    "orgin",
+    "axis",
+    "visual",
+    "xacro:if",
+    "x:y",
+)
+"""Tags that take the place of a tag of a robot file."""
+
 QUOTED = re.compile(r'"[^"\n]*"')
+TAG = re.compile(r"(?<=<)[A-Za-z_:]+(?=[^<>]*/>)")
 TOKEN = re.compile(r'"[^"\n]*"|[A-Za-z_][\w.-]*|[-+]?\d[\w.+-]*|\S')
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 NAME = re.compile(r'"[^"\n]*"|[A-Za-z_]\w*')
@@ -283,7 +312,10 @@ def toml_mutant(number: int) -> str:
 def urdf_mutant(number: int) -> str:
     """Return mutant `number` of the robot files."""
     every_joint = (ROOT / "tests/readers/data/every_joint.urdf").read_text(encoding="utf-8")
-    return _text_mutant((every_joint, URDF, URDF), _URDF_CHANGES, f"urdf {number}")
+    reports = [
+        path.read_text(encoding="utf-8", errors="replace") for path in sorted(FROM_REPORTS.glob("*.urdf"))
+    ]
+    return _text_mutant((every_joint, every_joint, URDF, URDF, *reports), _URDF_CHANGES, f"urdf {number}")
 
 
 def mjcf_mutant(number: int) -> str:
@@ -420,6 +452,7 @@ _URDF_CHANGES: tuple[Change, ...] = (
     *[_replaced(NUMBER, PLAIN_NUMBERS)] * 6,
     *[_replaced(QUOTED, NAMES)] * 3,
     *[_replaced(QUOTED, TYPES)] * 2,
+    *(_replaced(TAG, TAGS), _another(TAG)),
     *(_another(NUMBER), _another(NUMBER), _another(QUOTED), _another(QUOTED), _lines, _lines, _characters),
 )
 
