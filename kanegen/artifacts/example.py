@@ -11,6 +11,7 @@ from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source import Source
 from kanegen.c.templates import fill
+from kanegen.model.quoting import c_name
 from kanegen.program.ir import Array
 from kanegen.program.precision import DOUBLE, Precision
 
@@ -71,7 +72,7 @@ def _initializer(elements: Sequence[tuple[float, str]], precision: Precision) ->
     """Return the lines between the braces of an initializer."""
     last = len(elements) - 1
     return [
-        f"{_initial(value, precision)}{',' if i < last else ''} /* {label} */"
+        f"{_initial(value, precision)}{',' if i < last else ''} /* {c_name(label)} */"
         for i, (value, label) in enumerate(elements)
     ]
 

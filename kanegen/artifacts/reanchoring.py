@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from kanegen.c.source import Source
 from kanegen.c.templates import fill
+from kanegen.errors import quoted
 
 
 def reanchoring(source: Source) -> dict[str, str]:
@@ -22,8 +23,8 @@ def refusal(source: Source) -> str:
         )
     if not source.model.reanchorable:
         return (
-            f"system {source.model.name!r} has nothing to re-anchor in C: no body has three free angles and "
-            "three parameters of its own as the orientation of its joint. Give orientation_angles three "
-            "parameters."
+            f"system {quoted(source.model.shown)} has nothing to re-anchor in C: no body has three free "
+            "angles and three parameters of its own as the orientation of its joint. Give orientation_angles "
+            "three parameters."
         )
     return ""

@@ -18,6 +18,7 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import WIDTH
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
+from kanegen.model.quoting import c_comment
 from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE, Precision
 from kanegen.program.semantics import FINITE
@@ -149,7 +150,8 @@ def _operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:
 def _force_elements(model: ModelDescription) -> list[str]:
     """Return comment lines that describe the force elements."""
     width = WIDTH - len(" *     ")
-    lines = [textwrap.wrap(element, width, subsequent_indent="    ") for element in model.force_elements]
+    texts = map(c_comment, model.force_elements)
+    lines = [textwrap.wrap(text, width, subsequent_indent="    ") for text in texts]
     return [line for wrapped in lines for line in wrapped]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kanegen.errors import quoted
 from kanegen.model.coordinates import NOTES
 from kanegen.model.reanchorable import ReanchorableJoint, reanchorable_joints
 from kanegen.model.system import System
@@ -14,11 +15,12 @@ class ModelDescription:
     """Names, units and sizes of a system, in the order in which the generated code has them.
 
     Attributes:
-        name: A C identifier; the prefix of every generated name.
+        name: A C identifier; the beginning of every generated name.
         freedom_names: n names of the freedoms, in the order of {y}.
         freedom_units: Unit of each freedom, "rad" or "m".
         coordinate_names: Names in the order of {x}: the freedoms, or the four elements of a quaternion.
         coordinate_units: Unit of each coordinate, "rad", "m" or "1".
+        title: Name of the system as its model has it; "" where it is `name`.
         homogeneous: For each orientation whose coordinates have a length without meaning, such as a
             quaternion, the places of these coordinates in {x}.
         body_names: N names of the bodies.
@@ -63,6 +65,12 @@ class ModelDescription:
     reanchorable: tuple[ReanchorableJoint, ...] = ()
     homogeneous: tuple[tuple[int, ...], ...] = ()
     limits: tuple[tuple[float, ...], ...] = ()
+    title: str = ""
+
+    @property
+    def shown(self) -> str:
+        """Name of the system for people."""
+        return self.title or self.name
 
     @property
     def prefix(self) -> str:
@@ -87,7 +95,7 @@ class ModelDescription:
         points = [name for name, _ in self.points]
         named = {"body": (self.body_names, self.loaded), "point": (points, self.loaded_points)}[kind]
         rows = enumerate(zip(*named, strict=True))
-        return {row: f"{kind} {name!r}" for row, (name, is_loaded) in rows if not is_loaded}
+        return {row: f"{kind} {quoted(name)}" for row, (name, is_loaded) in rows if not is_loaded}
 
     @property
     def has_other_coordinates(self) -> bool:
@@ -116,7 +124,8 @@ class ModelDescription:
 def description(system: System) -> ModelDescription:
     """Return the description of `system`."""
     return ModelDescription(
-        name=system.name,
+        name=system.identifier,
+        title=system.name,
         freedom_names=system.freedom_names,
         freedom_units=tuple(freedom.unit for freedom in system.freedoms),
         body_names=tuple(body.name for body in system.bodies),

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from kanegen.c.description import ModelDescription
 from kanegen.c.interface import PREPARE, Function
-from kanegen.errors import ModelError
+from kanegen.errors import ModelError, quoted
 from kanegen.options import Variant
 from kanegen.program import precision as precisions
 from kanegen.program.ir import PARAMETERS, PREPARED, WORKSPACE, Op, Program
@@ -84,11 +84,11 @@ def require_range(
         ModelError: If a parameter or a constant is too large, or a divisor too small.
     """
     for name, default in model.parameters:
-        formats.parameters.rounded(default, f"system {model.name!r}: parameter {name!r}")
+        formats.parameters.rounded(default, f"system {quoted(model.shown)}: parameter {name!r}")
     for function, parts in programs.items():
         for part in parts if function.name != PREPARE else ():
-            _require_constants(part, formats.arithmetic, f"system {model.name!r}: a constant")
-            _require_results(part, formats.storage, f"system {model.name!r}: a result")
+            _require_constants(part, formats.arithmetic, f"system {quoted(model.shown)}: a constant")
+            _require_results(part, formats.storage, f"system {quoted(model.shown)}: a result")
 
 
 def _require_constants(program: Program, precision: Precision, label: str) -> None:

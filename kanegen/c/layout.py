@@ -5,6 +5,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Sequence
 
+from kanegen.model.quoting import c_comment
+
 WIDTH = 110
 """Columns of a generated line."""
 
@@ -48,8 +50,8 @@ def _fragments(text: str, room: int) -> Iterator[tuple[str, str]]:
 
 def comment(text: str, indent: str = "    ") -> list[str]:
     """Return `text` as lines of a C comment, in which no part of the text can end the comment."""
-    inner = text.replace("*/", "* /")
-    lines = textwrap.wrap(inner, WIDTH - len(indent) - len("/*  */"), break_long_words=False) or [""]
+    width = WIDTH - len(indent) - len("/*  */")
+    lines = textwrap.wrap(c_comment(text), width, break_long_words=False) or [""]
     lines[1:] = [f"{indent}   {line}" for line in lines[1:]]
     lines[0] = f"{indent}/* {lines[0]}"
     lines[-1] += " */"

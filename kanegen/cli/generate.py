@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.markup import escape
 
 from kanegen.cli.budget_options import (
     Attempts,
@@ -142,6 +143,6 @@ def _show(system: System, source: Source, folder: Path) -> None:
     """Print the size of the system, the operations and the files."""
     cost = ", ".join(f"{kind} {number}" for kind, number in source.operations.items())
     freedoms = counted(len(system.freedoms), "freedom")
-    screen.print(f"{system.name}: {freedoms}, {' and '.join(source.outputs)}")
+    screen.print(f"{escape(system.name)}: {freedoms}, {' and '.join(source.outputs)}")
     screen.print(f"operations: {cost}")
     screen.print(f"wrote {', '.join(source.files)} to {folder}", soft_wrap=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,7 +45,7 @@ def _locked_values(lock: Sequence[str]) -> dict[str, float | list[float]]:
     """
     found: dict[str, float | list[float]] = {}
     for text in lock:
-        name, _, value = (part.strip() for part in text.partition("="))
+        name, _, value = (part.strip() for part in text.rpartition("="))
         try:
             numbers = [float(part) for part in value.split(",")]
         except ValueError:
@@ -86,5 +87,6 @@ def _require_output(option: str, output: str, outputs: Sequence[str]) -> None:
 
 
 def _names(text: str) -> list[str]:
-    """Return the names in a text, separated by commas."""
-    return [name for word in text.split(",") if (name := word.strip())]
+    """Return the names in a text, separated by commas; a name that has one stands between double quotes."""
+    words = next(csv.reader([text], skipinitialspace=True), [])
+    return [name for word in words if (name := word.strip())]

@@ -41,7 +41,7 @@ def show(summary: Summary, console: Console, verbose: bool = False) -> None:
     bodies = counted(system.number_of_bodies, "body", "bodies")
     freedoms = counted(len(system.freedoms), "freedom")
     gravity = ", ".join(_text(value) for value in system.gravity)
-    console.print(f"[bold]{system.name}[/]: {bodies}, {freedoms}, gravity ({gravity}) m/s^2\n")
+    console.print(f"[bold]{escape(system.name)}[/]: {bodies}, {freedoms}, gravity ({gravity}) m/s^2\n")
     drawing = console.render(_tree(system), console.options.update_width(WIDEST))
     console.print(Segments(drawing), soft_wrap=True)
     _show_facts(summary.facts, console, verbose)

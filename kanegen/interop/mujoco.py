@@ -13,7 +13,6 @@ from typing import Any
 from kanegen.interop.blocks import Block, Floating, Follower
 from kanegen.interop.matching import ALL_SIX, TURNING, Matching
 from kanegen.interop.state_map import StateMap, state_map_of
-from kanegen.model.names import usable_label
 from kanegen.model.system import System
 
 
@@ -51,8 +50,8 @@ def state_map(system: System, model: Any) -> StateMap:
 def _block(matching: Matching, model: Any, joint: int) -> Block | Follower:
     """Return the block of one joint."""
     number, kind = int(model.jnt_bodyid[joint]), int(model.jnt_type[joint])
-    name = usable_label(model.joint(joint).name or f"joint{joint}")
-    names = (usable_label(model.body(number).name or f"body{number}"), name)
+    name = model.joint(joint).name or f"joint{joint}"
+    names = (model.body(number).name or f"body{number}", name)
     first_q, first_v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
     match kind:
         case JointType.FREE:

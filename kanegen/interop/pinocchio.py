@@ -12,7 +12,6 @@ from kanegen.errors import ModelError, quoted
 from kanegen.interop.blocks import Block, CosineSine, Floating, Follower, Places, Planar, Scalars
 from kanegen.interop.matching import ALL_SIX, TURNING, Matching
 from kanegen.interop.state_map import StateMap, state_map_of
-from kanegen.model.names import usable_label
 from kanegen.model.system import System
 
 ROOT_JOINT = "root_joint"
@@ -62,7 +61,7 @@ def _block(matching: Matching, name: str, joint: Any) -> Block | Follower:
         ModelError: If no freedom or body of the system has its name, or its type is unknown.
     """
     q, v = _places(joint.idx_q, joint.nq), _places(joint.idx_v, joint.nv)
-    names, kind = (usable_label(name),), joint.shortname()
+    names, kind = (name,), joint.shortname()
     match joint.nq, joint.nv:
         case 1, 1:
             return matching.joint(names[0], q, v)

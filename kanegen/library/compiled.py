@@ -76,7 +76,7 @@ class CompiledModel:
     @property
     def name(self) -> str:
         """Name of the system."""
-        return self.source.model.name
+        return self.source.model.shown
 
     @property
     def n(self) -> int:

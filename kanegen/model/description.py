@@ -20,6 +20,7 @@ from kanegen.model.force_elements.expression import TIME
 from kanegen.model.frame import Frame, frames_by_name, resolved
 from kanegen.model.joint import Joint
 from kanegen.model.limits import SystemLimits
+from kanegen.model.names import identifier
 from kanegen.model.numbers import Number, Parameter, Vector, map_numbers
 from kanegen.model.reaction import Reaction, every_reaction, reaction_rows
 from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
@@ -44,6 +45,15 @@ class SystemDescription:
     couplings: tuple[Coupling, ...] = ()
     frames: tuple[Frame, ...] = ()
     rotors: tuple[Rotor, ...] = ()
+
+    @cached_property
+    def identifier(self) -> str:
+        """The C identifier with which files, functions and constants of generated code begin.
+
+        It is the name of the system where this is an identifier, and else derived from it: see
+        `names.identifier`.
+        """
+        return identifier(self.name)
 
     @property
     def number_of_bodies(self) -> int:

@@ -1,21 +1,35 @@
-"""Validation of the names in a model.
+"""Names in a model: their rules, and the identifiers that generated code derives from them.
 
-System and parameter names become C identifiers. Body and joint names appear in comments, messages and
-`freedom_names`, and may also contain dots, hyphens and colons, as robot files do. Every other name is
-refused, so that no name from a file reaches C, a path or a shell unchecked.
+Bodies, joints, points, frames and the system itself have the names that people and robot files give them, in
+any script. They appear in messages, results and comments. A parameter is a variable of expressions and of
+the generated code, so its name is an identifier. Where the generated code needs an identifier for a system,
+`identifier` derives it from the name. So no name from a file reaches C, a path or a shell as it is.
 """
 
 from __future__ import annotations
 
+import hashlib
 import re
+import unicodedata
 
 from kanegen.errors import ModelError, quoted
 
-MAX_LENGTH = 63
+MAX_IDENTIFIER = 63
 """Significant characters of an internal identifier in C99, section 5.2.4.1."""
 
+MAX_LABEL = 10_000
+"""Largest number of characters of any other name."""
+
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_LABEL = re.compile(r"[A-Za-z0-9_](?:[A-Za-z0-9_:-]|\.(?!\.))*")
+
+_DIGEST = 6
+"""Number of hexadecimal digits that tell identifiers of similar names apart."""
+
+_JOINERS = frozenset(("\u200c", "\u200d", *map(chr, range(0xE0020, 0xE0080))))
+"""Invisible characters that belong to words of some scripts and to emoji."""
+
+_INVISIBLE = frozenset(("Cc", "Cf", "Cs", "Zl", "Zp"))
+"""Categories of control characters, marks of direction, surrogates and line ends."""
 
 # Keywords of C99, C11, C23 and C++20, and `main`, which the generated example defines.
 KEYWORDS = frozenset(
@@ -38,47 +52,60 @@ def check_identifier(name: object, label: str) -> str:
     Raises:
         ModelError: If `name` is not an ASCII identifier, is a keyword of C or C++, or is too long.
     """
-    rule = "Use letters, digits and underscores, beginning with a letter."
-    return _check(name, label, _IDENTIFIER, rule)
-
-
-def check_label(name: object, label: str) -> str:
-    """Return `name` if it can label a body or a joint; the message calls it `label`.
-
-    Raises:
-        ModelError: If `name` contains anything but ASCII letters, digits and `_ . - :`, or is a keyword.
-    """
-    rule = "Use letters, digits, '_', '-', ':' and single dots, beginning with a letter or digit."
-    return _check(name, label, _LABEL, rule)
-
-
-def usable_label(name: str) -> str:
-    """Return a label for a body or joint of a robot file: forbidden characters become underscores."""
-    name = re.sub(r"[^A-Za-z0-9_.:-]|\.(?=\.)", "_", name)
-    return _without_keyword(name if re.match(r"[A-Za-z0-9_]", name) else f"_{name}")
-
-
-def usable_identifier(name: str) -> str:
-    """Return an identifier for a robot file's system: `robot` where the file has no name."""
-    name = re.sub(r"[^A-Za-z0-9_]", "_", name) or "robot"
-    return _without_keyword(name if re.match(r"[A-Za-z]", name) else f"robot_{name}")[:MAX_LENGTH]
-
-
-def _without_keyword(name: str) -> str:
-    """Return `name`, with an underscore at its end if it is a keyword."""
-    return f"{name}_" if name in KEYWORDS else name
-
-
-def _check(name: object, label: str, pattern: re.Pattern[str], rule: str) -> str:
-    """Return `name` if it is a string that fits `pattern`, no keyword and not too long."""
-    if not isinstance(name, str):
-        raise ModelError(f"{label}: {quoted(name)} is not a string.")
-    if not name:
-        raise ModelError(f"{label} is empty. {rule}")
-    if len(name) > MAX_LENGTH:
-        raise ModelError(f"{label}: {quoted(name)} is longer than {MAX_LENGTH} characters.")
-    if not pattern.fullmatch(name):
+    name = _text(name, label, MAX_IDENTIFIER)
+    if not _IDENTIFIER.fullmatch(name):
+        rule = "Use letters, digits and underscores, beginning with a letter."
         raise ModelError(f"{label}: {quoted(name)} cannot be used. {rule}")
     if name in KEYWORDS:
         raise ModelError(f"{label}: {quoted(name)} is a keyword of C or C++. Choose another name.")
+    return name
+
+
+def check_label(name: object, label: str) -> str:
+    """Return `name` if it can name a system, a body, a joint, a point or a frame, which text in one line can.
+
+    The message calls it `label`.
+
+    Raises:
+        ModelError: If `name` is blank, too long, or contains a control character.
+    """
+    name = _text(name, label, MAX_LABEL)
+    if not name.strip():
+        raise ModelError(f"{label}: {quoted(name)} is blank. Choose a name.")
+    for character in name:
+        if unicodedata.category(character) in _INVISIBLE and character not in _JOINERS:
+            raise ModelError(
+                f"{label}: {quoted(name)} contains the invisible character U+{ord(character):04X}. Delete it."
+            )
+    return name
+
+
+def identifier(name: str) -> str:
+    """Return the C identifier of a name: the name itself if it is one, else one that is derived from it.
+
+    A derived identifier has the letters and digits of the name, and six hexadecimal digits by which the
+    identifiers of different names differ. It depends on nothing but the name.
+
+    Example:
+        identifier("arm")  # 'arm'
+        identifier("2-link arm")  # 'model_2_link_arm_', then six digits
+    """
+    if len(name) <= MAX_IDENTIFIER and _IDENTIFIER.fullmatch(name) and name not in KEYWORDS:
+        return name
+    letters = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode("ascii")
+    readable = re.sub(r"[^A-Za-z0-9]+", "_", letters).strip("_")
+    if not readable[:1].isalpha():
+        readable = f"model_{readable}".rstrip("_")
+    digest = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:_DIGEST]
+    return f"{readable[: MAX_IDENTIFIER - _DIGEST - 1]}_{digest}"
+
+
+def _text(name: object, label: str, longest: int) -> str:
+    """Return `name` if it is a string that is neither empty nor too long."""
+    if not isinstance(name, str):
+        raise ModelError(f"{label}: {quoted(name)} is not a string.")
+    if not name:
+        raise ModelError(f"{label} is empty. Choose a name.")
+    if len(name) > longest:
+        raise ModelError(f"{label}: {quoted(name)} is longer than {longest} characters.")
     return name

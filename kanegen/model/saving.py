@@ -71,7 +71,7 @@ def _lines(table: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
 
 def _key(key: str) -> str:
     """Return a key of TOML, quoted if necessary."""
-    return key if _BARE_KEY.fullmatch(key) else json.dumps(key)
+    return key if _BARE_KEY.fullmatch(key) else json.dumps(key, ensure_ascii=False)
 
 
 def _value(value: Any) -> str:
@@ -79,7 +79,7 @@ def _value(value: Any) -> str:
     if isinstance(value, float) and math.isinf(value):
         return "inf" if value > 0 else "-inf"
     if not isinstance(value, tuple):
-        return json.dumps(value)
+        return json.dumps(value, ensure_ascii=False)
     if value and isinstance(value[0], tuple):
         return "".join(["[\n", *(f"    {_value(row)},\n" for row in value), "]"])
     return f"[{', '.join(map(_value, value))}]"

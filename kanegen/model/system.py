@@ -23,7 +23,7 @@ from kanegen.model.force_elements.names import with_resolved_names
 from kanegen.model.frame import Frame, check_points, checked_frames
 from kanegen.model.joint import IDENTITY, Joint
 from kanegen.model.limits import without_angles
-from kanegen.model.names import check_identifier
+from kanegen.model.names import check_label
 from kanegen.model.numbers import Number, Parameter, map_numbers, numbers
 from kanegen.model.reaction import reaction_rows
 from kanegen.model.right_angles import checked_tolerance
@@ -36,7 +36,7 @@ class System(SystemDescription):
     """A tree of rigid bodies with gravity, force elements, and the selection of rows of outputs.
 
     Attributes:
-        name: A C identifier; prefix of everything in the generated code.
+        name: Name of the system; generated code has the identifier that follows from it.
         bodies: The bodies, lower bodies first.
         gravity: (3,) acceleration of gravity, inertial components (m/s^2).
         force_elements: Springs, dampers, drives, loads on points, potentials.
@@ -56,7 +56,7 @@ class System(SystemDescription):
     """
 
     def __post_init__(self) -> None:
-        check_identifier(self.name, "system name")
+        check_label(self.name, "system name")
         bodies = validation.instances(self.bodies, Body, "bodies")
         elements = validation.instances(self.force_elements, ForceElement, "force_elements")
         validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
@@ -130,7 +130,7 @@ class System(SystemDescription):
             locked: (N, 6) values of the locked freedoms (rad, m); default 0.
             gravity: (3,) inertial components (m/s^2).
             loads: None, True or (N,) flags: bodies that take force and torque inputs.
-            name: A C identifier; prefix of everything in the generated code.
+            name: Name of the system.
             sequence: One name or (N,) names of `coordinates.SEQUENCES`: axes of the three angles.
             speeds: One name or (N,) names of `coordinates.SPEEDS`: the generalized speeds of the angles.
             coordinates: One name or (N,) names of `coordinates.ORIENTATIONS`: coordinates of orientations.

@@ -14,7 +14,6 @@ from itertools import chain
 from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
 from kanegen.model.coupling import Coupling
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.names import usable_identifier
 from kanegen.model.rotations import ZERO, Triple
 from kanegen.model.system import System
 from kanegen.readers.mjcf_actuators import actuators
@@ -55,7 +54,7 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
     model = compiled(file)
     if not int(model.model.njnt):
         raise ReadError(f"{file.path}: no joint of this model moves. A body moves by <joint> or <freejoint>.")
-    name = usable_identifier(file.root.attributes.get("model", "") or file.path.stem)
+    name = file.root.attributes.get("model", "").strip() or file.path.stem
     try:
         tree = mjcf_tree(model)
         system = System(name, tree.bodies, gravity=_gravity(model), frames=tree.frames)
@@ -66,7 +65,7 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
         _warn(f"{file.path}: the equations leave out {text}.")
     if tree.renamed:
         changed = (f"{quoted(old)} is called {quoted(new)}" for old, new in tree.renamed.items())
-        _warn(f"{file.path}: names that kanegen cannot use are changed: {', '.join(changed)}.")
+        _warn(f"{file.path}: names that are taken already are changed: {', '.join(changed)}.")
     return system
 
 

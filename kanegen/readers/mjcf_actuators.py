@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from kanegen.model.force_elements.elements import Drive
 from kanegen.model.force_elements.grammar import parse
-from kanegen.model.names import MAX_LENGTH
+from kanegen.model.names import MAX_IDENTIFIER
 from kanegen.model.numbers import Parameter
 from kanegen.readers.mjcf_compiled import JOINT_TYPES, Compiled
 from kanegen.readers.mjcf_left_out import LeftOut
@@ -111,7 +111,7 @@ def _bias(model: Compiled, number: int) -> tuple[float, float, float]:
 def _parameter(model: Compiled, number: int, taken: set[str]) -> Parameter:
     """Return the input of an actuator as a parameter with the value 0 and a name that is not taken."""
     kind = ACTIVATION if _has_state(model, number) else CONTROL
-    base = re.sub(r"[^A-Za-z0-9_]", "_", kind + model.name("actuator", number))[: MAX_LENGTH - 4]
+    base = re.sub(r"[^A-Za-z0-9_]", "_", kind + model.name("actuator", number))[: MAX_IDENTIFIER - 4]
     name, count = base, 1
     while name in taken:
         count += 1

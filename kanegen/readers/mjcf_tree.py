@@ -16,7 +16,6 @@ from kanegen.model.coordinates import ANGLES, FREEDOMS, QUATERNION, SPEED_KINDS
 from kanegen.model.frame import Frame as NamedFrame
 from kanegen.model.joint import Joint
 from kanegen.model.limits import Limits
-from kanegen.model.names import usable_label
 from kanegen.model.rotations import transpose
 from kanegen.readers.mjcf_compiled import ROUNDING, Compiled, MjcfJoint
 from kanegen.readers.mjcf_joints import JointGroup, joint_groups
@@ -38,7 +37,7 @@ class MjcfTree:
         coordinates: (nq,) name in kanegen of each element of MuJoCo's `qpos`.
         speeds: (nv,) name in kanegen of each element of MuJoCo's `qvel`.
         moving: Names of the frames of the bodies that move, by their number in MuJoCo.
-        renamed: Names of the file that kanegen cannot use, each with the one that it has instead.
+        renamed: Names of the file that are taken already, each with the one that it has instead.
     """
 
     bodies: tuple[Body, ...]
@@ -95,10 +94,10 @@ class _Names:
         self.sites = dict(zip(named, sites, strict=True))
 
     def _unique(self, names: Iterable[str], taken: set[str], suffix: str = "") -> list[str]:
-        """Return usable names, each of its own and none of them `taken`, with `suffix` where it would be."""
+        """Return names, each of its own and none of them `taken`, with `suffix` where it would be."""
         found = []
         for name in names:
-            label, number = usable_label(name), 1
+            label, number = name, 1
             if label in taken:
                 label += suffix
             base = label

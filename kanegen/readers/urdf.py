@@ -19,7 +19,6 @@ from kanegen.model.body import Body
 from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.joint import Joint
 from kanegen.model.limits import NO_LIMITS, Limits
-from kanegen.model.names import usable_identifier, usable_label
 from kanegen.model.rotations import UNIT, Square, apply, product, rotation_to_axis, transpose
 from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
@@ -47,8 +46,8 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
         ReadError: If the file is not well formed, not one tree, or has a body that cannot exist.
 
     Warns:
-        KanegenWarning: If a fixed joint has `mimic`, a joint a limit that leaves no motion, the name of a
-            link other than its own, or a name that has to be changed; or if damping and friction are left
+        KanegenWarning: If a fixed joint has `mimic`, a joint a limit that leaves no motion or the name of a
+            link other than its own; or if content of the file is not read, or damping and friction are left
             out.
     """
     left_out = unread(file.root)
@@ -69,7 +68,7 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
     couplings = mimic_couplings(robot, moving, bodies)
     try:
         named = robot_frames(robot, tree, [frame.matrix for frame in frames])
-        system = System(usable_identifier(robot.name), bodies, frames=named, couplings=couplings)
+        system = System(robot.name, bodies, frames=named, couplings=couplings)
     except ModelError as error:
         raise ReadError(f"{file.path}: {error}") from None
     if options.joint_dynamics:
@@ -134,10 +133,9 @@ def _body(link: MovingLink, below: Square, frame: _BodyFrame) -> Body:
         free=frame.free,
         coordinates=frame.coordinates,
         limits=_limits(link.joint.limit, frame.free),
-        name=usable_label(link.joint.name) if link.joint.name else "",
+        name=link.joint.name,
     )
-    name = usable_label(link.joint.child)
-    return Body(name, link.lower, rigid.mass, rigid.inertia, rigid.center, joint)
+    return Body(link.joint.child, link.lower, rigid.mass, rigid.inertia, rigid.center, joint)
 
 
 def _limits(limit: JointLimit, free: tuple[bool, ...]) -> Limits:
@@ -167,17 +165,9 @@ def _warn_of_mimic(robot: Robot, path: Path) -> None:
 
 
 def _warn_of_names(robot: Robot, path: Path) -> None:
-    """Warn of names that are changed because kanegen cannot use them, and of those that a link takes."""
+    """Warn of names of joints that mean a link."""
     if shadowed := list(shadowed_joints(robot)):
         _warn(f"{path}: links and joints share names: {', '.join(shadowed)}.")
-    names = [*robot.links, *robot.joints]
-    changed = [
-        f"{quoted(name)} is called {quoted(usable_label(name))}"
-        for name in names
-        if usable_label(name) != name
-    ]
-    if changed:
-        _warn(f"{path}: names that kanegen cannot use are changed: {', '.join(changed)}.")
 
 
 def _warn(message: str) -> None:

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import ReadError, quoted
+from kanegen.errors import ModelError, ReadError, quoted
 from kanegen.model import right_angles
+from kanegen.model.names import check_label
 from kanegen.model.rotations import ZERO, Triple, dot, normalized, rotation_quaternion, rotation_rpy
 from kanegen.readers.welding import Frame, Rigid
 from kanegen.readers.xml import Element
@@ -23,6 +24,8 @@ WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
 WITH_LIMIT = ("revolute", "continuous", "prismatic")
 UNLIMITED = 1e16
 """Smallest magnitude of a limit that stands for none, as in the files of SDFormat."""
+UNNAMED = "robot"
+"""Name of a robot that has none in its file."""
 
 DEFAULT_AXIS: Triple = (1.0, 0.0, 0.0)
 
@@ -151,7 +154,7 @@ class Robot:
     """The parts of a robot file that the equations of motion need, in the order of the file.
 
     Attributes:
-        name: Name of the robot; "" if the file has none.
+        name: Name of the robot, `UNNAMED` if the file has none.
         links: Links by name.
         joints: Joints by name.
         where: File and line of the root element.
@@ -183,7 +186,7 @@ def read_robot(top: Element, tolerance: float) -> Robot:
                 hint = did_you_mean(name, links)
                 message = f"{role} link {quoted(name)} of joint {quoted(joint.name)} does not exist. {hint}"
                 raise ReadError(f"{joint.where}: {message}")
-    return Robot(top.attributes.get("name", ""), links, joints, top.where)
+    return Robot(_name(top) if top.attributes.get("name", "").strip() else UNNAMED, links, joints, top.where)
 
 
 _Item = TypeVar("_Item", Link, RobotJoint)
@@ -202,9 +205,17 @@ def _unique(items: Sequence[_Item], kind: str) -> dict[str, _Item]:
     return found
 
 
+def _name(element: Element) -> str:
+    """Return the name of a robot, a link or a joint, without blanks around it."""
+    try:
+        return check_label(element.text("name"), f"name of this <{element.tag}>")
+    except ModelError as error:
+        raise element.error(str(error)) from None
+
+
 def _link(element: Element, tolerance: float) -> Link:
     """Return the link of an element."""
-    name = element.text("name")
+    name = _name(element)
     inertial = element.optional("inertial")
     return Link(name, _rigid(inertial, tolerance) if inertial else Rigid(), element.where)
 
@@ -226,7 +237,7 @@ def _rigid(inertial: Element, tolerance: float) -> Rigid:
 
 def _joint(element: Element, tolerance: float) -> RobotJoint:
     """Return the joint of an element."""
-    name, kind = element.text("name"), element.text("type")
+    name, kind = _name(element), element.text("type")
     if kind not in JOINT_TYPES:
         hint = did_you_mean(kind, JOINT_TYPES)
         raise element.error(f"joint {quoted(name)} has the unknown type {quoted(kind)}. {hint}")

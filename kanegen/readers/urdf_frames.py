@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 
 from kanegen.errors import quoted
 from kanegen.model.frame import Frame
-from kanegen.model.names import usable_label
 from kanegen.model.rotations import UNIT, Square, apply, product, transpose
 from kanegen.readers.urdf_elements import Robot
 from kanegen.readers.urdf_tree import GROUND, RobotTree
@@ -29,14 +28,13 @@ def robot_frames(robot: Robot, tree: RobotTree, turns: Sequence[Square]) -> tupl
         turn = turns[k - 1] if k != GROUND else UNIT
         for link, place in parts:
             rotation = product(transpose(place.rotation), transpose(turn))
-            name = usable_label(link.name)
-            frames[name] = Frame(name, k, apply(turn, place.position), rotation)
+            frames[link.name] = Frame(link.name, k, apply(turn, place.position), rotation)
     of_joints = {
-        usable_label(joint.name): Frame(usable_label(joint.name), frames[child].body, frame=child)
+        joint.name: Frame(joint.name, frames[joint.child].body, frame=joint.child)
         for joint in robot.joints.values()
-        if (child := usable_label(joint.child)) and usable_label(joint.name) not in frames
+        if joint.name not in frames
     }
-    bodies = {usable_label(link.joint.child) for link in tree.moving}
+    bodies = {link.joint.child for link in tree.moving}
     of_links = (frame for frame in frames.values() if frame.name not in bodies or not frame.is_trivial)
     return (*of_links, *of_joints.values())
 

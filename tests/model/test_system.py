@@ -195,17 +195,10 @@ def test_inertias_of_every_size_are_checked(unit: float) -> None:
 
 
 @pytest.mark.parametrize("name", [*HOSTILE, "", "while", "class", "a-b"])
-def test_hostile_system_and_parameter_names(name: str) -> None:
-    with pytest.raises(kg.ModelError, match="system name"):
-        kg.System.from_arrays(**arrays(), name=name)
+def test_hostile_parameter_names(name: str) -> None:
+    """Parameters are variables of the code; every other name is in tests/model/test_names.py."""
     with pytest.raises(kg.ModelError, match="parameter name"):
         kg.Parameter(name, 1.0)
-
-
-@pytest.mark.parametrize("name", [*(n for n in HOSTILE if n != "1abc"), "", "int", "namespace"])
-def test_hostile_body_names(name: str) -> None:
-    with pytest.raises(kg.ModelError, match="body name"):
-        kg.Body(name, 0, 1.0, EYES[0])
 
 
 def test_names_that_are_no_strings() -> None:

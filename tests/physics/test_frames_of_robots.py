@@ -10,7 +10,6 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
-from kanegen.model.names import usable_label
 from kanegen.program.evaluate import evaluate
 from kanegen.recursion.outputs import OF_FRAMES
 from tests.support.robots import floating_model, places, robot_file
@@ -45,7 +44,7 @@ def reading(name: str, floating: bool) -> tuple[kg.System, pin.Model, Any]:
         model, several = floating_model(path, system)
     else:
         model, several = pin.buildModelFromUrdf(str(path)), {}
-    links = [usable_label(frame.name) for frame in model.frames if frame.type == pin.FrameType.BODY]
+    links = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
     return system.with_poses(links), model, places(system, model, several)
 
 

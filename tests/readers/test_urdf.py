@@ -11,6 +11,7 @@ import pytest
 import kanegen as kg
 from kanegen.errors import KanegenWarning, ReadError
 from kanegen.model.joint import IDENTITY
+from kanegen.model.names import identifier
 from kanegen.model.rotations import apply, normalized, rotation_quaternion, rotation_rpy, rotation_to_axis
 from kanegen.model.system import System
 from kanegen.readers import load
@@ -28,7 +29,7 @@ def read(folder: Path, inside: str, floating_base: bool = False, head: str = '<r
 
 def test_bodies_are_numbered_depth_first_in_the_order_of_the_file() -> None:
     system = load(EVERY_JOINT)
-    assert system.name == "robot_2dof_planar_rig"
+    assert system.name == "2dof-planar rig"
     assert [body.name for body in system.bodies] == ["plate", "arm", "wheel", "ball", "rod"]
     assert system.connection == (0, 1, 2, 2, 1)
     angles = ("plate.theta3", "swing", "roll", "ball.theta1", "ball.theta2", "ball.theta3")
@@ -170,23 +171,14 @@ def test_mimic_of_joints_without_a_freedom_of_their_own(tmp_path: Path) -> None:
         read(tmp_path, text + joint("k", "a", "b", '<mimic joint="j"/>', kind="fixed"))
 
 
-def test_names_that_cannot_be_used_are_changed(tmp_path: Path) -> None:
-    text = (
-        BASE
-        + link("/a b")
-        + link("static")
-        + joint("l::x..y (1)", "base", "/a b")
-        + joint("-k", "/a b", "static")
-    )
-    head = '<robot name="int">'
-    with pytest.warns(
-        KanegenWarning, match=r"changed: '/a b' is called '_a_b', 'static' is called 'static_', 'l::x"
-    ):
-        system = read(tmp_path, text, head=head)
-    assert system.name == "int_"
-    assert system.freedom_names == ("l::x_.y__1_", "_-k")
-    assert [body.name for body in system.bodies] == ["_a_b", "static_"]
-    assert read(tmp_path, BASE + link("a") + joint("j", "base", "a"), head="<robot>").name == "robot"
+def test_names_are_those_of_the_file(tmp_path: Path) -> None:
+    text = BASE + link(" /a b ") + link("static") + link("a/b") + link("a_b")
+    text += joint("l::x..y (1)", "base", "/a b") + joint("-k", "/a b", "static")
+    text += joint("x", "static", "a/b") + joint("y", "static", "a_b")
+    system = read(tmp_path, text, head='<robot name="int">')
+    assert (system.name, system.identifier) == ("int", identifier("int"))
+    assert system.freedom_names == ("l::x..y (1)", "-k", "x", "y")
+    assert [body.name for body in system.bodies] == ["/a b", "static", "a/b", "a_b"]
 
 
 def test_details_of_real_files(tmp_path: Path) -> None:
@@ -280,8 +272,12 @@ GOOD = TWO + joint("j", "base", "a")
         ),
         (GOOD + "&lt;&secret;", r":\d+: not well-formed XML: undefined entity\."),
         (
-            BASE + link("x" * 70) + joint("j", "base", "x" * 70),
-            r":2: body name: 'x+' is longer than 63 characters",
+            BASE + link("x" * 10_001) + joint("j", "base", "a"),
+            r":2: name of this <link>: 'x+\.\.\.x+' is longer than 10000 characters\.",
+        ),
+        (
+            TWO + joint("j&#9;", "base", "a") + joint("a\u202eb", "base", "a"),
+            r":3: name of this <joint>: 'a\\u202eb' contains the invisible character U\+202E\. Delete it\.",
         ),
     ],
 )
@@ -289,15 +285,6 @@ def test_errors(tmp_path: Path, inside: str, message: str) -> None:
     with pytest.raises(ReadError, match=message) as caught:
         read(tmp_path, inside)
     assert str(caught.value).startswith(f"{tmp_path / 'r.urdf'}:")
-
-
-def test_names_used_twice_after_cleaning(tmp_path: Path) -> None:
-    text = GOOD + link("a/b") + link("a_b") + joint("k", "a", "a/b") + joint("l", "a", "a_b")
-    with (
-        pytest.warns(KanegenWarning, match="'a/b' is called 'a_b'"),
-        pytest.raises(ReadError, match=r"r\.urdf: body name 'a_b' is used twice"),
-    ):
-        read(tmp_path, text)
 
 
 def test_no_document_types_and_no_other_roots(tmp_path: Path) -> None:

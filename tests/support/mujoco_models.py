@@ -17,7 +17,6 @@ import kanegen as kg
 from kanegen import extras
 from kanegen.errors import KanegenWarning
 from kanegen.model.arrays import Floats
-from kanegen.model.names import usable_label
 from kanegen.model.system import System
 from kanegen.reference.equations import forcing, mass_matrix
 
@@ -146,9 +145,9 @@ def _places(model: Any, system: System) -> tuple[list[int], list[int]]:
     coordinates, speeds = [], []
     for joint in range(model.njnt):
         kind = int(model.jnt_type[joint])
-        body = usable_label(model.body(model.jnt_bodyid[joint]).name or f"body{model.jnt_bodyid[joint]}")
+        body = model.body(model.jnt_bodyid[joint]).name or f"body{model.jnt_bodyid[joint]}"
         if kind >= 2:
-            name = usable_label(model.joint(joint).name or f"joint{joint}")
+            name = model.joint(joint).name or f"joint{joint}"
             coordinates.append(system.coordinate_names.index(name))
             speeds.append(system.speed_names.index(name))
             continue
@@ -260,7 +259,7 @@ def errors(system: System, mujoco: MujocoModel, rng: np.random.Generator) -> tup
 def assert_same_values(path: Path, states: int = 2) -> None:
     """Compare [A], {f} and {ydot} of a file with MuJoCo's, where couplings do not hold."""
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", ".*names that kanegen cannot use", KanegenWarning)
+        warnings.filterwarnings("ignore", ".*names that are taken already", KanegenWarning)
         system = replace(kg.load(path), couplings=())
     mujoco, rng = MujocoModel(path, system), np.random.default_rng(7)
     for _ in range(states):

@@ -10,7 +10,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from kanegen.model.arrays import Floats
-from kanegen.model.names import usable_label
 from kanegen.model.system import System
 
 FIXED_ROBOTS = ("panda", "ur5_robot", "kinova", "allegro_right_hand", "double_pendulum")
@@ -73,7 +72,7 @@ def places(system: System, model: pin.Model, several: Several) -> NDArray[np.int
     """For every velocity of Pinocchio's model its place in {x}."""
     joints = zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
     moving = [name for name, joint in joints if joint.nv]
-    names = [freedom for joint in moving for freedom in several.get(joint, (usable_label(joint),))]
+    names = [freedom for joint in moving for freedom in several.get(joint, (joint,))]
     assert sorted(names) == sorted(system.freedom_names)
     return np.array([system.freedom_names.index(name) for name in names])
 

@@ -221,7 +221,7 @@ class Call:
         self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
         # Place of the force among the values, which the torque follows, if no body takes loads; else 0.
         self._unused_force = 0 if model.takes_loads or "force" not in arguments else arguments.index("force")
-        self._system = model.name
+        self._system = model.shown
         # For each input: its place among the values, its shape, zeros for an optional one that is left out,
         # and whether every row may differ from zero.
         self._plan = [

@@ -43,7 +43,7 @@ def bound_source(source: Source, box: InputBox) -> Bounds:
         for name, array in filled.items()
     }
     return Bounds(
-        model=source.model.name,
+        model=source.model.shown,
         precision=source.precision,
         box=box,
         outputs={name: one.errors for name, one in found.items()},

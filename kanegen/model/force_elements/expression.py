@@ -6,8 +6,10 @@ evaluates them in NumPy, independently.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from keyword import iskeyword
 from typing import TypeVar
 
 from kanegen.model.numbers import Number, toml_number
@@ -305,8 +307,11 @@ def _within(operand: Text, level: int) -> str:
 
 
 def _variable(name: str) -> str:
-    """Return the text of a variable, with dots if all parts are identifiers, else with brackets."""
-    if all(part.isidentifier() for part in name.split(".")):
+    """Return the text of a variable, with dots if all parts are plain identifiers, else with brackets.
+
+    Identifiers beyond ASCII are no plain ones, because Python's parser changes some of their characters.
+    """
+    if all(part.isidentifier() and part.isascii() and not iskeyword(part) for part in name.split(".")):
         return name
     vector, rest = name.split(".", 1)
-    return f'{vector}["{rest}"]'
+    return f"{vector}[{json.dumps(rest, ensure_ascii=False)}]"

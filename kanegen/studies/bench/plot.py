@@ -17,7 +17,7 @@ from kanegen.studies.bench.peers.pydy_peer import PYDY
 from kanegen.studies.bench.results import QUANTITIES
 from kanegen.studies.bench.table import TITLES, ratio
 
-_STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
+_STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9, "text.parse_math": False}
 _BAR = 0.8
 """Width of all bars of a model together, as a share of the distance between models."""
 

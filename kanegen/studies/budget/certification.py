@@ -81,7 +81,7 @@ def certified_file_names(model: System) -> set[str]:
     Raises:
         ModelError, SingularError: As `kanegen.generate`.
     """
-    return {*generate_variant(model, Candidate(STRICT)).files, f"{model.name}{SUFFIX}"}
+    return {*generate_variant(model, Candidate(STRICT)).files, f"{model.identifier}{SUFFIX}"}
 
 
 def _certified_source(

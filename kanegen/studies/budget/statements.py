@@ -73,7 +73,7 @@ def statements(
         "claim": {**claim, "words": claim_words(claim, **measured)},
         "not_claimed": _not_claimed(found.candidate, proven["kind"]),
         "request": {**asdict(request), "seed": seed},
-        "model": {"name": source.model.name, "text": text},
+        "model": {"name": source.model.shown, "text": text},
         "domain": evaluator.region.as_table(),
         "output": OUTPUT,
         "variant": variant_table(source.variant),

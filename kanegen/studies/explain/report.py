@@ -176,6 +176,6 @@ def _step(without: str, system: System, compiled: Compiled, timed: bool) -> Step
         parameters=len(system.parameters),
         inputs=sum(array.size for array in module.together.inputs if array.name != PREPARED),
         operations=compiled.operations,
-        bytes=len(source.files[f"{system.name}.c"].encode()),
+        bytes=len(source.files[f"{system.identifier}.c"].encode()),
         seconds=seconds_to_compile(source) if timed else None,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from kanegen.model import quoting
 from kanegen.studies.explain.report import ALL_BODIES, CostReport, Step
 from kanegen.studies.markdown import markdown_table
 
@@ -43,9 +44,9 @@ def markdown(report: CostReport, paragraphs: Sequence[str] = ()) -> str:
         paragraphs: Paragraphs about the model, in Markdown, below the title.
     """
     system, first, last = report.system, report.steps[0], report.steps[-1]
-    freedoms = ", ".join(f"`{name}`" for name in system.freedom_names)
+    freedoms = ", ".join(map(quoting.markdown_code, system.freedom_names))
     parts = [
-        f"# {system.name}",
+        f"# {quoting.markdown(system.name)}",
         *paragraphs,
         f"Bodies: {system.number_of_bodies}. Freedoms: {last.freedoms}, {freedoms}. Outputs: "
         f"{', '.join(report.outputs)}.",

@@ -14,7 +14,7 @@ from kanegen.measure.truth.measurement import Measurement
 from kanegen.studies.tradeoff.outcome import SimulationRun, Study
 from kanegen.studies.tradeoff.tables import TITLES
 
-STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
+STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9, "text.parse_math": False}
 """Settings of matplotlib for all pictures; the salt makes the SVG reproducible."""
 
 _MARKS = {"articulated bodies": "o", "factorisation": "s", "cheapest": "o"}

@@ -17,6 +17,7 @@ from kanegen.measure.timing import OBJECTIVES, Times
 from kanegen.measure.truth.bounds import FACTOR
 from kanegen.measure.truth.errors import LARGEST_BACKWARD_ERROR
 from kanegen.measure.truth.measurement import Measurement
+from kanegen.model import quoting
 from kanegen.studies.markdown import markdown_table
 from kanegen.studies.tradeoff import tables
 from kanegen.studies.tradeoff.outcome import ConfirmedVariant, Study, VariantResult
@@ -74,7 +75,7 @@ def statements(study: Study) -> list[str]:
 def markdown(study: Study) -> str:
     """Return the report of a study in Markdown."""
     parts = [
-        f"# Speed against accuracy: {study.model}",
+        f"# Speed against accuracy: {quoting.markdown(study.model)}",
         f"{counted(study.n, 'freedom')}, {counted(len(study.results), 'variant')}, "
         f"{len(study.refusals)} refused.",
         "\n".join(f"- {line}" for line in statements(study)),

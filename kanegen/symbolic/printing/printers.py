@@ -139,4 +139,13 @@ def _letter(symbol: str) -> str:
 
 def escaped(plain: str) -> str:
     """Return plain text for LaTeX, with characters that would be commands escaped."""
-    return "".join(f"\\{character}" if character in "{}_&%$#" else character for character in plain)
+    return "".join(_LATEX_CHARACTERS.get(character, character) for character in plain)
+
+
+_LATEX_CHARACTERS = {
+    **{character: f"\\{character}" for character in "{}_&%$#"},
+    "\\": r"\textbackslash{}",
+    "^": r"\textasciicircum{}",
+    "~": r"\textasciitilde{}",
+}
+"""LaTeX of characters that would be commands."""

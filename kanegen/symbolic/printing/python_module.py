@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
+from kanegen.model.quoting import python_text
 from kanegen.symbolic import functions
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.literal.numeric import needed_definitions
@@ -80,25 +81,28 @@ def _docstring(equations: Equations) -> str:
     """Return the docstring of the module."""
     system = equations.system
     relation = kinematic_relation(system)
+    name = python_text(system.name)
     lines = [
-        f'"""Equations of motion [A]{{ydot}} = {{f}} of {system.name}, with {relation}. SI units.',
+        f'"""Equations of motion [A]{{ydot}} = {{f}} of {name}, with {relation}. SI units.',
         "",
         "The elements of x; those of y are their time derivatives"
         + (":" if system.speeds_are_rates else ", or components of relative angular velocities:"),
         "",
     ]
     speeds = {
-        i: f"    y[{i}] = {equations.y[i]}, {system.speed_names[i]} ({freedom.unit}/s)"
+        i: f"    y[{i}] = {equations.y[i]}, {python_text(system.speed_names[i])} ({freedom.unit}/s)"
         for i, freedom in enumerate(system.freedoms)
         if not system.speeds[i].kind.is_rate
     }
     elements = zip(equations.x, system.coordinates, system.coordinate_names, strict=True)
     for i, (x, coordinate, name) in enumerate(elements):
-        lines.append(f"    x[{i}] = {x}, {name} ({coordinate.unit})")
+        lines.append(f"    x[{i}] = {x}, {python_text(name)} ({coordinate.unit})")
         if i in speeds:
             lines.append(speeds[i])
     for i, (name, freedom) in enumerate(zip(system.prescribed_names, system.prescribed, strict=True)):
-        lines.append(f"    prescribed[0][{i}] = {equations.prescribed[0, i]}, {name} ({freedom.unit})")
+        lines.append(
+            f"    prescribed[0][{i}] = {equations.prescribed[0, i]}, {python_text(name)} ({freedom.unit})"
+        )
     if system.prescribed:
         lines += ["", "prescribed[1] and prescribed[2] are their rates and second derivatives."]
     return "\n".join([*lines, '"""'])

@@ -44,7 +44,7 @@ def _files(sources: Mapping[str, Source]) -> dict[str, str]:
 
 def _participant(problem: Problem, files: Mapping[str, str], setting: Setting) -> list[Participant]:
     """Return the participant of one compiler setting."""
-    flags = [*setting.flags, f"-DMODEL={problem.system.name}"]
+    flags = [*setting.flags, f"-DMODEL={problem.system.identifier}"]
     tasks = [*SINGLE_STATE_TASKS, *BATCH_TASKS]
     if problem.has_derivatives:
         flags.append("-DDERIVATIVES")
