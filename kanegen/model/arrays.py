@@ -114,6 +114,12 @@ class SystemArrays:
         others = ("forces", "frames", "load_rotation", "coupled", "rotors")
         return {field.name: getattr(self, field.name) for field in fields(self) if field.name not in others}
 
+    def place(self, name: str) -> tuple[int, Floats]:
+        """Return number of the body and position in it (m) of a point, or of the origin of a frame."""
+        if name in self.forces.points:
+            return self.forces.points[name]
+        return self.frames[name].body, self.frames[name].position
+
     @property
     def rotations(self) -> tuple[Rotation, ...]:
         """(N,) rotation of each body in its joint frame, by angles or by a quaternion."""

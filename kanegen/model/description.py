@@ -201,6 +201,27 @@ class SystemDescription:
             name = found[-1].frame
         return tuple(reversed(found))
 
+    def place(self, name: str) -> tuple[int, Point]:
+        """Return where a spring ends or a load acts: at a point, or at the origin of a frame.
+
+        Returns:
+            Number of the body, 0 for the ground, and the point.
+
+        Raises:
+            KeyError: If there is neither a point nor a frame of this name.
+
+        Example:
+            body, point = system.place("tool")
+        """
+        if name in self._points_by_name:
+            return self._points_by_name[name]
+        return self.frames_by_name[name].body, Point(name, (0.0, 0.0, 0.0), frame=name)
+
+    @cached_property
+    def _points_by_name(self) -> dict[str, tuple[int, Point]]:
+        """Every point by its name, with the number of its body."""
+        return {point.name: (k, point) for k, point in self.points}
+
     @cached_property
     def _further_frames(self) -> dict[str, Frame]:
         """The frames beside the bodies' own of the model, by name."""

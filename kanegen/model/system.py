@@ -80,7 +80,9 @@ class System(SystemDescription):
         validation.unique("point name", self.point_names)
         check_points(self.points, self.frames_by_name)
         self._store_rotors()
-        validation.store(self, force_elements=with_resolved_names(elements, self.bodies))
+        bodies_of_frames = {name: frame.body for name, frame in self.frames_by_name.items()}
+        elements = with_resolved_names(elements, self.bodies, bodies_of_frames)
+        validation.store(self, force_elements=elements)
         validation.parameter_names(self.parameters, self.number_of_bodies, len(self.points))
         if self.depends_on_time and any(parameter.name == TIME for parameter in self.parameters):
             raise ModelError(f"parameter name {TIME!r} is the time in expressions. Choose another name.")

@@ -83,7 +83,6 @@ def _spring_wrenches(tree: Tree) -> Iterator[tuple[int, Wrench]]:
 
 def _point_loads(tree: Tree) -> Iterator[tuple[int, Wrench]]:
     """Yield the body and the wrench of every load on a point, by force elements and by the caller."""
-    places = {point.name: (k, position_of(tree, k, point)) for k, point in tree.system.points}
     translator = ExpressionTranslator(tree.system, exact, tree.definitions)
     for number, element in enumerate(tree.system.force_elements, start=1):
         if isinstance(element, PointLoad):
@@ -91,13 +90,19 @@ def _point_loads(tree: Tree) -> Iterator[tuple[int, Wrench]]:
             force, moment = (
                 Vector(*map(translator.value, values)) for values in (element.force, element.moment)
             )
-            yield _inertial_load(tree, *places[element.point], force, moment, f"pl_{number}")
+            yield _inertial_load(tree, *_place(tree, element.point), force, moment, f"pl_{number}")
     for number, (k, point) in enumerate(tree.system.points, start=1):
         if point.loads:
             force, moment = (
                 Vector(*(symbol(number, axis) for axis in range(3))) for symbol in (point_force, point_moment)
             )
-            yield _inertial_load(tree, k, places[point.name][1], force, moment, f"pi_{number}")
+            yield _inertial_load(tree, k, position_of(tree, k, point), force, moment, f"pi_{number}")
+
+
+def _place(tree: Tree, name: str) -> tuple[int, Vector]:
+    """Return the body of a point or frame, 0 for the ground, and its position from O_K, in K (m)."""
+    k, point = tree.system.place(name)
+    return k, position_of(tree, k, point)
 
 
 def _inertial_load(
@@ -186,11 +191,11 @@ class AttachedSpring:
 
 def attached_springs(tree: Tree) -> Iterator[AttachedSpring]:
     """Yield the springs between points of a tree."""
-    places = {point.name: (k, position_of(tree, k, point)) for k, point in tree.system.points}
     springs = [element for element in tree.system.force_elements if isinstance(element, Spring)]
     for number, spring in enumerate(springs, start=1):
         (a, first), (b, second) = (
-            places[end] if isinstance(end, str) else (0, Vector(*map(exact, end))) for end in spring.between
+            _place(tree, end) if isinstance(end, str) else (0, Vector(*map(exact, end)))
+            for end in spring.between
         )
         frame = _carrier_of_both(tree, a, b)
         start, end = ends(tree, frame, (a, b), (first, second), (f"k{number}a", f"k{number}b"))

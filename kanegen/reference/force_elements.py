@@ -130,7 +130,7 @@ def point_on_body(
     )
 
 
-def point_on_ground(position: Sequence[Number], speeds: Numbers) -> PointKinematics:
+def point_on_ground(position: Sequence[Number] | Numbers, speeds: Numbers) -> PointKinematics:
     """Return the kinematics of a point of the ground, at rest; parameters stand at their defaults."""
     at = np.array([value_of(value) for value in position])
     still = np.zeros((*speeds.shape[:-1], 3), speeds.dtype)
@@ -246,7 +246,8 @@ class _State:
         return turning
 
     def _point(self, end: End) -> PointKinematics:
-        """Return the kinematics of the end of a spring: a named point, or a position on the ground."""
-        if not isinstance(end, str):
-            return point_on_ground(end, self.speeds)
-        return point_on_body(self.system, self.bodies, self.speeds, *self.system.forces.points[end])
+        """Return the kinematics of an end of a spring: a point, a frame, or a position on the ground."""
+        k, position = self.system.place(end) if isinstance(end, str) else (0, end)
+        if not k:
+            return point_on_ground(position, self.speeds)
+        return point_on_body(self.system, self.bodies, self.speeds, k, np.asarray(position))

@@ -458,8 +458,8 @@ WRONG = [
     (Drive("body1.s1", parse("x.body1.q")), "drive: there is no coordinate 'body1.q'"),
     (Drive("body1.s1", parse("x.__class__")), "drive: there is no coordinate '__class__'"),
     (Drive("body1.s1", parse("foo")), "drive: 'foo' is not known. Write x.<coordinate>"),
-    (PointLoad("tp"), "point_load: there is no point 'tp'. Did you mean 'tip'?"),
-    (Spring(("tip", "top"), 1.0), "spring: there is no point 'top'"),
+    (PointLoad("tp"), "point_load: there is no point or frame 'tp'. Did you mean 'tip'?"),
+    (Spring(("tip", "top"), 1.0), "spring: there is no point or frame 'top'"),
     (Spring(((0, 0, 0), (1, 0, 0)), 1.0), "between the ground and the ground: both ends are on one body"),
 ]
 

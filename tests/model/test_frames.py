@@ -11,6 +11,7 @@ import pytest
 import kanegen as kg
 from kanegen.model.numbers import value_of
 from kanegen.model.rotations import rotation_123
+from kanegen.reference.equations import forcing
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything
 
@@ -160,3 +161,50 @@ def test_invalid_frames_of_a_file_are_refused(text: str, message: str, tmp_path:
     file.write_text(f"[[body]]\nconnection = 0\nmass = 1.0\ninertia = [1, 1, 1]\n{text}\n")
     with pytest.raises(kg.ReadError, match=message):
         kg.load(file)
+
+
+def test_springs_and_loads_act_at_the_origins_of_frames(pendulum: kg.System) -> None:
+    """At a frame they do what they do at a point of the same place, and cost the same."""
+    place, hook = (0.3, 0.1, -0.2), (0.2, -1.0, 0.5)
+    frames = pendulum.with_frames({"tool": ("lower", place, (0.2, 0.1, 0)), "hook": ("ground", hook)})
+    points = pendulum.with_points({"tool": ("lower", place)})
+    by_frames = frames.with_force_elements(
+        kg.Spring(("hook", "tool"), 20.0, 0.1, 0.3), kg.PointLoad("tool", force=(1.0, 2.0, "sin(t)"))
+    )
+    by_points = points.with_force_elements(
+        kg.Spring((hook, "tool"), 20.0, 0.1, 0.3), kg.PointLoad("tool", force=(1.0, 2.0, "sin(t)"))
+    )
+    found, expected = kg.build(by_frames), kg.build(by_points)
+    x, y = np.array([0.3, -0.5]), np.array([1.0, 2.0])
+    assert found.forcing(x, y, t=0.4).tolist() == expected.forcing(x, y, t=0.4).tolist()
+    assert found.source.operations == expected.source.operations
+    assert found.forcing(x, y, t=0.4) == pytest.approx(forcing(by_frames, x, y, t=0.4), abs=1e-13)
+
+
+def test_loads_on_a_body_are_components_of_its_frame() -> None:
+    """Turned by a quarter about axis 3, the force along axis 1 of the frame is along axis 2 of the body."""
+    body = kg.Body("arm", 0, 1.0, np.eye(3).tolist(), (0.3, 0, 0), loads=True)
+    plain = kg.System("arm", (body,))
+    turned = plain.with_frames({"arm": ("arm", (0.1, 0.2, 0.3), (0, 0, np.pi / 2))})
+    x, y = np.full(6, 0.2), np.full(6, 0.1)
+    in_frame, in_body = np.array([[1.0, 2.0, 3.0]]), np.array([[-2.0, 1.0, 3.0]])
+    ours, theirs = kg.build(turned), kg.build(plain)
+    for name in ("force", "torque"):
+        expected = theirs.forcing(x, y, **{name: in_body})
+        assert ours.forcing(x, y, **{name: in_frame}) == pytest.approx(expected, abs=1e-14)
+        assert forcing(turned, x, y, **{name: in_frame}) == pytest.approx(expected, abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("element", "message"),
+    [
+        (kg.PointLoad("world"), r"point_load: 'world' is fixed to the ground, where a load does nothing"),
+        (kg.PointLoad("tol"), r"point_load: there is no point or frame 'tol'\. Did you mean 'tool'\?"),
+        (kg.Spring(("world", (0, 0, 1)), 1.0), r"both ends are on one body"),
+        (kg.Spring(("tool", "lower"), 1.0), r"both ends are on one body"),
+    ],
+)
+def test_elements_that_would_do_nothing(pendulum: kg.System, element: Any, message: str) -> None:
+    system = pendulum.with_frames({"world": ("ground", (1, 2, 3)), "tool": ("lower", (0, 0, 1))})
+    with pytest.raises(kg.ModelError, match=message):
+        system.with_force_elements(element)

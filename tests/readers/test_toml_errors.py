@@ -102,7 +102,10 @@ def with_joint(line: str) -> str:
             + "points = {p = [0, 0, 0], q = [1, 0, 0]}\n[[spring]]\nbetween = ['p', 'q']\nstiffness = 1\n",
             r"spring between 'p' and 'q': both ends are on one body",
         ),
-        (ONE_BODY + "[[spring]]\nbetween = ['p', [0, 0, 0]]\nstiffness = 1\n", r"there is no point 'p'"),
+        (
+            ONE_BODY + "[[spring]]\nbetween = ['p', [0, 0, 0]]\nstiffness = 1\n",
+            r"there is no point or frame 'p'",
+        ),
         (
             ONE_BODY + "[[spring]]\nbetween = [[0, 0, 1], [0, 0, 'h']]\nstiffness = 1\n",
             r"spring 1: .* no 'h'",
@@ -124,7 +127,10 @@ def with_joint(line: str) -> str:
             ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = [1]\n",
             r"drive 1: expression: \[.*is not a number",
         ),
-        (ONE_BODY + "[[point_load]]\npoint = 'q'\nforce = [1, 2, 3]\n", r"point_load: there is no point 'q'"),
+        (
+            ONE_BODY + "[[point_load]]\npoint = 'q'\nforce = [1, 2, 3]\n",
+            r"point_load: there is no point or frame 'q'",
+        ),
         (
             ONE_BODY + "[[potential]]\nenergy = 'y.b.s1'\n",
             r"potential 1: potential energy 'y\.b\.s1' depends on",

@@ -180,7 +180,7 @@ def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
     """Return the system with springs, drives, loads on points and a potential between random places."""
     every = [point.name for _, point in system.points]
     ends = [body.points[0].name for body in system.bodies]
-    above = drawing.one_of(every)
+    above = drawing.one_of([*every, *(frame.name for frame in system.frames if frame.body)])
     elements: list[kg.ForceElement] = [
         Spring((drawing.vector(2.0), above), drawing.number(3.0), drawing.number(0.7), drawing.number(0.6)),
         *(
@@ -198,7 +198,11 @@ def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
     x, y = drawing.one_of(coordinates), drawing.one_of(speeds)
     force = (parse(f"-2*y.{y}"), parse("cos(t)"), parse(f"x.{x}*{stiffness.name}", parameters))
     elements.append(
-        PointLoad(drawing.one_of(every), force=force, moment=(0, parse(rate.name, parameters), 2))
+        PointLoad(
+            drawing.one_of([*every, *system.frame_names[:2]]),
+            force=force,
+            moment=(0, parse(rate.name, parameters), 2),
+        )
     )
     rated = _rated(system)
     if rated:

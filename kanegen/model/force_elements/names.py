@@ -69,13 +69,20 @@ def variable_places(bodies: Sequence[Body]) -> dict[str, Place]:
     return coordinates | {f"y.{name}": place for name, place in speed_places(bodies).items()}
 
 
-def with_resolved_names(elements: Iterable[ForceElement], bodies: Sequence[Body]) -> tuple[ForceElement, ...]:
+def with_resolved_names(
+    elements: Iterable[ForceElement], bodies: Sequence[Body], frames: Mapping[str, int]
+) -> tuple[ForceElement, ...]:
     """Return the elements in the order of `KINDS`, with names that do not change when a freedom is locked.
+
+    Args:
+        elements: The elements.
+        bodies: The bodies.
+        frames: Number of the body of each frame, 0 for the ground, by name of the frame.
 
     Raises:
         ModelError: If a name is unknown, or an element cannot act on the freedom or points that it names.
     """
-    resolver = _Resolver(bodies)
+    resolver = _Resolver(bodies, frames)
     found = [resolver.resolved(element) for element in elements]
     return tuple(sorted(found, key=lambda element: KINDS.index(type(element))))
 
@@ -122,12 +129,13 @@ class _Names:
 class _Resolver:
     """Looks up the names in force elements among the bodies of a system."""
 
-    def __init__(self, bodies: Sequence[Body]) -> None:
+    def __init__(self, bodies: Sequence[Body], frames: Mapping[str, int]) -> None:
         self._bodies = bodies
         self._places = coordinate_places(bodies)
         self._coordinates = _Names.of("coordinate", self._places)
         self._speeds = _Names.of("speed", speed_places(bodies))
-        self._points = {point.name: k for k, body in enumerate(bodies, start=1) for point in body.points}
+        points = {point.name: k for k, body in enumerate(bodies, start=1) for point in body.points}
+        self._points = {**frames, **points}
 
     def resolved(self, element: ForceElement) -> ForceElement:
         """Return an element with permanent names, after a check that it can act."""
@@ -142,7 +150,11 @@ class _Resolver:
             case Spring():
                 self._check_ends(element)
             case PointLoad():
-                self._body(element.point, element.KEY)
+                if not self._body(element.point, element.KEY):
+                    raise ModelError(
+                        f"{element.KEY}: {quoted(element.point)} is fixed to the ground, where a load does "
+                        "nothing. Name a point or frame of a body."
+                    )
             case Potential():
                 for name in element.energy.variables:
                     self._require_rate(name, element.KEY)
@@ -181,9 +193,9 @@ class _Resolver:
             )
 
     def _body(self, point: str, label: str) -> int:
-        """Return the number of the body of a point, which must exist."""
+        """Return the number of the body of a point or frame, which must exist; 0 for the ground."""
         if point not in self._points:
             raise ModelError(
-                f"{label}: there is no point {quoted(point)}. {did_you_mean(point, self._points)}"
+                f"{label}: there is no point or frame {quoted(point)}. {did_you_mean(point, self._points)}"
             )
         return self._points[point]

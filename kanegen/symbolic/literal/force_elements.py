@@ -9,6 +9,7 @@ from functools import cached_property
 import sympy
 from sympy import Expr, ImmutableMatrix, S
 
+from kanegen.model.body import Point
 from kanegen.model.coordinates import Freedom
 from kanegen.model.force_elements.elements import (
     Drive,
@@ -128,7 +129,7 @@ class ElementForces:
 
     def _of_point_load(self, name: str, force: ImmutableMatrix, moment: ImmutableMatrix) -> ImmutableMatrix:
         """Return (n, 1) generalized forces of a force at a point (N) and a moment on its body (N m)."""
-        _, body, _ = self._points[name]
+        body = self.bodies[self.system.place(name)[0] - 1]
         partial_angular_velocity = body.rotation.T * body.partial_angular_velocity
         return self._kinematics(name).partial_velocity.T * force + partial_angular_velocity.T * moment
 
@@ -142,20 +143,22 @@ class ElementForces:
         return ImmutableMatrix(len(rows), 1, rows)
 
     def _kinematics(self, end: End) -> _PointKinematics:
-        """Return the motion of an end of a spring: the name of a point, or inertial coordinates (m)."""
-        if not isinstance(end, str):
+        """Return the motion of an end of a spring: a point or frame by name, or inertial coordinates (m)."""
+        k, at = self.system.place(end) if isinstance(end, str) else (0, end)
+        arm = point_position(self.system, at) if isinstance(at, Point) else column(at)
+        if not k:
             still = ImmutableMatrix.zeros(3, 1)
-            return _PointKinematics(column(end), still, ImmutableMatrix.zeros(3, len(self.system.freedoms)))
-        number, body, arm = self._points[end]
+            return _PointKinematics(arm, still, ImmutableMatrix.zeros(3, len(self.system.freedoms)))
+        body, label = self.bodies[k - 1], self._labels[str(end)]
         carried = body.relative_rotation * body.velocity_of_origin
         carried_y = body.relative_rotation * body.partial_velocity_of_origin
         position = body.rotation.T * (body.position_of_origin + arm)
         velocity = body.rotation.T * (carried + skew(body.angular_velocity) * arm)
         partial_velocity = body.rotation.T * (carried_y - skew(arm) * body.partial_angular_velocity)
         return _PointKinematics(
-            self._named_matrix(f"pP_{number}", position),
-            self._named_matrix(f"vP_{number}", velocity),
-            self._named_matrix(f"vPy_{number}", partial_velocity),
+            self._named_matrix(f"p{label}", position),
+            self._named_matrix(f"v{label}", velocity),
+            self._named_matrix(f"v{label[0]}y{label[1:]}", partial_velocity),
         )
 
     @cached_property
@@ -164,12 +167,10 @@ class ElementForces:
         return ExpressionTranslator(self.system, expression, self.intermediates)
 
     @cached_property
-    def _points(self) -> dict[str, tuple[int, BodyEquations, ImmutableMatrix]]:
-        """Number, equations of the body, and (3, 1) position in the body (m) of each point, by its name."""
-        return {
-            point.name: (number, self.bodies[k - 1], point_position(self.system, point))
-            for number, (k, point) in enumerate(self.system.points, start=1)
-        }
+    def _labels(self) -> dict[str, str]:
+        """The ending of the names of quantities of each frame, and of each point, by its name."""
+        frames = {name: f"f_{number}" for number, name in enumerate(self.system.frame_names, start=1)}
+        return frames | {name: f"P_{number}" for number, name in enumerate(self.system.point_names, start=1)}
 
     def _named_matrix(self, name: str, value: ImmutableMatrix) -> ImmutableMatrix:
         """Return a matrix with its longer entries named, where intermediates are wanted."""
