@@ -7,18 +7,22 @@ from typing import Annotated
 
 import typer
 
-from kanegen.cli.loading import load_system
+from kanegen.cli.loading import load_system, with_places, with_selection
 from kanegen.cli.options import (
     AS_WRITTEN,
     DEFAULT_OUTPUTS,
     AsJson,
     Coordinates,
     FloatingBase,
+    Frames,
     JointDynamics,
+    Loads,
     Lock,
     Model,
     Outputs,
+    Points,
     Precision,
+    Reactions,
     RightAngles,
     Sincos,
     Speeds,
@@ -27,7 +31,8 @@ from kanegen.cli.options import (
 from kanegen.cli.terminal import FAILED, print_plain, progress
 
 
-def bound(
+def bound(  # noqa: PLR0913  (an argument for every option)
+    *,
     model: Model,
     domain: Annotated[
         str | None,
@@ -39,6 +44,8 @@ def bound(
         ),
     ] = None,
     output: Outputs = DEFAULT_OUTPUTS,
+    frames: Frames = None,
+    reactions: Reactions = None,
     floating_base: FloatingBase = False,
     joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
@@ -48,6 +55,8 @@ def bound(
     speeds: Speeds = None,
     coordinates: Coordinates = None,
     lock: Lock = None,
+    points: Points = None,
+    loads: Loads = None,
     as_json: AsJson = False,
 ) -> None:
     """Prove bounds of |computed - exact| for every output of the C for MODEL, over a whole box of inputs.
@@ -60,6 +69,8 @@ def bound(
     from kanegen.recursion.outputs import ERROR_BOUNDS
 
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
+    system = with_places(system, points, loads)
+    system = with_selection(system, output, frames, reactions)
     with progress() as report:
         variant = options.chosen_variant(precision=precision, storage=storage, sincos=sincos)
         source = compiler.generate(system, output, report, tier=variant)

@@ -112,7 +112,7 @@ BUDGET_OPTIONS = (
 )
 """Names of the options that are allowed only with a budget."""
 
-EXCLUDED = ("tier", "without", "storage", "sincos", "output", "poses", "reactions", "reanchoring")
+EXCLUDED = ("tier", "without", "storage", "sincos", "output", "frames", "reactions", "reanchoring")
 """Names of the options that a budget excludes, because the budget makes these choices."""
 
 

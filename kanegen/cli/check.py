@@ -7,15 +7,17 @@ from typing import Annotated
 
 import typer
 
-from kanegen.cli.loading import load_system
+from kanegen.cli.loading import load_system, with_places
 from kanegen.cli.options import (
     AS_WRITTEN,
     AsJson,
     Coordinates,
     FloatingBase,
     JointDynamics,
+    Loads,
     Lock,
     Model,
+    Points,
     Precision,
     RightAngles,
     Sincos,
@@ -40,6 +42,8 @@ def check(
     speeds: Speeds = None,
     coordinates: Coordinates = None,
     lock: Lock = None,
+    points: Points = None,
+    loads: Loads = None,
     as_json: AsJson = False,
 ) -> None:
     """Compile the C for MODEL and compare its results with those of an independent NumPy program.
@@ -49,6 +53,7 @@ def check(
     from kanegen import compiler, options
 
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
+    system = with_places(system, points, loads)
     with progress() as report:
         variant = options.chosen_variant(tier, precision=precision, storage=storage, sincos=sincos)
         result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)

@@ -6,14 +6,16 @@ from typing import Annotated
 
 import typer
 
-from kanegen.cli.loading import load_system
+from kanegen.cli.loading import load_system, with_places
 from kanegen.cli.options import (
     AS_WRITTEN,
     Coordinates,
     FloatingBase,
     JointDynamics,
+    Loads,
     Lock,
     Model,
+    Points,
     RightAngles,
     Speeds,
 )
@@ -32,12 +34,15 @@ def equations(
     speeds: Speeds = None,
     coordinates: Coordinates = None,
     lock: Lock = None,
+    points: Points = None,
+    loads: Loads = None,
 ) -> None:
     """Print the equations of motion of MODEL: in closed form for a small tree, else by named definitions."""
     from kanegen import compiler
     from kanegen.symbolic.printing import render
 
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
+    system = with_places(system, points, loads)
     with progress() as report:
         derived = compiler.derive(system, progress=report)
         report("printing")

@@ -9,18 +9,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from kanegen.cli.loading import load_system, with_selection
+from kanegen.cli.loading import load_system, with_places, with_selection
 from kanegen.cli.options import (
     AS_WRITTEN,
     DEFAULT_OUTPUTS,
     AsJson,
     Coordinates,
     FloatingBase,
+    Frames,
     JointDynamics,
+    Loads,
     Lock,
     Model,
     Outputs,
-    Poses,
+    Points,
     Reactions,
     RightAngles,
     Speeds,
@@ -36,8 +38,10 @@ if TYPE_CHECKING:
 def explain(
     model: Model,
     output: Outputs = DEFAULT_OUTPUTS,
-    poses: Poses = None,
+    frames: Frames = None,
     reactions: Reactions = None,
+    points: Points = None,
+    loads: Loads = None,
     floating_base: FloatingBase = False,
     joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
@@ -70,7 +74,8 @@ def explain(
             raise OptionError(f"{option}: {path} does not end in {ending}.")
     require_writable(html, markdown)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
-    system = with_selection(system, output, poses, reactions)
+    system = with_places(system, points, loads)
+    system = with_selection(system, output, frames, reactions)
     with progress() as show_stage:
         found = cost_report(system, output, compile_, show_stage)
     if as_json:

@@ -23,18 +23,20 @@ from kanegen.cli.budget_options import (
     TimeBudget,
     has_budget,
 )
-from kanegen.cli.loading import load_system, with_selection
+from kanegen.cli.loading import load_system, with_places, with_selection
 from kanegen.cli.options import (
     AS_WRITTEN,
     DEFAULT_OUTPUTS,
     Coordinates,
     FloatingBase,
+    Frames,
     Functions,
     JointDynamics,
+    Loads,
     Lock,
     Model,
     Outputs,
-    Poses,
+    Points,
     Precision,
     Reactions,
     Reanchoring,
@@ -64,8 +66,10 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     ],
     output: Outputs = DEFAULT_OUTPUTS,
     function: Functions = None,
-    poses: Poses = None,
+    frames: Frames = None,
     reactions: Reactions = None,
+    points: Points = None,
+    loads: Loads = None,
     floating_base: FloatingBase = False,
     joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
@@ -106,7 +110,8 @@ def generate(  # noqa: PLR0913  (an argument for every option)
 
     keeps_budget = has_budget(context)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
-    system = with_selection(system, output, poses, reactions)
+    system = with_places(system, points, loads)
+    system = with_selection(system, output, frames, reactions)
     if keeps_budget:
         source = _within_budget(system, context, output_dir, force)
     else:

@@ -57,33 +57,63 @@ def _locked_values(lock: Sequence[str]) -> dict[str, float | list[float]]:
 
 
 def with_selection(
-    system: System, outputs: Sequence[str], poses: str | None, reactions: str | None
+    system: System, outputs: Sequence[str], frames: str | None, reactions: str | None
 ) -> System:
-    """Return the system with the bodies of `body_poses` and the directions of `reaction_loads` selected.
+    """Return the system with the frames of outputs about frames and the rows of `reaction_loads` selected.
 
     Args:
         system: The tree.
         outputs: Names of the outputs that are computed.
-        poses: Names of bodies, separated by commas; None keeps the selection of the model.
-        reactions: Names of locked directions, separated by commas; None keeps the selection of the model.
+        frames: Names of frames and bodies, separated by commas; None keeps the selection of the model.
+        reactions: Names of locked directions and frames, separated by commas; None keeps the selection of the
+            model.
 
     Raises:
         OptionError: If a selection is for an output that is not computed.
-        ModelError: If the system has no body or direction of such a name.
+        ModelError: If the system has no frame or direction of such a name.
     """
-    if poses is not None:
-        _require_output("--poses", "body_poses", outputs)
-        system = system.with_poses(_names(poses))
+    from kanegen.recursion.outputs import OF_FRAMES
+
+    if frames is not None:
+        _require_output("--frames", OF_FRAMES, outputs)
+        system = system.with_poses(_names(frames))
     if reactions is not None:
-        _require_output("--reactions", "reaction_loads", outputs)
+        _require_output("--reactions", ("reaction_loads",), outputs)
         system = system.with_reactions(_names(reactions))
     return system
 
 
-def _require_output(option: str, output: str, outputs: Sequence[str]) -> None:
-    """Make sure that the output to which an option applies is computed."""
-    if output not in outputs:
-        raise OptionError(f"{option}: only with --output {output}. Add that, or leave {option} out.")
+def with_places(system: System, points: Sequence[str] | None, loads: str | None) -> System:
+    """Return the system with further points, and with further loads as inputs.
+
+    Args:
+        system: The tree.
+        points: Texts such as "tip=hand:0,0,0.1": a name, a frame or body, and the place in it (m).
+        loads: Names of points, bodies and frames, separated by commas.
+
+    Raises:
+        OptionError: If a text has another form.
+        ModelError: If there is no such frame, or a name is taken.
+    """
+    for text in points or ():
+        name, equals, place = text.partition("=")
+        frame, colon, position = place.rpartition(":")
+        try:
+            at = [float(part) for part in position.split(",")]
+        except ValueError:
+            at = []
+        if not (equals and colon and at):
+            raise OptionError(f"--points: {quoted(text)} is not NAME=FRAME:X,Y,Z, such as tip=hand:0,0,0.1.")
+        system = system.with_points({name.strip(): (frame.strip(), at)})
+    return system if loads is None else system.with_loads(_names(loads))
+
+
+def _require_output(option: str, among: Sequence[str], outputs: Sequence[str]) -> None:
+    """Make sure that one of the outputs to which an option applies is computed."""
+    if not set(among).intersection(outputs):
+        raise OptionError(
+            f"{option}: only with --output {' or '.join(among)}. Add that, or leave {option} out."
+        )
 
 
 def _names(text: str) -> list[str]:

@@ -64,16 +64,39 @@ Functions = Annotated[
         show_default=False,
     ),
 ]
-Poses = Annotated[
+Frames = Annotated[
     str | None,
-    typer.Option("--poses", metavar="NAMES", help="Bodies whose poses body_poses gives, such as tool,base."),
+    typer.Option(
+        "--frames",
+        "--poses",
+        metavar="NAMES",
+        help="Frames and bodies in the rows of body_poses, frame_jacobians, frame_velocities and other "
+        "outputs about frames, such as tool,base.",
+    ),
+]
+Points = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--points",
+        metavar="NAME=FRAME:X,Y,Z",
+        help="Add a point at x, y, z (m) of a frame or body (repeatable), such as tip=hand:0,0,0.1.",
+    ),
+]
+Loads = Annotated[
+    str | None,
+    typer.Option(
+        "--loads",
+        metavar="NAMES",
+        help="Points, bodies and frames on which a force and a moment are inputs, such as tool,tip.",
+    ),
 ]
 Reactions = Annotated[
     str | None,
     typer.Option(
         "--reactions",
         metavar="NAMES",
-        help="Locked directions whose loads reaction_loads gives, such as arm.theta2,arm.s1.",
+        help="Loads that reaction_loads gives: along locked directions such as arm.theta2, or all six in a "
+        "frame such as tool.",
     ),
 ]
 Without = Annotated[

@@ -13,15 +13,16 @@ from kanegen.errors import KanegenWarning, ModelError, WriteError, quoted
 from kanegen.files import path_of, write_whole
 from kanegen.model import locking, output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, rotor_arrays, system_arrays
-from kanegen.model.body import Body, Point
+from kanegen.model.attaching import EXAMPLE, bodies_with_loads, bodies_with_points, new_frame
+from kanegen.model.body import Body
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.coupling import Coupling, coupled_bodies, with_permanent_names
 from kanegen.model.description import GRAVITY, SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.force_elements.names import with_resolved_names
-from kanegen.model.frame import Frame, check_points, checked_frames
-from kanegen.model.joint import IDENTITY, Joint
+from kanegen.model.frame import check_points, checked_frames
+from kanegen.model.joint import Joint
 from kanegen.model.limits import without_angles
 from kanegen.model.names import check_label
 from kanegen.model.numbers import Number, Parameter, map_numbers, numbers
@@ -207,16 +208,7 @@ class System(SystemDescription):
         Example:
             system.with_points({"tip": ("hand", (0, 0, 0.1))})
         """
-        bodies = list(self.bodies)
-        for name, value in validation.table(points, "points", '{"tip": ("hand", (0, 0, 0.1))}').items():
-            label = f"point {quoted(name)}"
-            place, position = validation.sequence(value, 2, label)
-            at = self.frame(place, label)
-            if not at.body:
-                raise ModelError(f"{label}: {quoted(at.name)} is fixed to the ground, where no point moves.")
-            point = Point(name, position, frame=at.name if at in self.frames else "")
-            bodies[at.body - 1] = replace(bodies[at.body - 1], points=(*bodies[at.body - 1].points, point))
-        return replace(self, bodies=tuple(bodies))
+        return replace(self, bodies=bodies_with_points(self, points))
 
     def with_frames(self, frames: Mapping[str, Sequence[Any]]) -> Self:
         """Return the same system with further frames, fixed in bodies or in the ground.
@@ -236,19 +228,28 @@ class System(SystemDescription):
             system.with_frames({"tool": ("hand", (0, 0, 0.1)), "camera": ("tool", (0, 0, 0), (0.2, 0, 0))})
         """
         found = self
-        example = '{"tool": ("hand", (0, 0, 0.1))}'
-        for name, value in validation.table(frames, "frames", example).items():
-            label = f"frame {quoted(name)}"
-            items = validation.sequence(value, None, label)
-            if len(items) not in (2, 3):
-                raise ModelError(
-                    f"{label}: expected a frame or body, a position and perhaps an orientation, as in "
-                    f"{example}, got {quoted(value)}."
-                )
-            at, position, orientation = found.frame(items[0], label), items[1], (*items, IDENTITY)[2]
-            new = Frame(name, at.body, position, orientation, at.name if at in found.frames else "")
-            found = replace(found, frames=(*found.frames, new))
+        for name, value in validation.table(frames, "frames", EXAMPLE).items():
+            found = replace(found, frames=(*found.frames, new_frame(found, name, value)))
         return found
+
+    def with_loads(self, names: Iterable[str | int] | str) -> Self:
+        """Return the same system with further loads as inputs, on points, bodies and frames.
+
+        The load on a point is a force there and a moment, in inertial components; that on a body is a force
+        at its mass centre and a torque, in components of the frame of the body. A further frame gets a point
+        of its own name at its origin, which takes the load.
+
+        Args:
+            names: Names of points, bodies and frames, or numbers of bodies from 1, one or several. A name
+                means a point if there is one, else a body, else a frame.
+
+        Raises:
+            ModelError: If there is nothing of a name, it is fixed to the ground, or none is named.
+
+        Example:
+            system.with_loads(["trunk", "tool"])
+        """
+        return replace(self, bodies=bodies_with_loads(self, names))
 
     def with_force_elements(self, *elements: ForceElement) -> Self:
         """Return the same system with further force elements.

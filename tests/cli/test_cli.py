@@ -171,7 +171,11 @@ def test_info_as_json() -> None:
         (("generate", PENDULUM, "-o", "/proc/nowhere/x"), "/proc/nowhere"),
         (("generate", PENDULUM, "-o", "x", "--without", "factr"), "Did you mean 'factor'?"),
         (("check", PENDULUM, "--floating-base"), "floating_base"),
-        (("generate", PENDULUM, "-o", "x", "--poses", "lower"), "--poses: only with --output body_poses"),
+        (("generate", PENDULUM, "-o", "x", "--poses", "lower"), "--frames: only with --output body_poses or"),
+        (("check", PENDULUM, "--points", "tip=lower"), "--points: 'tip=lower' is not NAME=FRAME:X,Y,Z"),
+        (("check", PENDULUM, "--points", "tip=lower:1,2"), "point 'tip': expected 3 numbers, got 2 entries"),
+        (("check", PENDULUM, "--points", "tip=hand:1,2,3"), "point 'tip': there is no body or frame 'hand'"),
+        (("check", PENDULUM, "--loads", "tip"), "loads: there is no body or frame 'tip'"),
         (("explain", PENDULUM, "--output", "body_poses", "--poses", "lwer"), "Did you mean 'lower'?"),
         (
             ("generate", PENDULUM, "-o", "x", "--output", "reaction_loads", "--reactions", "lower.theta3"),
@@ -183,6 +187,20 @@ def test_bad_input_is_one_line_and_status_2(arguments: tuple[str, ...], message:
     done = kanegen(*arguments, status=2)
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_frames_points_and_loads(tmp_path: Path) -> None:
+    outputs = ("--output", "forcing", "--output", "frame_jacobians", "--output", "point_positions")
+    about = ("--frames", "lower", "--points", "tip=lower:0.7,0,0", "--loads", "tip, upper")
+    kanegen("generate", PENDULUM, "-o", str(tmp_path), *outputs, *about)
+    header = (tmp_path / "double_pendulum.h").read_text()
+    for array in (
+        "frame_jacobians[1 * 6 * 2]",
+        "point_positions[1 * 3]",
+        "point_force[1 * 3]",
+        "force[2 * 3]",
+    ):
+        assert array in header
 
 
 def test_poses_and_reactions_are_selected(tmp_path: Path) -> None:

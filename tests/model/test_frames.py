@@ -208,3 +208,23 @@ def test_elements_that_would_do_nothing(pendulum: kg.System, element: Any, messa
     system = pendulum.with_frames({"world": ("ground", (1, 2, 3)), "tool": ("lower", (0, 0, 1))})
     with pytest.raises(kg.ModelError, match=message):
         system.with_force_elements(element)
+
+
+def test_loads_by_names_of_points_bodies_and_frames(pendulum: kg.System) -> None:
+    system = pendulum.with_frames({"tool": ("lower", (0.1, 0, 0)), "world": ("ground", (0, 0, 1))})
+    system = system.with_points({"tip": ("tool", (0.2, 0, 0))}).with_loads(["tip", "upper", "tool"])
+    upper, lower = system.bodies
+    assert (upper.loads, lower.loads) == (True, False)
+    assert [(point.name, point.loads, point.frame) for point in lower.points] == [
+        ("tip", True, "tool"),
+        ("tool", True, "tool"),
+    ]
+    assert system.with_loads("tool") == system
+    for names, message in (
+        (["hand"], r"loads: there is no body or frame 'hand'"),
+        ("world", r"loads: 'world' is fixed to the ground"),
+        ([], r"loads: none is chosen"),
+        (None, r"loads: there is no body or frame None"),
+    ):
+        with pytest.raises(kg.ModelError, match=message):
+            system.with_loads(names)  # type: ignore[arg-type]
