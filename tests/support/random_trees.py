@@ -27,6 +27,7 @@ from kanegen.model.force_elements.names import coordinate_places, speed_places
 from kanegen.model.joint import IDENTITY
 from kanegen.model.numbers import Number
 from tests.support import systems
+from tests.support.couplings import random_couplings
 
 ROTATIONS = ("angle rates", "angular velocity", "quaternion", "two angles", "hinge", "none")
 """Kinds of rotations: of the first three all angles are free, of the others the rest are locked."""
@@ -70,7 +71,7 @@ def everything(seed: int, bodies: int = 4) -> kg.System:
     """Return a random tree with bodies of `ROTATIONS` and `ORIENTATIONS`, force elements and parameters.
 
     The kinds of rotations and orientations are taken in turn, so that the bodies of successive seeds have
-    every pair of them.
+    every pair of them. Trees of odd seeds have couplings.
     """
     drawing = Drawing(np.random.default_rng(seed))
     tree = [_body(drawing, k, seed * bodies + k) for k in range(bodies)]
@@ -78,7 +79,8 @@ def everything(seed: int, bodies: int = 4) -> kg.System:
     gravity = drawing.vector(6.0)
     system = kg.System("everything", tuple(tree), gravity)
     system = _acted_on(_with_frames(system, drawing), drawing)
-    return with_rotors(system, Drawing(np.random.default_rng([seed, 2]), prefix="rotor"))
+    system = with_rotors(system, Drawing(np.random.default_rng([seed, 2]), prefix="rotor"))
+    return random_couplings(system, np.random.default_rng([seed, 3]), 0.3) if seed % 2 else system
 
 
 def _body(drawing: Drawing, k: int, turn: int) -> kg.Body:

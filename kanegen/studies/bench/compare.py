@@ -18,7 +18,7 @@ from kanegen.studies.bench.comparison import Absence, BenchOptions, Comparison, 
 from kanegen.studies.bench.participant import Participant
 from kanegen.studies.bench.peers.registry import PEERS, participants
 from kanegen.studies.bench.results import Results, difference
-from kanegen.studies.bench.states import limits_note, without_loads_and_parameters
+from kanegen.studies.bench.states import limits_note, without_couplings, without_loads_and_parameters
 
 
 def compare(
@@ -27,7 +27,8 @@ def compare(
     """Time kanegen and its peers on `system`, in turns, after comparing their results.
 
     Args:
-        system: The model; loads are switched off and run-time parameters become constants.
+        system: The model; loads are switched off, run-time parameters become constants, and coupled freedoms
+            move by themselves.
         options: Numbers of states and rounds, and the duration of each timing.
         progress: Function that receives the name of each stage.
         peers: Programs to time beside kanegen, names among `PEERS`.
@@ -45,7 +46,8 @@ def compare(
             f"system {system.name!r}: its generalized speeds are components of angular velocities, and the "
             'peers know only rates of coordinates. Take system.with_speeds("angle_rates").'
         )
-    model, notes = without_loads_and_parameters(system)
+    independent, left_out = without_couplings(system)
+    model, notes = without_loads_and_parameters(independent)
     progress("building the programs; Pinocchio takes minutes the first time")
     with tempfile.TemporaryDirectory() as folder:
         states = states_away_from_gimbal_lock(model, options.states)
@@ -54,7 +56,7 @@ def compare(
         entries, failed = evaluate(present, len(model.freedoms), options, progress)
     if not entries:
         raise MissingError("; ".join(f"{absence.name}: {absence.reason}" for absence in absences + failed))
-    notes = (*notes, *limits_note(model))
+    notes = (*left_out, *notes, *limits_note(model))
     return Comparison(system.name, len(model.freedoms), tuple(entries), tuple(absences + failed), notes)
 
 

@@ -49,6 +49,15 @@ def without_loads_and_parameters(system: System) -> tuple[System, tuple[str, ...
     return replace(fixed, bodies=bodies, force_elements=()), tuple(notes)
 
 
+def without_couplings(system: System) -> tuple[System, tuple[str, ...]]:
+    """Return the system with its coupled freedoms free, and a note on this; no peer has couplings."""
+    if not system.couplings:
+        return system, ()
+    names = ", ".join(system.coupled_names)
+    note = f"couplings are left out, which peers do not have: these freedoms move by themselves: {names}"
+    return replace(system, couplings=()), (note,)
+
+
 def limits_note(system: System) -> tuple[str, ...]:
     """Return a note that states stay within the limits of a system; none if it has no limits."""
     words = system.limits.words

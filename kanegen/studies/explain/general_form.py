@@ -24,13 +24,14 @@ PREFIX = "number"
 def with_all_freedoms(system: System) -> System:
     """Return the same tree with all six freedoms of every joint free, except for the prescribed ones.
 
-    No freedom is locked then, so the system has no reaction loads.
+    No freedom is locked or coupled then, so the system has no reaction loads.
     """
 
     def joint(of: Joint) -> Joint:
-        return replace(of, free=tuple(not prescribed for prescribed in of.prescribed), name="")
+        free = tuple(not prescribed for prescribed in of.prescribed)
+        return replace(of, free=free, coupled=(False,) * len(free), name="")
 
-    system = replace(system, reactions=None)
+    system = replace(system, reactions=None, couplings=())
     return _changed(system, lambda body: replace(body, joint=joint(body.joint)))
 
 
@@ -88,14 +89,15 @@ def with_numbers_as_parameters(system: System) -> System:
         gravity=map_numbers(system.gravity, parameter_for),
         rotors=tuple(rotor.map_numbers(parameter_for) for rotor in system.rotors),
         force_elements=tuple(element.map_numbers(parameter_for) for element in system.force_elements),
+        couplings=tuple(coupling.map_numbers(parameter_for) for coupling in system.couplings),
     )
 
 
 def steps(system: System) -> Iterator[tuple[str, System]]:
     """Yield the systems from the general form of a model to the model, one choice after the other.
 
-    The first system has the tree of the model and nothing else of it; freedoms that the model locks are
-    coordinates there.
+    The first system has the tree of the model and nothing else of it; freedoms that the model locks or
+    couples are coordinates there.
 
     Yields:
         The name of the generality that the system leaves out, and the system.
