@@ -23,6 +23,7 @@ ELSEWHERE = {
     "readers/urdf_elements.py": "the same",
     "interop/orientations.py": "quaternions of other programs",
     "readers/mjcf_compiled.py": "the same in a model that MuJoCo has compiled",
+    "readers/mjcf_tree.py": "names of the coordinates in such a model",
 }
 """Modules that are about quaternions, but not about a kind of joint."""
 

@@ -30,7 +30,7 @@ def rotation(system: kg.System, x: Any, k: int) -> Any:
     joint = system.bodies[k].joint
     angles = [x[system.places[freedom]] for freedom in system.freedoms if freedom.body == k + 1][:3]
     ctx.prec = 200
-    return rotations_by_angles(column(angles), joint.axes)[-1] * _orientation(joint)
+    return rotations_by_angles(column(angles), joint.axes)[-1] * _orientation(joint.orientation)
 
 
 @pytest.mark.parametrize("distance", [0.3, 1e-6, 1e-12])
