@@ -132,7 +132,8 @@ def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
         "reactions": declarations.reactions(model, outputs),
         "loads": _loaded_rows(model.body_names, model.loaded),
         "point_loads": _loaded_rows(points, model.loaded_points),
-        "force_elements": _force_elements(model),
+        "force_elements": _listed(model.force_elements),
+        "motors": _listed(model.motors),
     }
 
 
@@ -147,11 +148,10 @@ def _operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:
     return [(OPERATIONS[kind], number) for kind, number in counts.items() if number or kind != PREPARE]
 
 
-def _force_elements(model: ModelDescription) -> list[str]:
-    """Return comment lines that describe the force elements."""
+def _listed(texts: Sequence[str]) -> list[str]:
+    """Return comment lines with texts that describe parts of the model."""
     width = WIDTH - len(" *     ")
-    texts = map(c_comment, model.force_elements)
-    lines = [textwrap.wrap(text, width, subsequent_indent="    ") for text in texts]
+    lines = [textwrap.wrap(text, width, subsequent_indent="    ") for text in map(c_comment, texts)]
     return [line for wrapped in lines for line in wrapped]
 
 

@@ -94,10 +94,8 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
     if system.couplings:
         equations = escape("\n".join(coupling.summary for coupling in system.couplings))
         yield "Couplings", ", which take freedoms out of x and y", equations
-    if armature := _armature(system):
-        yield "Armature", " of motors (kg m^2, kg)", escape(armature)
-    if system.rotors:
-        yield "Rotors", "", escape("\n".join(rotor.summary for rotor in system.rotors))
+    if system.motor_summaries:
+        yield "Motors", ", with inertia of their own", escape("\n".join(system.motor_summaries))
     if system.parameters:
         yield "Parameters", ", with their defaults", _parameters(system)
     if system.force_elements:
@@ -183,13 +181,6 @@ def _moving(body: Body) -> str:
     joint = body.joint
     kinds = (("", joint.free), ("prescribed ", joint.prescribed), ("coupled ", joint.coupled))
     return ", ".join(word + " ".join(selected_freedoms(flags)) for word, flags in kinds if any(flags))
-
-
-def _armature(system: System) -> str:
-    """Return the reflected inertias of motors in words, "" if there are none."""
-    every = zip(system.freedom_names, system.freedoms, strict=True)
-    named = ((name, system.bodies[f.body - 1].joint.armature[f.index]) for name, f in every)
-    return ", ".join(f"{name} {_text(value)}" for name, value in named if value)
 
 
 def _text(value: Number) -> str:

@@ -21,7 +21,7 @@ from kanegen.model.frame import Frame, frames_by_name, resolved
 from kanegen.model.joint import Joint
 from kanegen.model.limits import SystemLimits
 from kanegen.model.names import identifier
-from kanegen.model.numbers import Number, Parameter, Vector, map_numbers
+from kanegen.model.numbers import Number, Parameter, Vector, map_numbers, toml_number
 from kanegen.model.reaction import Reaction, every_reaction, reaction_rows
 from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 
@@ -240,6 +240,25 @@ class SystemDescription:
             return frame.body, frame.name if frame.name in self.frames_by_name else ""
 
         return mounted_rotors(self.rotors, self.bodies, self.freedom, carrier)
+
+    @property
+    def motor_summaries(self) -> tuple[str, ...]:
+        """One line for the armature of each freedom that moves, and for each rotor."""
+        moving = zip(
+            self.moving_places,
+            (*self.freedom_names, *self.prescribed_names, *self.coupled_names),
+            strict=True,
+        )
+        armature = [
+            (name, self.bodies[freedom.body - 1].joint.armature[freedom.index], freedom)
+            for freedom, name in moving
+        ]
+        lines = [
+            f"armature of {name}: {toml_number(value)} {'kg m^2' if freedom.is_angle else 'kg'}"
+            for name, value, freedom in armature
+            if value
+        ]
+        return (*lines, *(f"rotor {rotor.summary}" for rotor in self.rotors))
 
     @cached_property
     def depends_on_time(self) -> bool:

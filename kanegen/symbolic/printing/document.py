@@ -9,7 +9,6 @@ from itertools import accumulate, groupby
 from sympy import ImmutableMatrix, Symbol
 
 from kanegen.errors import counted
-from kanegen.model.numbers import toml_number
 from kanegen.model.system import System
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.printing.blocks import body_sections
@@ -194,17 +193,9 @@ def _numbered(names: Iterable[tuple[int, str]]) -> str:
 
 
 def _motors(system: System) -> Iterator[Section]:
-    """Yield the sections on armature and on rotors, if there are any."""
-    armature = [
-        f"{name} {toml_number(value)} kg{' m^2' if freedom.is_angle else ''}"
-        for name, freedom in zip(system.freedom_names, system.freedoms, strict=True)
-        if (value := system.bodies[freedom.body - 1].joint.armature[freedom.index])
-    ]
-    if armature:
-        note = "Reflected inertia of motors, which adds to the diagonal of [A]"
-        yield Section("Armature", f"{note}: {'; '.join(armature)}.")
-    if system.rotors:
-        yield Section("Rotors", f"{'; '.join(rotor.summary for rotor in system.rotors)}.")
+    """Yield the section on the inertia of motors, if there is any."""
+    if system.motor_summaries:
+        yield Section("Motors", f"Their inertia is part of [A]: {'; '.join(system.motor_summaries)}.")
 
 
 def _force_elements(system: System) -> Iterator[Section]:
