@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.markup import escape
 
 from kanegen.cli.loading import load_system
 from kanegen.cli.options import (
@@ -84,7 +85,7 @@ def _show(comparison: Comparison, options: BenchOptions) -> None:
     from kanegen.studies.bench.results import QUANTITIES
 
     screen.print(
-        f"[bold]{comparison.model}[/]: {counted(comparison.n, 'freedom')}, "
+        f"[bold]{escape(comparison.model)}[/]: {counted(comparison.n, 'freedom')}, "
         f"{counted(options.states, 'random state')}, "
         f"{options.rounds} x {options.seconds:g} s a task\n",
         soft_wrap=True,
