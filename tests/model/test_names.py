@@ -70,6 +70,39 @@ def test_c_compiles_and_computes_under_every_name(names: tuple[str, ...], tmp_pa
     run("./main", folder=tmp_path)
 
 
+def equipped(names: tuple[str, ...], title: str) -> kg.System:
+    """Return the hinges with frames, rotors, limits, couplings and whatever else has the names."""
+    system = armed(names, title)
+    first, second, last = names[0], names[1], names[-1]
+    system = system.with_prescribed(f"{names[2]}.s1").with_limits({f"{last}.theta2": {"effort": 3.0}})
+    system = system.with_frames({f"tool of {name}": (name, (0, 0, 0.1), (0.1, 0, 0)) for name in names})
+    system = system.with_poses([f"tool of {name}" for name in names])
+    system = system.with_rotors(
+        kg.Rotor(first, f"{last}.theta2", (0, 0, 1), 1e-3, 20.0, body=f"tool of {last}")
+    )
+    system = system.with_couplings(kg.Coupling(f"{second}.theta2", {f"{last}.theta2": -1.0}))
+    return system.with_force_elements(
+        kg.JointFriction(f"{last}.theta2", 0.4, 0.1),
+        kg.Spring((f"tip of {first}", f"tool of {last}"), 3.0, 0.1, 0.2),
+        kg.Potential(kg.parse(f"cos(x[{json.dumps(f'{last}.theta2', ensure_ascii=False)}])")),
+    )
+
+
+@pytest.mark.parametrize("names", [SCRIPTS, ATTACKS], ids=["scripts", "attacks"])
+def test_c_compiles_with_everything_that_has_a_name(names: tuple[str, ...], tmp_path: Path) -> None:
+    outputs = ("forcing", "reaction_loads", "frame_jacobians", "point_jacobians", "prescribed_efforts")
+    source = kg.generate(equipped(names, names[-1]), outputs)
+    source.write(tmp_path)
+    assert all(text.isascii() or name == "README.md" for name, text in source.files.items())
+    for compiler in C.values():
+        files = (*code(source.model.name)[:2], "main.c")
+        run(*compiler, "-std=c99", *WARNINGS, "-fsyntax-only", *files, folder=tmp_path)
+    equipped(names, names[-1]).save(tmp_path / "saved.toml")
+    assert kg.load(tmp_path / "saved.toml") == equipped(names, names[-1])
+    readme = source.files["README.md"]
+    assert all(f"tool of {name}".replace("|", r"\|") in readme for name in names)
+
+
 def _without_comments(text: str) -> str:
     return re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
 
