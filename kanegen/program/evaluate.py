@@ -20,6 +20,10 @@ ARITHMETIC: dict[Op, Callable[..., Any]] = {
 """Python's functions for the arithmetic operations."""
 
 
+LARGEST_EXPONENT = 1e5
+"""Magnitude of a number from which its exponential counts as infinite or 0, in numbers of any exponent."""
+
+
 def sign(a: Any) -> Any:
     """Return -1, 0 or 1 by the sign of a number of any kind; NaN for NaN."""
     one = 1.0 if isinstance(a, np.ndarray) else type(a)(1)
@@ -68,6 +72,18 @@ def function(op: Op, functions: Any) -> Callable[..., Any]:
         return COMPARISONS[op]
     name = "arctan2" if op is Op.ATAN2 and functions is np else op.value
     found: Callable[..., Any] = getattr(functions, name)
+    if op is Op.ATAN2:
+        return lambda y, x: found(y + 0.0, x + 0.0)  # a zero has no sign
+    if op is Op.EXP and hasattr(functions, "mpf"):
+        return lambda a: (
+            found(a)
+            if abs(a) < LARGEST_EXPONENT
+            else functions.inf
+            if a > 0
+            else functions.zero
+            if a < 0
+            else a
+        )
     return found
 
 
@@ -89,12 +105,13 @@ def evaluate(
         Elements of every output array in the order of `Output.values`, by name.
     """
     values: list[Any] = []
-    for instruction in program.instructions:
-        if instruction.op is Op.CONSTANT:
-            values.append(number(instruction.number))
-        elif instruction.op is Op.INPUT:
-            values.append(inputs[instruction.array][instruction.index])
-        else:
-            compute = ARITHMETIC.get(instruction.op) or function(instruction.op, functions)
-            values.append(compute(*(values[operand] for operand in instruction.operands)))
+    with np.errstate(invalid="ignore", divide="ignore"):  # also branches are computed that are not taken
+        for instruction in program.instructions:
+            if instruction.op is Op.CONSTANT:
+                values.append(number(instruction.number))
+            elif instruction.op is Op.INPUT:
+                values.append(inputs[instruction.array][instruction.index])
+            else:
+                compute = ARITHMETIC.get(instruction.op) or function(instruction.op, functions)
+                values.append(compute(*(values[operand] for operand in instruction.operands)))
     return {output.array.name: [values[value] for value in output.values] for output in program.outputs}

@@ -67,6 +67,25 @@ class Drawing:
         return names[int(self.rng.integers(len(names)))]
 
 
+EFFORTS = (
+    "tanh(5*y.Y)*max(0, x.X)",
+    "atan2(y.Y, 2 + x.X**2) - atan2(2 + x.X**2, -y.Y)",
+    "exp(-x.X**2)*sign(y.Y)*sqrt(abs(x.X))",
+    "min(x.X, y.Y, 0.3)*pi - log(2 + abs(x.X))",
+    "x.X**2 if 0 < x.X and y.Y <= 0.5 or not x.X > -0.5 else log(2 + x.X)*y.Y",
+    "max(x.X, -x.X, 0.2)/(1 if y.Y > 0 else 2)",
+)
+"""Efforts with every function of expressions but sine and cosine, of a coordinate X and a speed Y."""
+
+ENERGIES = (
+    "tanh(x.A)*log(2 + x.B**2) + max(0, -x.A)**2",
+    "abs(x.B)**3 + exp(-x.A**2)*atan2(x.B, 2 + x.A**2)",
+    "(x.A**3 if x.B > 0.1 else sqrt(1 + x.B)*0.3 if x.B > -1 else 2) + min(x.A, x.B)",
+    "sqrt(x.A**2 + x.B**2)*sign(x.A)*x.A",
+)
+"""Energies with the same functions, of two coordinates A and B."""
+
+
 def everything(seed: int, bodies: int = 4) -> kg.System:
     """Return a random tree with bodies of `ROTATIONS` and `ORIENTATIONS`, force elements and parameters.
 
@@ -213,7 +232,11 @@ def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
         energy = f"{stiffness.name}*cos(x.{a} - 2*x.{b})*x.{a}**3 + {roots}"
         elements.append(Potential(parse(energy, parameters)))
         elements.append(JointSpring(b, drawing.number(1.2), drawing.number(0.3), drawing.number(0.4)))
+        energy = drawing.one_of(ENERGIES).replace("A", a).replace("B", b)
+        elements.append(Potential(parse(f"{stiffness.name}*({energy})", parameters)))
     elements.append(JointFriction(str(drawing.one_of(speeds)), drawing.number(0.7), drawing.number(0.6)))
+    effort = drawing.one_of(EFFORTS).replace("X", x).replace("Y", y)
+    elements.append(Drive(drawing.one_of(speeds), parse(f"{rate.name}*({effort})", parameters)))
     return system.with_force_elements(*elements)
 
 

@@ -109,7 +109,8 @@ class NumericEquations:
             _load(point_moment, points, "point_moment"),
         )
         arguments = (*state, *loads, [float(t)], self._values(parameters))
-        return np.array(self._forcing(*arguments), dtype=float).ravel()
+        with np.errstate(invalid="ignore", divide="ignore"):  # also branches are computed that are not taken
+            return np.array(self._forcing(*arguments), dtype=float).ravel()
 
     def _motion(self, prescribed: ArrayLike | None) -> Floats:
         """Return (3 p,) prescribed values, rates and second derivatives; None stands for p = 0."""
