@@ -48,6 +48,8 @@ def check(
 ) -> None:
     """Compile the C for MODEL and compare its results with those of an independent NumPy program.
 
+    States are random; others follow, at rest, at the origin and at kinks of expressions.
+
     The exit status is 1 if a difference exceeds what rounding errors explain.
     """
     from kanegen import compiler, options

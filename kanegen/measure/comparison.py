@@ -35,7 +35,8 @@ from kanegen.reference.magnitudes import (
     rotor_forcing_magnitude,
     rounding_bound,
 )
-from kanegen.reference.states import States, random_states
+from kanegen.reference.special_states import special_states
+from kanegen.reference.states import States, joined, random_states
 
 __all__ = ["Accuracy", "ComparedLibrary", "Evaluation", "Report", "compare"]
 
@@ -104,7 +105,8 @@ def compare(
     """Compare the outputs of `library` with the reference; parameters stand at their defaults.
 
     Coordinates and speeds stay within the limits of the system where it has some, and vary over the scale of
-    each body elsewhere, see `reference.states.random_states`.
+    each body elsewhere, see `reference.states.random_states`. Then follow states at rest, the origin, and
+    states at kinks of expressions, see `reference.special_states`.
 
     Args:
         system: System from which the library was generated.
@@ -127,14 +129,17 @@ def compare(
     if not outputs:
         raise OptionError(f"the library has none of the outputs {', '.join(OUTPUTS)}: nothing to compare.")
     arrays, storage = system.values(), storage or precision
-    sample = random_states(arrays, states, seed, system.limits).rounded(_coarser(precision, storage))
+    coarser = _coarser(precision, storage)
+    sample = random_states(arrays, states, seed, system.limits).rounded(coarser)
+    further = special_states(system, sample)
+    sample = joined([sample, further.states.rounded(coarser)])
     limit = rounding_bound(system.number_of_bodies, precision, storage)
     parts = _batches(sample, system.number_of_bodies)
     batches = [_batch_errors(arrays, library, outputs, part, limit, storage) for part in parts]
     errors = {name: _joined([batch[name] for batch in batches]) for name in outputs}
-    accuracies = tuple(_accuracy(system, sample, name, errors[name], limit) for name in outputs)
+    accuracies = tuple(_accuracy(system, sample, name, errors[name], limit, states) for name in outputs)
     reason = _reason(precision, storage)
-    return Report(system.name, states, seed, accuracies, reason, system.limits.words)
+    return Report(system.name, states, seed, accuracies, reason, system.limits.words, further.words)
 
 
 def reference_errors(
@@ -236,8 +241,13 @@ def _reason(precision: Precision, storage: Precision) -> str:
     return reason
 
 
-def _accuracy(system: System, sample: States, output: str, errors: ReferenceErrors, bound: float) -> Accuracy:
-    """Return the summary of an output's errors over all states, with its worst entry."""
+def _accuracy(
+    system: System, sample: States, output: str, errors: ReferenceErrors, bound: float, states: int
+) -> Accuracy:
+    """Return the summary of an output's errors over all states, with its worst entry.
+
+    Medians, and the cancellation, are those of the random states, which are the first `states`.
+    """
     worst = int(errors.componentwise.argmax())
     names = system.speed_names
     shape = (len(names),) * (2 if output == "mass_matrix" else 1)
@@ -245,10 +255,10 @@ def _accuracy(system: System, sample: States, output: str, errors: ReferenceErro
     return Accuracy(
         output=output,
         normwise=float(errors.normwise.max()),
-        normwise_median=float(np.median(errors.normwise)),
+        normwise_median=float(np.median(errors.normwise[:states])),
         componentwise=float(errors.componentwise.max()),
-        componentwise_median=float(np.median(errors.componentwise)),
-        cancellation=float(errors.cancellation.max()),
+        componentwise_median=float(np.median(errors.componentwise[:states])),
+        cancellation=float(errors.cancellation[:states].max()),
         bound=bound,
         not_finite=int(np.count_nonzero(~errors.finite)),
         worst=Evaluation(

@@ -79,6 +79,7 @@ class Report:
         accuracies: The errors of each compared output.
         reason: Sentence that says where the bound comes from.
         limits: How many coordinates and speeds stay within limits of the model; "" if it has no limits.
+        special: How many further states were compared, at rest, at the origin and at kinks of expressions.
 
     Example:
         >>> report = kg.compare(kg.load("models/double_pendulum.toml"), states=100)
@@ -93,6 +94,7 @@ class Report:
     accuracies: tuple[Accuracy, ...]
     reason: str
     limits: str = ""
+    special: str = ""
 
     @property
     def max_error(self) -> float:
@@ -140,6 +142,7 @@ class Report:
             self.table(),
         ]
         lines += [f"The states stay within the limits of the model, on {self.limits}."] if self.limits else []
+        lines += [f"Further states: {self.special}."] if self.special else []
         lines += [_failure(accuracy) for accuracy in self.accuracies if not accuracy.passed]
         return "\n".join([*lines, self.reason])
 

@@ -75,15 +75,7 @@ def function(op: Op, functions: Any) -> Callable[..., Any]:
     if op is Op.ATAN2:
         return lambda y, x: found(y + 0.0, x + 0.0)  # a zero has no sign
     if op is Op.EXP and hasattr(functions, "mpf"):
-        return lambda a: (
-            found(a)
-            if abs(a) < LARGEST_EXPONENT
-            else functions.inf
-            if a > 0
-            else functions.zero
-            if a < 0
-            else a
-        )
+        return lambda a: found(a) if abs(a) < LARGEST_EXPONENT else select(a, functions.inf, functions.zero)
     return found
 
 

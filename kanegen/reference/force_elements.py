@@ -84,7 +84,7 @@ def contributions(
         speeds: (..., 6N) speeds in the order of Eq. (1).
         point_inputs: Loads on points, and the time.
     """
-    state = _State(system, bodies, speeds, _variables(system, coordinates, speeds, point_inputs.t))
+    state = _State(system, bodies, speeds, variables(system, coordinates, speeds, point_inputs.t))
     for element in system.forces.elements:
         match element:
             case JointSpring():
@@ -143,10 +143,17 @@ def norm(vectors: Numbers, axis: int = -1) -> Numbers:
     return length(np.abs(vectors), axis)
 
 
-def _variables(
+def variables(
     system: SystemArrays, coordinates: tuple[Numbers, Numbers], speeds: Numbers, t: Numbers
 ) -> dict[str, Numbers]:
-    """Return the values of all names that expressions may use."""
+    """Return the values of all names that expressions may use.
+
+    Args:
+        system: The numbers of the tree.
+        coordinates: (..., m) coordinates {x}, and (..., p) values of the prescribed freedoms.
+        speeds: (..., 6N) speeds in the order of Eq. (1).
+        t: (...) time (s).
+    """
     orientations, translations = orientations_and_translations(system, *coordinates)
     found: dict[str, Numbers] = {TIME: t}
     for name, (k, index) in system.forces.variables.items():

@@ -7,13 +7,13 @@ seed always gives the same states.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 
-from kanegen.model.arrays import Floats, SystemArrays
+from kanegen.model.arrays import Flags, Floats, SystemArrays
 from kanegen.model.coordinates import ANGLES
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.limits import SystemLimits
@@ -62,6 +62,10 @@ class States:
         """Return the states with the indices `start` to `stop` - 1."""
         return self._mapped(lambda values: values[start:stop])
 
+    def chosen(self, flags: Flags) -> Self:
+        """Return the states whose flags (B,) are set."""
+        return self._mapped(lambda values: values[flags])
+
     def repeated(self, count: int) -> Self:
         """Return the states, each of them `count` times in a row."""
         return self._mapped(lambda values: np.repeat(values, count, axis=0))
@@ -76,6 +80,18 @@ class States:
         changed: dict[str, Any] = {name: function(value) for name, value in arrays.items()}
         inputs = {name: function(values) for name, values in self.inputs.items()}
         return replace(self, **changed, inputs=inputs)
+
+
+def joined(parts: Sequence[States]) -> States:
+    """Return the states of several parts of the same system, one after the other."""
+    first = parts[0]
+    arrays = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in ("x", "y", "force", "torque")
+        if getattr(first, name) is not None
+    }
+    inputs = {name: np.concatenate([part.inputs[name] for part in parts]) for name in first.inputs}
+    return replace(first, **arrays, inputs=inputs)
 
 
 @dataclass(frozen=True)

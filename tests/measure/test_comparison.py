@@ -18,9 +18,11 @@ from kanegen.measure.comparison import compare
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.magnitudes import forcing_magnitude, mass_matrix_magnitude, path_maxima, rounding_bound
+from kanegen.reference.special_states import kinks, special_states
 from kanegen.reference.states import random_states
 from tests.support import systems
 from tests.support.high_precision import true_values
+from tests.support.slide import slide
 
 Numbers = NDArray[Any]
 
@@ -225,7 +227,7 @@ def test_bad_requests_are_refused() -> None:
         compare(system, Library(system), seed=-1)
     with pytest.raises(OptionError, match="none of the outputs mass_matrix, forcing: nothing to compare"):
         compare(system, Library(system, outputs=()))
-    with pytest.raises(ArrayError, match=r"returned shape \(5, 2\); expected \(5, 2, 2\)"):
+    with pytest.raises(ArrayError, match=r"returned shape \(10, 2\); expected \(10, 2, 2\)"):
         compare(system, Library(system, matrix=lambda a: a[:, 0]), states=5)
 
 
@@ -253,9 +255,64 @@ def test_every_state_of_every_batch_is_compared(states: int, monkeypatch: pytest
     system = systems.chain(2)
     monkeypatch.setattr(comparison, "BATCH_NUMBERS", 4 * 3 * 12**2)
     assert compare(system, Library(system), states).passed
-    for wrong in range(states):
+    every = states + len(special_states(system, random_states(system, states)).states)
+    for wrong in range(every):
         library = WrongInOneState(system, wrong)
         report = compare(system, library, states)
-        assert library.seen == states
+        assert library.seen == every
         assert not report.passed
         assert report.accuracies[0].worst.state == wrong
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("sign(y.q)", "1 if y.q >= 0 else -1"),  # differs where y.q is 0
+        ("sign(y.q - 2*x.p)", "1 if y.q - 2*x.p > -1e-9 else -1"),  # differs just below the jump
+        ("0.1 if x.q < 0.3 else 0.2", "0.1 if x.q <= 0.3 else 0.2"),
+        (
+            "max(x.q, y.q)*abs(x.q)",
+            "max(x.q, y.q)*abs(x.q) + (1 if x.q <= 0 and y.q <= 0 and x.q + y.q >= 0 else 0)",
+        ),
+    ],
+)
+def test_differences_at_kinks_at_rest_and_at_the_origin_are_found(text: str, wrong: str) -> None:
+    """The other library agrees in every random state, and differs in states that are no accident."""
+    system, library = slide(text), kg.build(slide(wrong))
+    sample = random_states(system, 200)
+    expected = kg.build(system).forcing(sample.x, sample.y)
+    assert (library.forcing(sample.x, sample.y) == expected).all()
+    report = compare(system, library, states=200)
+    assert not report.passed
+    assert compare(system, kg.build(system), states=200).passed
+    assert "at rest or at the origin and" in str(report)
+
+
+def test_states_without_forces_are_left_out_and_counted() -> None:
+    report = kg.compare(slide("y.q/abs(y.q)"), states=20)
+    assert report.passed
+    assert report.special == "1 at rest or at the origin; {f} is undefined in 10 more"
+
+
+def test_kinks_are_approached_from_both_sides() -> None:
+    system = slide("max(x.q, 0.3*y.p) + abs(sin(x.p))")
+    found = special_states(system, random_states(system, 3))
+    q, p, w = found.states.x[:, 0], found.states.x[:, 1], found.states.y[:, 1]
+    assert found.at_rest == 5 and found.undefined == 0
+    tail = slice(found.at_rest, None)
+    between = np.abs(q - 0.3 * w)[tail] <= 4 * np.spacing(np.abs(q[tail]))
+    assert between.sum() == 12  # from three states, by two variables, on two sides
+    assert (np.abs(np.sin(p[tail][~between])) < 1e-15).all()
+
+
+def test_kinks_of_expressions() -> None:
+    text = "abs(x.q) + sign(2*y.q) + (min(t, 1, x.q) if x.q < 3 and not y.q >= 2 else max(1, 2))"
+    assert [str(kink) for kink in kinks(kg.parse(text))] == [
+        "x.q",
+        "2.0 * y.q",
+        "x.q - 3.0",
+        "y.q - 2.0",
+        "t - 1.0",
+        "min(t, 1.0) - x.q",
+        "1.0 - 2.0",
+    ]

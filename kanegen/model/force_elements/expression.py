@@ -137,6 +137,21 @@ class Expression:
         """
         return (leaf.value for leaf in _leaves(self.root) if isinstance(leaf, Constant))
 
+    def operations(self) -> Iterator[Operation]:
+        """Return the operations of the expression, operands before the operations on them.
+
+        Example:
+            [one.operator for one in kg.parse("2*x.slider.s1 + 3").operations()]  # ["*", "+"]
+        """
+        found: list[Operation] = []
+
+        def operation(node: Operation | Power, operands: list[None]) -> None:
+            if isinstance(node, Operation):
+                found.append(node)
+
+        folded(self.root, lambda node: None, operation)
+        return iter(found)
+
     def map_numbers(self, change: Callable[[Number], Number]) -> Expression:
         """Return the same expression with `change` applied to every number.
 
