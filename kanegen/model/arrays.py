@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from kanegen.model.coupling import CoupledFreedom, values_of
 from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.names import Place, variable_places
+from kanegen.model.frame import placed
 from kanegen.model.joint import IDENTITY, Joint
 from kanegen.model.numbers import listed, map_numbers, numbers, value_of
 from kanegen.model.rotations import rotation_123
@@ -156,13 +157,9 @@ def system_arrays(system: SystemDescription) -> SystemArrays:
 
 def fixed_frame(system: SystemDescription, name: str) -> FrameArrays:
     """Return a frame of a system as numbers; "" is the frame of the model of whatever body."""
-    found = FrameArrays(0, np.zeros(3), np.eye(3))
-    for frame in system.frame_path(name):
-        position = _floats(map_numbers(frame.position, value_of))
-        turn = _matrix(map_numbers(frame.orientation, value_of))
-        found = FrameArrays(frame.body, found.point(position), turn @ found.rotation)
+    position, rotation = placed(system.frame_path(name))
     known = system.frames_by_name.get(name)
-    return replace(found, body=known.body) if known else found
+    return FrameArrays(known.body if known else 0, _floats(position), _floats(rotation))
 
 
 def rotor_arrays(system: SystemDescription) -> tuple[RotorArrays, ...]:

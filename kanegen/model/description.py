@@ -17,12 +17,13 @@ from kanegen.model.coordinates import FREEDOMS, Coordinate, Freedom, Speed
 from kanegen.model.coupling import CoupledFreedom, Coupling, ordered
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
-from kanegen.model.frame import Frame, frames_by_name, resolved
+from kanegen.model.frame import Frame, frames_by_name, placed, resolved, whereabouts
 from kanegen.model.joint import Joint
 from kanegen.model.limits import SystemLimits
 from kanegen.model.names import identifier
 from kanegen.model.numbers import Number, Parameter, Vector, map_numbers, toml_number
 from kanegen.model.reaction import Reaction, every_reaction, reaction_rows
+from kanegen.model.rotations import apply
 from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 
 GRAVITY: Vector = (0.0, 0.0, -9.81)
@@ -200,6 +201,26 @@ class SystemDescription:
             found.append(self._further_frames[name])
             name = found[-1].frame
         return tuple(reversed(found))
+
+    def whereabouts(self, name: object) -> str:
+        """Return a sentence that says to what a frame is fixed and where; "" if the name is none of one.
+
+        Args:
+            name: Name of a frame, or of what would be a freedom of it, such as `<frame>.theta1`. A body is
+                fixed to nothing.
+
+        Example:
+            system.whereabouts("panda_hand")  # 'panda_hand' is fixed to body 'panda_link7', at ...
+        """
+        for candidate in (name, name.rpartition(".")[0]) if isinstance(name, str) else ():
+            frame = self._further_frames.get(candidate)
+            body = self.bodies[frame.body - 1].name if frame and frame.body else ""
+            if frame and frame.name != body:
+                (x, y, z), _ = placed(self.frame_path(candidate))
+                origin, rotation = placed(self.frame_path(body))
+                arm = (x - origin[0], y - origin[1], z - origin[2])
+                return whereabouts(frame, body, apply(rotation, arm))
+        return ""
 
     def place(self, name: str) -> tuple[int, Point]:
         """Return where a spring ends or a load acts: at a point, or at the origin of a frame.
@@ -391,9 +412,8 @@ class SystemDescription:
         """
         every = self._freedoms_by_name
         if not isinstance(name, str) or name not in every:
-            raise ModelError(
-                f"{label}: there is no freedom {quoted(name)}. {did_you_mean(name, self.freedom_names)}"
-            )
+            hint = self.whereabouts(name) or did_you_mean(name, self.freedom_names)
+            raise ModelError(f"{label}: there is no freedom {quoted(name)}. {hint}")
         return every[name]
 
     @cached_property

@@ -18,7 +18,8 @@ from kanegen.model import right_angles, validation
 from kanegen.model.body import Body, Point
 from kanegen.model.joint import IDENTITY
 from kanegen.model.names import check_label
-from kanegen.model.numbers import Matrix, Number, Vector, map_numbers, numbers, toml_number
+from kanegen.model.numbers import Matrix, Number, Vector, map_numbers, numbers, toml_number, value_of
+from kanegen.model.rotations import UNIT, ZERO, Square, Triple, apply, product, rotation_123, transpose
 
 GROUND = "ground"
 """Name of the inertial frame, unless a body or a frame of the system has this name."""
@@ -108,6 +109,39 @@ class Frame:
         if self.frame:
             table["frame"] = self.frame
         return table if len(table) > 1 else table["position"]
+
+
+def placed(path: Sequence[Frame]) -> tuple[Triple, Square]:
+    """Return where the last of some frames is, each of which is given in the one before it.
+
+    Args:
+        path: The frames; the first is given in the frame of the model of its body.
+
+    Returns:
+        Position of its origin from O_K, in K (m), and the rotation from components of K to its own;
+        parameters stand at their defaults.
+    """
+    position, rotation = ZERO, UNIT
+    for frame in path:
+        x, y, z = apply(transpose(rotation), map_numbers(frame.position, value_of))
+        position = position[0] + x, position[1] + y, position[2] + z
+        turn = map_numbers(frame.orientation, value_of)
+        rotation = product(turn if isinstance(turn[0], tuple) else rotation_123(turn), rotation)
+    return position, rotation
+
+
+def whereabouts(frame: Frame, body: str, position: Triple) -> str:
+    """Return a sentence that says to what a frame is fixed and where.
+
+    Args:
+        frame: The frame.
+        body: Name of its body, "" for the ground.
+        position: Position of its origin in the frame of the body (m).
+    """
+    place = ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in position)
+    if not body:
+        return f"{quoted(frame.name)} is fixed to the ground, at ({place}) m."
+    return f"{quoted(frame.name)} is fixed to body {quoted(body)}, at ({place}) m in the frame of the body."
 
 
 def frames_by_name(bodies: Sequence[Body], frames: Sequence[Frame]) -> dict[str, Frame]:

@@ -133,7 +133,8 @@ def _numbers(system: System, bodies: str | int | Iterable[str | int]) -> list[in
     several = chosen(bodies)
     for body in (bodies,) if several is None else several:
         if not is_among(body, [*names, *range(1, len(names) + 1)]):
-            raise OptionError(f"there is no body {quoted(body)}. {did_you_mean(body, names)}")
+            hint = system.whereabouts(body) or did_you_mean(body, names)
+            raise OptionError(f"there is no body {quoted(body)}. {hint}")
         found[names.index(body) + 1 if isinstance(body, str) else int(body)] = None
     return list(found)
 

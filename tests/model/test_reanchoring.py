@@ -12,7 +12,7 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.errors import ArrayError, OptionError
 from kanegen.measure.truth.balls import column
-from kanegen.measure.truth.tree import _orientation, rotations_by_angles
+from kanegen.measure.truth.tree import constant_orientation, rotations_by_angles
 from kanegen.model.body import Body
 from kanegen.model.coordinates import FREEDOMS, SEQUENCES
 from kanegen.model.joint import Joint
@@ -30,7 +30,7 @@ def rotation(system: kg.System, x: Any, k: int) -> Any:
     joint = system.bodies[k].joint
     angles = [x[system.places[freedom]] for freedom in system.freedoms if freedom.body == k + 1][:3]
     ctx.prec = 200
-    return rotations_by_angles(column(angles), joint.axes)[-1] * _orientation(joint.orientation)
+    return rotations_by_angles(column(angles), joint.axes)[-1] * constant_orientation(joint.orientation)
 
 
 @pytest.mark.parametrize("distance", [0.3, 1e-6, 1e-12])

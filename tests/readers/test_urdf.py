@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.errors import KanegenWarning, ReadError
+from kanegen.errors import KanegenWarning, ModelError, ReadError
 from kanegen.model.joint import IDENTITY
 from kanegen.model.names import identifier
 from kanegen.model.rotations import apply, normalized, rotation_quaternion, rotation_rpy, rotation_to_axis
@@ -414,3 +414,21 @@ def test_a_name_of_a_link_and_of_a_joint_means_the_link(tmp_path: Path) -> None:
     with pytest.warns(KanegenWarning, match="links and joints share names: 'base' means the link, not the"):
         system = read(tmp_path, text)
     assert system.frame("base").body == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "hand.theta1",
+            "there is no freedom 'hand.theta1'. 'hand' is fixed to body 'arm', at (0, 0.5, 0) m",
+        ),
+        ("flange", "there is no freedom 'flange'. 'flange' is fixed to body 'arm', at (0, 0.25, 0) m in"),
+        ("camera.s1", "there is no freedom 'camera.s1'. 'camera' is fixed to the ground, at (0, 1, 2) m."),
+    ],
+)
+def test_a_message_says_where_a_welded_link_is(name: str, message: str, tmp_path: Path) -> None:
+    system = read(tmp_path, WELDED)
+    with pytest.raises(ModelError) as caught:
+        system.with_locked({name: 0.1})
+    assert message in str(caught.value)

@@ -165,7 +165,7 @@ def _link(system: System, k: int, state: State) -> Link:
         inertia=square(map_numbers(body.inertia, value_of)),
         center=column(map_numbers(body.mass_center, value_of)),
         position=column(map_numbers(body.joint.position, value_of)),
-        orientation=_orientation(body.joint.orientation),
+        orientation=constant_orientation(body.joint.orientation),
         angles=column(coordinates[:3]),
         quaternion=_quaternion(system, k, state),
         axes=body.joint.axes,
@@ -191,7 +191,7 @@ def _inward(system: System, frame: str) -> arb_mat:
     """Return the (3, 3) rotation from components of a frame to those of its body."""
     inward = identity(3)
     for one in system.frame_path(frame):
-        inward = inward * _orientation(one.orientation).transpose()
+        inward = inward * constant_orientation(one.orientation).transpose()
     return inward
 
 
@@ -252,7 +252,7 @@ def _constant_angle(angle: Number) -> float | arb:
     return arb.pi() * turns / 2 if turns else angle
 
 
-def _orientation(given: Matrix | Vector) -> arb_mat:
+def constant_orientation(given: Matrix | Vector) -> arb_mat:
     """Return a (3, 3) constant orientation, such as [C_K], given as a matrix or as three angles 1-2-3."""
     plain = map_numbers(given, value_of)
     if isinstance(plain[0], tuple):
