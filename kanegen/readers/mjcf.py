@@ -77,7 +77,7 @@ def _with_forces(system: System, model: Compiled, tree: MjcfTree) -> tuple[Syste
     found = [*springs_and_dampers(model, tree), *actuators(model, tree)]
     elements = [element for element in found if isinstance(element, ForceElement)]
     for frame, center, load in compensated_gravity(model, tree):
-        system = system.with_points({load.point: (frame, center)})
+        system = system.with_frames({load.point: (frame, center)})
         elements.append(load)
     system = system.with_force_elements(*elements)
     equalities = list(couplings(model, tree))

@@ -1,4 +1,4 @@
-"""Actuators of a compiled MJCF model as drives, each with its control as a parameter.
+"""Actuators of a compiled MJCF model as drives and loads, each with its control as a parameter.
 
 The force of an actuator is (g0 + g1 l + g2 v) u + b0 + b1 l + b2 v, with its length l, the rate v of the
 length, and its input u, which is the control, or the activation where the actuator has a state of its own.
@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from kanegen.model.force_elements.elements import Drive
+from kanegen.model.force_elements.elements import Drive, PointLoad
 from kanegen.model.force_elements.grammar import parse
 from kanegen.model.names import MAX_IDENTIFIER
 from kanegen.model.numbers import Parameter
@@ -23,20 +23,26 @@ CONTROL, ACTIVATION = "ctrl_", "act_"
 """What the name of the parameter of an actuator begins with."""
 
 
-def actuators(model: Compiled, tree: MjcfTree) -> Iterator[Drive | LeftOut]:
-    """Yield the drives of the actuators, and those actuators that are left out."""
+def actuators(model: Compiled, tree: MjcfTree) -> Iterator[Drive | PointLoad | LeftOut]:
+    """Yield the drives of actuators, the loads of those at sites, and the actuators that are left out."""
     compiled = model.model
-    numbers = range(int(compiled.nactuator))
     if model.disables("ACTUATION"):
         return
-    lengths = {number: _length(model, tree, number) for number in numbers}
-    without = [number for number in numbers if lengths[number] is None or not _is_linear(model, number)]
-    linear = [number for number in numbers if number not in without]
+    linear, without = [], []
     taken: set[str] = set()
-    for number in linear:
-        length = lengths[number]
-        assert length is not None
-        yield from _drives(model, number, length, _parameter(model, number, taken))
+    for number in range(int(compiled.nactuator)):
+        length, site = _length(model, tree, number), _site(model, tree, number)
+        if not _is_linear(model, number, length) or (length is None and site is None):
+            without.append(number)
+            continue
+        linear.append(number)
+        control = _parameter(model, number, taken)
+        if length is not None:
+            yield from _drives(model, number, length, control)
+        elif (
+            site is not None and int(compiled.site_bodyid[compiled.actuator_trnid[number][0]]) in tree.moving
+        ):
+            yield _thrust(model, number, site, control)
     reason = "which are no linear functions of an input, lengths and their rates"
     yield LeftOut("forces", "other actuator", model.names("actuator", without), reason)
     stateful = [number for number in linear if _has_state(model, number)]
@@ -60,17 +66,23 @@ def _length(model: Compiled, tree: MjcfTree, number: int) -> Length | None:
     return joint_length(model, tree, target, gear) if kind == int(kinds.mjTRN_JOINT) or is_scalar else None
 
 
-def _is_linear(model: Compiled, number: int) -> bool:
-    """Return whether the force of an actuator has the form of this module."""
+def _site(model: Compiled, tree: MjcfTree, number: int) -> str | None:
+    """Return the frame of the site at which an actuator acts; None if it acts elsewhere or between sites."""
+    compiled = model.model
+    site, reference = (int(target) for target in compiled.actuator_trnid[number])
+    is_at_site = int(compiled.actuator_trntype[number]) == int(model.mujoco.mjtTrn.mjTRN_SITE)
+    return tree.sites.get(site) if is_at_site and reference < 0 else None
+
+
+def _is_linear(model: Compiled, number: int, length: Length | None) -> bool:
+    """Return whether the force of an actuator has the form of this module, by the length that it has."""
     compiled, mujoco = model.model, model.mujoco
     gains = (mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtGain.mjGAIN_AFFINE)
     biases = (mujoco.mjtBias.mjBIAS_NONE, mujoco.mjtBias.mjBIAS_AFFINE)
     dynamics = (mujoco.mjtDyn.mjDYN_NONE, *_dynamics(model))
     is_scalar = int(compiled.actuator_ctrlnum[number]) == 1 == int(compiled.actuator_outnum[number])
-    target = int(compiled.actuator_trnid[number][0])
-    of_joint = int(compiled.actuator_trntype[number]) != int(mujoco.mjtTrn.mjTRN_TENDON)
-    has_length = not of_joint or JOINT_TYPES[int(compiled.jnt_type[target])] in ("slide", "hinge")
-    needs_length = bool(_gain(model, number)[1] or _bias(model, number)[1])
+    (_, by_length, by_rate), (_, of_length, of_rate) = _gain(model, number), _bias(model, number)
+    needs_length, needs_rate = bool(by_length or of_length), bool(by_rate or of_rate)
     group = int(compiled.actuator_group[number])
     return (
         is_scalar
@@ -78,7 +90,8 @@ def _is_linear(model: Compiled, number: int) -> bool:
         and int(compiled.actuator_biastype[number]) in map(int, biases)
         and int(compiled.actuator_dyntype[number]) in map(int, dynamics)
         and int(compiled.actuator_plugin[number]) < 0
-        and (has_length or not needs_length)
+        and not (needs_length and not (length and length.coordinates))
+        and not (needs_rate and not length)
         and not (0 <= group < 31 and int(compiled.opt.disableactuator) >> group & 1)
     )
 
@@ -129,6 +142,18 @@ def _drives(model: Compiled, number: int, length: Length, control: Parameter) ->
         effort = sum_of((factor * coefficient, text) for coefficient, text in terms)
         if effort != "0":
             yield Drive(name, parse(effort, [control]))
+
+
+def _thrust(model: Compiled, number: int, site: str, control: Parameter) -> PointLoad:
+    """Return the force and the moment by which an actuator acts at a site, in components of its frame."""
+    (gain, _, _), (bias, _, _) = _gain(model, number), _bias(model, number)
+    gear = model.model.actuator_gear[model.model.actuator_outadr[number]]
+    wrench = [
+        parse(sum_of([(float(factor) * gain, control.name), (float(factor) * bias, "")]), [control])
+        for factor in gear
+    ]
+    force, moment = (wrench[0], wrench[1], wrench[2]), (wrench[3], wrench[4], wrench[5])
+    return PointLoad(site, force, moment, frame=site)
 
 
 def _combination(factors: tuple[float, float, float], length: Length) -> list[tuple[float, str]]:

@@ -108,7 +108,10 @@ def _of_tendons(model: Compiled, tree: MjcfTree) -> Iterator[ForceElement | Left
 
 
 def compensated_gravity(model: Compiled, tree: MjcfTree) -> Iterator[tuple[str, Triple, PointLoad]]:
-    """Yield the force on each body with `gravcomp`, after its frame and its mass centre in this frame."""
+    """Yield the force on each body with `gravcomp`, after its frame and its mass centre in this frame.
+
+    The force acts at the origin of a frame of its own name, which is to be made at the mass centre.
+    """
     compiled = model.model
     gravity = [float(component) for component in compiled.opt.gravity]
     for body, frame in tree.moving.items():

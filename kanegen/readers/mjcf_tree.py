@@ -37,6 +37,7 @@ class MjcfTree:
         coordinates: (nq,) name in kanegen of each element of MuJoCo's `qpos`.
         speeds: (nv,) name in kanegen of each element of MuJoCo's `qvel`.
         moving: Names of the frames of the bodies that move, by their number in MuJoCo.
+        sites: Names of the frames of the sites, by their number in MuJoCo.
         renamed: Names of the file that are taken already, each with the one that it has instead.
     """
 
@@ -45,6 +46,7 @@ class MjcfTree:
     coordinates: tuple[str, ...]
     speeds: tuple[str, ...]
     moving: dict[int, str]
+    sites: dict[int, str]
     renamed: dict[str, str]
 
 
@@ -70,6 +72,7 @@ def mjcf_tree(model: Compiled) -> MjcfTree:
         coordinates=tuple(coordinates),
         speeds=tuple(speeds),
         moving={body: names.bodies[body] for body in builder.moving()},
+        sites=names.sites,
         renamed=names.renamed,
     )
 

@@ -15,8 +15,8 @@ from kanegen.readers.toml_tables import Parameters, Table, check_keys
 KEYS = tuple(kind.KEY for kind in KINDS)
 """Names of the arrays of tables of force elements: `[[spring]]` and so on."""
 
-NAME_FIELDS = ("freedom", "point", "between")
-"""Fields whose strings are names of freedoms or points, not of parameters."""
+NAME_FIELDS = ("freedom", "point", "between", "frame")
+"""Fields whose strings are names of freedoms, points or frames, not of parameters."""
 
 
 def read_force_elements(table: Table, parameters: Parameters) -> tuple[ForceElement, ...]:

@@ -24,7 +24,7 @@ from kanegen.model.force_elements.elements import (
 )
 from kanegen.model.force_elements.names import Place, coordinate_places, speed_places
 from kanegen.recursion.constants import exact
-from kanegen.recursion.frames import position_of
+from kanegen.recursion.frames import fixed_frame, position_of
 from kanegen.recursion.spring_ends import ends, joints_between, separation
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import Wrench, add, cross, dot, negate, scale, subtract
@@ -90,7 +90,10 @@ def _point_loads(tree: Tree) -> Iterator[tuple[int, Wrench]]:
             force, moment = (
                 Vector(*map(translator.value, values)) for values in (element.force, element.moment)
             )
-            yield _inertial_load(tree, *_place(tree, element.point), force, moment, f"pl_{number}")
+            if element.frame:
+                yield _load_in_frame(tree, *_place(tree, element.point), force, moment, element.frame)
+            else:
+                yield _inertial_load(tree, *_place(tree, element.point), force, moment, f"pl_{number}")
     for number, (k, point) in enumerate(tree.system.points, start=1):
         if point.loads:
             force, moment = (
@@ -112,6 +115,16 @@ def _inertial_load(
     tree.about(k, "load on a point")
     load = _force_at(tree, k, position, _outward(tree, k, 0, force, f"{name}F"))
     return k, Wrench(load.force, add(load.moment, _outward(tree, k, 0, moment, f"{name}M")))
+
+
+def _load_in_frame(
+    tree: Tree, k: int, position: Vector, force: Vector, moment: Vector, name: str
+) -> tuple[int, Wrench]:
+    """Return body `k` with the wrench of a force at a point and a moment, given in a frame of the body."""
+    tree.about(k, "load on a point")
+    frame = fixed_frame(tree, name, k)
+    load = _force_at(tree, k, position, frame.inward(force))
+    return k, Wrench(load.force, add(load.moment, frame.inward(moment)))
 
 
 def _force_at(tree: Tree, k: int, position: Vector, force: Vector) -> Wrench:

@@ -95,8 +95,9 @@ def contributions(
                 yield from state.potential(energy)
             case Spring():
                 yield state.spring(element)
-            case PointLoad(name, force, moment):
-                yield state.point_load(name, state.vector(force), state.vector(moment))
+            case PointLoad(name, force, moment, frame):
+                load = state.vector(force), state.vector(moment)
+                yield state.point_load(name, *(state.inertial(vector, frame) for vector in load))
     for number, name in enumerate(system.forces.points):
         point_force, point_moment = point_inputs.force[..., number, :], point_inputs.moment[..., number, :]
         yield state.point_load(name, (point_force, point_force), (point_moment, point_moment))
@@ -193,6 +194,14 @@ class _State:
             np.stack([np.broadcast_to(one, shape) for one in three], axis=-1) for three in parts
         )
         return value, magnitude
+
+    def inertial(self, vector: ValueAndMagnitude, frame: str) -> ValueAndMagnitude:
+        """Return a vector in inertial components, from those of a frame or, for "", from inertial ones."""
+        if not frame:
+            return vector
+        fixed = self.system.frames[frame]
+        to_inertial = transposed(fixed.rotation @ self.bodies[fixed.body - 1].rotation)
+        return apply(to_inertial, vector[0]), vector[1]
 
     def on_freedom(self, name: str, effort: ValueAndMagnitude) -> Contribution:
         """Return the contribution of an effort on the freedom of a coordinate or speed."""

@@ -12,6 +12,7 @@ import kanegen as kg
 from kanegen.model.numbers import value_of
 from kanegen.model.rotations import rotation_123
 from kanegen.reference.equations import forcing
+from kanegen.reference.frames import frame_motions
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything
 
@@ -179,6 +180,29 @@ def test_springs_and_loads_act_at_the_origins_of_frames(pendulum: kg.System) -> 
     assert found.forcing(x, y, t=0.4).tolist() == expected.forcing(x, y, t=0.4).tolist()
     assert found.source.operations == expected.source.operations
     assert found.forcing(x, y, t=0.4) == pytest.approx(forcing(by_frames, x, y, t=0.4), abs=1e-13)
+
+
+def test_a_load_in_components_of_a_frame_turns_with_the_frame(pendulum: kg.System) -> None:
+    """In every derivation it is a load whose inertial components turn as the frame does."""
+    frames = pendulum.with_frames({"tool": ("lower", (0.3, 0.1, -0.2), (0.2, 0.7, -0.4))})
+    force, moment = (1.0, 2.0, -3.0), (0.5, -1.5, 2.5)
+    thrust = frames.with_force_elements(kg.PointLoad("tool", force, moment, frame="tool"))
+    found, literal = kg.build(thrust, outputs=("forcing",)), kg.derive(thrust).lambdify()
+    for x, y in (((0.3, -0.5), (1.0, 2.0)), ((-2.0, 0.7), (0.2, -0.4))):
+        (pose,) = frame_motions(frames, ["tool"], np.array(x), np.zeros(2), np.zeros(2)).poses
+        still = kg.PointLoad("tool", tuple(pose[:3].T @ force), tuple(pose[:3].T @ moment))
+        expected = forcing(frames.with_force_elements(still), np.array(x), np.array(y))
+        assert found.forcing(x, y) == pytest.approx(expected, abs=1e-13)
+        assert forcing(thrust, np.array(x), np.array(y)) == pytest.approx(expected, abs=1e-13)
+        assert literal.forcing(x, y) == pytest.approx(expected, abs=1e-13)
+
+
+def test_the_frame_of_a_load_belongs_to_the_body_of_its_point(pendulum: kg.System) -> None:
+    frames = pendulum.with_frames({"tool": ("lower", (0.3, 0.1, -0.2))})
+    with pytest.raises(kg.ModelError, match=r"point_load at 'tool': its body has no frame 'upper'\."):
+        frames.with_force_elements(kg.PointLoad("tool", (1, 0, 0), frame="upper"))
+    with pytest.raises(kg.ModelError, match="point_load frame: 3 is not a name"):
+        kg.PointLoad("tool", (1, 0, 0), frame=3)  # type: ignore[arg-type]
 
 
 def test_loads_on_a_body_are_components_of_its_frame() -> None:

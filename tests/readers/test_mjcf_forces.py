@@ -25,7 +25,7 @@ def test_springs_dampers_and_actuators_are_those_of_mujoco() -> None:
     assert_same_values(FORCES, states=5)
     names = {parameter.name for parameter in kg.load(FORCES).parameters}
     assert {"ctrl_motor", "act_cylinder", "act_integrator", "ctrl_of_ball", "ctrl_actuator7"} < names
-    assert len(names) == 10
+    assert len(names) == 12
 
 
 def test_a_saved_model_has_the_same_forces(tmp_path: Path) -> None:
@@ -89,7 +89,8 @@ def test_what_is_left_out_is_one_warning(tmp_path: Path) -> None:
       <site name="s"/></body>
       <body name="m" mocap="true"/></worldbody>
       <tendon><spatial name="rope"><site site="s"/><site site="s2"/></spatial></tendon>
-      <actuator><muscle name="muscle" joint="j"/><motor name="at site" site="s" gear="0 0 1 0 0 0"/>
+      <actuator><muscle name="muscle" joint="j"/>
+      <motor name="between" site="s" refsite="s2" gear="0 0 1 0 0 0"/>
       <motor name="bounded" joint="j" forcerange="-1 1" forcelimited="true"/></actuator></mujoco>"""
     text = text.replace("<worldbody>", '<worldbody><site name="s2"/>')
     with pytest.warns(KanegenWarning) as caught:
@@ -99,7 +100,7 @@ def test_what_is_left_out_is_one_warning(tmp_path: Path) -> None:
         "whose ranges are kept as system.limits; dry friction of 1 joint (j); forces of 1 property "
         "of the fluid (density); motions of 1 mocap body (m), which stay where the file has them; springs of "
         "1 ball or free joint (b); forces of 1 spatial tendon (rope); forces of 2 other actuators (muscle, "
-        "at site), which are no linear functions of an input, lengths and their rates; bounds of the forces "
+        "between), which are no linear functions of an input, lengths and their rates; bounds of the forces "
         "of 1 actuator (bounded)."
     )
     assert len(caught) == 1

@@ -133,7 +133,7 @@ def _leave_out(mujoco: Any, model: Any) -> None:
             model.actuator_trntype[i] == int(mujoco.mjtTrn.mjTRN_TENDON)
             and model.actuator_trnid[i][0] in spatial
         )
-        others = (mujoco.mjtTrn.mjTRN_SITE, mujoco.mjtTrn.mjTRN_BODY, mujoco.mjtTrn.mjTRN_SLIDERCRANK)
+        others = (mujoco.mjtTrn.mjTRN_BODY, mujoco.mjtTrn.mjTRN_SLIDERCRANK)
         is_muscle = model.actuator_gaintype[i] > 1 or model.actuator_biastype[i] > 1
         if in_space or is_muscle or model.actuator_trntype[i] in map(int, others):
             model.actuator_gaintype[i] = model.actuator_biastype[i] = 0

@@ -237,6 +237,10 @@ def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:
     elements.append(JointFriction(str(drawing.one_of(speeds)), drawing.number(0.7), drawing.number(0.6)))
     effort = drawing.one_of(EFFORTS).replace("X", x).replace("Y", y)
     elements.append(Drive(drawing.one_of(speeds), parse(f"{rate.name}*({effort})", parameters)))
+    k = int(drawing.rng.integers(len(system.bodies))) + 1
+    frame = drawing.one_of([name for name in system.frame_names if system.frame(name).body == k])
+    thrust = (0.5, parse(rate.name, parameters), parse(f"sin(x.{x})"))
+    elements.append(PointLoad(ends[k - 1], force=thrust, moment=(1.5, 0, parse("cos(t)")), frame=frame))
     return system.with_force_elements(*elements)
 
 

@@ -164,18 +164,22 @@ class Drive(ForceElement):
 
 @dataclass(frozen=True)
 class PointLoad(ForceElement):
-    """A force and a moment on the body of a point, as expressions in inertial components.
+    """A force and a moment on the body of a point, as expressions.
+
+    The components are inertial, or those of a frame that moves with the body, as of the thrust of a rotor.
 
     Attributes:
         point: Name of the point.
         force: (3,) force that acts at the point (N), expressions of {x}, {y}, t and parameters.
         moment: (3,) moment on the body of the point (N m), expressions of the same variables.
+        frame: Name of the frame of the components, one of the body of the point; "" for inertial components.
 
     Raises:
-        ModelError: If a component is no expression, or there are not three.
+        ModelError: If a component is no expression, or there are not three, or the frame is no name.
 
     Example:
         kg.PointLoad("tip", force=("0", "0", "10*sin(t)"))
+        kg.PointLoad("rotor", force=(0, 0, kg.parse("u", [kg.Parameter("u", 5.0)])), frame="rotor")
     """
 
     KEY: ClassVar[str] = "point_load"
@@ -184,9 +188,11 @@ class PointLoad(ForceElement):
     point: str
     force: tuple[Expression, Expression, Expression] = (parse(0),) * 3
     moment: tuple[Expression, Expression, Expression] = (parse(0),) * 3
+    frame: str = ""
 
     def __post_init__(self) -> None:
         validation.store(self, point=_name(self.point, "point_load point"))
+        validation.store(self, frame=_name(self.frame, "point_load frame"))
         for name in ("force", "moment"):
             components = validation.sequence(getattr(self, name), 3, f"point_load {name}")
             validation.store(self, **{name: tuple(parse(component) for component in components)})

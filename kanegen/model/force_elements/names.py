@@ -130,7 +130,7 @@ class _Resolver:
     """Looks up the names in force elements among the bodies of a system."""
 
     def __init__(self, bodies: Sequence[Body], frames: Mapping[str, int]) -> None:
-        self._bodies = bodies
+        self._bodies, self._frames = bodies, frames
         self._places = coordinate_places(bodies)
         self._coordinates = _Names.of("coordinate", self._places)
         self._speeds = _Names.of("speed", speed_places(bodies))
@@ -150,11 +150,7 @@ class _Resolver:
             case Spring():
                 self._check_ends(element)
             case PointLoad():
-                if not self._body(element.point, element.KEY):
-                    raise ModelError(
-                        f"{element.KEY}: {quoted(element.point)} is fixed to the ground, where a load does "
-                        "nothing. Name a point or frame of a body."
-                    )
+                self._check_load(element)
             case Potential():
                 for name in element.energy.variables:
                     self._require_rate(name, element.KEY)
@@ -180,6 +176,21 @@ class _Resolver:
                 f"{label}: the speeds of body {quoted(body.name)} are its angular velocity, so none is the "
                 f"rate of {quoted(variable)} alone. Keep angles and their rates there, or use a drive on "
                 f"'{body.name}.omega1' to 'omega3'."
+            )
+
+    def _check_load(self, load: PointLoad) -> None:
+        """Raise a `ModelError` if a load is on the ground, or in components of a frame of another body."""
+        k = self._body(load.point, load.KEY)
+        if not k:
+            raise ModelError(
+                f"{load.KEY}: {quoted(load.point)} is fixed to the ground, where a load does nothing. Name a "
+                "point or frame of a body."
+            )
+        if load.frame and self._frames.get(load.frame) != k:
+            own = [name for name, body in self._frames.items() if body == k]
+            raise ModelError(
+                f"{load.KEY} at {quoted(load.point)}: its body has no frame {quoted(load.frame)}. "
+                f"{did_you_mean(load.frame, own)}"
             )
 
     def _check_ends(self, spring: Spring) -> None:

@@ -26,7 +26,7 @@ from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.expressions import ExpressionTranslator
 from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
-from kanegen.symbolic.literal.frames import point_position
+from kanegen.symbolic.literal.frames import frame_equations, point_position
 from kanegen.symbolic.literal.joint import skew
 from kanegen.symbolic.symbols import column, expression, point_force, point_moment
 
@@ -118,7 +118,8 @@ class ElementForces:
                 force, moment = (
                     ImmutableMatrix([*map(value, three)]) for three in (element.force, element.moment)
                 )
-                yield self._of_point_load(element.point, force, moment)
+                to_inertial = self._to_inertial(element)
+                yield self._of_point_load(element.point, to_inertial * force, to_inertial * moment)
         for number, (_, point) in enumerate(self.system.points, start=1):
             if point.loads:
                 force, moment = (
@@ -126,6 +127,13 @@ class ElementForces:
                     for symbol in (point_force, point_moment)
                 )
                 yield self._of_point_load(point.name, force, moment)
+
+    def _to_inertial(self, load: PointLoad) -> ImmutableMatrix:
+        """Return the (3, 3) rotation to inertial components from those of the frame of a load."""
+        if not load.frame:
+            return ImmutableMatrix.eye(3)
+        body = self.bodies[self.system.place(load.point)[0] - 1]
+        return (frame_equations(self.system, load.frame).rotation * body.rotation).T
 
     def _of_point_load(self, name: str, force: ImmutableMatrix, moment: ImmutableMatrix) -> ImmutableMatrix:
         """Return (n, 1) generalized forces of a force at a point (N) and a moment on its body (N m)."""
