@@ -23,6 +23,7 @@ from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
 from kanegen.c.vector_sincos import FEW
 from kanegen.errors import ModelError
+from kanegen.model.names import FILES_OF_C
 from kanegen.options import STRICT
 from kanegen.program.cut import LONGEST_PART
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, PRECISIONS
@@ -41,18 +42,6 @@ FILES = {
 
 _NEEDED = {"kanegen_simd.h": "simd", "kanegen_sincos.h": "sincos", "kanegen_double_double.h": "double_double"}
 """Name of the context variable by template; a file is left out where this variable is empty."""
-
-_RESERVED_NAMES = frozenset(
-    """
-    assert complex ctype errno features fenv float inttypes iso646 kanegen_double_double
-    kanegen_elementary kanegen_elementary_dd kanegen_elementaryf kanegen_elementaryl kanegen_simd
-    kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched
-    setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib
-    stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
-    """.split()
-)
-"""Names of models whose header would hide a header of the C library, or whose source would hide the
-example."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +62,7 @@ class C99:
         Raises:
             ModelError: If `name` is reserved.
         """
-        if name.lower() in _RESERVED_NAMES:
+        if name.lower() in FILES_OF_C:
             raise ModelError(
                 f"system name {name!r}: the file {name}.h or {name}.c would hide another. "
                 "Choose another name."

@@ -45,6 +45,18 @@ KEYWORDS = frozenset(
     """.split()
 )
 
+FILES_OF_C = frozenset(
+    """
+    assert complex ctype errno features fenv float inttypes iso646 kanegen_double_double
+    kanegen_elementary kanegen_elementary_dd kanegen_elementaryf kanegen_elementaryl kanegen_simd
+    kanegen_simdf kanegen_sincos kanegen_sincosf limits locale main malloc math memory pthread sched
+    setjmp signal stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib
+    stdnoreturn string strings tgmath threads time uchar unistd wchar wctype
+    """.split()
+)
+"""Names, in lower case, of headers of the C library, of the example, and of headers that stand beside
+generated code: a file of this name would hide one of them."""
+
 
 def check_identifier(name: object, label: str) -> str:
     """Return `name` if it can be a C identifier; the message calls it `label`.
@@ -81,16 +93,18 @@ def check_label(name: object, label: str) -> str:
 
 
 def identifier(name: str) -> str:
-    """Return the C identifier of a name: the name itself if it is one, else one that is derived from it.
+    """Return the C identifier of a name: the name itself if it can be one, else one that is derived from it.
 
-    A derived identifier has the letters and digits of the name, and six hexadecimal digits by which the
-    identifiers of different names differ. It depends on nothing but the name.
+    It cannot if it is a keyword, or if a header of this name would hide another one. A derived identifier has
+    the letters and digits of the name, and six hexadecimal digits by which the identifiers of different names
+    differ. It depends on nothing but the name.
 
     Example:
         identifier("arm")  # 'arm'
         identifier("2-link arm")  # 'model_2_link_arm_', then six digits
     """
-    if len(name) <= MAX_IDENTIFIER and _IDENTIFIER.fullmatch(name) and name not in KEYWORDS:
+    is_identifier = len(name) <= MAX_IDENTIFIER and _IDENTIFIER.fullmatch(name)
+    if is_identifier and name not in KEYWORDS and name.lower() not in FILES_OF_C:
         return name
     letters = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode("ascii")
     readable = re.sub(r"[^A-Za-z0-9]+", "_", letters).strip("_")

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import kanegen as kg
 from kanegen.cli.app import app
-from kanegen.model.names import KEYWORDS, MAX_LABEL, check_label, identifier
+from kanegen.model.names import FILES_OF_C, KEYWORDS, MAX_LABEL, check_label, identifier
 from kanegen.model.quoting import c_comment, c_name, markdown, markdown_code, python_text
 from kanegen.studies.explain import cost_report
 from kanegen.studies.explain.page import html as html_page
@@ -195,11 +195,17 @@ def test_identifiers() -> None:
         "x" * 64,
         "x" * 65,
         *KEYWORDS,
+        "math",
+        "Time",
     ]
     made = [identifier(name) for name in names]
     assert len({*made, "a_b"}) == len(names) + 1
     for one in made:
-        assert re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", one) and one not in KEYWORDS
+        assert (
+            re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", one)
+            and one not in KEYWORDS
+            and one.lower() not in FILES_OF_C
+        )
     assert made[0][:4] == "a_b_" and made[4].startswith("model_2dof_planar_rig_")
     assert made[5].startswith("model_") and identifier("Größe").startswith("Groe_")
     assert (
