@@ -134,6 +134,7 @@ def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
         "point_loads": _loaded_rows(points, model.loaded_points),
         "force_elements": _listed(model.force_elements),
         "motors": _listed(model.motors),
+        "couplings": _listed(model.couplings),
     }
 
 

@@ -35,6 +35,7 @@ class ModelDescription:
         loaded_points: For each point whether it takes a force and a moment.
         force_elements: One line of text for each force element.
         motors: One line of text for each armature and each rotor.
+        couplings: One line of text for each coupling.
         poses: Names of the frames that outputs about frames give, in the order of their rows.
         pose_bodies: Names of the bodies in which these frames are fixed, "" for the ground.
         reactions: Name and unit of each load that `reaction_loads` gives.
@@ -60,6 +61,7 @@ class ModelDescription:
     loaded_points: tuple[bool, ...] = ()
     force_elements: tuple[str, ...] = ()
     motors: tuple[str, ...] = ()
+    couplings: tuple[str, ...] = ()
     poses: tuple[str, ...] = ()
     pose_bodies: tuple[str, ...] = ()
     reactions: tuple[tuple[str, str], ...] = ()
@@ -141,6 +143,7 @@ def description(system: System) -> ModelDescription:
         loaded_points=tuple(point.loads for _, point in system.points),
         force_elements=tuple(element.summary for element in system.force_elements),
         motors=system.motor_summaries,
+        couplings=system.coupling_equations,
         poses=system.pose_names,
         pose_bodies=tuple(
             system.bodies[frame.body - 1].name if frame.body else "" for frame in system.pose_frames

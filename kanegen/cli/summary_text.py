@@ -92,7 +92,7 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
         remark = ", in the order of the columns of prescribed"
         yield "Prescribed freedoms", remark, _columns(system.prescribed_names, units)
     if system.couplings:
-        equations = escape("\n".join(coupling.summary for coupling in system.couplings))
+        equations = escape("\n".join(system.coupling_equations))
         yield "Couplings", ", which take freedoms out of x and y", equations
     if system.motor_summaries:
         yield "Motors", ", with inertia of their own", escape("\n".join(system.motor_summaries))

@@ -26,6 +26,7 @@ from kanegen.model.arrays import Flags, Floats, SystemArrays
 from kanegen.model.system import System
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.reference import equations as reference
+from kanegen.reference.freedoms import largest_coupled_angle
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.magnitudes import (
     element_magnitude,
@@ -41,7 +42,7 @@ from kanegen.reference.states import States, joined, random_states
 __all__ = ["Accuracy", "ComparedLibrary", "Evaluation", "Report", "compare"]
 
 BOUND_REASON = (
-    "The bound is 8 (N + 8) 2^-{digits} for N bodies, relative to the magnitudes of an entry's terms: "
+    "The bound is 8 ({count}) 2^-{digits} for N bodies, relative to the magnitudes of an entry's terms: "
     "rounding grows at most linearly along the tree, and the constants are calibrated."
 )
 """Sentence in which a report says where its bound comes from."""
@@ -133,12 +134,13 @@ def compare(
     sample = random_states(arrays, states, seed, system.limits).rounded(coarser)
     further = special_states(system, sample)
     sample = joined([sample, further.states.rounded(coarser)])
-    limit = rounding_bound(system.number_of_bodies, precision, storage)
+    angle = largest_coupled_angle(arrays, sample.x, sample.prescribed[:, 0])
+    limit = rounding_bound(system.number_of_bodies, precision, storage, angle)
     parts = _batches(sample, system.number_of_bodies)
     batches = [_batch_errors(arrays, library, outputs, part, limit, storage) for part in parts]
     errors = {name: _joined([batch[name] for batch in batches]) for name in outputs}
     accuracies = tuple(_accuracy(system, sample, name, errors[name], limit, states) for name in outputs)
-    reason = _reason(precision, storage)
+    reason = _reason(precision, storage, angle)
     return Report(system.name, states, seed, accuracies, reason, system.limits.words, further.words)
 
 
@@ -233,9 +235,14 @@ def _coarser(a: Precision, b: Precision) -> Precision:
     return min(a, b, key=lambda precision: precision.significand_bits)
 
 
-def _reason(precision: Precision, storage: Precision) -> str:
+def _reason(precision: Precision, storage: Precision, angle: float) -> str:
     """Return the sentences that say where the bound comes from."""
-    reason = BOUND_REASON.format(digits=_coarser(precision, DOUBLE).significand_bits)
+    count = f"N + 8 + {angle:.3g}" if angle else "N + 8"
+    reason = BOUND_REASON.format(count=count, digits=_coarser(precision, DOUBLE).significand_bits)
+    if angle:
+        reason += (
+            f" Terms of coupled angles add up to {angle:.3g} rad, and have rounding errors in proportion."
+        )
     if storage.roundoff > precision.roundoff:
         reason += f" Results are rounded once more, by 2^-{storage.significand_bits}."
     return reason

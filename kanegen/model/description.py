@@ -367,6 +367,15 @@ class SystemDescription:
         return tuple(self._freedom_name(freedom) for freedom in self.prescribed)
 
     @cached_property
+    def coupling_equations(self) -> tuple[str, ...]:
+        """One line for each coupling, with the names of freedoms that `freedom_names` has."""
+        names = {
+            f"{self.bodies[one.body - 1].name}.{FREEDOMS[one.index]}": self._freedom_name(one)
+            for one in self.in_couplings
+        }
+        return tuple(coupling.equation(names) for coupling in self.couplings)
+
+    @cached_property
     def coupled_names(self) -> tuple[str, ...]:
         """Names of the coupled freedoms, in the order of `coupled`."""
         return tuple(self._freedom_name(one.freedom) for one in self.coupled)

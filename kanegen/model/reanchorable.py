@@ -77,7 +77,7 @@ def _obstacle(system: System, body: Body) -> str:
     moved = (f"x.{body.name}.", f"y.{body.name}.s", f"y.{body.name}.theta")
     if any(name.startswith(moved) for name in referenced_variables(system.force_elements)):
         return "a force element names its coordinates, which would mean others. Leave it out"
-    if any(name.startswith((f"{body.name}.theta", f"{body.name}.s")) for name in coupled_names(system)):
+    if any(system.bodies[freedom.body - 1] is body for freedom in system.in_couplings):
         return "a coupling names its coordinates, which would mean others. Leave it out"
     if not isinstance(joint.rotation, AxisRotations):
         return f"it has a {joint.coordinates}, which is regular everywhere. Leave it out"
@@ -117,11 +117,6 @@ def _are_three_of_its_own(system: System, names: list[str]) -> bool:
     further += [value for element in system.force_elements for value in element.numbers()]
     used += _parameter_names(tuple(further))
     return len(names) == len(set(names)) == 3 and all(used.count(name) == 1 for name in names)
-
-
-def coupled_names(system: System) -> set[str]:
-    """Return the permanent names of all freedoms that couplings name."""
-    return {name for one in system.couplings for name in (one.freedom, *(name for name, _ in one.pairs))}
 
 
 def orientation_parameters(joint: Joint) -> list[str]:

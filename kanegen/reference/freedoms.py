@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kanegen.model.arrays import SystemArrays
-from kanegen.model.coordinates import ANGLES
+from kanegen.model.coordinates import ANGLES, Freedom
 from kanegen.reference.matrices import Numbers
 
 UNPRESCRIBED = np.zeros((3, 0))
@@ -75,6 +75,25 @@ def orientations_and_translations(
             factor * of_kind[other.is_angle][other.body - 1][..., other.axis] for other, factor in one.terms
         )
     return parts[0], parts[1]
+
+
+def largest_coupled_angle(system: SystemArrays, x: Numbers, prescribed: Numbers) -> float:
+    """Return the largest sum of the magnitudes of the terms of a coupled angle in some states (rad).
+
+    Args:
+        system: The numbers of the tree.
+        x: (B, m) coordinates.
+        prescribed: (B, p) values of the prescribed freedoms.
+    """
+    known = orientations_and_translations(system, x, prescribed)
+    sizes: dict[Freedom, Numbers] = {}
+    for one in system.coupled:
+        terms = [
+            abs(factor) * sizes.get(other, abs(known[other.index // 3][other.body - 1][..., other.axis]))
+            for other, factor in one.terms
+        ]
+        sizes[one.freedom] = sum(terms, start=abs(one.offset) + np.zeros(len(x)))
+    return max((float(size.max()) for freedom, size in sizes.items() if freedom.is_angle), default=0.0)
 
 
 def full_order(system: SystemArrays, values: Numbers, prescribed: Numbers) -> Numbers:

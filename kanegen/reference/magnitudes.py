@@ -233,8 +233,10 @@ def element_magnitude(
     return sum(sizes, start=np.zeros(y.shape))
 
 
-def rounding_bound(bodies: int, precision: Precision = DOUBLE, storage: Precision = DOUBLE) -> float:
-    """Return how far two programs may differ, relative to the magnitudes of the terms: 8 (N + 8) u.
+def rounding_bound(
+    bodies: int, precision: Precision = DOUBLE, storage: Precision = DOUBLE, angle: float = 0.0
+) -> float:
+    """Return how far two programs may differ, relative to the magnitudes of the terms: 8 (N + 8 + phi) u.
 
     Every rotation, cross product and sum along the tree adds a few roundings, so errors grow at most
     linearly with N; the term 8 in brackets stands for sines, products and inertias within a body. The
@@ -248,9 +250,11 @@ def rounding_bound(bodies: int, precision: Precision = DOUBLE, storage: Precisio
             which computes in double, if this is larger.
         storage: Precision of the program's arrays. Fewer digits than in the arithmetic mean one more
             rounding.
+        angle: Largest sum phi of the magnitudes of the terms of a coupled angle (rad), 0 without couplings.
+            The angle has their rounding errors, by which vectors turn.
     """
     stored = storage.roundoff if storage.roundoff > precision.roundoff else 0.0
-    return 8 * (bodies + 8) * max(precision.roundoff, DOUBLE.roundoff) + stored
+    return 8 * (bodies + 8 + angle) * max(precision.roundoff, DOUBLE.roundoff) + stored
 
 
 def _columns(system: SystemArrays, maxima: tuple[PathMaxima, ...]) -> tuple[Floats, Floats]:

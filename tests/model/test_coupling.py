@@ -35,7 +35,8 @@ def test_a_coupled_freedom_leaves_x_and_y() -> None:
     assert system.coupled_names == ("b",)
     assert system.bodies[1].joint.coupled == (False, False, True, False, False, False)
     assert system.bodies[1].joint.moving[2]
-    assert system.couplings[0].summary == "link1.theta3 = 2.0 link0.theta3 + 0.1"
+    assert system.couplings[0].equation() == "link1.theta3 = 2.0 link0.theta3 + 0.1"
+    assert system.coupling_equations == ("b = 2.0 a + 0.1",)
     (coupled,) = system.coupled
     assert coupled.freedom == Freedom(2, 2)
     assert coupled.terms == ((Freedom(1, 2), 2.0),)

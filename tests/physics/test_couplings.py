@@ -14,9 +14,11 @@ from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
 from tests.support import prescribed_trees as trees
+from tests.support import systems
 from tests.support.couplings import random_couplings, rate_matrices, released, released_state
 from tests.support.orientation_trees import close
 from tests.support.prescribed_trees import KINDS, POINTS, SAME, Arrays, state, values
+from tests.support.robots import robot_file
 
 FRAMES = ("frame_jacobians", "frame_velocities", "frame_accelerations")
 EQUATIONS = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics")
@@ -116,3 +118,90 @@ def test_both_solvers(kind: str, solver: str) -> None:
     found = evaluate(module.functions["evaluate"], inputs, np)
     close(np.array(found["acceleration"]), expected(system, given)["forward_dynamics"], 1e-11)
     assert all(0 < value <= 1 + 1e-12 for value in found["regularity"])
+
+
+def wheel(name: str, lower: int, inertia: float, position: tuple[float, float, float]) -> kg.Body:
+    """A wheel that turns about axis 3 through its mass centre."""
+    joint = kg.Joint(position, free=(False, False, True, False, False, False), name=name)
+    return kg.Body(f"{name}_wheel", lower, 1.0, np.diag([inertia, inertia, inertia]).tolist(), joint=joint)
+
+
+def test_a_train_of_gears() -> None:
+    """Textbook: the inertia at the first shaft is J1 + J2 n2^2 + J3 (n2 n3)^2, for ratios along the train."""
+    j1, j2, j3, first, second = 0.3, 0.2, 0.7, -2.0, -1.5
+    wheels = [
+        wheel(name, 0, j, (k, 0, 0)) for k, (name, j) in enumerate(zip("abc", (j1, j2, j3), strict=True))
+    ]
+    system = kg.System("gears", tuple(wheels)).with_couplings(
+        kg.Coupling("c", {"b": second}), kg.Coupling("b", {"a": first})
+    )
+    library = kg.build(system, ("mass_matrix", "forward_dynamics"))
+    inertia = j1 + j2 * first**2 + j3 * (first * second) ** 2
+    np.testing.assert_allclose(library.mass_matrix([0.4]), [[inertia]], rtol=1e-15)
+    np.testing.assert_allclose(library.forward_dynamics([0.4], [3.0], [0.9]), [0.9 / inertia], rtol=1e-15)
+    assert library.source.operations["sincos"] == 0
+
+
+def test_a_differential_on_a_moving_carrier() -> None:
+    """The carrier turns by the mean of two shafts: [A] = [[J + C/4, C/4], [C/4, J + C/4]]."""
+    j, c = 0.05, 0.6
+    bodies = (
+        wheel("left", 0, j, (0, 0, 1)),
+        wheel("right", 0, j, (0, 0, -1)),
+        wheel("cage", 0, c, (0, 0, 0)),
+    )
+    system = kg.System("differential", bodies).with_couplings(
+        kg.Coupling("cage", {"left": 0.5, "right": 0.5})
+    )
+    found = kg.build(system, "mass_matrix").mass_matrix([0.1, 0.2])
+    np.testing.assert_allclose(found, j * np.eye(2) + c / 4, rtol=1e-15)
+
+
+def test_a_rack_and_pinion_under_gravity() -> None:
+    """Textbook: a rack of mass m hangs on a pinion of inertia J and radius r: (J + m r^2) alpha = m g r."""
+    m, j, r, g = 1.7, 0.02, 0.11, 9.81
+    slide = kg.Joint(free=(False, False, False, False, False, True), name="rack")
+    rack = kg.Body("bar", 0, m, np.zeros((3, 3)).tolist(), joint=slide)
+    system = kg.System("rack_and_pinion", (wheel("pinion", 0, j, (r, 0, 0)), rack))
+    library = kg.build(system.with_couplings(kg.Coupling("rack", {"pinion": -r})), ("forward_dynamics",))
+    np.testing.assert_allclose(
+        library.forward_dynamics([0.3], [-2.0]), [m * g * r / (j + m * r**2)], rtol=1e-15
+    )
+
+
+def test_springs_and_drives_on_coupled_freedoms() -> None:
+    """A spring on a freedom that follows with the factor a acts as one of stiffness a^2 k, about b / a."""
+    a, b, k, d = -0.6, 0.25, 3.0, 0.4
+    bodies = (wheel("first", 0, 0.3, (0, 0, 0)), wheel("second", 0, 0.2, (1, 0, 0)))
+    system = kg.System("sprung", bodies).with_couplings(kg.Coupling("second", {"first": a}, b))
+    system = system.with_force_elements(
+        kg.JointSpring("second", k, 0.1, d), kg.Drive("second", "x.second*y.first - y.second**2")
+    )
+    outputs = ("forcing", "potential_energy", "forward_dynamics")
+    library = kg.build(system, outputs)
+    x, y = 0.7, -1.3
+    follows, rate = a * x + b, a * y
+    effort = -k * (follows - 0.1) - d * rate + follows * y - rate**2
+    np.testing.assert_allclose(library.forcing([x], [y]), [a * effort], rtol=1e-14)
+    np.testing.assert_allclose(library.potential_energy([x]), k * (follows - 0.1) ** 2 / 2, rtol=1e-14)
+
+
+OPERATIONS = {"mass_matrix": 394, "forcing": 686, "inverse_dynamics": 717, "forward_dynamics": 1394}
+"""Operations of the arm with a gripper whose second finger follows the first."""
+
+
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
+def test_a_gripper_costs_less_with_its_fingers_coupled() -> None:
+    """No row and no column of the second finger is computed, and no product with the rates is formed."""
+    coupled = kg.load(robot_file("panda"))
+    for name, count in OPERATIONS.items():
+        own, free = (sum(kg.generate(one, name).operations.values()) for one in (coupled, released(coupled)))
+        assert own == count < free
+
+
+def test_equal_angles_share_their_sine() -> None:
+    """A hinge that follows with the factor 1 or -1 and no offset has the same sine and cosine."""
+    chain = systems.chain(3, ["theta3"])
+    for factor in (1.0, -1.0):
+        system = chain.with_couplings(kg.Coupling("body3.theta3", {"body1.theta3": factor}))
+        assert kg.generate(system, "forcing").operations["sincos"] == 2
