@@ -46,22 +46,24 @@ def largest_error(coefficients: tuple[float, ...], first: int, sign: int, power:
     difference = [a - b for a, b in zip(padded, exact, strict=True)]
     left_out = end**TERMS / factorial(first + 2 * TERMS)
     width = end / PARTS
+    scaled = [term * width**k for k, term in enumerate(difference)]
+    denominator = math.lcm(*(term.denominator for term in scaled))
+    numerators = [int(term * denominator) for term in scaled]
     bounds = (
-        math.sqrt((k + 1) * width) ** power * float(_largest(difference, k * width, width) + left_out)
+        math.sqrt((k + 1) * width) ** power * float(_largest(numerators, k) / denominator + left_out)
         for k in range(PARTS)
     )
     return max(bounds) * _SLACK
 
 
-def _largest(polynomial: Sequence[Fraction], start: Fraction, width: Fraction) -> Fraction:
-    """Return the largest magnitude of the Bernstein coefficients on an interval."""
+def _largest(polynomial: Sequence[int], start: int) -> Fraction:
+    """Return the largest magnitude of the Bernstein coefficients on an interval of length 1."""
     degree = len(polynomial) - 1
     moved = [
-        width**k * sum(comb(j, k) * polynomial[j] * start ** (j - k) for j in range(k, degree + 1))
+        sum(comb(j, k) * polynomial[j] * start ** (j - k) for j in range(k, degree + 1))
         for k in range(degree + 1)
     ]
-    largest = Fraction(0)
-    for i in range(degree + 1):
-        terms = (Fraction(comb(i, k), comb(degree, k)) * moved[k] for k in range(i + 1))
-        largest = max(largest, abs(sum(terms, Fraction(0))))
-    return largest
+    common = math.lcm(*(comb(degree, k) for k in range(degree + 1)))
+    shares = [common // comb(degree, k) * term for k, term in enumerate(moved)]
+    sums = (sum(comb(i, k) * shares[k] for k in range(i + 1)) for i in range(degree + 1))
+    return Fraction(max(map(abs, sums)), common)

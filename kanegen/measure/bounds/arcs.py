@@ -7,8 +7,9 @@ or +-hypot(x, y) where the arc holds the direction of (x, y) or the opposite one
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import product
 
 import mpmath
@@ -34,6 +35,16 @@ _LONGEST = 6.28
 _SLACK = 2.0**-50
 """Relative error of a few rounded operations and of NumPy's hypot, more than enough."""
 
+_ENDS_SLACK = 2.0**-50
+"""More than the error of x cos + y sin relative to the length of (x, y): less than 2^-53 from each of cosine
+and sine, the two products and the sum."""
+
+_SHORTEST = 1e-160
+"""More than what squares lose of a length by underflow."""
+
+_LONGEST_SQUARED = 1e150
+"""Length whose square does not overflow."""
+
 
 @dataclass(frozen=True)
 class Arcs:
@@ -55,8 +66,8 @@ class Arcs:
         return whole
 
     @cached_property
-    def ends(self) -> tuple[tuple[Intervals, Intervals], tuple[Intervals, Intervals]]:
-        """Cosine and sine at the first and at the last angle."""
+    def ends(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+        """Cosine and sine at the first and at the last angle, rounded to nearest."""
         return _cosine_sine(self.low), _cosine_sine(self.high)
 
     @cached_property
@@ -79,46 +90,68 @@ class Arcs:
         if self.is_circle.all():
             radius = _hypot(x.magnitude, y.magnitude)
             return Intervals(-radius, radius)
-        low, high = np.asarray(np.inf), np.asarray(-np.inf)
+        most = self._largest_at_ends((x.low, x.high), (y.low, y.high))
+        least = -self._largest_at_ends((-x.low, -x.high), (-y.low, -y.high))
+        slack = _hypot(x.magnitude, y.magnitude) * _ENDS_SLACK
+        least, most = least - slack, most + slack
         for a, b in product((x.low, x.high), (y.low, y.high)):
-            least, most = self.extremes(a, b)
-            low, high = np.minimum(low, least), np.maximum(high, most)
-        return Intervals(low, high)
+            least, most = self._with_directions(a, b, least, most)
+        return Intervals(least, most)
 
     def extremes(self, a: Floats, b: Floats) -> tuple[Floats, Floats]:
         """Return the least and the largest a cos + b sin of numbers a and b."""
-        x, y = Intervals(a, a), Intervals(b, b)
-        first, last = (x * cosine + y * sine for cosine, sine in self.ends)
-        radius = _hypot(np.abs(a), np.abs(b))
-        direction = np.arctan2(b, a)
-        most = np.where(self._holds(direction), radius, np.maximum(first.high, last.high))
-        least = np.where(self._holds(direction + np.pi), -radius, np.minimum(first.low, last.low))
-        return least, most
+        slack = _hypot(a, b) * _ENDS_SLACK
+        most = self._largest_at_ends((a,), (b,)) + slack
+        least = -self._largest_at_ends((-a,), (-b,)) - slack
+        return self._with_directions(a, b, least, most)
 
-    def _holds(self, direction: Floats) -> NDArray[np.bool_]:
-        """Return whether the arcs, and a little more, hold directions (rad)."""
-        with np.errstate(invalid="ignore"):
-            beyond = np.mod(direction - self.low + TOLERANCE, 2 * np.pi)
-            held: NDArray[np.bool_] = self.is_circle | ~(beyond > self.high - self.low + 2 * TOLERANCE)
-        return held
+    def _largest_at_ends(self, x: Sequence[Floats], y: Sequence[Floats]) -> Floats:
+        """Return the largest x cos + y sin at the ends, rounded, of some numbers x and y."""
+        first, last = (
+            reduce(np.maximum, [a * cosine for a in x]) + reduce(np.maximum, [b * sine for b in y])
+            for cosine, sine in self.ends
+        )
+        return np.maximum(first, last)
+
+    def _with_directions(self, a: Floats, b: Floats, least: Floats, most: Floats) -> tuple[Floats, Floats]:
+        """Return the extremes, -+hypot(a, b) where the arcs, or a little more, hold such a direction.
+
+        A direction differs from the middle of an arc by as much as its cosine to the middle says.
+        """
+        cosine, sine, limit = self._middle
+        radius = _hypot(a, b)
+        along, beyond = a * cosine + b * sine, radius * limit
+        return (
+            np.where(-along >= beyond, np.minimum(least, -radius), least),
+            np.where(along >= beyond, np.maximum(most, radius), most),
+        )
+
+    @cached_property
+    def _middle(self) -> tuple[Floats, Floats, Floats]:
+        """Cosine and sine of the middle of each arc, and the cosine of half its length and a little more."""
+        middle = np.where(self.is_circle, 0.0, self.low / 2 + self.high / 2)
+        half = np.minimum((self.high - self.low) / 2 + TOLERANCE, np.pi)
+        return np.cos(middle), np.sin(middle), np.where(self.is_circle, -2.0, np.cos(half))
 
 
 def _hypot(a: Floats, b: Floats) -> Floats:
-    with np.errstate(invalid="ignore"):
-        found: Floats = np.hypot(a, b) * (1 + _SLACK) + 1e-320
+    """Return upper bounds of the lengths of (a, b), in squares where these neither overflow nor vanish."""
+    found: Floats = np.sqrt(a * a + b * b) * (1 + _SLACK) + _SHORTEST
+    if not np.max(found, initial=0.0) < _LONGEST_SQUARED:
+        with np.errstate(invalid="ignore"):
+            found = np.hypot(a, b) * (1 + _SLACK) + _SHORTEST
     return found
 
 
-def _cosine_sine(angles: Floats) -> tuple[Intervals, Intervals]:
-    """Return enclosures of cosine and sine of each angle, few of which differ."""
+def _cosine_sine(angles: Floats) -> tuple[Floats, Floats]:
+    """Return cosine and sine of each angle, few of which differ, rounded to nearest."""
     inside = np.where(np.abs(angles) < 2 * LARGEST_ANGLE, angles, 0.0)
     different, places = np.unique(inside, return_inverse=True)
     found = [(_CONTEXT.cos(angle), _CONTEXT.sin(angle)) for angle in map(float, different)]
     cosine, sine = (np.array([float(v) for v in column])[places] for column in zip(*found, strict=True))
-    return Intervals(cosine, cosine).widened(_HALF_ULP), Intervals(sine, sine).widened(_HALF_ULP)
+    return cosine, sine
 
 
-_HALF_ULP = np.asarray(2.0**-53)
 _ONE = Intervals(np.ones(()), np.ones(()))
 _ZERO = Intervals(np.zeros(()), np.zeros(()))
 _UNIT = Intervals(-np.ones(()), np.ones(()))

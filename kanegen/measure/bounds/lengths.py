@@ -23,6 +23,9 @@ from kanegen.program.ir import Op
 Components = tuple[Component, ...]
 """Up to three components of a vector, in any order."""
 
+MOST_TERMS = 9
+"""Most terms of a vector that is taken apart: there are many ways to do so, and few are good."""
+
 _SLACK = 1 + 2.0**-50
 """More than the rounding errors of a root of a sum of three squares."""
 
@@ -81,7 +84,9 @@ class Routes:
         return math.hypot(*(sum(self._sizes[number] for _, number in component) for component in key))
 
     def _possible(self, key: Components) -> Iterator[Route]:
-        """Yield routes to the length of a vector with two or three components."""
+        """Yield routes to the length of a vector with two or three components and not too many terms."""
+        if sum(map(len, key)) > MOST_TERMS:
+            return
         yield from self._by_common_factor(key)
         yield from self._as_part_of_longer(key)
         yield from self._by_largest_terms(key)

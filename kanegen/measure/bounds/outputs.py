@@ -15,13 +15,19 @@ from kanegen.measure.bounds.lengths import Routes
 from kanegen.measure.bounds.ranges import Ranges, ranges
 from kanegen.measure.bounds.relations import Relations
 from kanegen.measure.bounds.rounding import Roundings
-from kanegen.measure.bounds.sensitivities import output_errors
-from kanegen.measure.bounds.subdivision import Box, Element, subdivided
+from kanegen.measure.bounds.sensitivities import Dependents, output_errors
+from kanegen.measure.bounds.subdivision import PARTS, Box, Element, Subdivision, columns_of
 from kanegen.model.arrays import Floats
 from kanegen.program.ir import Array, Module, Op
 
-MOST_NUMBERS = 8_000_000
-"""Most adjoints, of steps times entries times boxes, in one sweep."""
+MOST_ADJOINTS = 8_000_000
+"""Most adjoints, those of one box times the number of its parts."""
+
+LEAST_ADJOINTS = 200
+"""Least number of adjoints, as a multiple of that of steps, for whose sake all steps are run once more."""
+
+AT_ONCE = 2**17
+"""Most numbers that one operation on arrays computes."""
 
 _NOTHING_BEFORE = "an input"
 
@@ -94,19 +100,26 @@ class Bounder:
         steps, relations = alone.steps, Relations(alone.steps)
         routes = Routes(steps, relations)
         numbers = sorted({number for _, number in alone.outputs[array]})
+        dependents = Dependents(steps, numbers)
+
+        def found_in(box: Box) -> Ranges:
+            return ranges(steps, relations, box, self._roundings, routes)
 
         def bounds(box: Box) -> Floats:
-            found = ranges(steps, relations, box, self._roundings, routes)
-            return output_errors(steps, relations, found, numbers)
+            at_once = max(1, AT_ONCE // max(1, len(numbers)))
+            parts = columns_of(box, at_once)
+            every = [output_errors(steps, relations, found_in(part), dependents) for part in parts]
+            return np.concatenate(every, axis=1)
 
-        found = ranges(steps, relations, self._box, self._roundings, routes)
+        most = MOST_ADJOINTS // max(1, dependents.adjoints)
+        least = max(PARTS, LEAST_ADJOINTS * len(steps) // max(1, dependents.adjoints))
+        division = Subdivision(self._box, _angles(steps) if most > PARTS else ())
+        found = found_in(division.first)
         reason = _no_bound(steps, found, alone.conditions[array])
         if reason:
             errors = np.full(len(numbers), np.inf)
         else:
-            errors = subdivided(
-                self._box, _angles(steps), MOST_NUMBERS // (len(numbers) * len(steps) or 1), bounds
-            )
+            errors = division.bounds(output_errors(steps, relations, found, dependents), least, most, bounds)
         magnitudes = {i: float(found.exact[i].magnitude.max()) for i in numbers}
         by_number = dict(zip(numbers, errors, strict=True))
         return OutputBound(

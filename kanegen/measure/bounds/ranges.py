@@ -15,7 +15,7 @@ import numpy as np
 from kanegen.measure.bounds import functions
 from kanegen.measure.bounds.arcs import Arcs
 from kanegen.measure.bounds.arithmetic import Step
-from kanegen.measure.bounds.intervals import Intervals, enclosed, up_product, up_sum
+from kanegen.measure.bounds.intervals import Intervals, enclosed, up_product, up_sum, up_total
 from kanegen.measure.bounds.lengths import Lengths, Routes
 from kanegen.measure.bounds.relations import Component, DoubleTurn, Relations, Term, Turn
 from kanegen.measure.bounds.rounding import Roundings
@@ -36,12 +36,14 @@ class Ranges:
     Attributes:
         exact: (B,) intervals of the exact values.
         computed: (B,) intervals that hold the exact and the computed values.
+        errors: (B,) bounds of |computed - exact|.
         rounding: (B,) bounds of the rounding error of the step itself, and of its jump.
         arcs: Arcs of the angles of sines and cosines, by number of the step.
     """
 
     exact: list[Intervals] = field(default_factory=list)
     computed: list[Intervals] = field(default_factory=list)
+    errors: list[Floats] = field(default_factory=list)
     rounding: list[Floats] = field(default_factory=list)
     arcs: dict[int, Arcs] = field(default_factory=dict)
 
@@ -80,7 +82,8 @@ def ranges(
             own = up_sum([own, jump]) if jump.any() else own
             found.exact.append(exact)
             found.rounding.append(own)
-            found.computed.append(exact.widened(up_sum([propagated, own])))
+            found.errors.append(up_total(propagated, own))
+            found.computed.append(exact.widened(found.errors[-1]))
     return found
 
 
@@ -129,22 +132,20 @@ class _Sweep:
         step = self.steps[number]
         exact = [self.found.exact[j] for j in step.operands]
         computed = [self.found.computed[j] for j in step.operands]
-        errors = [self._error(j) for j in step.operands]
+        errors = [self.found.errors[j] for j in step.operands]
         match step.op:
             case Op.INPUT | Op.CONSTANT:
                 return np.zeros(())
             case Op.ADD | Op.SUBTRACT:
-                return up_sum(errors)
+                return up_total(*errors)
             case Op.MULTIPLY:
-                return up_sum(
-                    [
-                        up_product(exact[1].magnitude, errors[0]),
-                        up_product(computed[0].magnitude, errors[1]),
-                    ]
+                return up_total(
+                    up_product(exact[1].magnitude, errors[0]),
+                    up_product(computed[0].magnitude, errors[1]),
                 )
             case Op.DIVIDE:
                 quotient = exact[0] / exact[1]
-                inner = up_sum([errors[0], up_product(quotient.magnitude, errors[1])])
+                inner = up_total(errors[0], up_product(quotient.magnitude, errors[1]))
                 return up_product(inner, computed[1].reciprocal().magnitude)
             case Op.SQRT:
                 return up_product(errors[0], root_slope(exact[0], computed[0]).magnitude)
@@ -159,15 +160,7 @@ class _Sweep:
         if step.op is None or step.op not in functions.FUNCTIONS:
             return np.zeros(())
         computed = [self.found.computed[j] for j in step.operands]
-        return functions.jump_of(step.op, computed, [self._error(j) for j in step.operands])
-
-    def _error(self, number: int) -> Floats:
-        """Return how far the computed range of a step reaches beyond the exact one."""
-        exact, computed = self.found.exact[number], self.found.computed[number]
-        with np.errstate(invalid="ignore"):
-            reach = np.maximum(computed.high - exact.high, exact.low - computed.low)
-        reach = np.where(np.isnan(reach), np.inf, reach)
-        return np.nextafter(reach, np.inf)
+        return functions.jump_of(step.op, computed, [self.found.errors[j] for j in step.operands])
 
     def _arcs(self, angle: int) -> Arcs:
         """Return the arcs of an angle."""

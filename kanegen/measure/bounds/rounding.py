@@ -85,7 +85,7 @@ def half_ulp(magnitude: Floats, precision: Precision) -> Floats:
         below = np.ldexp(1.0, exponent - 1)
         beyond = np.nextafter(magnitude - below, np.inf)
         upper, lower = (np.ldexp(precision.roundoff, exponent - k) for k in (1, 2))
-        half: Floats = np.minimum(upper, np.maximum(lower, beyond))
+        half: Floats = np.where(magnitude > 0.0, np.minimum(upper, np.maximum(lower, beyond)), 0.0)
     return np.maximum(half, smallest_error(precision))
 
 

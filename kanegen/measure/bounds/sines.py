@@ -23,7 +23,7 @@ from kanegen.measure.bounds.ranges import ranges
 from kanegen.measure.bounds.reduction import UNREDUCED, reduction
 from kanegen.measure.bounds.relations import Relations
 from kanegen.measure.bounds.rounding import Roundings, half_ulp
-from kanegen.measure.bounds.sensitivities import output_errors
+from kanegen.measure.bounds.sensitivities import Dependents, output_errors
 from kanegen.model.arrays import Floats
 from kanegen.program.ir import Op
 from kanegen.program.precision import Precision
@@ -173,7 +173,8 @@ def _rounding_errors(code: _Code, box: dict[str, Intervals], precision: Precisio
     relations, roundings = Relations(code.steps), Roundings({})
     found = ranges(code.steps, relations, box, roundings)
     corrected = [np.zeros(BOXES) if i in code.exact else e for i, e in enumerate(found.rounding)]
-    errors = output_errors(code.steps, relations, replace(found, rounding=corrected), [len(code.steps) - 1])
+    last = Dependents(code.steps, [len(code.steps) - 1])
+    errors = output_errors(code.steps, relations, replace(found, rounding=corrected), last)
     own = [
         half_ulp(up_sum([found.computed[i].magnitude, np.asarray(precision.roundoff)]), precision)
         for i in code.added
