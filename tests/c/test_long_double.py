@@ -52,6 +52,16 @@ def test_arrays_are_longdouble():
     assert (library.forcing(x.astype(float), y) != found).any()  # the last bits of x count
 
 
+def test_parts_are_doubles_whose_sum_is_the_number():
+    rng = np.random.default_rng(5)
+    values = rng.normal(size=200).astype(np.longdouble) + rng.normal(size=200) * np.longdouble(2) ** -58
+    first, *others = LONG_DOUBLE.parts(values)
+    assert all(part.dtype == np.float64 for part in (first, *others))
+    np.testing.assert_array_equal(first, values.astype(float))
+    assert any(part.any() for part in others)
+    np.testing.assert_array_equal(sum(reversed(others), start=np.longdouble(0)) + first, values)
+
+
 def test_prepared_constants_have_all_bits():
     library = kg.build(kg.load("models/gantry_crane.toml"), flags=QUICK, precision="long double")
     again = library.with_parameters({"load_mass": 1 / 3})

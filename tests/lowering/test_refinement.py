@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sympy import Rational
 
 import kanegen as kg
 from kanegen.compiler import compile_module
@@ -18,6 +19,8 @@ from kanegen.lowering.conditioning import LARGEST_ACCEPTED_ERROR
 from kanegen.measure.truth import truth
 from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, FLOAT, Precision, precision_named
+from kanegen.recursion.correction_size import CorrectionSize
+from kanegen.recursion.tree import tree
 from kanegen.reference.matrices import length
 from kanegen.reference.states import States, random_states
 from tests.support import robots, systems
@@ -251,6 +254,18 @@ def test_unknown_refinements() -> None:
     for value in (3, -1, "always", True):
         with pytest.raises(kg.OptionError, match=f"^unknown refinement {value!r}"):
             Variant(refinement=value)
+
+
+def test_angles_and_translations_have_one_size() -> None:
+    """Their unit is a length whose square is the mean pivot of the angles over that of the translations."""
+    free = systems.flags(1, ["theta1", "theta2", "s3"])
+    one = replace(systems.random_system(np.random.default_rng(0), 1), force_elements=())
+    joint = replace(one.bodies[0].joint, free=tuple(map(bool, free[0])), locked=(0.0,) * 6)
+    system = replace(one, bodies=(replace(one.bodies[0], joint=joint),))
+    prepared = tree(system)
+    pivots, solution, correction = ([Rational(v) for v in row] for row in ((2, 4, 8), (1, 2, 5), (3, 0, 1)))
+    size = CorrectionSize(prepared, pivots, solution, correction)
+    assert size.whole == Rational(3, 8) * (1 + 4) + 25
 
 
 def test_each_step_of_refinement_corrects_what_the_one_before_has_left() -> None:

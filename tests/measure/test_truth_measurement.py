@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from dataclasses import fields
 from fractions import Fraction
 
 import numpy as np
@@ -162,6 +163,13 @@ def test_bounds() -> None:
     assert truth.bound(U, 3, 5.0) == 4 * U * 5 * 12
     assert truth.bound(U, 3, 5.0, 0.01 / U) == math.inf
     assert truth.bound(U, 3, 5.0, 0.009 / U, 2.0) == math.inf
+
+
+def test_a_measurement_is_within_its_bound_if_every_state_is() -> None:
+    names = [field.name for field in fields(truth.Measurement)]
+    good, bad = (tuple(2.0 if name == "normwise" else bound for name in names) for bound in (3.0, 1.0))
+    for rows, within in (([good, good], True), ([good, bad], False), ([bad, bad], False)):
+        assert truth.Measurement.from_rows(rows).within_bound == within
 
 
 def test_fits() -> None:

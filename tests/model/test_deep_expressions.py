@@ -199,5 +199,22 @@ def test_every_power(base: str, kind: str) -> None:
             assert abs(computed[i] - sign * reference) <= 4 * UNIT * bound, texts[i]
 
 
+@pytest.mark.parametrize("depth", [2, 3])
+@pytest.mark.parametrize("kind", ["value", "slope"])
+def test_powers_of_roots_of_roots(depth: int, kind: str) -> None:
+    """Exponents that are quarters and eighths, the roots of which are multiplied."""
+    exponents = [k for k in range(-19, 20, 2)]
+    x = np.linspace(0.7, 1.4, len(exponents))
+    texts = [f"{'sqrt(' * depth}x.b{i}.s1{')' * depth}**{k}" for i, k in enumerate(exponents)]
+    computed = forces(
+        [kg.Drive(f"b{i}.s1", t) if kind == "value" else kg.Potential(t) for i, t in enumerate(texts)], [*x]
+    )
+    with mpmath.workdps(60):
+        for found, at, k in zip(computed, map(mpmath.mpf, map(float, x)), exponents, strict=True):
+            power = mpmath.mpf(k) / 2**depth
+            exact = at**power if kind == "value" else -power * at ** (power - 1)
+            assert abs(found - exact) <= 40 * UNIT * abs(exact), (k, depth)
+
+
 def repeated_power(base: Real, exponent: int) -> Real:
     return lambda x: base(x) ** exponent

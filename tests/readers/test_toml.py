@@ -179,6 +179,15 @@ def test_saving_and_loading_gives_an_equal_system(
     assert os.listdir(file.parent) == ["model.toml"]
 
 
+@pytest.mark.parametrize("place", [(0, 1), (0, 2), (1, 2)])
+def test_a_single_product_of_inertia_is_saved(place: tuple[int, int], tmp_path: Path) -> None:
+    inertia = np.diag([2.0, 3.0, 4.0])
+    inertia[place] = inertia[place[::-1]] = 0.5
+    system = System("one", (Body("body", 0, 1.0, inertia),))
+    system.save(tmp_path / "one.toml")
+    assert load(tmp_path / "one.toml") == system
+
+
 def test_a_file_that_cannot_be_saved(tmp_path: Path) -> None:
     system = load(MODEL_FILES[0])
     with pytest.raises(WriteError, match=r"arm\.urdf: a model file ends in \.toml"):

@@ -48,6 +48,16 @@ def freed(names: str) -> np.ndarray:
     return systems.flags(5, names.split())
 
 
+def pulled(seed: int) -> kg.System:
+    """Return a random tree with force elements along free and locked directions."""
+    system, rng = turned(seed), np.random.default_rng(seed)
+    freedoms = [f"{body.name}.{freedom}" for body in system.bodies for freedom in FREEDOMS]
+    springs = (kg.JointSpring(name, *rng.uniform(1.0, 9.0, 2), damping=3.0) for name in freedoms[::2])
+    drives = (kg.Drive(name, f'2 + x["{name}"]') for name in freedoms[::3])
+    potential = kg.Potential(f'3*x["{freedoms[3]}"]**2 * x["{freedoms[7]}"]')
+    return replace(system, force_elements=(*springs, *drives, potential))
+
+
 TREES = {
     "anything": turned,
     "locked at zero": lambda seed: turned(seed, locked=False, orientations=False),
@@ -57,6 +67,7 @@ TREES = {
     "welded": lambda seed: turned(seed, free=np.arange(30).reshape(5, 6) == 12, connection=(0, 1, 2, 3, 2)),
     "angular velocities": lambda seed: mixed(seed).with_speeds(ANGULAR_VELOCITY),
     "quaternions": with_quaternions,
+    "force elements": pulled,
     "parameters": lambda seed: with_numbers_as_parameters(turned(seed, 3)),
 }
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 import kanegen as kg
 from kanegen.errors import ArrayError
 from kanegen.reference import equations as reference
-from kanegen.reference.states import random_states
+from kanegen.reference.states import random_states, ranges
 from tests.support import systems
 
 EXAMPLES = settings(max_examples=40, deadline=None, derandomize=True)
@@ -33,6 +33,18 @@ def test_powers_of_two_in_mass_length_and_time_change_no_bit(system: kg.System) 
     np.testing.assert_array_equal(reference.mass_matrix(scaled, x), a * np.outer(arm, arm) * mass)
     f = reference.forcing(system, state.x, state.y, state.force, state.torque)
     np.testing.assert_array_equal(reference.forcing(scaled, x, y, *loads), f * arm * force_unit)
+
+
+def test_ranges_of_states_have_the_scale_of_the_bodies() -> None:
+    """In units that are smaller, numbers are larger: of translations with the length, of speeds with both."""
+    plain = systems.random_system(np.random.default_rng(3), 4).values()
+    length, time = 8.0, 2.0
+    whole, scaled = ranges(plain), ranges(systems.rescaled(plain, 4.0, length, time))
+    moves = whole.size != 1.0  # angles have the size 1
+    assert moves.any()
+    np.testing.assert_allclose(scaled.size[moves], length * whole.size[moves], rtol=1e-14)
+    np.testing.assert_allclose(scaled.y[moves], length / time * whole.y[moves], rtol=1e-14)
+    np.testing.assert_allclose(scaled.y[~moves], whole.y[~moves] / time, rtol=1e-14)
 
 
 def test_locking_drops_rows_and_columns() -> None:

@@ -14,7 +14,13 @@ import kanegen as kg
 from kanegen.errors import SingularError
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.reference import equations as reference
-from kanegen.reference.regularity import inertia_axes, massless_motions, require_regular
+from kanegen.reference.regularity import (
+    VelocityRows,
+    _massless_motion,
+    inertia_axes,
+    massless_motions,
+    require_regular,
+)
 from kanegen.reference.states import random_states
 from tests.support import systems
 
@@ -235,6 +241,16 @@ def test_massless_bodies_between_massive_ones_pass() -> None:
     require_regular(gimbal)
     coaxial = tree([0, 1], [1e-12, 1.0], [ONE * 1e-12, ONE], ["theta3", "theta3"])
     require_regular(coaxial)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_first_dependent_column_and_those_it_depends_on(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    rows = rng.normal(size=(9, 6))
+    rows[:, 4] = rows[:, :4] @ np.array([2.0, 0.0, -3.0, 0.5])
+    assert _massless_motion(VelocityRows(rows, np.linalg.norm(rows, axis=0))) == [4, 0, 2, 3]
+    rows[:, 4] += 1e-3 * rng.normal(size=9)
+    assert _massless_motion(VelocityRows(rows, np.linalg.norm(rows, axis=0))) == []
 
 
 def test_axes_of_inertia() -> None:
