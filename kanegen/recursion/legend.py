@@ -450,6 +450,20 @@ def legend(names: Iterable[str]) -> Legend:
     )
 
 
+def meaning_at_places(name: str) -> str:
+    """Return the meaning of a name that says at which places its freedoms are, with their numbers; or "".
+
+    Example:
+        meaning_at_places("D_3i")  # "1 over the pivot of the freedom at place 3"
+    """
+    entry = next((entry for entry in entries() if entry.regex.fullmatch(name)), None)
+    if entry is None or "at place" not in entry.meaning:
+        return ""
+    letters, numbers = re.findall(r"{(\w+)}", entry.pattern), re.findall(r"\d+", name)
+    places = dict(zip(letters, numbers, strict=False))
+    return re.sub(r"at place (\w)\b", lambda m: f"at place {places.get(m[1], m[1])}", entry.meaning)
+
+
 def _explained(name: str) -> list[Entry]:
     """Return the entries that explain a name, its place and its marks; [] if there is none."""
     for entry in entries():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -291,6 +292,17 @@ def test_a_divisor_that_may_be_zero_has_no_bound_and_a_name() -> None:
         kg.generate(system, ["coordinate_rates"], speeds="angular_velocity"), {"exclude": {"clearance": 0.1}}
     )
     assert not away.unbounded
+
+
+def test_a_reason_names_quantities_and_freedoms_of_the_model() -> None:
+    bounds = kg.bound(kg.generate(model("panda_arm"), ["regularity"]))
+    assert re.search(
+        r"the divisor A_\d_\d_\d \(entry of \[A\] after the elimination of freedom 'panda_joint\d'\) "
+        r"of D_\di \(1 over the pivot of freedom 'panda_joint\d'\) may be 0 in the box",
+        bounds.unbounded["regularity"],
+    )
+    wide = kg.bound(kg.generate(model("panda_arm"), ["mass_matrix"]), {"x": {"panda_joint2": [0.0, 1e7]}})
+    assert "the angle x[1] ('panda_joint2') may be larger" in wide.unbounded["mass_matrix"]
 
 
 def test_an_angle_beyond_the_proven_reduction_has_no_bound() -> None:

@@ -27,6 +27,7 @@ class Step:
         array: Name of the input array that is read.
         index: Index of the element that is read.
         name: Name of the quantity in C; "" for a part of an expression.
+        note: The group of quantities that it belongs to.
         computed: The value that a constant has in C; None is `number` in its precision.
     """
 
@@ -37,6 +38,7 @@ class Step:
     array: str = ""
     index: int = 0
     name: str = ""
+    note: str = ""
     computed: float | None = None
 
     @property
@@ -131,5 +133,5 @@ class _Recorder:
         return self.converted(self._append(instruction, (), stored), precision)
 
     def _append(self, x: Instruction, operands: tuple[int, ...], precision: Precision) -> int:
-        self.steps.append(Step(x.op, operands, precision, x.number, x.array, x.index, x.name))
+        self.steps.append(Step(x.op, operands, precision, x.number, x.array, x.index, x.name, x.note))
         return len(self.steps) - 1

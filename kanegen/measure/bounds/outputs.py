@@ -19,6 +19,7 @@ from kanegen.measure.bounds.sensitivities import Dependents, output_errors
 from kanegen.measure.bounds.subdivision import PARTS, Box, Element, Subdivision, columns_of
 from kanegen.model.arrays import Floats
 from kanegen.program.ir import Array, Module, Op
+from kanegen.recursion.legend import meaning_at_places
 
 MOST_ADJOINTS = 8_000_000
 """Most adjoints, those of one box times the number of its parts."""
@@ -173,7 +174,7 @@ def _undefined(steps: Sequence[Step], found: Ranges, number: int) -> str:
     if step.op is Op.ATAN2:
         return f"the point whose angle is {what} may be the origin in the box"
     if step.op in (Op.SIN, Op.COS):
-        return f"the angle of {what} may be larger than kanegen's sine is proven for"
+        return f"the angle {_called(steps, step.operands[0])} may be larger than kanegen's sine is proven for"
     return f"{what} may leave the range of {step.precision.label} precision in the box"
 
 
@@ -183,7 +184,8 @@ def _called(steps: Sequence[Step], number: int) -> str:
     if step.op is Op.INPUT:
         return f"{step.array}[{step.index}]"
     if step.name:
-        return step.name
-    later = (other.name for other in steps[number:] if number in other.operands and other.name)
-    users = next(later, "")
-    return f"a part of {users}" if users else f"a value of operation {step.op}"
+        meaning = meaning_at_places(step.name) or step.note
+        return f"{step.name} ({meaning})" if meaning else step.name
+    users = (k for k in range(number, len(steps)) if number in steps[k].operands and steps[k].name)
+    user = next(users, None)
+    return f"a value of operation {step.op}" if user is None else f"a part of {_called(steps, user)}"

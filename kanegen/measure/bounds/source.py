@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -48,10 +49,18 @@ def bound_source(source: Source, box: InputBox) -> Bounds:
         box=box,
         outputs={name: one.errors for name, one in found.items()},
         magnitudes={name: one.magnitudes for name, one in found.items()},
-        unbounded={name: one.reason for name, one in found.items() if one.reason},
+        unbounded={name: _with_names(one.reason, box.system) for name, one in found.items() if one.reason},
         assumptions=tuple(_assumptions(source.variant, arrays, box.system)),
         units={name: array.unit for name, array in filled.items()},
     )
+
+
+def _with_names(reason: str, system: System) -> str:
+    """Return a reason in which freedoms and coordinates have their names instead of their places."""
+    named = re.sub(
+        r"the freedom at place (\d+)", lambda m: f"freedom {system.freedom_names[int(m[1])]!r}", reason
+    )
+    return re.sub(r"\bx\[(\d+)\]", lambda m: f"{m[0]} ({system.coordinate_names[int(m[1])]!r})", named)
 
 
 def _a_bound_itself(array: Array) -> OutputBound:
