@@ -86,6 +86,7 @@ def test_no_state_exceeds_the_proven_bound(text: str, precision: str) -> None:
 
 def test_reasons_without_a_bound() -> None:
     for text, reason in {
+        "sqrt(x.q)": r"x\[0\] \('q'\), whose root is taken, may be 0 or negative in the box",
         "log(x.q)": r"x\[0\] \('q'\), whose logarithm is taken, may be 0 or negative in the box",
         "exp(1000*x.q)": "may leave the range of double precision in the box",
         "atan2(x.q, y.q)": "the point whose angle is fe_1_4 .*may be the origin in the box",

@@ -148,9 +148,9 @@ class _Sweep:
                 inner = up_total(errors[0], up_product(quotient.magnitude, errors[1]))
                 return up_product(inner, computed[1].reciprocal().magnitude)
             case Op.SQRT:
-                return up_product(errors[0], root_slope(exact[0], computed[0]).magnitude)
+                return up_product(_seen(errors[0]), root_slope(exact[0], computed[0]).magnitude)
             case Op() if step.op in functions.FUNCTIONS:
-                pairs = zip(functions.slopes(step.op, computed), errors, strict=True)
+                pairs = zip(functions.slopes(step.op, computed), map(_seen, errors), strict=True)
                 return up_sum([up_product(slope.magnitude, e) for slope, e in pairs if slope is not None])
         return errors[0]
 
@@ -211,6 +211,11 @@ class _Sweep:
     def _signed(self, term: Term) -> Intervals:
         sign, number = term
         return self.found.exact[number] if sign > 0 else -self.found.exact[number]
+
+
+def _seen(error: Floats) -> Floats:
+    """Return an error, or a tiny one instead of none, so that a slope without bound is not lost."""
+    return np.maximum(error, 5e-324)
 
 
 def root_slope(exact: Intervals, computed: Intervals) -> Intervals:
