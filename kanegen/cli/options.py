@@ -30,7 +30,7 @@ FloatingBase = Annotated[
 ]
 JointDynamics = Annotated[
     bool,
-    typer.Option("--joint-dynamics", help="Read damping and friction of the joints of a .urdf file."),
+    typer.Option("--joint-dynamics", help="Read damping and friction of the joints of a .urdf or .xml file."),
 ]
 RightAngles = Annotated[
     float,

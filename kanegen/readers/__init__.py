@@ -33,13 +33,14 @@ def load(
         floating_base: URDF only: the root link moves freely and becomes body 1; otherwise it is the ground.
         right_angles: Tolerance (rad): constant orientations that are no farther from a right angle, such as
             1.5708, are made exact. With 0 every number stays as written; see `kanegen.model.right_angles`.
-        joint_dynamics: URDF only: damping and friction of `<dynamics>` become a `JointSpring` and a
-            `JointFriction` with a smoothing of 0.01 rad/s or m/s. Otherwise a warning says what is left out.
+        joint_dynamics: Damping and friction of `<dynamics>` in URDF, and `frictionloss` in MJCF, become a
+            `JointSpring` and a `JointFriction` with a smoothing of 0.01 rad/s or m/s. Otherwise a warning
+            says what is left out.
 
     Raises:
         ReadError: If the file cannot be read or does not describe a usable system; the message begins with
             the file and, where known, the line.
-        OptionError: If `floating_base` or `joint_dynamics` is set for a file that is no URDF file, or
+        OptionError: If `floating_base` is set for a file that is no URDF file, `joint_dynamics` for TOML, or
             `right_angles` is out of range.
 
     Example:

@@ -19,7 +19,7 @@ from kanegen.model.system import System
 from kanegen.readers.mjcf_actuators import actuators
 from kanegen.readers.mjcf_compiled import Compiled, compiled
 from kanegen.readers.mjcf_couplings import couplings
-from kanegen.readers.mjcf_forces import compensated_gravity, springs_and_dampers
+from kanegen.readers.mjcf_forces import compensated_gravity, dry_friction, springs_and_dampers
 from kanegen.readers.mjcf_left_out import LeftOut, left_out, summary
 from kanegen.readers.mjcf_tree import MjcfTree, mjcf_tree
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
@@ -30,12 +30,12 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
 
     Args:
         file: The file.
-        options: Neither `floating_base` nor `joint_dynamics` may be set: an MJCF file says itself which body
-            moves freely, and its dampers are always read.
+        options: `floating_base` must not be set: an MJCF file says itself which body moves freely. With
+            `joint_dynamics`, dry friction of joints becomes `JointFriction`, which is smoothed.
 
     Raises:
         ReadError: If MuJoCo refuses the file, or the model has a body that cannot exist.
-        OptionError: If `floating_base` or `joint_dynamics` is set.
+        OptionError: If `floating_base` is set.
         MissingError: If MuJoCo is not installed.
 
     Warns:
@@ -46,11 +46,6 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
         raise OptionError(
             f"{file.path}: floating_base is for URDF files. In an MJCF file, put <freejoint/> into the body."
         )
-    if options.joint_dynamics:
-        raise OptionError(
-            f"{file.path}: joint_dynamics is for URDF files. Springs and dampers of an MJCF file are always "
-            "read."
-        )
     model = compiled(file)
     if not int(model.model.njnt):
         raise ReadError(f"{file.path}: no joint of this model moves. A body moves by <joint> or <freejoint>.")
@@ -58,7 +53,7 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
     try:
         tree = mjcf_tree(model)
         system = System(name, tree.bodies, gravity=_gravity(model), frames=tree.frames)
-        system, without = _with_forces(system, model, tree)
+        system, without = _with_forces(system, model, tree, options.joint_dynamics)
     except ModelError as error:
         raise ReadError(f"{file.path}: {error}") from None
     if text := summary(chain(left_out(model), without)):
@@ -72,9 +67,15 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
 READER = Reader("MJCF", ".xml", read_mjcf, root="mujoco")
 
 
-def _with_forces(system: System, model: Compiled, tree: MjcfTree) -> tuple[System, list[LeftOut]]:
+def _with_forces(
+    system: System, model: Compiled, tree: MjcfTree, friction: bool
+) -> tuple[System, list[LeftOut]]:
     """Return a system with forces and couplings of a model, and what of them is left out."""
-    found = [*springs_and_dampers(model, tree), *actuators(model, tree)]
+    found = [
+        *springs_and_dampers(model, tree),
+        *dry_friction(model, tree, friction),
+        *actuators(model, tree),
+    ]
     elements = [element for element in found if isinstance(element, ForceElement)]
     for frame, center, load in compensated_gravity(model, tree):
         system = system.with_frames({load.point: (frame, center)})

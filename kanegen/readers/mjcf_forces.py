@@ -1,4 +1,4 @@
-"""Springs, dampers and compensated gravity of a compiled MJCF model as force elements."""
+"""Springs, dampers, dry friction and compensated gravity of a compiled MJCF model as force elements."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential
+from kanegen.model.force_elements.elements import Drive, JointFriction, JointSpring, PointLoad, Potential
 from kanegen.model.force_elements.grammar import parse
 from kanegen.model.rotations import Triple
 from kanegen.readers.mjcf_compiled import JOINT_TYPES, Compiled, triple
 from kanegen.readers.mjcf_left_out import LeftOut
 from kanegen.readers.mjcf_lengths import Length, sum_of, tendon_length
 from kanegen.readers.mjcf_tree import MjcfTree
+from kanegen.readers.reader import FRICTION_SMOOTHING
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,30 @@ def _of_tendons(model: Compiled, tree: MjcfTree) -> Iterator[ForceElement | Left
         yield from Along(length, stiffness, lower, damping).elements()
     yield LeftOut("forces", "spatial tendon", model.names("tendon", spatial))
     yield LeftOut("springs", "slack or yielding tendon", model.names("tendon", slack))
+
+
+def dry_friction(model: Compiled, tree: MjcfTree, smoothed: bool) -> Iterator[ForceElement | LeftOut]:
+    """Yield the dry friction of joints as smoothed friction, or as what is left out.
+
+    MuJoCo holds dry friction as a constraint, by which a joint under load sticks.
+
+    Args:
+        model: The compiled model.
+        tree: Its tree.
+        smoothed: Whether the friction is kept.
+    """
+    compiled = model.model
+    if model.disables("FRICTIONLOSS"):
+        return
+    dofs = [dof for dof in range(int(compiled.nv)) if compiled.dof_frictionloss[dof]]
+    if smoothed:
+        for dof in dofs:
+            friction = float(compiled.dof_frictionloss[dof])
+            yield JointFriction(tree.speeds[dof], friction, FRICTION_SMOOTHING)
+    else:
+        joints = dict.fromkeys(int(compiled.dof_jntid[dof]) for dof in dofs)
+        reason = "which joint_dynamics=True or --joint-dynamics reads"
+        yield LeftOut("dry friction", "joint", model.names("joint", joints), reason)
 
 
 def compensated_gravity(model: Compiled, tree: MjcfTree) -> Iterator[tuple[str, Triple, PointLoad]]:

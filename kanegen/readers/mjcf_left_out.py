@@ -78,16 +78,12 @@ def _contacts(model: Compiled) -> Iterator[LeftOut]:
 
 
 def _constraints(model: Compiled) -> Iterator[LeftOut]:
-    """Yield the limits and the dry friction of joints and tendons, which are constraints in MuJoCo."""
+    """Yield limits of joints and tendons, and friction of tendons, which are constraints in MuJoCo."""
     compiled = model.model
     if not model.disables("LIMIT"):
         limited = [joint for joint in range(int(compiled.njnt)) if compiled.jnt_limited[joint]]
         reason = "whose ranges are kept as system.limits"
         yield LeftOut("forces at the limits", "joint", model.names("joint", limited), reason)
-    if not model.disables("FRICTIONLOSS"):
-        dofs = (dof for dof in range(int(compiled.nv)) if compiled.dof_frictionloss[dof])
-        rubbing = dict.fromkeys(int(compiled.dof_jntid[dof]) for dof in dofs)
-        yield LeftOut("dry friction", "joint", model.names("joint", rubbing))
     tendons = range(int(compiled.ntendon))
     for what, values in (
         ("forces at the limits", compiled.tendon_limited),

@@ -18,11 +18,8 @@ from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import JointFriction, JointSpring
 from kanegen.model.system import System
+from kanegen.readers.reader import FRICTION_SMOOTHING
 from kanegen.readers.urdf_tree import MovingLink
-
-SMOOTHING = 0.01
-"""Rate within which friction is smoothed (rad/s, m/s), a hundredth of a usual speed. Explicit integration
-with steps of a millisecond is stable where friction accelerates its joint by less than about 10 rad/s^2."""
 
 MOST_NAMES = 3
 """Largest number of joints that a warning names for each kind."""
@@ -47,7 +44,7 @@ def dynamic_elements(moving: Sequence[MovingLink], bodies: Sequence[Body]) -> It
         if dynamics.damping:
             yield JointSpring(freedom, damping=dynamics.damping)
         if dynamics.friction:
-            yield JointFriction(freedom, dynamics.friction, SMOOTHING)
+            yield JointFriction(freedom, dynamics.friction, FRICTION_SMOOTHING)
 
 
 def left_out(moving: Sequence[MovingLink], system: System, path: Path) -> str:

@@ -28,6 +28,15 @@ def test_springs_dampers_and_actuators_are_those_of_mujoco() -> None:
     assert len(names) == 12
 
 
+def test_dry_friction_is_read_on_request(tmp_path: Path) -> None:
+    joint = '<joint name="j" frictionloss="0.25"/><geom size="0.1" contype="0" conaffinity="0"/>'
+    path = model_file(tmp_path, f"<mujoco><worldbody><body>{joint}</body></worldbody></mujoco>")
+    with pytest.warns(KanegenWarning, match=r"dry friction of 1 joint \(j\), which joint_dynamics=True"):
+        assert kg.load(path).force_elements == ()
+    (element,) = kg.load(path, joint_dynamics=True).force_elements
+    assert element == kg.JointFriction("body1.theta3", 0.25, 0.01)
+
+
 def test_a_saved_model_has_the_same_forces(tmp_path: Path) -> None:
     system = kg.load(FORCES)
     system.save(tmp_path / "model.toml")
@@ -97,11 +106,11 @@ def test_what_is_left_out_is_one_warning(tmp_path: Path) -> None:
         kg.load(model_file(tmp_path, text))
     assert str(caught[0].message).partition("model.xml: ")[2] == (
         "the equations leave out contacts of 2 geoms (geom0, g); forces at the limits of 1 joint (j), "
-        "whose ranges are kept as system.limits; dry friction of 1 joint (j); forces of 1 property "
-        "of the fluid (density); motions of 1 mocap body (m), which stay where the file has them; springs of "
-        "1 ball or free joint (b); forces of 1 spatial tendon (rope); forces of 2 other actuators (muscle, "
-        "between), which are no linear functions of an input, lengths and their rates; bounds of the forces "
-        "of 1 actuator (bounded)."
+        "whose ranges are kept as system.limits; forces of 1 property of the fluid (density); motions of 1 "
+        "mocap body (m), which stay where the file has them; springs of 1 ball or free joint (b); forces of "
+        "1 spatial tendon (rope); dry friction of 1 joint (j), which joint_dynamics=True or --joint-dynamics "
+        "reads; forces of 2 other actuators (muscle, between), which are no linear functions of an input, "
+        "lengths and their rates; bounds of the forces of 1 actuator (bounded)."
     )
     assert len(caught) == 1
 

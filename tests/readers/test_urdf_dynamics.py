@@ -90,13 +90,9 @@ def test_what_is_refused(tmp_path: Path, dynamics: str, message: str) -> None:
         read(tmp_path, dynamics, joint_dynamics=True)
 
 
-def test_it_is_for_urdf_files(tmp_path: Path) -> None:
+def test_it_is_not_for_toml_files() -> None:
     with pytest.raises(kg.OptionError, match=r"write \[\[joint_spring\]\] with a damping"):
         kg.load("models/double_pendulum.toml", joint_dynamics=True)
-    path = tmp_path / "m.xml"
-    path.write_text("<mujoco/>")
-    with pytest.raises(kg.OptionError, match="dampers of an MJCF file are always read"):
-        kg.load(path, joint_dynamics=True)
 
 
 @pytest.mark.parametrize("seed", range(4))
