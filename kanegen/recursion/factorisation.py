@@ -153,7 +153,8 @@ def carriers(system: System) -> dict[int, list[int]]:
         Places in {y} from the innermost, by place of the eliminated freedom.
     """
     linked, order = _pattern(system)
-    fills = bool(system.couplings) or _link_rotors(system, linked)
+    has_new_links = _link_rotors(system, linked)
+    fills = bool(system.couplings) or has_new_links
     rank = {place: i for i, place in enumerate(order)}
     found: dict[int, list[int]] = {}
     for place in order:

@@ -278,13 +278,20 @@ def test_literal_equations_with_prescribed_freedoms(intermediates: bool) -> None
     assert efforts[0] == pytest.approx(theirs[0] + mounted[0].ratio * theirs[1], rel=1e-11)
 
 
-def test_rotors_that_coupled_freedoms_drive() -> None:
-    """The same tree twice: with rotors, and with bodies whose angles are coupled to the freedoms."""
+@pytest.mark.parametrize(
+    ("coupled", "terms"),
+    [("body3.theta3", {"body2.theta3": -0.7, "body1.theta3": 0.4}), ("body2.theta3", {"body1.theta3": 0.8})],
+)
+def test_rotors_with_couplings(coupled: str, terms: dict[str, float]) -> None:
+    """The same tree twice: with rotors, and with bodies whose angles are coupled to the freedoms.
+
+    Coupled freedoms drive rotors, and a rotor is in another branch than its freedom.
+    """
     rng = np.random.default_rng(6)
     bare = systems.random_system(
         rng, 4, connection=(0, 1, 2, 2), free=systems.flags(4, ["theta3"]), loads=False
     )
-    couplings = [kg.Coupling("body3.theta3", {"body2.theta3": -0.7, "body1.theta3": 0.4}, 0.2)]
+    couplings = [kg.Coupling(coupled, terms, 0.2)]
     mounted = motors(bare, rng, {"body3.theta3": 2, "body4.theta3": 3, "body2.theta3": 1})
     small = with_rotors(bare, mounted).with_couplings(*couplings)
     gears = [kg.Coupling(f"rotor{i}.theta3", {m.freedom: m.ratio}) for i, m in enumerate(mounted)]
