@@ -13,6 +13,7 @@ from kanegen.model.numbers import value_of
 from kanegen.model.rotations import rotation_123
 from kanegen.reference.equations import forcing
 from kanegen.reference.frames import frame_motions
+from kanegen.studies.explain.general_form import with_numbers_as_parameters
 from tests.support.paths import MODELS
 from tests.support.random_trees import everything
 
@@ -252,3 +253,13 @@ def test_loads_by_names_of_points_bodies_and_frames(pendulum: kg.System) -> None
     ):
         with pytest.raises(kg.ModelError, match=message):
             system.with_loads(names)  # type: ignore[arg-type]
+
+
+def test_the_general_form_of_a_model_has_parameters_in_its_frames() -> None:
+    system = everything(2)
+    general = with_numbers_as_parameters(system)
+    numbers = [value for frame in general.frames for value in (*frame.position, *frame.orientation)]
+    assert all(isinstance(value, kg.Parameter) for value in numbers)
+    for name, frame in system.values().frames.items():
+        assert general.values().frames[name].position == pytest.approx(frame.position, abs=1e-14)
+        assert general.values().frames[name].rotation == pytest.approx(frame.rotation, abs=1e-14)

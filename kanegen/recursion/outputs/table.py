@@ -289,7 +289,8 @@ _ENTRIES = (
             (len(system.pose_names), 6, _n(system)),
             "1, m",
             f"for each {_chosen(system)} the partial velocities by {{y}}: of its angular velocity, Eq. (15), "
-            "then of its origin, Eq. (32), inertial components",
+            "then of its origin, Eq. (32), inertial components: jacr, then jacp of MuJoCo's mj_jac; with the "
+            "linear rows first Pinocchio's LOCAL_WORLD_ALIGNED, and LOCAL after [R] times either half",
         ),
         ("x",),
         Recursion("turns of the joints", frame_jacobians),

@@ -12,8 +12,9 @@ from typing import Any
 
 from kanegen.model import rotations
 from kanegen.model.body import Body
+from kanegen.model.frame import Frame
 from kanegen.model.joint import Joint
-from kanegen.model.numbers import Number, Parameter, map_numbers, value_of
+from kanegen.model.numbers import Matrix, Number, Parameter, Vector, map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.recursion.outputs import chosen
 
@@ -59,13 +60,10 @@ def with_numbers_as_parameters(system: System) -> System:
         return value if isinstance(value, Parameter) else Parameter(next(names), value)
 
     def joint(of: Joint) -> Joint:
-        angles: Any = of.orientation
-        if isinstance(angles[0], tuple):
-            angles = rotations.angles_123(map_numbers(angles, value_of))
         return replace(
             of,
             position=map_numbers(of.position, parameter_for),
-            orientation=map_numbers(angles, parameter_for),
+            orientation=map_numbers(_angles(of.orientation), parameter_for),
             locked=tuple(
                 0.0 if moves else parameter_for(v) for moves, v in zip(of.moving, of.locked, strict=True)
             ),
@@ -84,13 +82,28 @@ def with_numbers_as_parameters(system: System) -> System:
             points=tuple(point.map_numbers(parameter_for) for point in of.points),
         )
 
+    def frame(of: Frame) -> Frame:
+        return replace(
+            of,
+            position=map_numbers(of.position, parameter_for),
+            orientation=map_numbers(_angles(of.orientation), parameter_for),
+        )
+
     return replace(
         _changed(system, body),
         gravity=map_numbers(system.gravity, parameter_for),
         rotors=tuple(rotor.map_numbers(parameter_for) for rotor in system.rotors),
         force_elements=tuple(element.map_numbers(parameter_for) for element in system.force_elements),
         couplings=tuple(coupling.map_numbers(parameter_for) for coupling in system.couplings),
+        frames=tuple(map(frame, system.frames)),
     )
+
+
+def _angles(orientation: Matrix | Vector) -> Any:
+    """Return the three 1-2-3 angles of a constant orientation (rad)."""
+    if isinstance(orientation[0], tuple):
+        return rotations.angles_123(map_numbers(orientation, value_of))
+    return orientation
 
 
 def steps(system: System) -> Iterator[tuple[str, System]]:
