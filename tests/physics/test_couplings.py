@@ -13,6 +13,7 @@ from kanegen.compiler import compile_module
 from kanegen.program.evaluate import evaluate
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
+from kanegen.symbolic.printing.formats import render
 from tests.support import prescribed_trees as trees
 from tests.support import systems
 from tests.support.couplings import random_couplings, rate_matrices, released, released_state
@@ -140,6 +141,17 @@ def test_a_train_of_gears() -> None:
     np.testing.assert_allclose(library.mass_matrix([0.4]), [[inertia]], rtol=1e-15)
     np.testing.assert_allclose(library.forward_dynamics([0.4], [3.0], [0.9]), [0.9 / inertia], rtol=1e-15)
     assert library.source.operations["sincos"] == 0
+
+
+def test_printed_equations_say_what_follows() -> None:
+    bodies = (wheel("first", 0, 0.3, (0, 0, 0)), wheel("second", 0, 0.2, (1, 0, 0)))
+    system = kg.System("pair", bodies).with_couplings(kg.Coupling("second", {"first": -2.0}, 0.5))
+    equations = kg.derive(system)
+    assert "not in {x} and {y}: second = -2.0 first + 0.5." in render(equations)
+    np.testing.assert_allclose(np.array(equations.closed_form().A, float), [[0.3 + 4 * 0.2]])
+    module: dict[str, object] = {}
+    exec(render(equations, "python"), module)
+    np.testing.assert_allclose(module["mass_matrix"](np.array([0.3])), [[1.1]])
 
 
 def test_a_differential_on_a_moving_carrier() -> None:

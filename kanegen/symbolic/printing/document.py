@@ -74,6 +74,7 @@ def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> I
     yield from _coordinate_rates(equations, names)
     yield from _parameters(equations, names)
     yield from _loads(system)
+    yield from _couplings(system)
     yield from _motors(system)
     yield from _force_elements(system)
     if definitions:
@@ -190,6 +191,15 @@ def _loads(system: System) -> Iterator[Section]:
 def _numbered(names: Iterable[tuple[int, str]]) -> str:
     """Return names with their numbers, separated by commas."""
     return ", ".join(f"{number} ({name})" for number, name in names)
+
+
+def _couplings(system: System) -> Iterator[Section]:
+    """Yield the section on freedoms that follow others, if there are any."""
+    if system.couplings:
+        note = (
+            f"Freedoms that follow others are not in {{x}} and {{y}}: {'; '.join(system.coupling_equations)}."
+        )
+        yield Section("Couplings", note)
 
 
 def _motors(system: System) -> Iterator[Section]:
