@@ -110,8 +110,9 @@ def model_facts(system: System, left_out: Sequence[str]) -> ModelFacts:
 
 def _limits(system: System) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the limits of each freedom that has some."""
-    freedoms = zip(system.freedom_names, system.freedoms, strict=True)
-    for name, freedom in (*freedoms, *zip(system.prescribed_names, system.prescribed, strict=True)):
+    names = (*system.freedom_names, *system.prescribed_names, *system.coupled_names)
+    freedoms = (*system.freedoms, *system.prescribed, *(one.freedom for one in system.coupled))
+    for name, freedom in zip(names, freedoms, strict=True):
         joint = system.bodies[freedom.body - 1].joint
         if table := joint.limits.table_of(freedom.index):
             if "position" in table:

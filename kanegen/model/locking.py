@@ -239,9 +239,9 @@ def _warn_of_limits(body: Body, values: Mapping[int, Number]) -> None:
     for index, value in values.items():
         lower, upper = limits.lower[index], limits.upper[index]
         if not lower <= value_of(value) <= upper:
-            place = f"{body.name}.{FREEDOMS[index]} at {value_of(value):g}"
+            name = body.joint.freedom_name(index) or f"{body.name}.{FREEDOMS[index]}"
             warnings.warn(
-                f"{LOCKED}: {place} is outside its limits, {lower:g} to {upper:g}.",
+                f"{LOCKED}: {name} at {value_of(value):g} is outside its limits, {lower:g} to {upper:g}.",
                 KanegenWarning,
                 stacklevel=5,
             )

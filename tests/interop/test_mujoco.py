@@ -123,3 +123,30 @@ def test_a_joint_without_counterpart_is_named(tmp_path: Path) -> None:
         state_map(system.with_locked({"elbow": 0.2}), model)
     with pytest.raises(kg.ModelError, match="MuJoCo's joint 'base' moves theta1, theta2, theta3, s1, s2, s3"):
         state_map(system.with_locked({"base.s1": 0.2}), model)
+
+
+GRIPPER = """<mujoco><worldbody><body name="palm"><joint name="turn" axis="0 1 0"/>
+<inertial mass="1" pos="0.1 0 0" diaginertia="1 2 2.5"/>
+<body name="left"><joint name="left" type="slide" axis="1 0 0"/>
+<inertial mass="0.5" pos="0 0 0.2" diaginertia="1 1 1"/></body>
+<body name="right"><joint name="right" type="slide" axis="0 1 0"/>
+<inertial mass="0.7" pos="0 0.1 0.2" diaginertia="1 1 1"/></body></body></worldbody>
+<equality><joint joint1="right" joint2="left" polycoef="0.05 -2 0 0 0"/></equality></mujoco>"""
+
+
+def test_an_equality_of_joints_is_a_coupling(tmp_path: Path) -> None:
+    """MuJoCo keeps three degrees of freedom and forces; kanegen has two, and [A] = [J]^T M [J]."""
+    path = tmp_path / "gripper.xml"
+    path.write_text(GRIPPER)
+    system, model = kg.load(path), _model(path)
+    states, data = state_map(system, model), mujoco.MjData(model)
+    assert (states.n, states.nv, len(states.followers)) == (2, 3, 1)
+    x, y = np.array([0.3, -0.2]), np.array([0.7, 1.1])
+    data.qpos[:], data.qvel[:] = states.to_q(x), states.to_v(x, y)
+    left, right = x[system.coordinate_names.index("left")], data.qpos[2]
+    assert right == pytest.approx(0.05 - 2 * left)
+    mujoco.mj_forward(model, data)
+    m = np.zeros((3, 3))
+    mujoco.mj_fullM(model, data, m)
+    _close(states.from_mass_matrix(x, m), reference.mass_matrix(system, x))
+    _close(states.from_bias(x, y, m, data.qfrc_bias), reference.forcing(system, x, y))
