@@ -10,9 +10,11 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any
 
+from kanegen.errors import OptionError, quoted
 from kanegen.interop.blocks import Block, Floating, Follower
 from kanegen.interop.matching import ALL_SIX, TURNING, Matching
 from kanegen.interop.state_map import StateMap, state_map_of
+from kanegen.model.description import require_system
 from kanegen.model.system import System
 
 
@@ -35,6 +37,7 @@ def state_map(system: System, model: Any) -> StateMap:
         model: A `mujoco.MjModel`.
 
     Raises:
+        OptionError: If an argument is no system or no model.
         ModelError: If a joint has no counterpart, or a freedom of the system has none.
 
     Example:
@@ -42,6 +45,9 @@ def state_map(system: System, model: Any) -> StateMap:
         data.qpos, data.qvel = states.to_q(x), states.to_v(x, y)
         f = states.from_bias(x, y, m, data.qfrc_bias)
     """
+    require_system(system)
+    if not all(hasattr(model, name) for name in ("njnt", "jnt_type", "nq", "nv")):
+        raise OptionError(f"{quoted(model)} is no compiled model of MuJoCo.")
     matching = Matching(system, "MuJoCo")
     blocks = [_block(matching, model, joint) for joint in range(model.njnt)]
     return state_map_of(blocks, system, model.nq, model.nv, "MuJoCo")

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from kanegen.errors import ModelError, quoted
+from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.interop.blocks import Block, CosineSine, Floating, Follower, Places, Planar, Scalars
 from kanegen.interop.matching import ALL_SIX, TURNING, Matching
 from kanegen.interop.state_map import StateMap, state_map_of
+from kanegen.model.description import require_system
 from kanegen.model.system import System
 
 ROOT_JOINT = "root_joint"
@@ -37,6 +38,7 @@ def state_map(system: System, model: Any) -> StateMap:
         model: A `pinocchio.Model`.
 
     Raises:
+        OptionError: If an argument is no system or no model.
         ModelError: If a joint has no counterpart, or a freedom of the system has none.
 
     Example:
@@ -44,6 +46,9 @@ def state_map(system: System, model: Any) -> StateMap:
         q, v = states.to_q(x), states.to_v(x, y)
         a = states.from_mass_matrix(x, pinocchio.crba(model, data, q))
     """
+    require_system(system)
+    if not all(hasattr(model, name) for name in ("names", "joints", "nq", "nv")):
+        raise OptionError(f"{quoted(model)} is no model of Pinocchio.")
     matching = Matching(system, "Pinocchio")
     names = list(model.names)
     blocks = [

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from kanegen.errors import ArrayError, ModelError, quoted
 from kanegen.interop.blocks import Block, Follower, Positions
+from kanegen.model.arguments import floats
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.reference.matrices import apply, transposed
@@ -104,7 +105,7 @@ class StateMap:
         Example:
             vdot = states.jacobian(x) @ ydot + states.drift(x, y)
         """
-        given, speeds = _array("x", x, self.m), _array("y", y, self.n)
+        given, speeds = _array("x", x, self.m), self._beside(x, "y", y, self.n)
         found = np.zeros((*given.shape[:-1], self.nv))
         for block in self.blocks:
             found[..., block.v] = block.drift(given[..., block.x], speeds[..., block.y])
@@ -116,7 +117,7 @@ class StateMap:
         Example:
             q, v = states.to_q(x), states.to_v(x, y)
         """
-        return apply(self.jacobian(x), _array("y", y, self.n))
+        return apply(self.jacobian(x), self._beside(x, "y", y, self.n))
 
     def from_v(self, x: ArrayLike, v: ArrayLike) -> Floats:
         """Return (..., n) {y} from (..., m) {x} and (..., nv) v.
@@ -125,7 +126,7 @@ class StateMap:
             x = states.from_q(q)
             y = states.from_v(x, v)
         """
-        return _solved(self.jacobian(x), _array("v", v, self.nv))
+        return _solved(self.jacobian(x), self._beside(x, "v", v, self.nv))
 
     def to_vdot(self, x: ArrayLike, y: ArrayLike, ydot: ArrayLike) -> Floats:
         """Return (..., nv) vdot from {x}, {y} and (..., n) {ydot}.
@@ -133,7 +134,7 @@ class StateMap:
         Example:
             vdot = states.to_vdot(x, y, library.forward_dynamics(x, y))
         """
-        return apply(self.jacobian(x), _array("ydot", ydot, self.n)) + self.drift(x, y)
+        return apply(self.jacobian(x), self._beside(x, "ydot", ydot, self.n)) + self.drift(x, y)
 
     def from_vdot(self, x: ArrayLike, y: ArrayLike, vdot: ArrayLike) -> Floats:
         """Return (..., n) {ydot} from {x}, {y} and (..., nv) vdot.
@@ -141,7 +142,7 @@ class StateMap:
         Example:
             ydot = states.from_vdot(x, y, pinocchio.aba(model, data, q, v, tau))
         """
-        return _solved(self.jacobian(x), _array("vdot", vdot, self.nv) - self.drift(x, y))
+        return _solved(self.jacobian(x), self._beside(x, "vdot", vdot, self.nv) - self.drift(x, y))
 
     def to_tau(self, x: ArrayLike, tau: ArrayLike) -> Floats:
         """Return (..., nv) generalized forces of the other program that do the work of (..., n) {tau}.
@@ -150,7 +151,7 @@ class StateMap:
             pinocchio.aba(model, data, states.to_q(x), states.to_v(x, y), states.to_tau(x, tau))
         """
         self._require_unique("generalized forces")
-        return _solved(transposed(self.jacobian(x)), _array("tau", tau, self.n))
+        return _solved(transposed(self.jacobian(x)), self._beside(x, "tau", tau, self.n))
 
     def from_tau(self, x: ArrayLike, tau: ArrayLike) -> Floats:
         """Return (..., n) {tau} that does the work of (..., nv) generalized forces of the other program.
@@ -158,7 +159,7 @@ class StateMap:
         Example:
             states.from_tau(x, data.qfrc_actuator)
         """
-        return apply(transposed(self.jacobian(x)), _array("tau", tau, self.nv))
+        return apply(transposed(self.jacobian(x)), self._beside(x, "tau", tau, self.nv))
 
     def to_mass_matrix(self, x: ArrayLike, a: ArrayLike) -> Floats:
         """Return (..., nv, nv) M from (..., n, n) [A].
@@ -168,7 +169,7 @@ class StateMap:
         """
         self._require_unique("a mass matrix")
         turn = transposed(self.jacobian(x))
-        half = np.linalg.solve(turn, _matrix("A", a, self.n, self.n))
+        half = np.linalg.solve(turn, self._matrix_beside(x, "A", a, self.n, self.n))
         return transposed(np.asarray(np.linalg.solve(turn, transposed(half))))
 
     def from_mass_matrix(self, x: ArrayLike, m: ArrayLike) -> Floats:
@@ -178,7 +179,7 @@ class StateMap:
             a = states.from_mass_matrix(x, pinocchio.crba(model, data, q))
         """
         jacobian = self.jacobian(x)
-        found: Floats = transposed(jacobian) @ _matrix("M", m, self.nv, self.nv) @ jacobian
+        found: Floats = transposed(jacobian) @ self._matrix_beside(x, "M", m, self.nv, self.nv) @ jacobian
         return found
 
     def to_bias(self, x: ArrayLike, y: ArrayLike, a: ArrayLike, f: ArrayLike) -> Floats:
@@ -196,8 +197,8 @@ class StateMap:
         Example:
             f = states.from_bias(x, y, m, pinocchio.nonLinearEffects(model, data, q, v))
         """
-        inertial = apply(_matrix("M", m, self.nv, self.nv), self.drift(x, y))
-        return -self.from_tau(x, _array("bias", bias, self.nv) + inertial)
+        inertial = apply(self._matrix_beside(x, "M", m, self.nv, self.nv), self.drift(x, y))
+        return -self.from_tau(x, self._beside(x, "bias", bias, self.nv) + inertial)
 
     def to_columns(self, x: ArrayLike, jacobian: ArrayLike) -> Floats:
         """Return (..., r, nv) a Jacobian by v from (..., r, n) one by {y}; its rows stay.
@@ -206,7 +207,7 @@ class StateMap:
             states.to_columns(x, library.point_jacobians(x)[0])
         """
         self._require_unique("a Jacobian")
-        rows = transposed(_matrix("jacobian", jacobian, None, self.n))
+        rows = transposed(self._matrix_beside(x, "jacobian", jacobian, None, self.n))
         return transposed(np.asarray(np.linalg.solve(transposed(self.jacobian(x)), rows)))
 
     def from_columns(self, x: ArrayLike, jacobian: ArrayLike) -> Floats:
@@ -215,8 +216,33 @@ class StateMap:
         Example:
             states.from_columns(x, pinocchio.computeJointJacobian(model, data, q, joint))
         """
-        found: Floats = _matrix("jacobian", jacobian, None, self.nv) @ self.jacobian(x)
+        found: Floats = self._matrix_beside(x, "jacobian", jacobian, None, self.nv) @ self.jacobian(x)
         return found
+
+    def _beside(self, x: ArrayLike, name: str, value: ArrayLike, size: int) -> Floats:
+        """Return an argument of shape (..., size) for the states of {x}.
+
+        Raises:
+            ArrayError: If it has another shape.
+        """
+        batch, array = _array("x", x, self.m).shape[:-1], _array(name, value, size)
+        if array.shape[:-1] != batch:
+            raise ArrayError(f"{name}: expected shape {(*batch, size)} to go with x, got {array.shape}.")
+        return array
+
+    def _matrix_beside(
+        self, x: ArrayLike, name: str, value: ArrayLike, rows: int | None, columns: int
+    ) -> Floats:
+        """Return an argument of shape (..., rows, columns) for the states of {x}, None for any number.
+
+        Raises:
+            ArrayError: If it has another shape.
+        """
+        batch, array = _array("x", x, self.m).shape[:-1], _matrix(name, value, rows, columns)
+        if array.shape[:-2] != batch:
+            shape = (*batch, *array.shape[-2:])
+            raise ArrayError(f"{name}: expected shape {shape} to go with x, got {array.shape}.")
+        return array
 
     def _require_unique(self, what: str) -> None:
         """Make sure that no joint of the other model is coupled in kanegen.
@@ -281,7 +307,7 @@ def _array(name: str, value: ArrayLike, size: int) -> Floats:
     Raises:
         ArrayError: If it has another shape.
     """
-    array: Floats = np.asarray(value, dtype=np.float64)
+    array = np.asarray(floats(name, value, np.dtype(np.float64)), dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != size:
         raise ArrayError(f"{name}: expected shape ({size},) or (B, {size}), got {array.shape}.")
     return array
@@ -293,7 +319,7 @@ def _matrix(name: str, value: ArrayLike, rows: int | None, columns: int | None) 
     Raises:
         ArrayError: If it has another shape.
     """
-    array: Floats = np.asarray(value, dtype=np.float64)
+    array = np.asarray(floats(name, value, np.dtype(np.float64)), dtype=np.float64)
     wanted = (rows, columns)
     if array.ndim < 2 or any(a not in (None, b) for a, b in zip(wanted, array.shape[-2:], strict=True)):
         shape = ", ".join("r" if size is None else str(size) for size in wanted)

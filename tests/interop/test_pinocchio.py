@@ -224,6 +224,16 @@ def test_what_has_no_counterpart_is_named() -> None:
         states.to_q([1, 2, 3])
     with pytest.raises(kg.ArrayError, match="a quaternion has the length 2; it must be 1"):
         states.from_q(np.where(pin.neutral(model) == 1, 2.0, 0.0))
+    with pytest.raises(kg.ArrayError, match=r"y: expected shape \(2, 16\) to go with x, got \(3, 16\)"):
+        states.to_v(np.zeros((2, 16)), np.zeros((3, 16)))
+    with pytest.raises(kg.ArrayError, match=r"M: expected shape \(2, 16, 16\) to go with x, got \(16, 16\)"):
+        states.from_mass_matrix(np.zeros((2, 16)), np.eye(16))
+    with pytest.raises(kg.ArrayError, match="x: expected real numbers"):
+        states.to_q(["a"] * 16)
+    with pytest.raises(kg.OptionError, match="None is no model of Pinocchio"):
+        state_map(system, None)
+    with pytest.raises(kg.OptionError, match="None is no System"):
+        state_map(None, model)  # type: ignore[arg-type]
     with pytest.raises(kg.ArrayError, match=r"M: expected shape \(16, 16\)"):
         states.from_mass_matrix(np.zeros(16), np.eye(3))
 
