@@ -13,7 +13,8 @@ from scipy import stats
 from kanegen.errors import BudgetError, OptionError
 from kanegen.studies.budget import confidence
 from kanegen.studies.budget.confidence import quantile_level, validate
-from kanegen.studies.budget.evaluator import SELECT, VALIDATE, SampleSpec
+from kanegen.studies.budget.confirmation import Confirmation
+from kanegen.studies.budget.evaluator import SELECT, VALIDATE, SampleSpec, SearchResult
 from kanegen.studies.budget.proofs import proof_words
 from kanegen.studies.budget.request import Effort, Request, error_budget, time_budget
 from kanegen.studies.budget.selection import choose
@@ -52,6 +53,20 @@ def test_the_limit_is_that_of_clopper_and_pearson(exceeded: int, count: int) -> 
     limit = confidence.exceedance_limit(exceeded, count, 0.05)
     assert limit == pytest.approx(stats.beta.ppf(0.95, exceeded + 1, count - exceeded), rel=1e-12)
     assert stats.binom.cdf(exceeded, count, limit) == pytest.approx(0.05, rel=1e-9)
+
+
+@pytest.mark.parametrize(("exceeded", "count"), [(1, 2995), (3, 50), (50, 50)])
+def test_the_floor_is_that_of_clopper_and_pearson(exceeded: int, count: int) -> None:
+    floor = confidence.exceedance_floor(exceeded, count, 0.05)
+    assert stats.binom.sf(exceeded - 1, count, floor) == pytest.approx(0.05, rel=1e-9)
+    assert confidence.exceedance_floor(0, count, 0.05) == 0.0
+
+
+def test_the_worst_state_of_several_searches_has_the_largest_error() -> None:
+    searches = tuple(SearchResult(error, 10, {}, "") for error in (1e-12, 3e-9, math.inf, 2e-9))
+    found = Confirmation(STRICT, 1e-12, validate(np.ones(3), 2.0, 0.05, 1), searches)
+    assert found.worst is searches[2]
+    assert replace(found, searches=searches[:2]).worst is searches[1]
 
 
 def test_if_all_states_exceed_a_claim_nothing_is_shown() -> None:
