@@ -14,10 +14,10 @@ QUOTED = 120
 """Largest number of characters of one quoted value in a message."""
 
 LONGEST_MESSAGE = 4000
-"""Largest number of characters of a message; what a program that failed has written may be longer."""
+"""Largest number of characters of a message."""
 
 LONGEST_OUTPUT = 40_000
-"""Largest number of characters of a message that holds the output of another program."""
+"""Largest number of characters of a note that holds the output of another program."""
 
 
 def quoted(value: object) -> str:
@@ -82,11 +82,8 @@ _QUOTATION = _Quotation()
 class KanegenError(ValueError):
     """Base class of all errors that kanegen raises on purpose."""
 
-    _longest = LONGEST_MESSAGE
-    _lines = False
-
     def __init__(self, message: object = "") -> None:
-        super().__init__(excerpt(str(message), self._longest, self._lines))
+        super().__init__(excerpt(str(message), LONGEST_MESSAGE))
 
 
 class ModelError(KanegenError):
@@ -118,10 +115,10 @@ class WriteError(KanegenError):
 
 
 class BuildError(KanegenError):
-    """There is no C compiler, or it failed; the message holds its command and its output."""
+    """There is no C compiler, or it failed; the message holds its command and its first error.
 
-    _longest = LONGEST_OUTPUT
-    _lines = True
+    A note of the exception, which tracebacks show, holds the whole output.
+    """
 
 
 class MissingError(KanegenError):

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
-from kanegen.errors import BuildError
+from kanegen.errors import LONGEST_OUTPUT, BuildError, excerpt
 from kanegen.files import reason
 
 _LONGEST_REASON = 300
@@ -25,20 +25,30 @@ _LONGEST_REASON = 300
 class CommandError(BuildError):
     """A command that could not be started, ended with a status other than 0, or made no file.
 
+    Args:
+        message: What happened; the first error of the output is added to it.
+        output: What the command printed, which becomes a note of the exception.
+
     Attributes:
         output: What the command printed.
     """
 
     def __init__(self, message: str, output: str = "") -> None:
-        super().__init__(message)
         self.output = output
+        super().__init__(f"{message} It says: {self._first_error}" if output.strip() else message)
+        if output.strip():
+            self.add_note(f"Its output:\n{excerpt(output, LONGEST_OUTPUT, lines=True)}")
 
     @property
     def reason(self) -> str:
         """The first line of the output that mentions an error, or the beginning of the output."""
-        lines = [line for line in self.output.splitlines() if line.strip()]
-        beginning = self.output[:_LONGEST_REASON] or str(self)
-        return next((line for line in lines if "error" in line), beginning)
+        return self._first_error or str(self)
+
+    @property
+    def _first_error(self) -> str:
+        """The first line of the output that mentions an error, or its beginning in one line."""
+        lines = [" ".join(line.split()) for line in self.output.splitlines() if line.strip()]
+        return next((line for line in lines if "error" in line), " ".join(lines)[:_LONGEST_REASON])
 
 
 class TimeLimitError(CommandError):
@@ -148,7 +158,7 @@ def output(command: Sequence[str | Path], folder: Path | None = None, seconds: f
     if done.returncode != 0:
         printed = done.stdout + done.stderr
         raise CommandError(
-            f"{_joined(command)}: failed with status {done.returncode}.\n{printed}", done.stderr or printed
+            f"{_joined(command)}: failed with status {done.returncode}.", done.stderr or printed
         )
     return done.stdout
 
@@ -186,9 +196,7 @@ def make_all(commands: Mapping[str, Sequence[str]], folder: Path, seconds: float
         if done.returncode != 0 or not (folder / file).is_file():
             printed = done.stdout + done.stderr
             raise CommandError(
-                f"the compiler failed with status {done.returncode} and made no {file}.\n"
-                f"command: {_joined(command)}\n{printed}",
-                printed,
+                f"{_joined(command)}: failed with status {done.returncode} and made no {file}.", printed
             )
 
 
