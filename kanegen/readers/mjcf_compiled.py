@@ -33,6 +33,13 @@ _NUMBERS = (
 )
 """Kinds of parts, what the names of their arrays begin with, and the arrays that the reader uses."""
 
+_OTHER_NUMBERS = """
+    qpos0 qpos_spring jnt_stiffnesspoly dof_armature dof_damping dof_dampingpoly dof_frictionloss
+    actuator_gear actuator_gainprm actuator_biasprm actuator_armature actuator_damping actuator_dampingpoly
+    tendon_stiffness tendon_stiffnesspoly tendon_damping tendon_dampingpoly wrap_prm eq_data
+""".split()
+"""Further arrays that the reader uses."""
+
 _NO_RANGE = (-math.inf, math.inf)
 
 _NOT_OF_THE_FILE = "is deprecated|Inertia matrix is too close to singular"
@@ -201,23 +208,29 @@ def _model(mujoco: Any, file: ModelFile, messages: list[str]) -> Any:
 
 
 def _check_numbers(compiled: Compiled) -> None:
-    """Make sure that the numbers of bodies, joints and sites are finite, and their directions not zero.
+    """Make sure that the numbers of the model are finite, and its directions not zero.
 
     Raises:
-        ReadError: If one is not; the message names the part.
+        ReadError: If one is not; the message names the part, or the array of MuJoCo.
     """
     for kind, prefix, names in _NUMBERS:
         for name in names:
-            values = getattr(compiled.model, f"{prefix}_{name}")
-            for number, row in enumerate(values):
-                entries = [float(value) for value in row] if values.ndim > 1 else [float(row)]
-                is_direction = name.endswith("quat") or name == "axis"
-                if not all(map(math.isfinite, entries)) or (is_direction and not any(entries)):
-                    problem = (
-                        "no direction" if all(map(math.isfinite, entries)) else "a number that is not finite"
-                    )
+            for number, row in enumerate(getattr(compiled.model, f"{prefix}_{name}")):
+                if problem := _problem(row, is_direction=name.endswith("quat") or name == "axis"):
                     label = f"{kind} {quoted(compiled.name(kind, number))}"
                     raise ReadError(f"{compiled.path}: {label} has {problem} ({name}). Correct its numbers.")
+    arrays = [(name, getattr(compiled.model, name)) for name in _OTHER_NUMBERS]
+    for name, values in (*arrays, ("gravity", compiled.model.opt.gravity)):
+        if problem := _problem(values):
+            raise ReadError(f"{compiled.path}: the model has {problem} ({name}). Correct its numbers.")
+
+
+def _problem(values: Any, is_direction: bool = False) -> str:
+    """Return what is wrong with an array of numbers, "" if nothing is."""
+    entries = [float(value) for value in values.flat]
+    if not all(map(math.isfinite, entries)):
+        return "a number that is not finite"
+    return "no direction" if is_direction and not any(entries) else ""
 
 
 def triple(values: Any) -> Triple:

@@ -160,6 +160,7 @@ NO_MESH = """<mujoco><asset><mesh name="m" file="no.stl"/></asset>
         (NO_MESH, "no.stl.*Put the file where the model"),
         ("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>", "mass and inertia"),
         (body('<joint name="j" axis="inf 0 0"/>'), "joint 'j' has a number that is not finite"),
+        (body('<joint ref="inf"/>'), r"the model has a number that is not finite \(qpos0\)"),
     ],
 )
 def test_a_file_that_mujoco_refuses_gets_one_line(text: str, message: str, tmp_path: Path) -> None:
