@@ -131,6 +131,8 @@ def falling_trees(draw: st.DrawFn) -> kg.System:
     angles = draw(st.lists(st.booleans(), min_size=3, max_size=3))
     arrays = system.values()
     arrays.free[falling - 1] = [*angles, True, True, True]
+    arrays.armature[arrays.free[:, :3].all(axis=1)] = 0.0  # their speeds may change, those of motors may not
+    arrays.armature[falling - 1] = 0.0
     system = systems.from_values(arrays)
     if draw(st.booleans()):
         system = system.with_speeds("angular_velocity")

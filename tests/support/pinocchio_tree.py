@@ -51,6 +51,7 @@ class PinocchioTree:
             if a.free[k, freedom]:
                 joint = self.model.addJoint(joint, _joint(axes[freedom]), placement, f"{k}.{freedom}")
                 self.joint_of[k, freedom] = joint
+                self.model.armature[self.model.joints[joint].idx_v] = a.armature[k, freedom]
                 placement = pin.SE3.Identity()
             else:
                 placement = placement * _displacement(axes[freedom], a.locked[k, freedom])

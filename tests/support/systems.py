@@ -75,6 +75,7 @@ def random_system(
     size: float = 1.0,
     density: float = 1.0,
     name: str = "tree",
+    armature: Floats | None = None,
 ) -> System:
     """A generic regular system.
 
@@ -90,6 +91,7 @@ def random_system(
         size: Typical length (m).
         density: Masses are about `density * size**3` (kg).
         name: Name of the system.
+        armature: (N, 6) reflected inertias of motors, in units of the mass and size of a body; default none.
     """
     mass = rng.uniform(0.3, 3.0, bodies) * density * size**3
     lengths = np.array([1.0, 1.0, 1.0, size, size, size])
@@ -104,6 +106,7 @@ def random_system(
         free=random_free(rng, bodies) if free is None else free,
         locked=rng.uniform(-1.0, 1.0, (bodies, 6)) * lengths * locked,
         gravity=down * (9.81 / np.linalg.norm(down)) if gravity is None else gravity,
+        armature=None if armature is None else armature * (density * size**3) * lengths**-2 * size**2,
         loads=rng.random(bodies) < 0.5 if loads is None else loads,
         name=name,
     )
@@ -160,13 +163,14 @@ def rescaled(arrays: SystemArrays, mass: float, length: float, time: float) -> S
         mass_center=arrays.mass_center * length,
         joint_position=arrays.joint_position * length,
         locked=arrays.locked * [1, 1, 1, length, length, length],
+        armature=arrays.armature * mass * np.array([length, length, length, 1, 1, 1]) ** 2,
         gravity=arrays.gravity * (length / time**2),
     )
 
 
 @st.composite
 def systems(draw: st.DrawFn, max_bodies: int = 12, *, min_bodies: int = 1) -> System:
-    """Regular systems; the tree, the freedoms and the loads shrink, the numbers come from a seed."""
+    """Regular systems; the tree, the freedoms, loads and motors shrink, the numbers come from a seed."""
     bodies = draw(st.integers(min_bodies, max_bodies))
     connection = [0, *(draw(st.integers(0, k)) for k in range(1, bodies))]
     mask = st.lists(st.booleans(), min_size=6, max_size=6)
@@ -181,4 +185,5 @@ def systems(draw: st.DrawFn, max_bodies: int = 12, *, min_bodies: int = 1) -> Sy
         orientations=draw(st.booleans()),
         locked=draw(st.booleans()),
         gravity=draw(st.sampled_from([None, (0.0, 0.0, -9.81), (0.0, 0.0, 0.0)])),
+        armature=draw(st.booleans()) * np.random.default_rng(bodies).uniform(0.0, 1.0, (bodies, 6)),
     )
