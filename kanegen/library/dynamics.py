@@ -184,7 +184,8 @@ class Dynamics(CompiledModel):
             x: (m,) or (B, m) coordinates, rad, m or 1.
             y: (n,) or (B, n) generalized speeds, rad/s and m/s.
             tau: (n,) or (B, n) generalized forces beside loads and gravity, N m and N; (n,) acts in every
-                state of a batch, None is zero.
+                state of a batch, None is zero. The effort on a coupled freedom, times its factors, is part of
+                those on the freedoms that it follows.
             force: Forces on the bodies, as in `forcing`.
             torque: Torques on the bodies, as in `forcing`.
             inputs: Inputs that only some systems have, as in `forcing`.

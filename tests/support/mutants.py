@@ -193,8 +193,41 @@ force = ["0", "tan(0.1*t)", "abs(x.body3.s3)"]
 [outputs]
 body_poses = ["body2", 1]
 """,
+    """[parameters]
+ratio = -0.4
+[[body]]
+name = "arm"
+connection = "ground"
+mass = 2
+inertia = [0.1, 0.2, 0.2]
+mass_center = [0.2, 0, 0]
+joint = {name = "elbow", free = ["theta3"]}
+[[body]]
+name = "left"
+connection = "arm"
+mass = 0.5
+inertia = [0.01, 0.02, 0.03]
+joint = {position = [0.4, 0, 0], free = ["theta1", "s2"], armature = {s2 = 0.3}}
+[[body]]
+name = "right"
+connection = "arm"
+mass = 0.5
+inertia = [0.01, 0.02, 0.03]
+mass_center = [0, 0.1, 0]
+joint = {name = "finger", position = [0.4, 0, 0], free = ["s2"]}
+[[coupling]]
+freedom = "finger"
+terms = {"left.s2" = -1.0, elbow = 0.1}
+offset = 0.02
+[[coupling]]
+freedom = "left.theta1"
+terms = {elbow = "ratio"}
+[[joint_spring]]
+freedom = "right.s2"
+stiffness = 3
+""",
 )
-"""Two small model files with every kind of entry."""
+"""Three small model files with every kind of entry."""
 
 URDF = """<robot name="rig">
   <link name="base"/>

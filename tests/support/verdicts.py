@@ -19,6 +19,7 @@ from kanegen.model.numbers import value_of
 from kanegen.program.evaluate import evaluate
 from kanegen.program.precision import DOUBLE
 from kanegen.reference import equations
+from kanegen.reference.freedoms import largest_coupled_angle
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.magnitudes import (
     element_magnitude,
@@ -134,11 +135,11 @@ def _require_agreement(system: kg.System) -> None:
         }
     if not _is_moderate(system):
         return
+    angle = largest_coupled_angle(arrays, x, states.prescribed[:, 0])
     for name, (truth, size) in expected.items():
         value = np.stack([np.broadcast_to(entry, (STATES,)) for entry in found[name]], axis=-1)
-        _require_equal(
-            name, value.reshape(truth.shape), truth, size, rounding_bound(len(arrays.mass), DOUBLE)
-        )
+        bound = rounding_bound(len(arrays.mass), DOUBLE, angle=angle)
+        _require_equal(name, value.reshape(truth.shape), truth, size, bound)
 
 
 def _is_moderate(system: kg.System) -> bool:
