@@ -131,7 +131,7 @@ def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
         "frames": declarations.frames(model, outputs),
         "reactions": declarations.reactions(model, outputs),
         "loads": _loaded_rows(model.body_names, model.loaded),
-        "point_loads": _loaded_rows(points, model.loaded_points),
+        "point_loads": _loaded_rows(_with_components(points, model.load_frames), model.loaded_points),
         "force_elements": _listed(model.force_elements),
         "motors": _listed(model.motors),
         "couplings": _listed(model.couplings),
@@ -142,6 +142,12 @@ def _loaded_rows(names: Sequence[str], loaded: Sequence[bool]) -> list[tuple[int
     """Return row and name of every body or point that takes loads."""
     rows = enumerate(zip(names, loaded, strict=True))
     return [(row, name) for row, (name, is_loaded) in rows if is_loaded]
+
+
+def _with_components(points: Sequence[str], frames: Sequence[str]) -> list[str]:
+    """Return the names of points, each with the frame of the components of its loads, if it has one."""
+    pairs = zip(points, frames, strict=True)
+    return [f"{point}  in components of {frame}" if frame else point for point, frame in pairs]
 
 
 def _operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:

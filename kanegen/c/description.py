@@ -33,6 +33,7 @@ class ModelDescription:
         speed_names: n names in the order of {y}; a speed that is the rate of a coordinate has its name.
         points: Name of each point and name of its body.
         loaded_points: For each point whether it takes a force and a moment.
+        load_frames: For each point the name of the frame of the components of these, "" if they are inertial.
         force_elements: One line of text for each force element.
         motors: One line of text for each armature and each rotor.
         couplings: One line of text for each coupling.
@@ -59,6 +60,7 @@ class ModelDescription:
     speed_names: tuple[str, ...] = ()
     points: tuple[tuple[str, str], ...] = ()
     loaded_points: tuple[bool, ...] = ()
+    load_frames: tuple[str, ...] = ()
     force_elements: tuple[str, ...] = ()
     motors: tuple[str, ...] = ()
     couplings: tuple[str, ...] = ()
@@ -141,6 +143,7 @@ def description(system: System) -> ModelDescription:
         speed_names=system.speed_names,
         points=tuple((point.name, system.bodies[k - 1].name) for k, point in system.points),
         loaded_points=tuple(point.loads for _, point in system.points),
+        load_frames=tuple(point.load_frame for _, point in system.points),
         force_elements=tuple(element.summary for element in system.force_elements),
         motors=system.motor_summaries,
         couplings=system.coupling_equations,

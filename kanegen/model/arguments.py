@@ -43,8 +43,8 @@ class LoadInputs(TypedDict, total=False):
     """Loads on points and the time, as keyword arguments, each with or without an axis for the batch.
 
     Attributes:
-        point_force: (P, 3) or (B, P, 3) force on each point that takes loads, inertial components (N); None
-            means zero.
+        point_force: (P, 3) or (B, P, 3) force on each point that takes loads (N), in inertial components or
+            those of its `load_frame`; None means zero.
         point_moment: (P, 3) or (B, P, 3) moment on the body of each such point, inertial components (N m).
         t: () or (B,) time (s), where a force element depends on it.
     """

@@ -35,12 +35,14 @@ class ForceArrays:
         variables: Body and freedom or coordinate of each variable of expressions, by name.
         points: Number of the body, from 1, and (3,) position from O_K, in K (m), by name of the point.
         loaded: (P,) which points take a force and a moment.
+        load_frames: (P,) name of the frame of the components of these; "" for inertial ones.
     """
 
     elements: tuple[ForceElement, ...]
     variables: Mapping[str, Place]
     points: Mapping[str, tuple[int, Floats]]
     loaded: Flags
+    load_frames: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -183,6 +185,7 @@ def _force_arrays(system: SystemDescription) -> ForceArrays:
         variables=variable_places(system.bodies),
         points=points,
         loaded=np.array([point.loads for _, point in system.points], dtype=np.bool_),
+        load_frames=tuple(point.load_frame for _, point in system.points),
     )
 
 

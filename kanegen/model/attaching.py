@@ -60,7 +60,8 @@ def _loaded(body: Body, name: str) -> Body:
     if not name:
         return replace(body, loads=True)
     points = {point.name: point for point in body.points}
-    points[name] = replace(points.get(name, Point(name, (0.0, 0.0, 0.0), frame=name)), loads=True)
+    new = Point(name, (0.0, 0.0, 0.0), frame=name, load_frame=name)
+    points[name] = replace(points.get(name, new), loads=True)
     return replace(body, points=tuple(points.values()))
 
 

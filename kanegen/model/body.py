@@ -21,9 +21,10 @@ class Point:
         name: Label, unique in the system.
         position: (3,) position from the origin O_K of its body, in body components, or from the origin of
             `frame`, in its components (m).
-        loads: Whether a force and a moment on the point are inputs, in inertial components.
+        loads: Whether a force and a moment on the point are inputs.
         frame: Name of a frame of its body in which the position is given; "" is the frame of the model, with
             the origin O_K, in which mass centre and inertia are given.
+        load_frame: Name of a frame of its body in whose components the loads are; "" for inertial ones.
 
     Raises:
         ModelError: If the name or the position is not usable.
@@ -36,12 +37,15 @@ class Point:
     position: Vector
     loads: bool = False
     frame: str = ""
+    load_frame: str = ""
 
     def __post_init__(self) -> None:
         check_label(self.name, "point name")
         label = f"point {quoted(self.name)}"
-        if not isinstance(self.frame, str) or self.frame:
-            check_label(self.frame, f"{label}: frame")
+        for key in ("frame", "load_frame"):
+            name = getattr(self, key)
+            if not isinstance(name, str) or name:
+                check_label(name, f"{label}: {key}")
         position = numbers(self.position, (3,), label)
         validation.store(self, position=position, loads=validation.flags((self.loads,), 1, label)[0])
 
@@ -64,6 +68,8 @@ class Point:
             table["loads"] = True
         if self.frame:
             table["frame"] = self.frame
+        if self.load_frame:
+            table["load_frame"] = self.load_frame
         return table if len(table) > 1 else table["position"]
 
 

@@ -205,7 +205,7 @@ def checked_frames(bodies: Sequence[Body], frames: Any) -> tuple[Frame, ...]:
 
 
 def check_points(points: Sequence[tuple[int, Point]], known: Mapping[str, Frame]) -> None:
-    """Make sure that the frame in which each point is given is one of its own body.
+    """Make sure that the frames in which each point and its loads are given are those of its own body.
 
     Args:
         points: The points, each with the number of its body.
@@ -216,8 +216,9 @@ def check_points(points: Sequence[tuple[int, Point]], known: Mapping[str, Frame]
     """
     for k, point in points:
         names = [name for name, frame in known.items() if frame.body == k]
-        if point.frame and point.frame not in names:
-            raise ModelError(
-                f"point {quoted(point.name)}: its body has no frame {quoted(point.frame)}. "
-                f"{did_you_mean(point.frame, names)}"
-            )
+        for name in (point.frame, point.load_frame):
+            if name and name not in names:
+                raise ModelError(
+                    f"point {quoted(point.name)}: its body has no frame {quoted(name)}. "
+                    f"{did_you_mean(name, names)}"
+                )

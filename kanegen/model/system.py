@@ -235,9 +235,10 @@ class System(SystemDescription):
     def with_loads(self, names: Iterable[str | int] | str) -> Self:
         """Return the same system with further loads as inputs, on points, bodies and frames.
 
-        The load on a point is a force there and a moment, in inertial components; that on a body is a force
-        at its mass centre and a torque, in components of the frame of the body. A further frame gets a point
-        of its own name at its origin, which takes the load.
+        The load on a point is a force there and a moment, in inertial components unless the point has a
+        `load_frame`; that on a body is a force at its mass centre and a torque, in components of the frame
+        of the body. A further frame gets a point of its own name at its origin, which takes a force and a
+        moment in components of the frame.
 
         Args:
             names: Names of points, bodies and frames, or numbers of bodies from 1, one or several. A name

@@ -16,7 +16,7 @@ from kanegen.model.numbers import numbers
 from kanegen.readers.toml_tables import ORIGIN, Parameters, Table, check_keys
 
 KEYS = ("name", "connection", "mass", "mass_center", "inertia", "loads", "frames", "points", "joint")
-POINT_KEYS = ("position", "loads", "frame")
+POINT_KEYS = ("position", "loads", "frame", "load_frame")
 INERTIA_KEYS = ("xx", "yy", "zz", "xy", "xz", "yz")
 JOINT_KEYS = (
     "type",
@@ -94,7 +94,8 @@ def _point(name: str, value: Any, parameters: Parameters) -> Point:
     table = value if isinstance(value, Mapping) else {"position": value}
     check_keys(table, POINT_KEYS, required=POINT_KEYS[:1], label=f"{label}: ")
     position = numbers(parameters.resolve(table["position"], label), (3,), label)
-    return Point(name, position, table.get("loads", False), table.get("frame", ""))
+    frames = table.get("frame", ""), table.get("load_frame", "")
+    return Point(name, position, table.get("loads", False), *frames)
 
 
 def _lower(connection: Any, numbers_of: Mapping[str, int]) -> Any:

@@ -99,7 +99,11 @@ def _point_loads(tree: Tree) -> Iterator[tuple[int, Wrench]]:
             force, moment = (
                 Vector(*(symbol(number, axis) for axis in range(3))) for symbol in (point_force, point_moment)
             )
-            yield _inertial_load(tree, k, position_of(tree, k, point), force, moment, f"pi_{number}")
+            position = position_of(tree, k, point)
+            if point.load_frame:
+                yield _load_in_frame(tree, k, position, force, moment, point.load_frame)
+            else:
+                yield _inertial_load(tree, k, position, force, moment, f"pi_{number}")
 
 
 def _place(tree: Tree, name: str) -> tuple[int, Vector]:

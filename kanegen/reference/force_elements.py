@@ -99,8 +99,9 @@ def contributions(
                 load = state.vector(force), state.vector(moment)
                 yield state.point_load(name, *(state.inertial(vector, frame) for vector in load))
     for number, name in enumerate(system.forces.points):
-        point_force, point_moment = point_inputs.force[..., number, :], point_inputs.moment[..., number, :]
-        yield state.point_load(name, (point_force, point_force), (point_moment, point_moment))
+        loads = point_inputs.force[..., number, :], point_inputs.moment[..., number, :]
+        frame = system.forces.load_frames[number]
+        yield state.point_load(name, *(state.inertial((vector, vector), frame) for vector in loads))
 
 
 def point_on_body(

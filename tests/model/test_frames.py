@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -240,9 +241,9 @@ def test_loads_by_names_of_points_bodies_and_frames(pendulum: kg.System) -> None
     system = system.with_points({"tip": ("tool", (0.2, 0, 0))}).with_loads(["tip", "upper", "tool"])
     upper, lower = system.bodies
     assert (upper.loads, lower.loads) == (True, False)
-    assert [(point.name, point.loads, point.frame) for point in lower.points] == [
-        ("tip", True, "tool"),
-        ("tool", True, "tool"),
+    assert [(point.name, point.loads, point.frame, point.load_frame) for point in lower.points] == [
+        ("tip", True, "tool", ""),
+        ("tool", True, "tool", "tool"),
     ]
     assert system.with_loads("tool") == system
     for names, message in (
@@ -263,3 +264,29 @@ def test_the_general_form_of_a_model_has_parameters_in_its_frames() -> None:
     for name, frame in system.values().frames.items():
         assert general.values().frames[name].position == pytest.approx(frame.position, abs=1e-14)
         assert general.values().frames[name].rotation == pytest.approx(frame.rotation, abs=1e-14)
+
+
+def test_a_wrench_acts_in_a_frame(pendulum: kg.System) -> None:
+    """Generalized forces are the transposed Jacobian times moment and force in inertial components."""
+    system = pendulum.with_frames({"sensor": ("lower", (0.3, 0.1, -0.2), (0.4, -0.3, 0.2))})
+    system = system.with_loads("sensor").with_poses(["sensor"])
+    library = kg.build(system, ("forcing", "frame_jacobians", "body_poses"))
+    x, y = np.array([0.3, -0.8]), np.array([1.0, 2.0])
+    force, moment = np.array([[1.0, 2.0, 3.0]]), np.array([[-0.5, 0.7, 0.2]])
+    unloaded = library.forcing(x, y)
+    loaded = library.forcing(x, y, point_force=force, point_moment=moment)
+    to_inertial = library.body_poses(x)[0, :3].T
+    wrench = np.concatenate([to_inertial @ moment[0], to_inertial @ force[0]])
+    assert loaded - unloaded == pytest.approx(library.frame_jacobians(x)[0].T @ wrench, abs=1e-14)
+    assert loaded == pytest.approx(forcing(system, x, y, point_force=force, point_moment=moment), abs=1e-13)
+    header = library.source.files["double_pendulum.h"]
+    assert "0  sensor  in components of sensor" in header
+
+
+def test_a_load_frame_is_one_of_the_body(pendulum: kg.System, tmp_path: Path) -> None:
+    system = pendulum.with_frames({"tool": ("upper", (0, 0, 1))}).with_loads("tool")
+    system.save(tmp_path / "loaded.toml")
+    assert kg.load(tmp_path / "loaded.toml") == system
+    lower = replace(system.bodies[1], points=(kg.Point("tip", (0, 0, 0), loads=True, load_frame="tool"),))
+    with pytest.raises(kg.ModelError, match=r"point 'tip': its body has no frame 'tool'"):
+        replace(system, bodies=(system.bodies[0], lower))

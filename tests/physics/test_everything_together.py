@@ -113,21 +113,23 @@ def test_the_energy_of_springs_and_gravity(seed: int) -> None:
     given = state(random_states(system, 1, seed), system)
     theirs = moving_bodies.expected(system.values(), given["x"], given["y"])
     energy = float(theirs["potential_energy"])
-    in_bodies = system.values().forces.points
-    places = {
-        name: pose[3] + pose[:3].T @ position
-        for name, (k, position) in in_bodies.items()
-        for pose in [theirs["body_poses"][k - 1]]
-    }
     for spring in springs:
         if isinstance(spring, Spring):
-            one, two = (places[end] if isinstance(end, str) else _numbers(end) for end in spring.between)
+            one, two = (_place(system, theirs["body_poses"], end) for end in spring.between)
             stretch = np.linalg.norm(two - one) - value_of(spring.rest_length)
         else:
             stretch = given["x"][system.coordinate_names.index(spring.freedom)] - value_of(spring.rest)
         energy += value_of(spring.stiffness) * stretch**2 / 2
     found = values(system, ("potential_energy",), given)["potential_energy"]
     assert found == pytest.approx(energy, rel=1e-12, abs=1e-11)
+
+
+def _place(system: kg.System, poses: Any, end: Any) -> Any:
+    """Return the inertial position of an end of a spring (m)."""
+    if not isinstance(end, str):
+        return _numbers(end)
+    k, position = system.values().place(end)
+    return poses[k - 1, 3] + poses[k - 1, :3].T @ position if k else position
 
 
 def _numbers(vector: Any) -> Any:

@@ -98,6 +98,7 @@ def everything(seed: int, bodies: int = 4) -> kg.System:
     gravity = drawing.vector(6.0)
     system = kg.System("everything", tuple(tree), gravity)
     system = _acted_on(_with_frames(system, drawing), drawing)
+    system = _with_wrench(system, np.random.default_rng([seed, 4]))
     system = with_rotors(system, Drawing(np.random.default_rng([seed, 2]), prefix="rotor"))
     return random_couplings(system, np.random.default_rng([seed, 3]), 0.3) if seed % 2 else system
 
@@ -195,6 +196,13 @@ def _with_frames(system: kg.System, drawing: Drawing) -> kg.System:
         if not str(name).startswith("on"):
             points[f"at_{name}"] = (str(name), drawing.vector())
     return system.with_frames(frames).with_points(points)
+
+
+def _with_wrench(system: kg.System, rng: np.random.Generator) -> kg.System:
+    """Return the system, in every other draw with a load in components of a frame, if a body has one."""
+    bodies = {body.name for body in system.bodies}
+    inner = [frame.name for frame in system.frames if frame.body and frame.name not in bodies]
+    return system.with_loads(str(rng.choice(inner))) if inner and rng.random() < 0.5 else system
 
 
 def _acted_on(system: kg.System, drawing: Drawing) -> kg.System:

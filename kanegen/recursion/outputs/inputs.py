@@ -89,7 +89,9 @@ def _point_loads(system: System) -> Iterator[tuple[Array, Elements]]:
     if any(point.loads for _, point in system.points):
         count = len(system.points)
         every = list(product(range(1, count + 1), range(3)))
-        doc = "on the body of each point, inertial components"
+        in_frames = any(point.load_frame for _, point in system.points if point.loads)
+        components = "components as the table of points says" if in_frames else "inertial components"
+        doc = f"on the body of each point, {components}"
         force = Array("point_force", (count, 3), "N", f"the force {doc}, acting there")
         moment = Array("point_moment", (count, 3), "N m", f"the moment {doc}, as a couple")
         yield force, _named(symbols.point_force(number, axis) for number, axis in every)

@@ -118,7 +118,7 @@ class ElementForces:
                 force, moment = (
                     ImmutableMatrix([*map(value, three)]) for three in (element.force, element.moment)
                 )
-                to_inertial = self._to_inertial(element)
+                to_inertial = self._to_inertial(element.point, element.frame)
                 yield self._of_point_load(element.point, to_inertial * force, to_inertial * moment)
         for number, (_, point) in enumerate(self.system.points, start=1):
             if point.loads:
@@ -126,14 +126,15 @@ class ElementForces:
                     ImmutableMatrix([symbol(number, axis) for axis in range(3)])
                     for symbol in (point_force, point_moment)
                 )
-                yield self._of_point_load(point.name, force, moment)
+                to_inertial = self._to_inertial(point.name, point.load_frame)
+                yield self._of_point_load(point.name, to_inertial * force, to_inertial * moment)
 
-    def _to_inertial(self, load: PointLoad) -> ImmutableMatrix:
-        """Return the (3, 3) rotation to inertial components from those of the frame of a load."""
-        if not load.frame:
+    def _to_inertial(self, point: str, frame: str) -> ImmutableMatrix:
+        """Return the (3, 3) rotation to inertial components from those of the frame of a load on a point."""
+        if not frame:
             return ImmutableMatrix.eye(3)
-        body = self.bodies[self.system.place(load.point)[0] - 1]
-        return (frame_equations(self.system, load.frame).rotation * body.rotation).T
+        body = self.bodies[self.system.place(point)[0] - 1]
+        return (frame_equations(self.system, frame).rotation * body.rotation).T
 
     def _of_point_load(self, name: str, force: ImmutableMatrix, moment: ImmutableMatrix) -> ImmutableMatrix:
         """Return (n, 1) generalized forces of a force at a point (N) and a moment on its body (N m)."""

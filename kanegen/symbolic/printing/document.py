@@ -180,9 +180,13 @@ def _loads(system: System) -> Iterator[Section]:
             f"a torque (N m). Loaded: {_numbered(loaded)}."
         )
         yield Section("Loads", note)
-    if loaded := [(p, point.name) for p, (_, point) in enumerate(system.points, start=1) if point.loads]:
+    points = [(p, point) for p, (_, point) in enumerate(system.points, start=1) if point.loads]
+    if points:
+        in_frames = any(point.load_frame for _, point in points)
+        components = "components, inertial unless a frame is named," if in_frames else "inertial components"
+        loaded = [(p, ", in ".join(filter(None, (point.name, point.load_frame)))) for p, point in points]
         note = (
-            "FP_P_i and MP_P_i are inertial components of a force at point P (N) and of a moment on its body "
+            f"FP_P_i and MP_P_i are {components} of a force at point P (N) and of a moment on its body "
             f"(N m). Loaded: {_numbered(loaded)}."
         )
         yield Section("Loads on points", note)
