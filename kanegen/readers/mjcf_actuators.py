@@ -31,6 +31,8 @@ def actuators(model: Compiled, tree: MjcfTree) -> Iterator[Drive | PointLoad | L
     linear, without = [], []
     taken: set[str] = set()
     for number in range(int(compiled.nactuator)):
+        if _is_disabled(model, number):
+            continue
         length, site = _length(model, tree, number), _site(model, tree, number)
         if not _is_linear(model, number, length) or (length is None and site is None):
             without.append(number)
@@ -39,9 +41,7 @@ def actuators(model: Compiled, tree: MjcfTree) -> Iterator[Drive | PointLoad | L
         control = _parameter(model, number, taken)
         if length is not None:
             yield from _drives(model, number, length, control)
-        elif (
-            site is not None and int(compiled.site_bodyid[compiled.actuator_trnid[number][0]]) in tree.moving
-        ):
+        elif site is not None and _carrier(model, number) in tree.moving:
             yield _thrust(model, number, site, control)
     reason = "which are no linear functions of an input, lengths and their rates"
     yield LeftOut("forces", "other actuator", model.names("actuator", without), reason)
@@ -74,6 +74,11 @@ def _site(model: Compiled, tree: MjcfTree, number: int) -> str | None:
     return tree.sites.get(site) if is_at_site and reference < 0 else None
 
 
+def _carrier(model: Compiled, number: int) -> int:
+    """Return the number of the body with the site at which an actuator acts."""
+    return int(model.model.site_bodyid[model.model.actuator_trnid[number][0]])
+
+
 def _is_linear(model: Compiled, number: int, length: Length | None) -> bool:
     """Return whether the force of an actuator has the form of this module, by the length that it has."""
     compiled, mujoco = model.model, model.mujoco
@@ -83,7 +88,6 @@ def _is_linear(model: Compiled, number: int, length: Length | None) -> bool:
     is_scalar = int(compiled.actuator_ctrlnum[number]) == 1 == int(compiled.actuator_outnum[number])
     (_, by_length, by_rate), (_, of_length, of_rate) = _gain(model, number), _bias(model, number)
     needs_length, needs_rate = bool(by_length or of_length), bool(by_rate or of_rate)
-    group = int(compiled.actuator_group[number])
     return (
         is_scalar
         and int(compiled.actuator_gaintype[number]) in map(int, gains)
@@ -92,8 +96,13 @@ def _is_linear(model: Compiled, number: int, length: Length | None) -> bool:
         and int(compiled.actuator_plugin[number]) < 0
         and not (needs_length and not (length and length.coordinates))
         and not (needs_rate and not length)
-        and not (0 <= group < 31 and int(compiled.opt.disableactuator) >> group & 1)
     )
+
+
+def _is_disabled(model: Compiled, number: int) -> bool:
+    """Return whether the file switches off the group of an actuator."""
+    group = int(model.model.actuator_group[number])
+    return 0 <= group < 31 and bool(int(model.model.opt.disableactuator) >> group & 1)
 
 
 def _dynamics(model: Compiled) -> tuple[int, ...]:

@@ -24,8 +24,9 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*the equations leave out:kanege
 def test_springs_dampers_and_actuators_are_those_of_mujoco() -> None:
     assert_same_values(FORCES, states=5)
     names = {parameter.name for parameter in kg.load(FORCES).parameters}
+    assert "ctrl_off" not in names
     assert {"ctrl_motor", "act_cylinder", "act_integrator", "ctrl_of_ball", "ctrl_actuator7"} < names
-    assert len(names) == 12
+    assert len(names) == 13
 
 
 def test_dry_friction_is_read_on_request(tmp_path: Path) -> None:
