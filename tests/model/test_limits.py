@@ -82,6 +82,9 @@ def test_ranges_of_states_are_the_limits_where_there_are_some() -> None:
     assert high.tolist() == [6, 1, 1, 1, 1, 0.25]
     assert limits.speeds(np.full(5, 0.5)).tolist() == [0.5, 0.5, 0.5, 0.5, 3]
     assert limits.words == "2 of 6 coordinates, 1 of 5 speeds"
+    below = _arm().with_limits({"upper.theta3": {"position": (-INF, -4)}}).limits
+    low, high = below.positions(-np.ones(6), np.ones(6))
+    assert (low[0], high[0]) == (-6, -4)
 
 
 def _limited_chain() -> kg.System:
