@@ -43,11 +43,18 @@ def carrying_arm() -> kg.System:
     return systems.random_system(np.random.default_rng(6), 4, connection=range(4), free=free, loads=True)
 
 
+def far_body() -> kg.System:
+    """A free body whose mass centre is far from its joint, where m d^2 is 10 000 times its inertia."""
+    inertia = np.diag([0.3, 0.4, 0.5])
+    return kg.System.from_arrays([0], [2.0], [inertia], [[30.0, 20.0, 10.0]], [[0.0, 0.0, 0.0]])
+
+
 SCENES = {
     "eight bodies": systems.eight_body,
     "floating arm": lambda: floating_arm(loads=False),
     "floating arm with loads": lambda: floating_arm(loads=True),
     "arm that carries a free body": carrying_arm,
+    "body far from its joint": far_body,
 }
 
 
