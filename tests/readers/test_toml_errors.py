@@ -117,8 +117,8 @@ def with_joint(line: str) -> str:
         ),
         (ONE_BODY + "[[joint_spring]]\nfreedom = 'c.s1'\nstiffness = 1\n", r"there is no coordinate 'c\.s1'"),
         (
-            ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'exp(t)'\n",
-            r"drive 1: .*there is no function 'exp'",
+            ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'sinh(t)'\n",
+            r"drive 1: .*there is no function 'sinh'",
         ),
         (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'k*t'\n", r"drive: 'k' is not known"),
         (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 't.real'\n", r"only x and y have elements"),
