@@ -79,7 +79,8 @@ def _solvers(system: System, solver: str) -> tuple[str, ...]:
         if solver not in every:
             raise OptionError(
                 f"solver {solver!r} takes no rotor whose carrier is apart from the freedom that it drives: "
-                f"neither its body nor the lower one, or with other turns between. Take {every[0]!r}."
+                "neither its body nor the lower one, or with other turns between; and none of a freedom that "
+                f"a coupling names. Take {every[0]!r}."
             )
         return (solver,)
     return every if factorisation.worth_trying(system) else every[:1]

@@ -217,3 +217,21 @@ def test_equal_angles_share_their_sine() -> None:
     for factor in (1.0, -1.0):
         system = chain.with_couplings(kg.Coupling("body3.theta3", {"body1.theta3": factor}))
         assert kg.generate(system, "forcing").operations["sincos"] == 4
+
+
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
+@pytest.mark.parametrize(
+    ("name", "floating", "solver"),
+    [
+        ("pr2", False, "articulated bodies"),
+        ("pr2", False, "factorisation"),
+        pytest.param("talos_full_v2", True, "articulated bodies", marks=pytest.mark.slow),
+    ],
+)
+def test_forward_dynamics_of_robots_with_mimic_joints(name: str, floating: bool, solver: str) -> None:
+    system = kg.load(robot_file(name), floating_base=floating)
+    module = compile_module(system, "forward_dynamics", variant=kg.Variant(solver=solver)).module
+    x, y, tau = np.random.default_rng(0).uniform(-0.5, 0.5, (3, len(system.freedoms)))
+    found = evaluate(module.functions["forward_dynamics"], {"x": x, "y": y, "tau": tau}, np)
+    a, f = reference.mass_matrix(system, x), reference.forcing(system, x, y)
+    assert np.abs(a @ np.array(found["acceleration"]) - f - tau).max() <= 1e-14 * np.abs(f).max()
