@@ -154,11 +154,36 @@ def _source(variant: kg.Variant) -> Source:
 
 @cache
 def system() -> kg.System:
-    """Return a tree of five bodies: a free one with three angles, a quaternion, hinges and slides."""
+    """Return a tree of five bodies: a free one with three angles, a quaternion, hinges and slides.
+
+    Drives have every function of expressions.
+    """
     free = np.eye(6, dtype=bool)[[0, 0, 0, 1, 2]]
     free[0] = free[1, :3] = free[2, 4] = True
     coordinates = ["angles", "quaternion", "angles", "angles", "angles"]
-    return scenes.tree(np.random.default_rng(40), [0, 1, 1, 3, 4], free, coordinates=coordinates)
+    tree = scenes.tree(np.random.default_rng(40), [0, 1, 1, 3, 4], free, coordinates=coordinates)
+    drives = [
+        kg.Drive(name, effort.replace("X", f'x["{x}"]').replace("Y", f'y["{y}"]'))
+        for effort, name, x, y in zip(
+            EFFORTS,
+            tree.speed_names,
+            reversed(tree.coordinate_names),
+            reversed(tree.speed_names),
+            strict=False,
+        )
+    ]
+    return tree.with_force_elements(*drives)
+
+
+EFFORTS = (
+    "3*tanh(X)*exp(-abs(Y)/8) - tanh(4*Y)",
+    "log(2 + X**2) + log(1e-300 + abs(Y))",
+    "atan2(Y, X) - atan2(-0.3, Y)",
+    "max(0, X, -Y) + min(X, 2*Y)*sign(Y)",
+    "sqrt(abs(X)) if 0 < Y < 2 or not X <= pi else tan(X)/3",
+    "exp(X/4)*sign(Y) + atan2(1, exp(-X*X))",
+)
+"""Efforts with every function of expressions, of a coordinate X and a speed Y."""
 
 
 def classes(variant: kg.Variant) -> list[str]:
