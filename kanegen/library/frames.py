@@ -66,7 +66,7 @@ class Frames(CompiledModel):
             OptionError: If the library was built without this output.
 
         Example:
-            spin, velocity = np.split(library.frame_velocities(x, y)[library.pose_names.index("tool")], 2)
+            spin, velocity = np.split(library.frame_velocities(x, y)[0], 2)
         """
         return self._run("frame_velocities", (x, y), inputs)[0]
 
@@ -138,6 +138,7 @@ class Frames(CompiledModel):
             OptionError: If the library was built without this output.
 
         Example:
-            tau = library.frame_jacobians(x)[0].T @ wrench  # moment, then force at the origin of the frame
+            wrench = [0, 0, 0.2, 1, 0, 0]  # moment (N m), then force at the origin of the frame (N)
+            tau = library.frame_jacobians(x)[0].T @ wrench
         """
         return self._run("frame_jacobians", (x,), inputs)[0]

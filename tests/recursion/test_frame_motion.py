@@ -167,3 +167,20 @@ def test_turning_a_frame_costs_nothing_but_its_pose() -> None:
     for name in ALL[1:]:
         assert cost(plain, name) == cost(turned, name)
     assert cost(turned, "body_poses") == cost(plain, "body_poses") + 3 * 3 * 5
+
+
+def test_prescribed_freedoms_move_frames() -> None:
+    """Their rates are part of velocities, their second derivatives of accelerations and of the bias."""
+    system = framed(systems.random_system(np.random.default_rng(4), 4), 4)
+    system = system.with_prescribed([system.freedom_names[0], system.freedom_names[-1]])
+    rng, n = np.random.default_rng(5), len(system.freedoms)
+    x, y, ydot = rng.uniform(-1, 1, (3, n))
+    motion = rng.uniform(-1, 1, (3, 2))
+    library = kg.build(system, ALL)
+    right = by_output(frame_motions(system, system.pose_names, x, y, ydot, motion))
+    close(library.frame_velocities(x, y, prescribed=motion), right["frame_velocities"])
+    close(library.frame_accelerations(x, y, ydot, prescribed=motion), right["frame_accelerations"])
+    close(library.frame_bias_accelerations(x, y, prescribed=motion), right["frame_bias_accelerations"])
+    close(library.frame_jacobians(x, prescribed=motion), right["frame_jacobians"])
+    carried = library.frame_velocities(x, 0 * y, prescribed=motion)
+    close(library.frame_jacobians(x, prescribed=motion) @ y + carried, right["frame_velocities"])
