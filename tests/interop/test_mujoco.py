@@ -29,7 +29,7 @@ def _model(path: Path) -> Any:
     """A model without contacts, limits, passive forces and motors, which {f} does not have."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        model = mujoco.MjModel.from_xml_path(str(path))
+        model = mujoco.MjSpec.from_file(str(path)).compile()
     off = mujoco.mjtDisableBit
     for bit in (off.mjDSBL_CONSTRAINT, off.mjDSBL_SPRING, off.mjDSBL_DAMPER, off.mjDSBL_ACTUATION):
         model.opt.disableflags |= int(bit)
