@@ -35,6 +35,7 @@ class ModelDescription:
         loaded_points: For each point whether it takes a force and a moment.
         load_frames: For each point the name of the frame of the components of these, "" if they are inertial.
         force_elements: One line of text for each force element.
+        undefined_somewhere: The same lines of those that are undefined or infinite in some state.
         motors: One line of text for each armature and each rotor.
         couplings: One line of text for each coupling.
         poses: Names of the frames that outputs about frames give, in the order of their rows.
@@ -62,6 +63,7 @@ class ModelDescription:
     loaded_points: tuple[bool, ...] = ()
     load_frames: tuple[str, ...] = ()
     force_elements: tuple[str, ...] = ()
+    undefined_somewhere: tuple[str, ...] = ()
     motors: tuple[str, ...] = ()
     couplings: tuple[str, ...] = ()
     poses: tuple[str, ...] = ()
@@ -145,6 +147,7 @@ def description(system: System) -> ModelDescription:
         loaded_points=tuple(point.loads for _, point in system.points),
         load_frames=tuple(point.load_frame for _, point in system.points),
         force_elements=tuple(element.summary for element in system.force_elements),
+        undefined_somewhere=tuple(one.summary for one in system.force_elements if one.may_be_undefined),
         motors=system.motor_summaries,
         couplings=system.coupling_equations,
         poses=system.pose_names,

@@ -68,6 +68,33 @@ def test_an_undefined_expression(on_status: str) -> None:
         assert np.isfinite(library.forcing([0.1, 0.2], y)).all()
 
 
+@pytest.mark.parametrize(
+    ("text", "is_named"),
+    [
+        ("2/x.body2.theta3", True),
+        ("x.body2.theta3**-1", True),
+        ("x.body2.theta3/2", False),
+        ("x.body1.theta3**3", False),
+    ],
+)
+def test_elements_that_are_defined_everywhere_are_not_named(text: str, is_named: bool) -> None:
+    """Something is undefined at 0: the drive of the second hinge, and in half of the cases another."""
+    elements = (
+        kg.JointSpring("body1.theta3", 3.0),
+        kg.Drive("body1.theta3", text),
+        *quotient().force_elements,
+    )
+    library = kg.build(hinges(*elements), ("forcing",), flags=QUICK)
+    with pytest.warns(
+        kg.KanegenWarning, match="force element may be undefined in this state: drive: "
+    ) as caught:
+        library.forcing([0.1, 0.0], np.zeros(2))
+    (message,) = (str(one.message) for one in caught)
+    assert "1.0 / x.body2.theta3" in message
+    assert "joint_spring" not in message
+    assert ("body1.theta3" in message.partition("in this state")[2]) == is_named
+
+
 @pytest.mark.parametrize("variant", VARIANTS)
 @pytest.mark.parametrize("by_rows", [False, True])
 def test_a_result_is_reported_exactly_where_it_is_not_finite(

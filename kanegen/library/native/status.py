@@ -143,7 +143,7 @@ class Status:
         quantity: Name of the quantity that is positive where a result exists.
         failure: Clause on the state where the quantity is not positive, such as "[A] is singular".
         outputs: Arrays of the results.
-        force_elements: One line of text for each force element.
+        force_elements: One line of text for each force element that is undefined in some state.
     """
 
     name: str
@@ -165,7 +165,7 @@ class Status:
             quantity=" or ".join(condition.quantity for condition in function.conditions),
             failure=" or ".join(condition.failure for condition in function.conditions),
             outputs=function.outputs,
-            force_elements=() if function.name == PREPARE else model.force_elements,
+            force_elements=() if function.name == PREPARE else model.undefined_somewhere,
         )
 
     def of_state(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> StatusReport:

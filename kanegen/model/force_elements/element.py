@@ -77,6 +77,15 @@ class ForceElement:
         return (value for value in self._leaves() if isinstance(value, Expression))
 
     @property
+    def may_be_undefined(self) -> bool:
+        """Whether the element is undefined or infinite in some state.
+
+        Example:
+            kg.Drive("arm.theta3", "1/x.arm.theta3").may_be_undefined  # True
+        """
+        return any(one.may_be_undefined for one in self.expressions())
+
+    @property
     def summary(self) -> str:
         """The element in one line, as comments in generated code and `kanegen info` show it."""
         return f"{self.KEY}: {', '.join(f'{key} = {_line(value)}' for key, value in self.as_table().items())}"

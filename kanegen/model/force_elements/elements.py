@@ -124,6 +124,11 @@ class Spring(ForceElement):
     rest_length: Number = 0.0
     damping: Number = 0.0
 
+    @property
+    def may_be_undefined(self) -> bool:
+        """Whether the direction between the ends matters, which is undefined where they meet."""
+        return self.rest_length != 0.0 or self.damping != 0.0
+
     def __post_init__(self) -> None:
         ends = validation.sequence(self.between, 2, "spring between")
         ends = [end if isinstance(end, str) else numbers(end, (3,), "spring between") for end in ends]

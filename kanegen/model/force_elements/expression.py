@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from keyword import iskeyword
 from typing import TypeVar
 
@@ -94,6 +95,9 @@ _LEVELS = {
     **dict.fromkeys(COMPARISONS, 5),
     **{"+": 6, "-": 6, "*": 7, "/": 7, "negate": 8},
 }
+_UNDEFINED_SOMEWHERE = frozenset(("/", "sqrt", "tan", "log", "exp", "atan2"))
+"""Operators and functions that have no finite value, or no finite slope, for some finite operands."""
+
 _POWER = 9
 _ATOM = 10
 
@@ -151,6 +155,19 @@ class Expression:
 
         folded(self.root, lambda node: None, operation)
         return iter(found)
+
+    @property
+    def may_be_undefined(self) -> bool:
+        """Whether the expression, or its slope, is undefined or infinite for some finite variables."""
+        steps = _postfix(self.root)
+        for last, step in pairwise((None, *steps)):
+            if isinstance(step, int) and step < 0:
+                return True
+            if isinstance(step, tuple) and step[0] in _UNDEFINED_SOMEWHERE:
+                is_number = isinstance(last, Constant) and isinstance(last.value, float) and last.value != 0
+                if step[0] != "/" or not is_number:
+                    return True
+        return False
 
     def map_numbers(self, change: Callable[[Number], Number]) -> Expression:
         """Return the same expression with `change` applied to every number.
