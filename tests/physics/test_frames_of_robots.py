@@ -10,9 +10,11 @@ import pytest
 
 import kanegen as kg
 from kanegen.compiler import compile_module
+from kanegen.interop.pinocchio import state_map
+from kanegen.interop.state_map import StateMap
 from kanegen.program.evaluate import evaluate
 from kanegen.recursion.outputs import OF_FRAMES
-from tests.support.robots import floating_model, places, robot_file
+from tests.support.robots import robot_file
 
 pytestmark = pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
 
@@ -36,16 +38,17 @@ ANGULAR_FIRST = [3, 4, 5, 0, 1, 2]
 """Rows of Pinocchio's LOCAL_WORLD_ALIGNED in kanegen's order."""
 
 
-def reading(name: str, floating: bool) -> tuple[kg.System, pin.Model, Any]:
-    """Return a robot with all links chosen, Pinocchio's model of it, and places of its velocities in {x}."""
+def reading(name: str, floating: bool) -> tuple[kg.System, pin.Model, StateMap]:
+    """Return a robot with all links chosen, Pinocchio's model of it, and the conversion of states.
+
+    Joints with `mimic` follow others in kanegen and move by themselves in Pinocchio's model.
+    """
     path = robot_file(name)
     system = kg.load(path, floating_base=floating)
-    if floating:
-        model, several = floating_model(path, system)
-    else:
-        model, several = pin.buildModelFromUrdf(str(path)), {}
+    root = (pin.JointModelFreeFlyer(),) if floating else ()
+    model = pin.buildModelFromUrdf(str(path), *root)
     links = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
-    return system.with_poses(links), model, places(system, model, several)
+    return system.with_poses(links), model, state_map(system, model)
 
 
 def of_kanegen(system: kg.System, given: dict[str, Any]) -> dict[str, Any]:
@@ -60,24 +63,22 @@ def of_kanegen(system: kg.System, given: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def of_pinocchio(model: pin.Model, order: Any, x: Any, y: Any, ydot: Any) -> dict[str, list[Any]]:
+def of_pinocchio(model: pin.Model, states: StateMap, x: Any, y: Any, ydot: Any) -> dict[str, list[Any]]:
     """Return every output in one state, link by link."""
-    n = len(order)
-    q = pin.integrate(model, pin.neutral(model), x[order])
+    q, v = states.to_q(x), states.to_v(x, y)
     moving, unaccelerated = model.createData(), model.createData()
-    pin.forwardKinematics(model, moving, q, y[order], ydot[order])
-    pin.forwardKinematics(model, unaccelerated, q, y[order], 0 * ydot)
+    pin.forwardKinematics(model, moving, q, v, states.to_vdot(x, y, ydot))
+    pin.forwardKinematics(model, unaccelerated, q, v, states.to_vdot(x, y, 0 * ydot))
     pin.computeJointJacobians(model, moving, q)
     pin.updateFramePlacements(model, moving)
     found: dict[str, list[Any]] = {name: [] for name in OF_FRAMES}
     for number, frame in enumerate(model.frames):
         if frame.type == pin.FrameType.BODY:
             place = moving.oMf[number]
-            jacobian = np.zeros((6, n))
-            jacobian[:, order] = pin.getFrameJacobian(model, moving, number, ALIGNED)[ANGULAR_FIRST]
+            jacobian = pin.getFrameJacobian(model, moving, number, ALIGNED)[ANGULAR_FIRST]
             velocity = pin.getFrameVelocity(model, moving, number, ALIGNED)
             found["body_poses"].append(np.vstack([place.rotation.T, place.translation]))
-            found["frame_jacobians"].append(jacobian)
+            found["frame_jacobians"].append(states.from_columns(x, jacobian))
             found["frame_velocities"].append(velocity.vector[ANGULAR_FIRST])
             for name, data in (("frame_accelerations", moving), ("frame_bias_accelerations", unaccelerated)):
                 classical = pin.getFrameClassicalAcceleration(model, data, number, ALIGNED)
@@ -87,12 +88,12 @@ def of_pinocchio(model: pin.Model, order: Any, x: Any, y: Any, ydot: Any) -> dic
 
 @pytest.mark.parametrize(("name", "floating"), ROBOTS)
 def test_every_link_of_a_robot(name: str, floating: bool) -> None:
-    system, model, order = reading(name, floating)
-    rng = np.random.default_rng(7)
-    given = {vector: rng.uniform(-2, 2, (STATES, len(order))) for vector in ("x", "y", "ydot")}
+    system, model, states = reading(name, floating)
+    rng, n = np.random.default_rng(7), len(system.freedoms)
+    given = {vector: rng.uniform(-2, 2, (STATES, n)) for vector in ("x", "y", "ydot")}
     ours = of_kanegen(system, given)
     for state in range(STATES):
-        theirs = of_pinocchio(model, order, *(values[state] for values in given.values()))
+        theirs = of_pinocchio(model, states, *(values[state] for values in given.values()))
         for output, links in theirs.items():
             rows = ours[output][state].reshape(len(links), *links[0].shape)
             for link, mine, right in zip(system.pose_names, rows, links, strict=True):
@@ -102,7 +103,7 @@ def test_every_link_of_a_robot(name: str, floating: bool) -> None:
 
 def test_conventions_of_pinocchio_are_one_line_away() -> None:
     """The lines of the documentation turn rows into those of LOCAL_WORLD_ALIGNED and of LOCAL."""
-    system, model, order = reading("panda", False)
+    system, model, states = reading("panda", False)
     system = system.with_poses(["panda_hand"])
     library = kg.build(system, ("body_poses", "frame_jacobians"))
     x = np.random.default_rng(1).uniform(-1, 1, library.n)
@@ -110,8 +111,8 @@ def test_conventions_of_pinocchio_are_one_line_away() -> None:
     aligned = jacobian[[3, 4, 5, 0, 1, 2]]
     local = np.kron(np.eye(2), rotation) @ aligned
     data = model.createData()
-    q = pin.integrate(model, pin.neutral(model), x[order])
+    q = states.to_q(x)
     number = model.getFrameId("panda_hand", pin.FrameType.BODY)
     for mine, convention in ((aligned, ALIGNED), (local, pin.ReferenceFrame.LOCAL)):
         theirs = pin.computeFrameJacobian(model, data, q, number, convention)
-        assert mine[:, order] == pytest.approx(theirs, abs=1e-14)
+        assert mine == pytest.approx(states.from_columns(x, theirs), abs=1e-14)
