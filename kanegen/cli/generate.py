@@ -65,6 +65,14 @@ def generate(  # noqa: PLR0913  (an argument for every option)
         Path, typer.Option("--output-dir", "-o", help="Folder for the files; it is made if absent.")
     ],
     output: Outputs = DEFAULT_OUTPUTS,
+    name: Annotated[
+        str | None,
+        typer.Option(
+            "--name",
+            metavar="NAME",
+            help="Name of the system, by default that of MODEL; files begin with it.",
+        ),
+    ] = None,
     function: Functions = None,
     frames: Frames = None,
     reactions: Reactions = None,
@@ -110,6 +118,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
 
     keeps_budget = has_budget(context)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
+    system = system if name is None else system.with_name(name)
     system = with_places(system, points, loads)
     system = with_selection(system, output, frames, reactions)
     if keeps_budget:

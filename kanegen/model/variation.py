@@ -132,6 +132,17 @@ class SystemVariations(SystemDescription):
         """Return the names of the rows of `reaction_loads` that are chosen."""
         return tuple(row.name for row in reaction_rows(self.bodies, self.frames_by_name, chosen))
 
+    def with_name(self, name: str) -> Self:
+        """Return the same system with another name, with whose identifier generated code begins.
+
+        Raises:
+            ModelError: If the name is blank or contains a control character.
+
+        Example:
+            kg.load("2dof-planar.urdf").with_name("planar").identifier  # 'planar'
+        """
+        return replace(self, name=name)
+
     def with_prescribed(self, names: Iterable[str] | str) -> Self:
         """Return the same system with the motion of some freedoms as an input; they leave {x}, {y}, [A], {f}.
 

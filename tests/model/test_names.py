@@ -277,3 +277,14 @@ def test_identifiers_in_the_documentation() -> None:
     text = Path("docs/model-files.md").read_text()
     name, made = re.findall(r"`(2dof-planar)` becomes `(\w+)`", text)[0]
     assert identifier(name) == made
+
+
+def test_another_name(tmp_path: Path) -> None:
+    armed(("a",), "2-link arm").save(tmp_path / "model.toml")
+    arguments = ["generate", str(tmp_path / "model.toml"), "-o", str(tmp_path / "out")]
+    done = CliRunner().invoke(app, [*arguments, "--name", "arm"], catch_exceptions=False)
+    assert done.stdout.startswith("arm: 2 freedoms")
+    assert (tmp_path / "out" / "arm.h").exists()
+    assert kg.load(tmp_path / "model.toml").with_name("arm").identifier == "arm"
+    with pytest.raises(kg.ModelError, match="system name: ' ' is blank"):
+        kg.load(tmp_path / "model.toml").with_name(" ")
