@@ -90,7 +90,9 @@ def _point_loads(system: System) -> Iterator[tuple[Array, Elements]]:
         count = len(system.points)
         every = list(product(range(1, count + 1), range(3)))
         in_frames = any(point.load_frame for _, point in system.points if point.loads)
-        components = "components as the table of points says" if in_frames else "inertial components"
+        components = (
+            "inertial components unless its row names a frame" if in_frames else "inertial components"
+        )
         doc = f"on the body of each point, {components}"
         force = Array("point_force", (count, 3), "N", f"the force {doc}, acting there")
         moment = Array("point_moment", (count, 3), "N m", f"the moment {doc}, as a couple")
