@@ -27,8 +27,8 @@ from kanegen.reference.states import States, joined, ranges
 STARTS = 3
 """Number of random states from which every kink is approached, and of those that are brought to rest."""
 
-MOST_KINKS = 64
-"""Largest number of kinks that are approached."""
+MOST_OPERATIONS = 400
+"""Largest number of operations of the expressions of all kinks that are approached."""
 
 HALVINGS = 80
 """Number of halvings of an interval; the numbers at its ends are then neighbours."""
@@ -119,7 +119,11 @@ def _at_kinks(system: System, arrays: SystemArrays, starts: States) -> Iterator[
     found = dict.fromkeys(
         kink for element in elements for expression in element.expressions() for kink in kinks(expression)
     )
-    for kink in list(found)[:MOST_KINKS]:
+    done = 0
+    for kink in found:
+        done += sum(1 for _ in kink.operations())
+        if done > MOST_OPERATIONS:
+            return
         for name in kink.variables:
             yield from _reached(system, arrays, starts, kink, name)
 

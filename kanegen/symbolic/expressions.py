@@ -252,11 +252,14 @@ class ExpressionTranslator:
 def _checked(value: Expr, expression: Expression) -> Expr:
     """Return `value`, a part of `expression`, after a test that it is finite, real and no huge number."""
     # SymPy does not see by itself that the square root of cos(2) is no real number.
-    number = value if value.free_symbols else value.evalf()
-    if number.has(sympy.zoo, sympy.nan, sympy.oo, sympy.I):
+    try:
+        number = value if value.free_symbols else value.evalf()
+    except OverflowError:  # the exponential of a huge number
+        number = S.Infinity
+    if number.has(sympy.zoo, sympy.nan, sympy.oo, S.NegativeInfinity, sympy.I):
         raise ModelError(
             f"expression {quoted(str(expression))} has no value: in every state it divides by zero or takes "
-            "the root of a negative number, or the logarithm of a number that is not positive."
+            "the root of a negative number, or the logarithm of one that is not positive, or is infinite."
         )
     if value.is_Rational and max(abs(value.p).bit_length(), value.q.bit_length()) > MOST_BITS:
         raise ModelError(

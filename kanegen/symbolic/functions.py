@@ -93,6 +93,11 @@ class minimum(_Real):
 
     nargs = (2,)
 
+    @classmethod
+    def eval(cls, a: Expr, b: Expr) -> Expr | None:
+        """Return the smaller of two rational numbers."""
+        return min(a, b) if a.is_Rational and b.is_Rational else None
+
     def _eval_derivative(self, symbol: Expr) -> Expr:
         a, b = self.args
         return choice(a - b, b.diff(symbol), a.diff(symbol))
@@ -113,6 +118,11 @@ class maximum(_Real):
     """The larger of two numbers; where they are equal, the first and its derivative."""
 
     nargs = (2,)
+
+    @classmethod
+    def eval(cls, a: Expr, b: Expr) -> Expr | None:
+        """Return the larger of two rational numbers."""
+        return max(a, b) if a.is_Rational and b.is_Rational else None
 
     def _eval_derivative(self, symbol: Expr) -> Expr:
         a, b = self.args
@@ -168,31 +178,34 @@ class choice(_Real):
 
 
 class root(_Real):
-    """The square root of what may be 0, where its derivative is 0 if that of the argument is.
+    """A power with an exponent below 1 of what may be 0, where its derivative is 0 if that of the base is.
 
-    It stands in the place of SymPy's root during a differentiation, see `with_roots`.
+    It stands in the place of SymPy's power during a differentiation, see `with_roots`.
     """
 
-    nargs = (1,)
+    nargs = (2,)
 
     def _eval_derivative(self, symbol: Expr) -> Expr:
-        slope = self.args[0].diff(symbol)
-        return choice(sympy.Abs(slope), slope / (2 * self), S.Zero)
+        base, exponent = self.args
+        slope = base.diff(symbol)
+        return choice(sympy.Abs(slope), exponent * slope * base ** (exponent - 1), S.Zero)
 
 
 def with_roots(value: Expr) -> Expr:
-    """Return a value with `root` in the place of square roots that may be 0."""
-    return value.replace(_may_vanish, lambda power: root(power.base))
+    """Return a value with `root` in the place of roots that may be 0."""
+    return value.replace(_may_vanish, lambda power: root(power.base, power.exp))
 
 
 def without_roots(value: Expr) -> Expr:
-    """Return a value with SymPy's square roots in the place of `root`."""
-    return value.replace(root, sympy.sqrt)
+    """Return a value with SymPy's powers in the place of `root`."""
+    return value.replace(root, sympy.Pow)
 
 
 def _may_vanish(value: Expr) -> bool:
-    """Return whether a value is a square root that may be 0."""
-    return bool(value.is_Pow and value.exp is S.Half and not value.base.is_positive)
+    """Return whether a value is a square root, or a root of roots, that may be 0."""
+    if not value.is_Pow or not value.exp.is_Rational:
+        return False
+    return bool(0 < value.exp < 1 and not value.base.is_positive)
 
 
 def has_branches(value: Expr) -> bool:

@@ -119,6 +119,8 @@ def test_derivatives_without_limit_have_a_status(text: str) -> None:
         ("abs(x.q)", 0.0, 0.0),
         ("abs(x.q)*sqrt(abs(x.q))", 0.0, 0.0),
         ("sqrt(x.q**2 + x.p**2)", 0.0, 0.0),
+        ("sqrt(sqrt(abs(x.q)))", 0.0, 0.0),
+        ("sqrt(sqrt(abs(x.q)))", -16.0, 1 / 32),
         ("sqrt(x.q**2 + x.p**2)**3", 0.0, 0.0),
         ("sqrt(x.q**2 + x.p**2)", -2.0, 1.0),
         ("50*max(0, -x.q)**2", -0.1, 10.0),
@@ -177,3 +179,22 @@ def test_powers_by_exp_and_log_stay_as_they_are() -> None:
     """SymPy would make a power with an exponent of 53 bits, which takes 52 square roots."""
     found = kg.generate(slide("exp(1.7*log(x.q))"), ("forcing",)).operations
     assert (found["function"], found["sqrt"], found["multiply"]) == (2, 0, 1)
+
+
+@pytest.mark.parametrize(
+    "text", ["log(0)", "log(-1)*x.q", "exp(1e300)", "exp(exp(exp(exp(5))))", "1/log(1)", "exp(800)"]
+)
+def test_constants_without_a_finite_value_are_refused(text: str) -> None:
+    with pytest.raises(
+        kg.ModelError, match=r"has no value: in every state|leaves the range of double precision"
+    ):
+        kg.generate(slide(text), ("forcing",))
+
+
+def test_constants_fold() -> None:
+    text = (
+        "exp(-1e300) + atan2(0, 0) + sign(-2) + (x.q if sqrt(2) > 1.4 else 3) + max(1, 2) + tanh(0) + log(1)"
+    )
+    source = kg.generate(slide(text), ("forcing",))
+    assert (source.operations["add"], source.operations.get("function", 0)) == (1, 0)
+    assert kg.build(slide(text), ("forcing",)).forcing([0.25, 0.0], [0.0, 0.0])[0] == 1.25

@@ -33,7 +33,7 @@ EVEN = (Op.COS, Op.ABS)
 """Functions that do not depend on the sign of their operand."""
 
 LARGEST_EXPONENT = 1e4
-"""Largest magnitude of a number whose exponential is folded; beyond it is no finite number or 0 in C."""
+"""Magnitude of a number beyond which its exponential is no finite number, or 0, in every precision."""
 
 
 def _is_defined(op: Op, number: Any) -> bool:
@@ -43,8 +43,6 @@ def _is_defined(op: Op, number: Any) -> bool:
             return bool(number >= 0)
         case Op.LOG:
             return bool(number > 0)
-        case Op.EXP:
-            return bool(abs(number) <= LARGEST_EXPONENT)
     return True
 
 
@@ -176,6 +174,8 @@ class FoldingBuilder(Builder):
         numbers = [self._number(operand) for operand in operands]
         if op is Op.SELECT and numbers[0] is not None:
             return operands[1] if numbers[0] > 0 else operands[2]
+        if op is Op.EXP and numbers[0] is not None and abs(numbers[0]) > LARGEST_EXPONENT:
+            return self.constant(math.inf if numbers[0] > 0 else 0.0)
         if all(number is not None for number in numbers) and _is_defined(op, numbers[0]):
             compute = function(op, getattr(numbers[0], "context", math))
             return self.constant(compute(*numbers))
