@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,15 +12,13 @@ import pytest
 import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.measure.truth import truth
-from kanegen.model.reanchorable import require_free_frame
 from kanegen.options import Variant
 from kanegen.recursion import derive_losses
 from kanegen.recursion.rotors import articulated_bodies_take
 from kanegen.reference import equations as reference
 from kanegen.reference.regularity import require_regular
-from kanegen.studies.bench.states import without_loads_and_parameters
 from kanegen.symbolic import derive
-from tests.support import random_trees, systems
+from tests.support import motors, random_trees, systems
 from tests.support.cases import slow_except
 from tests.support.programs import values
 
@@ -31,133 +27,10 @@ SOLVERS = ("factorisation", "articulated bodies")
 Floats = Any
 
 
-@dataclass(frozen=True)
-class Motor:
-    """A rotor as a body of revolution: how it is mounted, and what it weighs.
-
-    Attributes:
-        freedom: The freedom that drives it.
-        carrier: Number of the body that carries it, 0 for the ground.
-        axis: (3,) unit vector along its axis, in the carrier.
-        place: (3,) its mass centre, in the carrier (m).
-        mass: Mass (kg).
-        along: Inertia about the axis (kg m^2).
-        across: Inertia about axes across it (kg m^2).
-        ratio: Ratio of the gear.
-    """
-
-    freedom: str
-    carrier: int
-    axis: Floats
-    place: Floats
-    mass: float
-    along: float
-    across: float
-    ratio: float
-
-
-def motors(system: kg.System, rng: np.random.Generator, carriers: dict[str, int]) -> list[Motor]:
-    """Return random motors for freedoms, by name, in bodies."""
-    found = []
-    for freedom, carrier in carriers.items():
-        axis = rng.normal(size=3)
-        sizes = rng.uniform(0.01, 0.05, 3)
-        found.append(
-            Motor(
-                freedom,
-                carrier,
-                axis / np.linalg.norm(axis),
-                rng.uniform(-0.3, 0.3, 3),
-                float(rng.uniform(0.2, 0.6)) if carrier else 0.0,  # the ground has no mass that counts
-                float(sizes[0]),
-                float(sizes[0] / 2 + sizes[1]),
-                float(rng.uniform(-9, 9)),
-            )
-        )
-    return found
-
-
-def with_rotors(system: kg.System, mounted: Sequence[Motor]) -> kg.System:
-    """Return the system with rotors, and with their masses and inertias in the bodies that carry them."""
-    bodies = list(system.bodies)
-    for motor in mounted:
-        if motor.carrier:
-            bodies[motor.carrier - 1] = _loaded(bodies[motor.carrier - 1], motor)
-    names = ["ground", *(body.name for body in bodies)]
-    rotors = [
-        kg.Rotor(f"m{i}", m.freedom, tuple(3.5 * m.axis), m.along, m.ratio, names[m.carrier])
-        for i, m in enumerate(mounted)
-    ]
-    return replace(system, bodies=tuple(bodies)).with_rotors(*rotors)
-
-
-def _loaded(body: kg.Body, motor: Motor) -> kg.Body:
-    """Return a body with a motor welded to it."""
-    own, center, inertia = float(body.mass), np.array(body.mass_center), np.array(body.inertia)
-    total = own + motor.mass
-    common = (own * center + motor.mass * motor.place) / total
-    whole = np.zeros((3, 3))
-    turned = motor.across * np.eye(3) + (motor.along - motor.across) * np.outer(motor.axis, motor.axis)
-    for mass, at, part in ((own, center, inertia), (motor.mass, motor.place, turned)):
-        d = at - common
-        whole += part + mass * (d @ d * np.eye(3) - np.outer(d, d))
-    return replace(body, mass=total, mass_center=tuple(common), inertia=tuple(map(tuple, whole.tolist())))
-
-
-def with_bodies(system: kg.System, mounted: Sequence[Motor]) -> kg.System:
-    """Return the system in which every rotor is a body that turns freely in its carrier about its axis."""
-    bodies = list(system.bodies)
-    for i, motor in enumerate(mounted):
-        across = np.linalg.svd(motor.axis[None])[2][1]
-        rows = np.array([across, np.cross(motor.axis, across), motor.axis])
-        joint = kg.Joint(motor.place, rows.tolist(), free=(False, False, True, False, False, False))
-        inertia = np.diag([motor.across, motor.across, motor.along]).tolist()
-        bodies.append(kg.Body(f"rotor{i}", motor.carrier, motor.mass, inertia, joint=joint))
-    return replace(system, bodies=tuple(bodies))
-
-
-def driven(small: kg.System, large: kg.System, mounted: Sequence[Motor]) -> Floats:
-    """Return the matrix [G] of the speeds of the larger system by those of the smaller one."""
-    names = list(small.freedom_names)
-    g = np.zeros((len(large.freedoms), len(names)))
-    for row, name in enumerate(large.freedom_names):
-        if name in names:
-            g[row, names.index(name)] = 1
-        else:
-            motor = mounted[int(name.removeprefix("rotor").removesuffix(".theta3"))]
-            g[row, names.index(motor.freedom)] = motor.ratio
-    return g
-
-
-CASES = {
-    "in the lower bodies": {"body2.theta3": 1, "body3.theta3": 2, "body4.theta3": 2},
-    "in the bodies of the joints": {"body2.theta3": 2, "body3.theta3": 3, "body4.theta3": 4},
-    "on a floating base": {"body2.theta3": 1, "body3.theta3": 1, "body1.s2": 1},
-    "far inward, far outward, across and on the ground": {
-        "body4.theta3": 1,
-        "body2.theta3": 3,
-        "body3.theta3": 4,
-        "body1.theta2": 0,
-    },
-    "several for one freedom": {"body3.theta3": 2, "body3.theta3 ": 3, "body3.theta3  ": 1},
-}
-
-
-def case(name: str) -> tuple[kg.System, kg.System, list[Motor], Floats]:
-    """Return a floating base with a chain and a branch, with rotors and with bodies, its motors and [G]."""
-    rng = np.random.default_rng(sorted(CASES).index(name))
-    free = systems.flags(4, ["theta3"])
-    free[0] = True
-    bare = systems.random_system(rng, 4, connection=(0, 1, 2, 2), free=free, loads=False)
-    mounted = [replace(m, freedom=m.freedom.strip()) for m in motors(bare, rng, CASES[name])]
-    small, large = with_rotors(bare, mounted), with_bodies(bare, mounted)
-    return small, large, mounted, driven(small, large, mounted)
-
-
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", motors.CASES)
 def test_the_reference_against_a_tree_in_which_rotors_are_bodies(name: str) -> None:
     """[A] = [G]^T [A] [G] and {f} = [G]^T {f} of the larger tree, whatever the angles of its rotors."""
-    small, large, _, g = case(name)
+    small, large, _, g = motors.case(name)
     rng = np.random.default_rng(1)
     x, y = rng.uniform(-1, 1, (2, len(small.freedoms)))
     angles = g @ x + rng.uniform(-3, 3, len(g)) * ~g[:, :].astype(bool).any(axis=1)
@@ -171,11 +44,11 @@ def test_the_reference_against_a_tree_in_which_rotors_are_bodies(name: str) -> N
     ("name", "solver", "refinement"),
     [
         pytest.param(*one, marks=[] if one[2] == 0 else pytest.mark.slow)
-        for one in product(CASES, SOLVERS, (0, 1))
+        for one in product(motors.CASES, SOLVERS, (0, 1))
     ],
 )
 def test_every_output_against_that_tree(name: str, solver: str, refinement: int) -> None:
-    small, large, _, g = case(name)
+    small, large, _, g = motors.case(name)
     if solver == "articulated bodies" and not articulated_bodies_take(small):
         with pytest.raises(kg.OptionError, match="takes no rotor whose carrier is apart from the freedom"):
             compile_module(small, ("forward_dynamics",), variant=Variant(solver=solver))
@@ -200,7 +73,7 @@ def test_every_output_against_that_tree(name: str, solver: str, refinement: int)
 @pytest.mark.parametrize("name", ["in the lower bodies", "in the bodies of the joints"])
 def test_what_joints_carry_along_locked_directions(name: str) -> None:
     """The spin of a rotor loads its bearings, and every joint between them and the ground."""
-    small, large, _, g = case(name)
+    small, large, _, g = motors.case(name)
     directions = list(small.reaction_names)
     x, y, ydot = np.random.default_rng(3).uniform(-1, 1, (3, len(small.freedoms)))
     ours = values(small, ("reaction_loads",), {"x": x, "y": y, "ydot": ydot})["reaction_loads"]
@@ -252,8 +125,8 @@ def test_literal_equations_with_prescribed_freedoms(intermediates: bool) -> None
     """A rotor that a prescribed freedom drives moves as prescribed, and loads its carrier."""
     bare = systems.chain(3, ["theta3"])
     rng = np.random.default_rng(4)
-    mounted = motors(bare, rng, {"body2.theta3": 1, "body3.theta3": 3, "body1.theta3": 2})
-    system = with_rotors(bare, mounted).with_prescribed("body2.theta3")
+    mounted = motors.random_motors(bare, rng, {"body2.theta3": 1, "body3.theta3": 3, "body1.theta3": 2})
+    system = motors.with_rotors(bare, mounted).with_prescribed("body2.theta3")
     x, y, ydot = rng.normal(size=(3, 2))
     motion = rng.normal(size=(3, 1))
     a, f = reference.mass_matrix(system, x, motion), reference.forcing(system, x, y, prescribed=motion)
@@ -266,7 +139,7 @@ def test_literal_equations_with_prescribed_freedoms(intermediates: bool) -> None
     assert found["acceleration"] == pytest.approx(np.linalg.solve(a, f), rel=1e-11)
     efforts = reference.prescribed_efforts(system, x, y, ydot, motion)
     assert found["prescribed_efforts"] == pytest.approx(efforts, rel=1e-11)
-    large = with_bodies(bare, mounted).with_prescribed("body2.theta3")
+    large = motors.with_bodies(bare, mounted).with_prescribed("body2.theta3")
     large = large.with_prescribed("rotor0.theta3")
     theirs = reference.prescribed_efforts(
         large,
@@ -292,10 +165,10 @@ def test_rotors_with_couplings(coupled: str, terms: dict[str, float]) -> None:
         rng, 4, connection=(0, 1, 2, 2), free=systems.flags(4, ["theta3"]), loads=False
     )
     couplings = [kg.Coupling(coupled, terms, 0.2)]
-    mounted = motors(bare, rng, {"body3.theta3": 2, "body4.theta3": 3, "body2.theta3": 1})
-    small = with_rotors(bare, mounted).with_couplings(*couplings)
+    mounted = motors.random_motors(bare, rng, {"body3.theta3": 2, "body4.theta3": 3, "body2.theta3": 1})
+    small = motors.with_rotors(bare, mounted).with_couplings(*couplings)
     gears = [kg.Coupling(f"rotor{i}.theta3", {m.freedom: m.ratio}) for i, m in enumerate(mounted)]
-    large = with_bodies(bare, mounted).with_couplings(*couplings, *gears)
+    large = motors.with_bodies(bare, mounted).with_couplings(*couplings, *gears)
     x, y, ydot, tau = rng.uniform(-1, 1, (4, 3))
     outputs = ("mass_matrix", "forcing", "inverse_dynamics", "forward_dynamics", "kinetic_energy", "momentum")
     inputs = {"x": x, "y": y, "ydot": ydot, "tau": tau}
@@ -312,10 +185,10 @@ def test_rotors_with_couplings(coupled: str, terms: dict[str, float]) -> None:
     assert literal.mass_matrix(x).ravel() == pytest.approx(ours["A"], rel=1e-11)
 
 
-@pytest.mark.parametrize(("name", "solver"), list(product(CASES, SOLVERS)))
+@pytest.mark.parametrize(("name", "solver"), list(product(motors.CASES, SOLVERS)))
 def test_losses_of_pivots_stay_below_their_bounds(name: str, solver: str) -> None:
     """Bounds of pivots hold with rotors, which couple a freedom to bodies that it does not carry."""
-    small, *_ = case(name)
+    small, *_ = motors.case(name)
     if solver == "articulated bodies" and not articulated_bodies_take(small):
         return
     form = derive_losses(small, solver)
@@ -377,99 +250,3 @@ def test_what_it_costs() -> None:
     for name, most in (("mass_matrix", 30), ("forcing", 60)):
         ours, without = (sum(compile_module(s, (name,)).operations.values()) for s in (geared, arm))
         assert without < ours <= without + most
-
-
-def test_it_is_saved_and_read(tmp_path: Path) -> None:
-    system = random_trees.everything(3)
-    assert system.rotors
-    system.save(tmp_path / "again.toml")
-    assert kg.load(tmp_path / "again.toml") == system
-
-
-TOML = """
-name = "arm"
-[parameters]
-J = 3e-5
-[[body]]
-name = "base"
-connection = "ground"
-mass = 3.0
-inertia = [0.2, 0.2, 0.1]
-joint = {name = "pan", free = ["theta3"]}
-frames = {housing = {position = [0, 0, 0.2], orientation_angles = [0, 1.5707963267948966, 0]}}
-[[body]]
-name = "link"
-connection = "base"
-mass = 1.0
-mass_center = [0.3, 0, 0]
-inertia = [0.1, 0.1, 0.1]
-joint = {name = "tilt", free = ["theta2"]}
-[[rotor]]
-name = "motor"
-freedom = "tilt"
-axis = [0, 0, 2]
-inertia = "J"
-ratio = 80
-body = "housing"
-"""
-
-
-def test_a_file_with_a_rotor_in_a_frame(tmp_path: Path) -> None:
-    file = tmp_path / "arm.toml"
-    file.write_text(TOML)
-    system = kg.load(file)
-    (rotor,) = system.values().rotors
-    assert rotor.body == 1
-    assert rotor.axis == pytest.approx([1, 0, 0], abs=1e-15)
-    assert system.rotors[0].freedom == "link.theta2"
-    assert system.with_locked({"tilt": 0.1}).rotors == system.rotors
-    assert [p.name for p in system.parameters] == ["J"]
-    at_rest = reference.mass_matrix(system, [0, 0])
-    assert at_rest[1, 1] == pytest.approx(0.1 + 0.09 + 3e-5 * 80**2)
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "message"),
-    [
-        ("axis = [0, 0, 2]", "axis = [0, 0, 0]", "rotor 'motor': its axis has no direction"),
-        ("axis = [0, 0, 2]", "", "rotor 1: axis is missing"),
-        ("ratio = 80", "ratio = 0", "rotor 'motor': with the ratio 0 it never turns"),
-        ('"J"', "-1e-5", "rotor 'motor': its inertia -1e-05 kg m\\^2 is negative"),
-        ('"J"', "0.25", "body 'base': its inertia is less than that of its rotors about their axes"),
-        (
-            'freedom = "tilt"',
-            'freedom = "til"',
-            "rotor 'motor': there is no freedom 'til'. Did you mean 'tilt'",
-        ),
-        ('body = "housing"', 'body = "hous"', "rotor 'motor': there is no body or frame 'hous'"),
-        ("ratio = 80", "gear = 80", "rotor 1: unknown key 'gear'"),
-        ("[[rotor]]", "[rotor]", "rotor: begin each with a line \\[\\[rotor\\]\\]"),
-    ],
-)
-def test_what_a_file_may_not_say(tmp_path: Path, before: str, after: str, message: str) -> None:
-    file = tmp_path / "arm.toml"
-    file.write_text(TOML.replace(before, after))
-    with pytest.raises(kg.ReadError, match=f"arm.toml: {message}"):
-        kg.load(file)
-
-
-def test_what_is_refused() -> None:
-    free = np.array([[True] * 6, [False, False, True, False, False, False]])
-    bare = systems.random_system(np.random.default_rng(1), 2, free=free, loads=False)
-    rotor = kg.Rotor("r", "body1.theta1", (0, 0, 1), 1e-3, 10.0)
-    with pytest.raises(kg.ModelError, match="rotor name 'r' is used twice"):
-        bare.with_rotors(rotor, rotor)
-    with pytest.raises(kg.ModelError, match="speeds of body 'body1' are its angular velocity"):
-        bare.with_rotors(rotor).with_speeds("angular_velocity")
-    with pytest.raises(kg.OptionError, match="its coordinates drive rotors"):
-        require_free_frame(bare.with_rotors(rotor), 1)
-    with pytest.raises(kg.ModelError, match="rotor 'r': axis: a direction has no parameters"):
-        kg.Rotor("r", "body1.theta1", (kg.Parameter("a", 1.0), 0, 0), 1e-3)  # type: ignore[arg-type]
-
-
-def test_benches_count_rotors_as_armature() -> None:
-    system = systems.chain(2, ["theta3"]).with_rotors(kg.Rotor("r", "body2.theta3", (0, 0, 1), 1e-3, 20.0))
-    plain, notes = without_loads_and_parameters(system)
-    assert not plain.rotors
-    assert plain.bodies[1].joint.armature == pytest.approx((0, 0, 0.4, 0, 0, 0))
-    assert any("rotors count as armature" in note for note in notes)
