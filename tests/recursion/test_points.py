@@ -134,7 +134,7 @@ def test_a_file_keeps_points(tmp_path: Path) -> None:
         ({"tip": (9, (0, 0, 1))}, r"there is no body or frame 9"),
         ({"tip": (1, (0, 0))}, r"point 'tip'"),
         ({"tip": (1, (0, 0, float("nan")))}, r"point 'tip'"),
-        ({"a b": (1, (0, 0, 1))}, r"point name"),
+        ({"a\nb": (1, (0, 0, 1))}, r"point name"),
     ],
 )
 def test_invalid_points_are_refused(points: dict[str, tuple[str | int, object]], message: str) -> None:
@@ -148,7 +148,7 @@ def test_invalid_points_are_refused(points: dict[str, tuple[str | int, object]],
         ("points = 3", r"points: write a table such as"),
         ("points = {tip = [0, 0]}", r"point 'tip'"),
         ("points = {tip = 'far'}", r"point 'tip'"),
-        ("points = {'a b' = [0, 0, 1]}", r"point name"),
+        ('points = {"a\\nb" = [0, 0, 1]}', r"point name"),
     ],
 )
 def test_invalid_points_of_a_file_are_refused(text: str, message: str, tmp_path: Path) -> None:
