@@ -11,9 +11,21 @@ same bits everywhere. With polynomials E, L, T and A:
     one
 
 ln 2, pi/2 and pi are sums of two numbers; n times the first part of ln 2 is exact. Where a sum would lose
-more than half a unit in the last place, its rounding error is kept: in 1 + r, in k ln 2 + f, and in 1 -
-2/(e^2x + 1). A zero has no sign: the angle of (-1, -0.0) is pi, because the equations of a model keep no
+more than half a unit in the last place, its rounding error is kept: in 1 + r, in k ln 2 + f, and in
+1 - 2/(e^2x + 1). A zero has no sign: the angle of (-1, -0.0) is pi, because the equations of a model keep no
 signs of zeros.
+
+Errors, in units in the last place of the result, of which half a unit is the last rounding. The polynomials
+differ from their functions by less than 0.2 u, which ball arithmetic proves in the tests.
+
+    exp    From 0.7 to 1 the unit is u, and what is added to 1 + r is below 1/16: four roundings of u/32, and
+           the polynomial. Below 0.8.
+    log    At its worst, next to sqrt(2) with k = -1, the unit is u/2, and four numbers below 1/8 are rounded
+           by u/16; s and its product lose 0.07 u. Below 1.2.
+    tanh   Up to 0.55, x^3 T is below a tenth of x: three roundings of u/32 and a few of T. Beyond, q is below
+           1/2 and rounded by u/4, and e^2x loses 0.3 u, of which 0.4 remain. Below 1.
+    atan2  q is rounded by u/2, of which half remains at q = 1; q^3 A is below 0.22 and loses 0.6 u; the sums
+           that make the angle are three roundings of u/2. Below 2.5.
 """
 
 from __future__ import annotations

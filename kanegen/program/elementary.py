@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from kanegen.program.ir import Op
 
-PLACES = MappingProxyType({Op.EXP: 0.8, Op.LOG: 1.0, Op.TANH: 1.0, Op.ATAN2: 2.0})
+PLACES = MappingProxyType({Op.EXP: 0.8, Op.LOG: 1.2, Op.TANH: 1.0, Op.ATAN2: 2.5})
 """Bounds of the errors in units in the last place of the result, where that is a normal number."""
 
 SUBNORMAL_PLACES = 2.0

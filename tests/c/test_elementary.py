@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 
 from kanegen.c import render
+from kanegen.c.elementary import ELEMENTARY, Elementary
 from kanegen.library import load
 from kanegen.options import Variant
 from kanegen.program.check import check
 from kanegen.program.elementary import PLACES, SUBNORMAL_PLACES
 from kanegen.program.ir import Module, Op
+from kanegen.program.precision import DOUBLE, FLOAT, Precision
 from tests.support.handmade import Listing, array, bits, description
 
 STRICT = ("-O1", "-ffp-contract=off")
@@ -253,3 +255,64 @@ def test_special_numbers_in_double_double() -> None:
     assert np.isnan(call(np.array([math.nan, 1.0]), "double-double")).all()
     assert call(np.array([-2.0, -0.0]), "double-double")[3] == math.pi
     assert call(np.array([0.0, 0.0]), "double-double")[3] == 0.0
+
+
+ORDER = 14
+"""Order of the power series that enclose the differences of polynomials and functions."""
+
+PARTS = 256
+"""Number of parts of an interval, on each of which a power series about its middle is taken."""
+
+APPROXIMATION = {"exp": 0.08, "log": 0.02, "tanh": 0.04, "atan": 0.17}
+"""What the polynomials may differ from their functions, in u; relative to the function, of e^r absolute."""
+
+
+def difference(name: str, x: flint.arb_series, own: Elementary) -> flint.arb_series:
+    """Return a polynomial less its function, where `kanegen.c.elementary` takes one for the other."""
+    square = x * x
+    sums = [flint.arb_series([0])] * 2
+    for place, z in enumerate((x, square)):
+        for coefficient in reversed(getattr(own, name)):
+            sums[place] = sums[place] * z + flint.arb_series([flint.arb(coefficient)])
+    match name:
+        case "exp":
+            return square * sums[0] - (x.exp() - 1 - x)
+        case "log":
+            return (x * square * sums[1] - (((1 + x) / (1 - x)).log() - 2 * x)) / 2
+        case "tanh":
+            growth = (2 * x).exp()
+            return x + x * square * sums[1] - (growth - 1) / (growth + 1)
+    return x + x * square * sums[1] - x.atan()
+
+
+def largest_difference(name: str, own: Elementary, start: float, end: float) -> float:
+    """Return a proven bound of the difference, relative to the argument except for exp."""
+    relative, worst, half = name != "exp", 0.0, (flint.arb(end) - flint.arb(start)) / PARTS / 2
+    for k in range(PARTS):
+        middle = flint.arb(start) + half * (2 * k + 1)
+        at_zero = relative and k == 0
+        reach = 2 * half if at_zero else half
+        about = flint.arb(0) if at_zero else middle
+        near = difference(name, flint.arb_series([about, 1]), own)
+        whole = difference(name, flint.arb_series([flint.arb(about.mid(), reach.upper()), 1]), own)
+        terms = [abs(near[i]) for i in range(ORDER)] + [abs(whole[ORDER])]
+        lowest = 1 if at_zero else 0  # the difference is 0 at 0
+        total = sum((term * reach**i for i, term in enumerate(terms[lowest:])), flint.arb(0))
+        if relative and not at_zero:
+            total = total / (middle - half)
+        worst = max(worst, float(total.upper()))
+    return worst
+
+
+@pytest.mark.parametrize("precision", [DOUBLE, FLOAT])
+@pytest.mark.parametrize(("name", "end"), [("exp", 0.34675), ("log", 0.17161), ("tanh", 0.55), ("atan", 1.0)])
+def test_polynomials_are_proven_near_their_functions(name: str, end: float, precision: Precision) -> None:
+    """In ball arithmetic, for every argument of the interval; pi/4 is the least quotient of atan q and q."""
+    with flint.ctx.workprec(200):
+        before, flint.ctx.cap = flint.ctx.cap, ORDER + 1
+        try:
+            bound = largest_difference(name, ELEMENTARY[precision], -end if name == "exp" else 0.0, end)
+        finally:
+            flint.ctx.cap = before
+    share = {"tanh": 1.1, "atan": 1.28}.get(name, 1.0)
+    assert 0 < share * bound / precision.roundoff < APPROXIMATION[name]
