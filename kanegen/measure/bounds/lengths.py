@@ -23,7 +23,7 @@ from kanegen.program.ir import Op
 Components = tuple[Component, ...]
 """Up to three components of a vector, in any order."""
 
-MOST_TERMS = 9
+MOST_TERMS = 12
 """Most terms of a vector that is taken apart: there are many ways to do so, and few are good."""
 
 _SLACK = 1 + 2.0**-50
