@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from pathlib import Path
 
 import flint
 import mpmath
 import numpy as np
 import pytest
 
+import kanegen as kg
 from kanegen.c import render
 from kanegen.c.elementary import ELEMENTARY, Elementary
 from kanegen.library import load
@@ -18,7 +20,9 @@ from kanegen.program.check import check
 from kanegen.program.elementary import PLACES, SUBNORMAL_PLACES
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
+from tests.support.c_compilers import SANITIZERS, WARNINGS, C, code, run
 from tests.support.handmade import Listing, array, bits, description
+from tests.support.slide import slide
 
 STRICT = ("-O1", "-ffp-contract=off")
 FUNCTIONS = {"exp": Op.EXP, "log": Op.LOG, "tanh": Op.TANH}
@@ -316,3 +320,20 @@ def test_polynomials_are_proven_near_their_functions(name: str, end: float, prec
             flint.ctx.cap = before
     share = {"tanh": 1.1, "atan": 1.28}.get(name, 1.0)
     assert 0 < share * bound / precision.roundoff < APPROXIMATION[name]
+
+
+@pytest.mark.parametrize("compiler", C)
+@pytest.mark.parametrize(
+    "variant", [Variant(), Variant("float"), Variant("double-double"), Variant("long double")]
+)
+def test_no_warnings_and_no_undefined_behaviour(compiler: str, variant: Variant, tmp_path: Path) -> None:
+    text = "tanh(x.q)*exp(y.q) + max(0, y.q, x.q) - min(1, x.p) + log(2 + abs(x.q))*sign(y.p) + atan2(x.q, 2)"
+    system = slide(f"{text} + (1 if x.q > 0 and y.q <= 2 else pi)")
+    kg.generate(system, ("forcing", "forcing_derivatives"), tier=variant).write(tmp_path / "c")
+    for file in ("slide.c", "slide_batch.c"):
+        run(
+            *C[compiler], "-std=c99", "-O2", "-ffp-contract=off", *WARNINGS, "-c", file, folder=tmp_path / "c"
+        )
+    if compiler == "gcc":
+        run("gcc", *SANITIZERS, "main.c", *code("slide"), "-o", "main", folder=tmp_path / "c")
+        assert "forcing" in run("./main", folder=tmp_path / "c")
