@@ -343,7 +343,9 @@ def _variable(name: str) -> str:
 
     Identifiers beyond ASCII are no plain ones, because Python's parser changes some of their characters.
     """
-    if all(part.isidentifier() and part.isascii() and not iskeyword(part) for part in name.split(".")):
+    parts = name.split(".")
+    plain = all(part.isidentifier() and part.isascii() and not iskeyword(part) for part in parts)
+    if plain or len(parts) == 1:  # a single name that is no parameter, which systems refuse
         return name
     vector, rest = name.split(".", 1)
     return f"{vector}[{json.dumps(rest, ensure_ascii=False)}]"
