@@ -1,4 +1,4 @@
-"""The lines of docs/conventions.md on Drake, held against it where it is installed (`pip install drake`)."""
+"""The lines of docs/conventions.md on Drake, held against it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pydrake.multibody.plant as drake
 import pytest
+from pydrake.multibody import parsing, tree
 
 from kanegen.model.arrays import Floats
 from tests.support.conventions import robot, write_urdf
-
-drake = pytest.importorskip("pydrake.multibody.plant")
-parsing = pytest.importorskip("pydrake.multibody.parsing")
-tree = pytest.importorskip("pydrake.multibody.tree")
 
 NAMES = ("base", "arm", "tool")
 
