@@ -16,10 +16,11 @@ from collections.abc import Mapping, Sequence
 from sympy import Add, Expr, S
 
 from kanegen.recursion.articulated_inertia import ArticulatedInertia, Elimination, rigid_body
+from kanegen.recursion.body_motion import NOT_CARRIED, Carried
 from kanegen.recursion.coordinate_rates import angle_rates
 from kanegen.recursion.force_elements import element_efforts
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried, Requirement
+from kanegen.recursion.inverse_dynamics import Requirement
 from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.joint_path import (
     GROUND_ACCELERATION,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from kanegen.recursion.inverse_dynamics import BodyMotion
+from kanegen.recursion.body_motion import BodyMotion
 from kanegen.recursion.joint_motion import FreedomMotion, JointMotion
 from kanegen.recursion.kinematics import Pose, poses
 from kanegen.recursion.tree import Tree

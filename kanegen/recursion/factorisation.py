@@ -18,7 +18,8 @@ from sympy import Expr, S
 
 from kanegen.model.coordinates import Freedom
 from kanegen.model.system import System
-from kanegen.recursion.inverse_dynamics import NOT_CARRIED, Carried, Requirement, required_efforts
+from kanegen.recursion.body_motion import NOT_CARRIED, Carried
+from kanegen.recursion.inverse_dynamics import Requirement, required_efforts
 from kanegen.recursion.joint_path import joint_path, released
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.solved_motion import Paths

@@ -18,8 +18,8 @@ from kanegen.recursion.attached import (
     partial_velocities,
     velocity,
 )
+from kanegen.recursion.body_motion import body_motions
 from kanegen.recursion.frames import fixed_frame
-from kanegen.recursion.inverse_dynamics import body_motions
 from kanegen.recursion.kinematics import angular_velocities, poses, velocities
 from kanegen.recursion.tree import Derived, Tree
 

@@ -1,28 +1,20 @@
 """The outputs {f} and [A]{ydot} - {f} by a recursion of forces.
 
-An outward pass computes the motion of every body, an inward pass the force and moment about its origin that
-this motion requires, less the loads. Their component along a freedom is the generalized force that the
-freedom requires; for {ydot} = 0 this is minus its entry of {f} (Luh, Walker and Paul 1980; Featherstone 2008,
-section 5.3). Prescribed freedoms require such a force too. That of a coupled freedom adds to those of the
-freedoms that it follows, times its factors.
-
-The motion of a body is its angular velocity, its angular acceleration and the acceleration of its origin for
-some {ydot}; gravity enters as an upward acceleration of the ground. For {ydot} = 0 these are the terms of
-Eqs. (20) and (33) without {ydot}.
-
-A joint with three free translations transmits no force but the efforts on them, whatever the acceleration of
-its origin. So a solver for {ydot} starts behind it from an origin without acceleration, and neither gravity
-nor the motion of the lower bodies causes forces there, which would only cancel. Three free rotations likewise
-start from no angular acceleration. In the end this is subtracted from the solution; see `Carried`.
+An outward pass computes the motion of every body (`body_motion`), an inward pass the force and moment about
+its origin that this motion requires, less the loads. Their component along a freedom is the generalized force
+that the freedom requires; for {ydot} = 0 this is minus its entry of {f} (Luh, Walker and Paul 1980;
+Featherstone 2008, section 5.3). Prescribed freedoms require such a force too. That of a coupled freedom adds
+to those of the freedoms that it follows, times its factors.
 """
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sympy import Add, Expr, S
 
+from kanegen.recursion.body_motion import BodyMotion, body_motions
 from kanegen.recursion.constants import exact
 from kanegen.recursion.force_elements import applied_wrenches, element_efforts
 from kanegen.recursion.frames import fixed_frame
@@ -30,20 +22,8 @@ from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import FreedomMotion, JointMotion
 from kanegen.recursion.rotors import rotor_efforts, rotor_moments, spinning_rotors
 from kanegen.recursion.tree import Derived, Tree
-from kanegen.recursion.vectors import (
-    ZERO,
-    Rows,
-    Wrench,
-    add,
-    cross,
-    dot,
-    multiply,
-    negate,
-    scale,
-    subtract,
-    unit,
-)
-from kanegen.symbolic.definitions import AXES, Definitions, Vector
+from kanegen.recursion.vectors import Wrench, add, cross, dot, multiply, scale, subtract
+from kanegen.symbolic.definitions import Definitions, Vector
 from kanegen.symbolic.symbols import force as force_symbol
 from kanegen.symbolic.symbols import torque as torque_symbol
 
@@ -76,149 +56,6 @@ class Requirement:
 
     wrenches: Sequence[Wrench]
     efforts: Mapping[int, Expr]
-
-
-@dataclass(frozen=True)
-class Carried:
-    """Accelerations with which a body would be carried along without an acceleration of its own joint.
-
-    Attributes:
-        alpha: Angular acceleration, in K; zero unless all rotations of the joint are solved for together
-            (rad/s^2).
-        acceleration: Acceleration of O_K less gravity, in the joint frame; zero unless all translations of
-            the joint are free (m/s^2).
-        to_center: Second derivative of the vector from O_K to the origin of K, in K (m/s^2).
-    """
-
-    alpha: Vector = ZERO
-    acceleration: Vector = ZERO
-    to_center: Vector = ZERO
-
-    def plus(self, other: Carried) -> Carried:
-        """Return the sum of two parts of the accelerations."""
-        return Carried(
-            add(self.alpha, other.alpha),
-            add(self.acceleration, other.acceleration),
-            add(self.to_center, other.to_center),
-        )
-
-
-NOT_CARRIED = Carried()
-
-
-@dataclass(frozen=True)
-class BodyMotion:
-    """Motion of a body, in its frame.
-
-    Attributes:
-        omega: Angular velocity {omega'_K} (rad/s).
-        alpha: Angular acceleration (rad/s^2).
-        acceleration: Acceleration of the origin, less gravity (m/s^2).
-        squares: Products omega_i omega_j by pair of axes.
-        field: [alpha~] + [omega~][omega~], the matrix that maps a body-fixed vector to its second derivative.
-        carried: Accelerations that are left out.
-    """
-
-    omega: Vector
-    alpha: Vector
-    acceleration: Vector
-    squares: dict[tuple[int, int], Expr]
-    field: Rows
-    carried: Carried = NOT_CARRIED
-
-
-def body_motions(
-    tree: Tree, *, accelerated: bool, weightless: bool = False, released: Container[int] = ()
-) -> dict[int, BodyMotion]:
-    """Return the motion of the ground, under the key 0, and of every body.
-
-    Args:
-        tree: The tree.
-        accelerated: Whether {ydot} is symbols instead of zeros. Prescribed freedoms accelerate in either
-            case.
-        weightless: Whether to leave gravity out of the accelerations.
-        released: Places in {y} of freedoms; where all three translations, or all three rotations, of a joint
-            are among them, the acceleration behind the joint starts from zero.
-    """
-    gravity = ZERO if weightless else Vector(*(exact(value) for value in tree.system.gravity))
-    still = {(i, j): exact(0.0) for i in range(3) for j in range(3)}
-    moved = {0: BodyMotion(ZERO, ZERO, negate(gravity), still, (ZERO, ZERO, ZERO))}
-    for joint in tree.joints:
-        tree.about(joint.body, "angular velocity and acceleration, Eqs. (11), (20)")
-        moved[joint.body] = _outward(moved[joint.lower], joint, tree.definitions, accelerated, released)
-    return moved
-
-
-def _outward(
-    lower: BodyMotion,
-    joint: JointMotion,
-    definitions: Definitions,
-    accelerated: bool,
-    released: Container[int],
-) -> BodyMotion:
-    """Return the motion of body K from that of J: Eqs. (11), (20), (33), one turn at a time."""
-    k = joint.body
-    omega, alpha, carried = lower.omega, lower.alpha, NOT_CARRIED
-    acceleration = _origin_acceleration(lower, joint, definitions, accelerated)
-    if joint.translates_freely and all(one.freedom in released for one in joint.translations):
-        for step in joint.constant:
-            acceleration = definitions.vector(f"a_{joint.above(step)}", step.turn.up(acceleration))
-        carried, acceleration = Carried(acceleration=acceleration), ZERO
-    for step in joint.steps:
-        above = joint.above(step)
-        turned = step.turn.up(omega)
-        rate = scale(step.rate, unit(step.axis))
-        alpha = add(step.turn.up(alpha), cross(turned, rate))
-        own = step.acceleration if accelerated else step.prescribed_acceleration
-        alpha = add(alpha, scale(own, unit(step.axis)))
-        alpha = definitions.vector(f"alpha_{above}", alpha)
-        omega = definitions.vector(f"omega_{above}", add(turned, rate))
-        acceleration = definitions.vector(f"a_{above}", step.turn.up(acceleration))
-    if joint.angular_speeds:
-        alpha = add(alpha, cross(omega, joint.relative_omega))
-        if accelerated:
-            alpha = add(alpha, joint.relative_alpha)
-        alpha = definitions.vector(f"alpha_{k}", alpha)
-        omega = definitions.vector(f"omega_{k}", add(omega, joint.relative_omega))
-    if joint.rotations and all(freedom in released for freedom in joint.rotations):
-        carried, alpha = replace(carried, alpha=alpha), ZERO
-    squares, field = _field(k, omega, alpha, definitions)
-    carried = replace(carried, to_center=multiply(field, joint.to_center))
-    return BodyMotion(omega, alpha, acceleration, squares, field, carried)
-
-
-def _origin_acceleration(
-    lower: BodyMotion, joint: JointMotion, definitions: Definitions, accelerated: bool
-) -> Vector:
-    """Return the acceleration of the origin of body K less gravity, in J, Eq. (33)."""
-    sliding = ZERO
-    carried = add(lower.acceleration, multiply(lower.field, joint.offset))
-    for translation in joint.moving_translations:
-        sliding = add(sliding, scale(translation.rate, translation.direction))
-        own = translation.acceleration if accelerated else translation.prescribed_acceleration
-        carried = add(carried, scale(own, translation.direction))
-    twice = definitions.vector(f"w_{joint.lower}", scale(exact(2.0), lower.omega))
-    sliding = definitions.vector(f"v_{joint.body}", sliding)
-    return definitions.vector(f"a_{joint.body}j", add(carried, cross(twice, sliding)))
-
-
-def _field(
-    k: int, omega: Vector, alpha: Vector, definitions: Definitions
-) -> tuple[dict[tuple[int, int], Expr], Rows]:
-    """Return the products of the angular velocity of body `k`, and its field."""
-    squares: dict[tuple[int, int], Expr] = {}
-    for i in range(3):
-        for j in range(i, 3):
-            name = f"ww_{k}_{AXES[i]}{AXES[j]}"
-            squares[i, j] = squares[j, i] = definitions.define(name, omega[i] * omega[j])
-    w = squares
-    field = (
-        Vector(-(w[1, 1] + w[2, 2]), w[0, 1] - alpha.z, w[0, 2] + alpha.y),
-        Vector(w[0, 1] + alpha.z, -(w[0, 0] + w[2, 2]), w[1, 2] - alpha.x),
-        Vector(w[0, 2] - alpha.y, w[1, 2] + alpha.x, -(w[0, 0] + w[1, 1])),
-    )
-    named = tuple(definitions.vector(f"W_{k}_{axis}", row) for axis, row in zip(AXES, field, strict=True))
-    return squares, (named[0], named[1], named[2])
 
 
 def _required(tree: Tree, *, accelerated: bool) -> Requirement:

@@ -14,8 +14,8 @@ from kanegen.recursion.attached import (
     poses_save,
     velocity,
 )
+from kanegen.recursion.body_motion import body_motions
 from kanegen.recursion.frames import position_of
-from kanegen.recursion.inverse_dynamics import body_motions
 from kanegen.recursion.kinematics import angular_velocities, poses, velocities
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import add

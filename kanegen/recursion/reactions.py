@@ -17,14 +17,10 @@ from sympy import Expr, S
 
 from kanegen.model.joint import Joint
 from kanegen.model.reaction import Reaction
+from kanegen.recursion.body_motion import body_motions
 from kanegen.recursion.force_elements import element_efforts
 from kanegen.recursion.frames import fixed_frame
-from kanegen.recursion.inverse_dynamics import (
-    CarriedWrench,
-    body_motions,
-    carried_wrenches,
-    required,
-)
+from kanegen.recursion.inverse_dynamics import CarriedWrench, carried_wrenches, required
 from kanegen.recursion.tree import Derived, Tree, ungrouped
 from kanegen.recursion.vectors import add, cross, dot, subtract
 from kanegen.symbolic.definitions import Definitions

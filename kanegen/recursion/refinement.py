@@ -20,9 +20,10 @@ from functools import cached_property
 import sympy
 from sympy import Add, Expr, S
 
+from kanegen.recursion.body_motion import BodyMotion, body_motions
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.inverse_dynamics import BodyMotion, Requirement, body_motions, required
+from kanegen.recursion.inverse_dynamics import Requirement, required
 from kanegen.recursion.pivot_margins import PivotMargins
 from kanegen.recursion.rotors import rotor_efforts, spinning_rotors
 from kanegen.recursion.solved_motion import solved_motions

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, S
 
-from kanegen.recursion.inverse_dynamics import Carried
+from kanegen.recursion.body_motion import Carried
 from kanegen.recursion.joint_path import (
     GROUND_ACCELERATION,
     ROTATIONS,

@@ -7,7 +7,8 @@ from typing import Protocol
 
 from sympy import Expr
 
-from kanegen.recursion.inverse_dynamics import Carried, Requirement
+from kanegen.recursion.body_motion import Carried
+from kanegen.recursion.inverse_dynamics import Requirement
 from kanegen.recursion.solved_motion import Paths
 from kanegen.recursion.tree import Tree
 
