@@ -9,7 +9,8 @@ import pytest
 import kanegen as kg
 from kanegen.options import Variant
 from kanegen.program.semantics import FLUSH, RELAXED
-from kanegen.recursion.legend import FREEDOMS, MARKS, PLACES, Entry, entries, legend, shown
+from kanegen.recursion.legend import Entry, entries, legend, shown
+from kanegen.recursion.meanings import FREEDOMS, MARKS, PLACES
 from kanegen.recursion.outputs import available
 from tests.support import systems
 from tests.support.paths import MODEL_FILES, MODELS

@@ -6,7 +6,7 @@ JOINT_KINDS = {
     "model/coordinates.py": "the kinds of rotations and their coordinates",
     "symbolic/literal/joint.py": "rotation matrix and rates, literally",
     "recursion/turns.py": "rotation matrix and rates, by recursion",
-    "recursion/legend.py": "what the names in generated code mean",
+    "recursion/meanings.py": "what the names in generated code mean",
     "reference/matrices.py": "rotation matrix in NumPy",
     "reference/kinematics.py": "its place among the equations of the notes",
     "measure/truth/tree.py": "the state of a joint, and rotations by the first algorithm",
