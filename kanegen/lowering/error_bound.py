@@ -21,9 +21,10 @@ from kanegen.program.builder import Builder
 from kanegen.program.check import check
 from kanegen.program.constants import WIDE_CONSTANTS
 from kanegen.program.ir import Op, Output, Program
+from kanegen.program.linear_bound import linear_bound
 from kanegen.program.passes.prune import prune
 from kanegen.program.precision import DOUBLE, FLOAT, precision_named
-from kanegen.program.running_error import SLACK, Arithmetic, RunningErrors, linear_bound, slack_holds
+from kanegen.program.running_error import SLACK, Arithmetic, RunningErrors, slack_holds
 from kanegen.program.semantics import CONTRACTED, STRICT
 from kanegen.recursion import derive, methods
 from kanegen.recursion.outputs import OUTPUTS, ErrorBound

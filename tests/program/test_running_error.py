@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from kanegen.program.builder import Builder
 from kanegen.program.evaluate import evaluate as run
 from kanegen.program.ir import TRANSCENDENTAL, Op, Output, Program
+from kanegen.program.linear_bound import linear_bound
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
-from kanegen.program.running_error import SLACK, Arithmetic, RunningErrors, linear_bound
+from kanegen.program.running_error import SLACK, Arithmetic, RunningErrors
 from tests.support.handmade import Listing, array, evaluate
 from tests.support.random_programs import EXACT, programs
 
