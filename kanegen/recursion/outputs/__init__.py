@@ -1,12 +1,14 @@
 """Outputs of the generated code: one table of the arrays that they fill and read, and of their derivations.
 
-`table` has one entry for each output, from which everything else follows: `recursion.derivation`, the C
-functions (`selection.function_signatures`), the methods of `library.Library`, the command line. `inputs` has
-the arrays that functions read. A new output is one entry, one function that derives it, one method of
-`Library`, and one function of `reference` to compare with.
+`table` has one entry for each output; those that are about motion alone stand in `kinematics`. Everything
+else follows from the entry: `recursion.derivation`, the C functions (`selection.function_signatures`), the
+methods of `library.Library`, the command line. `inputs` has the arrays that functions read. A new output is
+one entry, one function that derives it, one method of `Library`, and one function of `reference` to compare
+with.
 """
 
 from kanegen.recursion.outputs.inputs import input_arrays
+from kanegen.recursion.outputs.kinematics import OF_FRAMES
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.outputs.selection import (
     available,
@@ -18,7 +20,7 @@ from kanegen.recursion.outputs.selection import (
     require_available,
     solving,
 )
-from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, ERROR_BOUNDS, OF_FRAMES, OUTPUTS
+from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, ERROR_BOUNDS, OUTPUTS
 
 __all__ = [
     "DERIVATIVES",
