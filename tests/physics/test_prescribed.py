@@ -17,7 +17,7 @@ from kanegen.program.evaluate import evaluate
 from kanegen.recursion.outputs import DERIVATIVES, available
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
-from kanegen.symbolic.literal.joint import skew
+from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.printing.formats import render
 from tests.support.orientation_trees import close
 from tests.support.prescribed_trees import EQUATIONS, KINDS, POINTS, SAME, Arrays, freed, state, tree, values

@@ -22,7 +22,7 @@ from kanegen.recursion.outputs import output_array
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
 from kanegen.symbolic import derive
-from kanegen.symbolic.literal.joint import Angles
+from kanegen.symbolic.literal.orientation import Angles
 from tests.support import moving_bodies, systems
 from tests.support.cases import slow_except
 

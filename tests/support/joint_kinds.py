@@ -4,7 +4,7 @@ from __future__ import annotations
 
 JOINT_KINDS = {
     "model/coordinates.py": "the kinds of rotations and their coordinates",
-    "symbolic/literal/joint.py": "rotation matrix and rates, literally",
+    "symbolic/literal/orientation.py": "rotation matrix and rates, literally",
     "recursion/turns.py": "rotation matrix and rates, by recursion",
     "recursion/meanings.py": "what the names in generated code mean",
     "reference/matrices.py": "rotation matrix in NumPy",

@@ -12,7 +12,8 @@ from functools import cached_property
 
 from sympy import ImmutableMatrix
 
-from kanegen.symbolic.literal.joint import JointEquations, skew
+from kanegen.symbolic.literal.joint import JointEquations
+from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.literal.outward_property import outward_property
 from kanegen.symbolic.symbols import acceleration, speed
 

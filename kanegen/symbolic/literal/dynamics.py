@@ -11,8 +11,8 @@ from sympy import Add, Expr, ImmutableMatrix, S
 from kanegen.symbolic.definitions import Definition
 from kanegen.symbolic.literal.frames import frame_equations
 from kanegen.symbolic.literal.intermediates import QUANTITIES
-from kanegen.symbolic.literal.joint import skew
 from kanegen.symbolic.literal.linear_motion import LinearEquations
+from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.symbols import column, expression, force, matrix, torque
 
 

@@ -27,7 +27,7 @@ from kanegen.symbolic.expressions import ExpressionTranslator
 from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.frames import frame_equations, point_position
-from kanegen.symbolic.literal.joint import skew
+from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.symbols import column, expression, point_force, point_moment
 
 

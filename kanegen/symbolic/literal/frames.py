@@ -8,7 +8,7 @@ from sympy import ImmutableMatrix
 
 from kanegen.model.body import Point
 from kanegen.model.system import System
-from kanegen.symbolic.literal.joint import constant_orientation
+from kanegen.symbolic.literal.orientation import constant_orientation
 from kanegen.symbolic.symbols import column
 
 

@@ -13,7 +13,7 @@ from functools import cached_property
 from sympy import ImmutableMatrix
 
 from kanegen.symbolic.literal.angular_motion import AngularEquations
-from kanegen.symbolic.literal.joint import skew
+from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.literal.outward_property import outward_property
 from kanegen.symbolic.symbols import acceleration, column, speed
 

@@ -20,7 +20,7 @@ from kanegen.model.system import System
 from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.frames import frame_equations
-from kanegen.symbolic.literal.joint import skew
+from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.symbols import acceleration, column, expression
 
 
