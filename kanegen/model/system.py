@@ -13,7 +13,6 @@ from kanegen.model.arrays import SystemArrays, bodies_from_arrays, rotor_arrays,
 from kanegen.model.body import Body
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.coupling import Coupling, coupled_bodies, with_permanent_names
-from kanegen.model.description import GRAVITY
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.force_elements.names import with_resolved_names
@@ -22,6 +21,7 @@ from kanegen.model.names import check_label
 from kanegen.model.numbers import numbers
 from kanegen.model.rotor import Rotor, check_carriers, check_freedoms, permanent_name
 from kanegen.model.saving import system_table, toml_text
+from kanegen.model.system_fields import GRAVITY
 from kanegen.model.variation import SystemVariations
 
 

@@ -17,6 +17,7 @@ from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.free_orientations import with_free_orientations
 from kanegen.model.joint import Joint
+from kanegen.model.joint_changes import bodies_with_limits, bodies_with_prescribed
 from kanegen.model.numbers import Number, Parameter, map_numbers
 from kanegen.model.reaction import reaction_rows
 from kanegen.model.right_angles import checked_tolerance
@@ -155,19 +156,7 @@ class SystemVariations(SystemDescription):
         Example:
             system.with_prescribed("trolley.s1")
         """
-        bodies = list(self.bodies)
-        for name in (names,) if isinstance(names, str) else validation.sequence(names, None, "prescribed"):
-            freedom = self.freedom(name, "prescribed")
-            k, index = freedom.body - 1, freedom.index
-            if not bodies[k].joint.moving[index]:
-                raise ModelError(f"prescribed: {quoted(name)} is locked; free it, then prescribe it.")
-            if bodies[k].joint.coupled[index]:
-                raise ModelError(f"prescribed: {quoted(name)} is coupled. A freedom is one or the other.")
-            try:
-                bodies[k] = replace(bodies[k], joint=bodies[k].joint.with_prescribed(index))
-            except ModelError as error:
-                raise ModelError(f"prescribed: {quoted(name)}: {error}") from None
-        return replace(self, bodies=tuple(bodies))
+        return replace(self, bodies=bodies_with_prescribed(self, names))
 
     def with_locked(self, values: Mapping[str, Any]) -> Self:
         """Return the same system with some freedoms locked at values; they leave {x}, {y}, [A] and {f}.
@@ -209,17 +198,7 @@ class SystemVariations(SystemDescription):
         Example:
             system.with_limits({"elbow": {"position": (-1.5, 1.5), "speed": 2.0, "effort": 87.0}})
         """
-        bodies = list(self.bodies)
-        example = '{"elbow": {"position": (-1.5, 1.5), "speed": 2.0}}'
-        for name, table in validation.table(limits, "limits", example).items():
-            freedom = self.freedom(name, "limits")
-            joint = bodies[freedom.body - 1].joint
-            try:
-                joint = replace(joint, limits=joint.limits.with_freedom(freedom.index, table))
-            except ModelError as error:
-                raise ModelError(f"{quoted(name)}: {error}") from None
-            bodies[freedom.body - 1] = replace(bodies[freedom.body - 1], joint=joint)
-        return replace(self, bodies=tuple(bodies))
+        return replace(self, bodies=bodies_with_limits(self, limits))
 
     def with_couplings(self, *couplings: Coupling) -> Self:
         """Return the same system with further couplings; coupled freedoms leave {x}, {y}, [A], {f}.

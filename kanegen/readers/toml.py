@@ -11,9 +11,9 @@ from typing import Any
 
 from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
 from kanegen.model.coupling import Coupling
-from kanegen.model.description import GRAVITY
 from kanegen.model.rotor import Rotor
 from kanegen.model.system import System
+from kanegen.model.system_fields import GRAVITY
 from kanegen.readers import toml_force_elements
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 from kanegen.readers.toml_bodies import read_bodies
