@@ -18,7 +18,7 @@ from kanegen.readers import toml_force_elements
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 from kanegen.readers.toml_bodies import read_bodies
 from kanegen.readers.toml_frames import read_frames
-from kanegen.readers.toml_tables import Parameters, Table, check_keys
+from kanegen.readers.toml_tables import Parameters, Table, check_keys, tables_named
 
 KEYS = (
     "name",
@@ -117,9 +117,9 @@ def _system(table: Table, path: Path, tolerance: float) -> System:
     gravity = (0, 0, 0) if gravity == NO_GRAVITY else parameters.resolve(gravity, "gravity")
     elements = toml_force_elements.read_force_elements(table, parameters)
     poses, reactions = _outputs(table.get("outputs", {}))
-    couplings = _couplings(table.get("coupling", []), parameters)
+    couplings = _couplings(table, parameters)
     frames = read_frames(table, parameters, tolerance)
-    rotors = _rotors(table.get("rotor", []), parameters)
+    rotors = _rotors(table, parameters)
     name = table.get("name", path.stem)
     system = System(name, bodies, gravity, elements, poses, reactions, couplings, frames, rotors)
     if unused := parameters.unused():
@@ -127,12 +127,10 @@ def _system(table: Table, path: Path, tolerance: float) -> System:
     return system
 
 
-def _couplings(entries: Any, parameters: Parameters) -> tuple[Coupling, ...]:
+def _couplings(table: Table, parameters: Parameters) -> tuple[Coupling, ...]:
     """Return the couplings of a model file from its tables."""
-    if not isinstance(entries, list) or not all(isinstance(entry, Mapping) for entry in entries):
-        raise ModelError("coupling: begin each with a line [[coupling]], in double brackets.")
     found = []
-    for place, entry in enumerate(entries, start=1):
+    for place, entry in enumerate(tables_named(table, "coupling"), start=1):
         label = f"coupling {place}"
         check_keys(entry, COUPLING_KEYS, required=COUPLING_KEYS[:2], label=f"{label}: ")
         if not isinstance(entry["terms"], Mapping):
@@ -143,12 +141,10 @@ def _couplings(entries: Any, parameters: Parameters) -> tuple[Coupling, ...]:
     return tuple(found)
 
 
-def _rotors(entries: Any, parameters: Parameters) -> tuple[Rotor, ...]:
+def _rotors(table: Table, parameters: Parameters) -> tuple[Rotor, ...]:
     """Return the rotors of a model file from its tables."""
-    if not isinstance(entries, list) or not all(isinstance(entry, Mapping) for entry in entries):
-        raise ModelError("rotor: begin each with a line [[rotor]], in double brackets.")
     found = []
-    for place, entry in enumerate(entries, start=1):
+    for place, entry in enumerate(tables_named(table, "rotor"), start=1):
         label = f"rotor {place}"
         check_keys(entry, ROTOR_KEYS, required=ROTOR_KEYS[:4], label=f"{label}: ")
         resolved = {

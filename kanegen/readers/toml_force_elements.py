@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from typing import Any
 
@@ -10,7 +9,7 @@ from kanegen.errors import ModelError
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import KINDS
 from kanegen.model.force_elements.grammar import parse
-from kanegen.readers.toml_tables import Parameters, Table, check_keys
+from kanegen.readers.toml_tables import Parameters, Table, check_keys, tables_named
 
 KEYS = tuple(kind.KEY for kind in KINDS)
 """Names of the arrays of tables of force elements: `[[spring]]` and so on."""
@@ -31,10 +30,7 @@ def read_force_elements(table: Table, parameters: Parameters) -> tuple[ForceElem
     """
     found: list[ForceElement] = []
     for kind in KINDS:
-        entries = table.get(kind.KEY, [])
-        if not isinstance(entries, list) or not all(isinstance(entry, Mapping) for entry in entries):
-            raise ModelError(f"{kind.KEY}: begin each with a line [[{kind.KEY}]], in double brackets.")
-        for number, entry in enumerate(entries, start=1):
+        for number, entry in enumerate(tables_named(table, kind.KEY), start=1):
             try:
                 found.append(_element(kind, entry, parameters))
             except ModelError as error:

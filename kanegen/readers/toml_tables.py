@@ -31,6 +31,18 @@ def check_keys(table: Table, known: Sequence[str], required: Sequence[str] = (),
             raise ModelError(f"{label}{key} is missing.")
 
 
+def tables_named(table: Table, key: str) -> list[Table]:
+    """Return the tables [[key]] of a model file, in its order; [] if there are none.
+
+    Raises:
+        ModelError: If `key` stands for anything but such tables.
+    """
+    entries = table.get(key, [])
+    if not isinstance(entries, list) or not all(isinstance(entry, Mapping) for entry in entries):
+        raise ModelError(f"{key}: begin each with a line [[{key}]], in double brackets.")
+    return entries
+
+
 @dataclass(frozen=True)
 class Parameters:
     """The run-time parameters of a model file.

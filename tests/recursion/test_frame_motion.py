@@ -14,7 +14,7 @@ from kanegen.program.count import count
 from kanegen.recursion.outputs import OF_FRAMES
 from kanegen.reference.frames import FrameMotions, frame_motions
 from tests.support import random_trees, systems
-from tests.support.orientation_trees import ANGULAR_VELOCITY, close, mixed, values, with_quaternions
+from tests.support.orientation_trees import ANGULAR_VELOCITY, KINDS, close, mixed, tree_of_kind, values
 from tests.support.paths import MODELS
 
 ALL = ("body_poses", "frame_velocities", "frame_accelerations", "frame_bias_accelerations", "frame_jacobians")
@@ -52,16 +52,10 @@ def test_the_outputs_about_frames() -> None:
     assert OF_FRAMES == ALL
 
 
-@pytest.mark.parametrize("kind", ["rates", "angular velocities", "quaternions", "slides and hinges"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_equations_of_the_notes(kind: str) -> None:
     for seed in range(3):
-        tree = {
-            "rates": mixed(seed),
-            "angular velocities": mixed(seed).with_speeds(ANGULAR_VELOCITY),
-            "quaternions": with_quaternions(seed),
-            "slides and hinges": systems.random_system(np.random.default_rng(seed), 5),
-        }[kind]
-        system = framed(tree, seed)
+        system = framed(tree_of_kind(kind, seed), seed)
         given = state(system, seed)
         right = expected(system, given)
         together = values(system, given, *ALL)

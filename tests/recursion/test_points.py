@@ -14,7 +14,7 @@ from kanegen.reference.freedoms import free_columns
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.matrices import skew
 from tests.support import systems
-from tests.support.orientation_trees import ANGULAR_VELOCITY, close, mixed, values, with_quaternions
+from tests.support.orientation_trees import ANGULAR_VELOCITY, KINDS, close, mixed, tree_of_kind, values
 from tests.support.paths import MODELS
 
 POINTS = ("point_positions", "point_velocities", "point_accelerations", "point_jacobians")
@@ -55,17 +55,11 @@ def expected(system: kg.System, given: dict[str, np.ndarray]) -> dict[str, np.nd
 
 
 @pytest.mark.parametrize("each", [1, 4])
-@pytest.mark.parametrize("kind", ["rates", "angular velocities", "quaternions", "slides and hinges"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_equations_of_the_notes(kind: str, each: int) -> None:
     """One point a body is turned joint by joint, four are turned by the rotation of the body."""
     for seed in range(3):
-        tree = {
-            "rates": mixed(seed),
-            "angular velocities": mixed(seed).with_speeds(ANGULAR_VELOCITY),
-            "quaternions": with_quaternions(seed),
-            "slides and hinges": systems.random_system(np.random.default_rng(seed), 5),
-        }[kind]
-        system = pointed(tree, seed, each)
+        system = pointed(tree_of_kind(kind, seed), seed, each)
         given = state(system, seed)
         right = expected(system, given)
         together = values(system, given, *POINTS)

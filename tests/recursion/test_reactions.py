@@ -12,7 +12,6 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.model.arrays import FrameArrays
 from kanegen.model.coordinates import ANGLES, FREEDOMS, SEQUENCES, TRANSLATIONS, Freedom
-from kanegen.model.numbers import value_of
 from kanegen.program.count import count
 from kanegen.reference.kinematics import kinematics
 from kanegen.studies.explain import cost_report
@@ -20,7 +19,7 @@ from kanegen.studies.explain.general_form import steps, with_all_freedoms, with_
 from tests.support import moving_bodies, systems
 from tests.support.orientation_trees import ANGULAR_VELOCITY, mixed, quaternion_state, with_quaternions
 from tests.support.paths import MODELS
-from tests.support.reactions import efforts, reactions
+from tests.support.reactions import efforts, reactions, unlocked
 
 WARNINGS = "-O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wdouble-promotion -Werror"
 
@@ -241,16 +240,7 @@ def wrenches(system: kg.System, given: dict[str, np.ndarray]) -> list[tuple[np.n
     velocity and of the force on the velocity of the joint's translations.
     """
     every = efforts(system, given)
-    free = tuple(
-        replace(b, joint=replace(b.joint, free=(True,) * 6, coordinates="angles", name=""))
-        for b in system.bodies
-    )
-    whole = replace(system, bodies=free, reactions=None)
-    x = np.zeros(len(whole.coordinates))
-    for coordinate, place in whole.coordinate_places.items():
-        locked = system.bodies[coordinate.body - 1].joint.locked
-        known = system.coordinate_places.get(coordinate)
-        x[place] = value_of(locked[coordinate.index]) if known is None else given["x"][known]
+    whole, x = unlocked(system, given["x"], coordinates="angles")
     arrays = whole.values()
     found = []
     for k, body in enumerate(kinematics(arrays, x, 0 * x), start=1):

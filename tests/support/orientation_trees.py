@@ -88,6 +88,20 @@ def with_quaternions(seed: int) -> kg.System:
     return remade(tree, "coordinates", coordinates)
 
 
+KINDS = ("rates", "angular velocities", "quaternions", "slides and hinges")
+"""Kinds of random trees, by their speeds and coordinates."""
+
+
+def tree_of_kind(kind: str, seed: int) -> kg.System:
+    """Return a random tree of one of `KINDS`."""
+    return {
+        "rates": mixed(seed),
+        "angular velocities": mixed(seed).with_speeds(ANGULAR_VELOCITY),
+        "quaternions": with_quaternions(seed),
+        "slides and hinges": systems.random_system(np.random.default_rng(seed), 5),
+    }[kind]
+
+
 def remade(system: kg.System, what: str, value: list[str]) -> kg.System:
     """Return the system with one of its arrays changed."""
     arrays = system.values()

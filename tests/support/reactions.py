@@ -28,17 +28,24 @@ def reactions(system: kg.System, given: Arrays) -> np.ndarray:
     return np.array(found["reaction_loads"], float)
 
 
-def efforts(system: kg.System, given: Arrays) -> dict[Freedom, float]:
-    """Return [A]{ydot} - {f} by the reference, by freedom of the same tree with nothing locked."""
+def unlocked(system: kg.System, x: np.ndarray, **joint: str) -> tuple[kg.System, np.ndarray]:
+    """Return the same tree with nothing locked and with fields of all joints changed, and its coordinates."""
     free = tuple(
-        replace(body, joint=replace(body.joint, free=(True,) * 6, name="")) for body in system.bodies
+        replace(body, joint=replace(body.joint, free=(True,) * 6, name="", **joint))  # type: ignore[arg-type]
+        for body in system.bodies
     )
     whole = replace(system, bodies=free, reactions=None)
-    x = np.zeros(len(whole.coordinates))
+    found = np.zeros(len(whole.coordinates))
     for coordinate, place in whole.coordinate_places.items():
         locked = system.bodies[coordinate.body - 1].joint.locked
         known = system.coordinate_places.get(coordinate)
-        x[place] = value_of(locked[coordinate.index]) if known is None else given["x"][known]
+        found[place] = value_of(locked[coordinate.index]) if known is None else x[known]
+    return whole, found
+
+
+def efforts(system: kg.System, given: Arrays) -> dict[Freedom, float]:
+    """Return [A]{ydot} - {f} by the reference, by freedom of the same tree with nothing locked."""
+    whole, x = unlocked(system, given["x"])
     y, ydot = np.zeros((2, len(whole.freedoms)))
     places = [whole.places[freedom] for freedom in system.freedoms]
     y[places], ydot[places] = given["y"], given["ydot"]
