@@ -8,7 +8,9 @@ its value back through the parts (reverse accumulation: Griewank and Walther 200
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -110,7 +112,7 @@ class _Parts:
         values = [one.value for one in operands]
         value = values[0] ** node.exponent if isinstance(node, Power) else _OPERATIONS[name](*values)
         size = 0 if value.is_Number else 1 + copies * sum(one.size for one in operands)
-        return _Sized(_checked(value, self._expression), size)
+        return _Sized(_checked(value, self._expression, Expression(node)), size)
 
     def _part(self, value: Expr) -> Symbol:
         """Return the symbol of a new part."""
@@ -172,12 +174,13 @@ class ExpressionTranslator:
         """Return an expression in SymPy.
 
         Raises:
-            ModelError: If the expression has no value in any state: it divides by zero, or takes the root or
-                the logarithm of a number that has none.
+            ModelError: If the expression or a part of it has no value in any state: it divides by zero, or
+                takes the root or the logarithm of a number that has none.
         """
-        parts = _Parts(self._leaf, expression)
-        (value,) = self._defined(expression, parts, [parts.root], {})
-        return value
+        with self._named(expression):
+            parts = _Parts(self._leaf, expression)
+            (value,) = self._defined(expression, parts, [parts.root], {})
+            return value
 
     def gradient(self, energy: Expression) -> dict[Place, Expr]:
         """Return the derivatives of an energy by its coordinates, also locked ones, by place (body, kind).
@@ -192,10 +195,24 @@ class ExpressionTranslator:
         def leaf(node: Leaf) -> Expr:
             return self.number(node.value) if isinstance(node, Constant) else symbols[places[node.name]]
 
-        parts = _Parts(leaf, energy)
-        slopes = parts.derivatives([*symbols.values()])
-        locked = {symbol: self._coordinate(place) for place, symbol in symbols.items()}
-        return dict(zip(symbols, self._defined(energy, parts, slopes, locked), strict=True))
+        with self._named(energy):
+            parts = _Parts(leaf, energy)
+            slopes = parts.derivatives([*symbols.values()])
+            locked = {symbol: self._coordinate(place) for place, symbol in symbols.items()}
+            return dict(zip(symbols, self._defined(energy, parts, slopes, locked), strict=True))
+
+    @contextmanager
+    def _named(self, expression: Expression) -> Iterator[None]:
+        """Begin the message of an error about an expression with its force element, such as "drive 2"."""
+        try:
+            yield
+        except ModelError as error:
+            counts: Counter[str] = Counter()
+            for element in self.system.force_elements:
+                counts[element.KEY] += 1
+                if expression in element.expressions():
+                    raise ModelError(f"{element.KEY} {counts[element.KEY]}: {error}") from None
+            raise
 
     def _defined(
         self, expression: Expression, parts: _Parts, results: Sequence[Expr], known: Mapping[Symbol, Expr]
@@ -249,17 +266,32 @@ class ExpressionTranslator:
         return FreedomMotions(self.system, self.number)
 
 
-def _checked(value: Expr, expression: Expression) -> Expr:
-    """Return `value`, a part of `expression`, after a test that it is finite, real and no huge number."""
+def _checked(value: Expr, expression: Expression, part: Expression | None = None) -> Expr:
+    """Return `value` after a test that it is finite, real and no huge number.
+
+    Args:
+        value: The value of a part of `expression`, or of a derivative.
+        expression: The whole expression.
+        part: The part, where it can be shown.
+
+    Raises:
+        ModelError: If `value` is undefined or infinite in every state, or a number with too many digits.
+    """
     # SymPy does not see by itself that the square root of cos(2) is no real number.
     try:
         number = value if value.free_symbols else value.evalf()
     except OverflowError:  # the exponential of a huge number
         number = S.Infinity
     if number.has(sympy.zoo, sympy.nan, sympy.oo, S.NegativeInfinity, sympy.I):
+        what = f"expression {quoted(str(expression))}"
+        if part is None:
+            what += ": a part or a derivative of it"
+        elif str(part) != str(expression):
+            what += f": the part {quoted(str(part))}"
         raise ModelError(
-            f"expression {quoted(str(expression))} has no value: in every state it divides by zero or takes "
-            "the root of a negative number, or the logarithm of one that is not positive, or is infinite."
+            f"{what} has no value in any state: it divides by zero or takes the root of a negative number, "
+            "or the logarithm of one that is not positive, or is infinite. Leave it out, or change its "
+            "numbers."
         )
     if value.is_Rational and max(abs(value.p).bit_length(), value.q.bit_length()) > MOST_BITS:
         raise ModelError(

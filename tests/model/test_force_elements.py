@@ -511,8 +511,24 @@ def test_coordinates_that_have_no_rate() -> None:
 
 def test_values_that_never_exist() -> None:
     for text in ("1/(2 - 2)", "sqrt(-1)*x.body1.s1", "sqrt(x.body1.s2 - 1)"):
-        with pytest.raises(kg.ModelError, match="has no value: in every state it divides by zero or takes"):
+        with pytest.raises(kg.ModelError, match="has no value in any state: it divides by zero or takes"):
             kg.generate(oscillator(Drive("body1.s1", parse(text))))
+    with pytest.raises(kg.ModelError, match=r"^potential 1: expression .* derivative of it has no value in"):
+        kg.generate(oscillator(Potential("1/x.body1.s2")))
+
+
+def test_a_part_that_never_has_a_value_is_named_also_where_it_may_not_count() -> None:
+    spring = JointSpring("body1.s1", 1.0)
+    harmless = Drive("body1.s1", parse("1/x.body1.s1"))
+    for text, part in (
+        ("1 if x.body1.s1 > 1 or y.body1.s1 >= -0.3 else sqrt(-1)", r"sqrt\(-1.0\)"),
+        ("max(x.body1.s1, 2/(3 - 3))", r"2.0 / \(3.0 - 3.0\)"),
+    ):
+        drive = Drive("body1.s1", parse(text))
+        with pytest.raises(kg.ModelError, match=f"^drive 2: .*: the part '{part}' has no value in any state"):
+            kg.generate(oscillator(spring, harmless, drive))
+    somewhere = Drive("body1.s1", parse("1 if x.body1.s1 > 1 else sqrt(x.body1.s1 - 1)"))
+    assert kg.build(oscillator(somewhere)).forcing([2.0], [0.0])[0] == 1.0
 
 
 def test_what_has_no_exact_results() -> None:
