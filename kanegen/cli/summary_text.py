@@ -13,12 +13,13 @@ from rich.table import Table
 from rich.tree import Tree
 
 from kanegen.cli.model_facts import ModelFacts
-from kanegen.cli.summary import TOGETHER, RightAngleChanges, Summary
+from kanegen.cli.summary import RightAngleChanges, Summary
 from kanegen.errors import counted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, selected_freedoms
 from kanegen.model.numbers import Number, Parameter
 from kanegen.model.system import System
+from kanegen.program.count import PREPARE, kinds
 from kanegen.program.passes import savings
 from kanegen.studies.explain.exactness import STATES
 
@@ -145,14 +146,14 @@ def _parameters(system: System) -> Table:
 
 def _costs(summary: Summary) -> Table:
     """Return the table of operation counts."""
-    kinds = list(summary.operations[TOGETHER])
-    table = Table("", *kinds, box=box.SIMPLE_HEAD)
+    columns = kinds((*summary.operations.values(), *(stage.operations for stage in summary.stages)))
+    table = Table("", *columns, box=box.SIMPLE_HEAD)
     for column in table.columns[1:]:
         column.justify = "right"
     for name, counts in summary.operations.items():
-        table.add_row(name, *(str(counts[kind]) for kind in kinds))
+        table.add_row(name, *(str(counts.get(kind, 0)) for kind in columns))
     for stage in summary.stages:
-        cells = (str(stage.operations.get(kind, "")) for kind in kinds)
+        cells = ("" if kind == PREPARE else str(stage.operations.get(kind, 0)) for kind in columns)
         table.add_row(f"[dim]this after {stage.name}[/]", *cells)
     return table
 

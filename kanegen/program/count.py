@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Mapping
 
 from kanegen.program.ir import CHOICES, EVALUATE, TRANSCENDENTAL, Module, Op, Program
 
@@ -22,6 +23,9 @@ COUNTED = {
 ALWAYS_LISTED = ("add", "multiply", "divide", "sqrt", "sincos")
 """Kinds that stand in every count; the others stand in it where they occur."""
 
+PREPARE = "prepare"
+"""The kind of all operations that depend on parameters alone."""
+
 
 def count(program: Program) -> dict[str, int]:
     """Count the operations of one evaluation by kind; sign changes and magnitudes are free.
@@ -35,6 +39,12 @@ def count(program: Program) -> dict[str, int]:
     }
 
 
+def kinds(counts: Iterable[Mapping[str, int]]) -> tuple[str, ...]:
+    """Return the kinds that occur in some of several counts, in the order of a count."""
+    found = set().union(*counts)
+    return tuple(kind for kind in dict.fromkeys((*COUNTED.values(), PREPARE)) if kind in found)
+
+
 def operations(module: Module) -> dict[str, int]:
     """Count the operations of one evaluation of all outputs by kind; "prepare" is the total of `prepare`.
 
@@ -44,5 +54,4 @@ def operations(module: Module) -> dict[str, int]:
     programs = [module.functions[EVALUATE]] if has_all else list(module.functions.values())
     counts = [count(program) for program in programs]
     prepare = sum(count(module.prepare).values()) if module.prepare else 0
-    kinds = dict.fromkeys(kind for kind in COUNTED.values() if any(kind in one for one in counts))
-    return {kind: sum(one.get(kind, 0) for one in counts) for kind in kinds} | {"prepare": prepare}
+    return {kind: sum(one.get(kind, 0) for one in counts) for kind in kinds(counts)} | {PREPARE: prepare}

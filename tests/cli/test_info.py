@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -89,3 +90,23 @@ def test_an_error_comes_after_the_warnings_of_its_file(robot: str) -> None:
     done = kanegen("info", robot, "--lock", "nothing=1", status=2)
     assert "warning: " in done.stderr
     assert done.stderr.splitlines()[-1].startswith("error: locked: there is no freedom 'nothing'")
+
+
+def test_functions_and_comparisons_are_counted_in_columns_of_their_own(tmp_path: Path) -> None:
+    path = tmp_path / "m.toml"
+    path.write_text(
+        '[[body]]\nname = "arm"\nconnection = "ground"\nmass = 1\nmass_center = [0.5, 0, 0]\n'
+        'joint.free = ["theta2"]\n[[joint_friction]]\nfreedom = "arm.theta2"\nfriction = 1\n'
+        'smoothing = 0.01\n[[drive]]\nfreedom = "arm.theta2"\neffort = "max(0, -x.arm.theta2)"\n'
+    )
+    lines = kanegen("info", str(path)).stdout.splitlines()
+    counts = json.loads(kanegen("info", str(path), "--json").stdout)["operations"]
+    (head,) = (line.split() for line in lines if "multiply" in line)
+    assert head == ["add", "multiply", "divide", "sqrt", "sincos", "compare", "function", "prepare"]
+    for name in ("mass_matrix", "forcing"):
+        (row,) = (line.split()[1:] for line in lines if re.match(rf"\s*{name}\s+\d", line))
+        assert row == [str(counts[name].get(kind, 0)) for kind in head]
+    assert counts["forcing"]["function"] == counts["forcing"]["compare"] == 1
+    passes = [line.split() for line in lines if "this after" in line]
+    assert passes
+    assert all(row[-2:] == ["1", "1"] for row in passes)
