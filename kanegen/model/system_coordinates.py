@@ -189,7 +189,8 @@ class SystemCoordinates(SystemFrames):
     def _freedoms_by_name(self) -> dict[str, Freedom]:
         """The six freedoms of every body, by every name that they have."""
         six = self._ordered(lambda joint: (True,) * 6)
-        found = {self._freedom_name(freedom): freedom for freedom in six}
+        found = dict(zip(self.freedom_names, self.freedoms, strict=True))
+        found |= {self._freedom_name(freedom): freedom for freedom in six}
         for freedom in six:
             found.setdefault(f"{self.bodies[freedom.body - 1].name}.{FREEDOMS[freedom.index]}", freedom)
         return found

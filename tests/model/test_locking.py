@@ -253,6 +253,11 @@ def test_what_follows_only_locked_freedoms_is_locked_and_other_couplings_keep_th
             {"cube.theta1": 0.3},
             "Lock the whole orientation, such as {'ball': (1",
         ),
+        (
+            {"coordinates": "quaternion"},
+            {"cube.omega1": 0},
+            "'cube.omega1' has no coordinate of its own. Lock the whole orientation, such as {'ball': (1",
+        ),
         ({"coordinates": "quaternion"}, {"ball": [0] * 4}, "4 zeros are no orientation"),
         (
             {"coordinates": "quaternion"},
