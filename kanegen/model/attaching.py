@@ -45,7 +45,7 @@ def bodies_with_loads(system: SystemDescription, names: Any) -> tuple[Body, ...]
     """Return the bodies of a system with further loads as inputs; see `System.with_loads`."""
     bodies = list(system.bodies)
     at_points = {point.name: k for k, point in system.points}
-    for name in output_rows.listed_choices(names, "loads"):
+    for name in output_rows.listed_choices(names, "loads", "to add none"):
         if isinstance(name, str) and name in at_points:
             k, point = at_points[name], name
         else:

@@ -13,7 +13,8 @@ from kanegen.choices import is_among
 from kanegen.errors import ModelError, quoted
 from kanegen.model.frame import Frame
 
-POSES = "body poses"
+FRAMES = "frames"
+"""Beginning of error messages on the choice of frames."""
 
 
 def poses(frame: Callable[[Any, str], Frame], chosen: Any) -> tuple[str, ...] | None:
@@ -28,8 +29,8 @@ def poses(frame: Callable[[Any, str], Frame], chosen: Any) -> tuple[str, ...] | 
     """
     if chosen is None:
         return None
-    names = [frame(one, POSES).name for one in listed_choices(chosen, POSES)]
-    require_once(names, POSES)
+    names = [frame(one, FRAMES).name for one in listed_choices(chosen, FRAMES)]
+    require_once(names, FRAMES)
     return tuple(names)
 
 
@@ -40,10 +41,19 @@ def require_once(names: Sequence[str], label: str) -> None:
             raise ModelError(f"{label}: {quoted(name)} is named twice. Name it once.")
 
 
-def listed_choices(chosen: Any, label: str) -> tuple[Any, ...]:
-    """Return one or several chosen items as a tuple."""
+def listed_choices(chosen: Any, label: str, otherwise: str = "for all") -> tuple[Any, ...]:
+    """Return one or several chosen items as a tuple.
+
+    Args:
+        chosen: The items, or a single one.
+        label: What is chosen, with which the message begins.
+        otherwise: What leaving the choice out means, for the message.
+
+    Raises:
+        ModelError: If there is no item.
+    """
     items = choices.chosen(chosen)
     items = (chosen,) if items is None else items
     if not items:
-        raise ModelError(f"{label}: none is chosen. Name one, or leave the choice out for all.")
+        raise ModelError(f"{label}: none is chosen. Name one, or leave the choice out {otherwise}.")
     return items

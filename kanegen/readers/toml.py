@@ -57,8 +57,8 @@ def read_toml(file: ModelFile, options: ReadOptions) -> System:
         )
     if options.joint_dynamics:
         raise OptionError(
-            f"{file.path}: joint_dynamics is for URDF files. In a TOML file, write [[joint_spring]] with a "
-            "damping and [[joint_friction]]."
+            f"{file.path}: joint_dynamics is for URDF and MJCF files. In a TOML file, write [[joint_spring]] "
+            "with a damping and [[joint_friction]]."
         )
     table = parse_toml(file.text, file.path)
     try:

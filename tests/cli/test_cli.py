@@ -175,6 +175,14 @@ def test_info_as_json() -> None:
         (("check", PENDULUM, "--points", "tip=lower"), "--points: 'tip=lower' is not NAME=FRAME:X,Y,Z"),
         (("check", PENDULUM, "--points", "tip=lower:1,2"), "point 'tip': expected 3 numbers, got 2 entries"),
         (("check", PENDULUM, "--points", "tip=hand:1,2,3"), "point 'tip': there is no body or frame 'hand'"),
+        (
+            ("check", PENDULUM, "--loads", ""),
+            "loads: none is chosen. Name one, or leave the choice out to add none",
+        ),
+        (
+            ("explain", PENDULUM, "--output", "frame_jacobians", "--frames", "loer"),
+            "error: frames: there is no",
+        ),
         (("check", PENDULUM, "--loads", "tip"), "loads: there is no body or frame 'tip'"),
         (("explain", PENDULUM, "--output", "body_poses", "--poses", "lwer"), "Did you mean 'lower'?"),
         (

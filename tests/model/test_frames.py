@@ -249,7 +249,7 @@ def test_loads_by_names_of_points_bodies_and_frames(pendulum: kg.System) -> None
     for names, message in (
         (["hand"], r"loads: there is no body or frame 'hand'"),
         ("world", r"loads: 'world' is fixed to the ground"),
-        ([], r"loads: none is chosen"),
+        ([], r"loads: none is chosen\. Name one, or leave the choice out to add none"),
         (None, r"loads: there is no body or frame None"),
     ):
         with pytest.raises(kg.ModelError, match=message):

@@ -31,9 +31,9 @@ def with_joint(line: str) -> str:
         ("[outputs]\nbodyposes = []\n" + ONE_BODY, r"outputs: unknown key .* Did you mean 'body_poses'\?"),
         (
             "[outputs]\nbody_poses = ['c']\n" + ONE_BODY,
-            r"body poses: there is no body or frame 'c'\. Known are 'b'",
+            r"frames: there is no body or frame 'c'\. Known are 'b'",
         ),
-        ("[outputs]\nbody_poses = []\n" + ONE_BODY, r"body poses: none is chosen"),
+        ("[outputs]\nbody_poses = []\n" + ONE_BODY, r"frames: none is chosen"),
         ("[outputs]\nreaction_loads = ['b.s1']\n" + ONE_BODY, r"reaction loads: 'b\.s1' is free; its effort"),
         (ONE_BODY + "inertai = 1\n", r"body 'b': unknown key 'inertai'\. Did you mean 'inertia'\?"),
         (ONE_BODY + "q = 1\n", r"body 'b': unknown key 'q'\. Known are 'name', 'connection', 'mass', "),

@@ -91,7 +91,9 @@ def test_what_is_refused(tmp_path: Path, dynamics: str, message: str) -> None:
 
 
 def test_it_is_not_for_toml_files() -> None:
-    with pytest.raises(kg.OptionError, match=r"write \[\[joint_spring\]\] with a damping"):
+    with pytest.raises(
+        kg.OptionError, match=r"is for URDF and MJCF files.*\[\[joint_spring\]\] with a damping"
+    ):
         kg.load("models/double_pendulum.toml", joint_dynamics=True)
 
 

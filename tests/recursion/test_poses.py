@@ -161,14 +161,14 @@ def test_a_selection_changes_no_other_output() -> None:
 @pytest.mark.parametrize(
     ("bodies", "message"),
     [
-        (["trolly"], r"body poses: there is no body or frame 'trolly'\. Did you mean 'trolley'\?"),
+        (["trolly"], r"frames: there is no body or frame 'trolly'\. Did you mean 'trolley'\?"),
         ([0], r"there is no body or frame 0\."),
         ([9], r"there is no body or frame 9\."),
         ([True], r"there is no body or frame True\."),
         ([["trolley"]], r"there is no body or frame \['trolley'\]"),
         (2.5, r"there is no body or frame 2\.5"),
-        ([], r"body poses: none is chosen\. Name one"),
-        (["trolley", 1, "trolley"], r"body poses: '\w+' is named twice\. Name it once"),
+        ([], r"frames: none is chosen\. Name one"),
+        (["trolley", 1, "trolley"], r"frames: '\w+' is named twice\. Name it once"),
     ],
 )
 def test_invalid_selections_are_refused(bodies: object, message: str) -> None:
