@@ -6,7 +6,7 @@ Templates hold C and prose. Tables, numbers and sentences that depend on the mod
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from kanegen import __version__
@@ -125,29 +125,26 @@ def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
     freedoms = zip(model.freedom_names, model.freedom_units, model.speeds, strict=True)
     coordinates = zip(model.coordinate_names, model.coordinate_units, strict=True)
     points = [name for name, _ in model.points]
+    reactions = declarations.reactions(model, outputs)
     return {
         "freedoms": [(place, *row) for place, row in enumerate(freedoms)],
         "coordinates": [(place, *row) for place, row in enumerate(coordinates)] * model.has_other_coordinates,
         "frames": declarations.frames(model, outputs),
-        "reactions": declarations.reactions(model, outputs),
-        "loads": _loaded_rows(model.body_names, model.loaded),
-        "point_loads": _loaded_rows(_with_components(points, model.load_frames), model.loaded_points),
+        "reactions": reactions,
+        "about_reactions": _wrapped(_about_reactions(model)) if reactions else [],
+        "loads": _loaded_rows(zip(model.body_names, strict=True), model.loaded),
+        "point_loads": _loaded_rows(zip(points, model.load_frames, strict=True), model.loaded_points),
         "force_elements": _listed(model.force_elements),
         "motors": _listed(model.motors),
         "couplings": _listed(model.couplings),
+        "locked": _listed(model.locked),
     }
 
 
-def _loaded_rows(names: Sequence[str], loaded: Sequence[bool]) -> list[tuple[int, str]]:
-    """Return row and name of every body or point that takes loads."""
-    rows = enumerate(zip(names, loaded, strict=True))
-    return [(row, name) for row, (name, is_loaded) in rows if is_loaded]
-
-
-def _with_components(points: Sequence[str], frames: Sequence[str]) -> list[str]:
-    """Return the names of points, each with the frame of the components of its loads, if it has one."""
-    pairs = zip(points, frames, strict=True)
-    return [f"{point}  in components of {frame}" if frame else point for point, frame in pairs]
+def _loaded_rows(entries: Iterable[tuple[str, ...]], loaded: Sequence[bool]) -> list[tuple[Any, ...]]:
+    """Return the row of every body or point that takes loads, with what its entry says on it."""
+    rows = enumerate(zip(entries, loaded, strict=True))
+    return [(row, *entry) for row, (entry, is_loaded) in rows if is_loaded]
 
 
 def _operations(counts: Mapping[str, int]) -> list[tuple[str, int]]:
@@ -193,6 +190,22 @@ def _about_sines(sincos: Sincos | None, arithmetic: Precision) -> str:
         f"most {sincos.error}. Compiled with -ffp-contract=off and without -ffast-math they have the same "
         "bits everywhere, whatever the C library."
     )
+
+
+def _about_reactions(model: ModelDescription) -> str:
+    """Return the sentences on what reaction loads are, of locked directions and in frames."""
+    in_frames = [bool(frame) for _, _, frame in model.reactions]
+    directions = (
+        "The load of an angle is the moment on the body about its origin, along the axis of the angle; that "
+        "of a translation is the force on the body along its axis of the joint frame."
+    )
+    loads = (
+        "`moment1` to `moment3` and `force1` to `force3` of a frame are all that the joint below its body "
+        "transmits, efforts on its freedoms included: the moment on the body about the origin of the frame, "
+        "and the force, in components along the axes of the frame."
+    )
+    parts = [directions] * (not all(in_frames)) + [loads] * any(in_frames)
+    return f"{' '.join(parts)} They come from the lower body."
 
 
 def _about_status(model: ModelDescription, is_finite_assumed: bool) -> str:

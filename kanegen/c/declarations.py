@@ -239,19 +239,18 @@ def _enumeration(rows: Sequence[tuple[str, int, str]]) -> list[str]:
     )
 
 
-def frames(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str]]:
-    """Return row and name of the frames in outputs about them; [] where none is computed or they are bodies.
+def frames(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str, str | None]]:
+    """Return row, name and body of the frames in outputs about them, [] where all are bodies or none is used.
 
-    A frame with another name than its body is followed by what it is fixed to.
+    The body of a frame that is fixed to the ground is "", that of a frame with the name of its body is None.
     """
     if model.poses == model.body_names or not set(OF_FRAMES).intersection(outputs):
         return []
     pairs = zip(model.poses, model.pose_bodies, strict=True)
-    names = [name if name == body else f"{name}  on {body or 'the ground'}" for name, body in pairs]
-    return list(enumerate(names))
+    return [(row, name, None if name == body else body) for row, (name, body) in enumerate(pairs)]
 
 
 def reactions(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str, str]]:
     """Return index, name and unit of every reaction load, if the output is computed."""
     asked = "reaction_loads" in outputs
-    return [(place, *names) for place, names in enumerate(model.reactions)] if asked else []
+    return [(place, name, unit) for place, (name, unit, _) in enumerate(model.reactions)] if asked else []

@@ -38,9 +38,12 @@ class ModelDescription:
         undefined_somewhere: The same lines of those that are undefined or infinite in some state.
         motors: One line of text for each armature and each rotor.
         couplings: One line of text for each coupling.
+        locked: One line of text for each freedom that is locked at another value than zero, and for each
+            joint whose freedoms are all locked.
         poses: Names of the frames that outputs about frames give, in the order of their rows.
         pose_bodies: Names of the bodies in which these frames are fixed, "" for the ground.
-        reactions: Name and unit of each load that `reaction_loads` gives.
+        reactions: Name and unit of each load that `reaction_loads` gives, and the frame in which it is a
+            component, "" for the load along a locked direction.
         prescribed: Name and unit, "rad" or "m", of each prescribed freedom.
         limits: Smallest and largest coordinates, speeds and efforts in the order of the C arrays, infinite
             where there is none; () for a model without limits.
@@ -66,9 +69,10 @@ class ModelDescription:
     undefined_somewhere: tuple[str, ...] = ()
     motors: tuple[str, ...] = ()
     couplings: tuple[str, ...] = ()
+    locked: tuple[str, ...] = ()
     poses: tuple[str, ...] = ()
     pose_bodies: tuple[str, ...] = ()
-    reactions: tuple[tuple[str, str], ...] = ()
+    reactions: tuple[tuple[str, str, str], ...] = ()
     prescribed: tuple[tuple[str, str], ...] = ()
     reanchorable: tuple[ReanchorableJoint, ...] = ()
     homogeneous: tuple[tuple[int, ...], ...] = ()
@@ -150,11 +154,12 @@ def description(system: System) -> ModelDescription:
         undefined_somewhere=tuple(one.summary for one in system.force_elements if one.may_be_undefined),
         motors=system.motor_summaries,
         couplings=system.coupling_equations,
+        locked=system.locked_summaries,
         poses=system.pose_names,
         pose_bodies=tuple(
             system.bodies[frame.body - 1].name if frame.body else "" for frame in system.pose_frames
         ),
-        reactions=tuple((row.name, row.effort) for row in system.reaction_rows),
+        reactions=tuple((row.name, row.effort, row.frame) for row in system.reaction_rows),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
         prescribed=tuple(

@@ -111,7 +111,7 @@ class CompiledModel:
     @property
     def reaction_names(self) -> tuple[str, ...]:
         """R names of the loads of `reaction_loads`, in the order of its entries."""
-        return tuple(name for name, _ in self.source.model.reactions)
+        return tuple(name for name, *_ in self.source.model.reactions)
 
     @property
     def prescribed_names(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from kanegen.errors import ModelError, OptionError, quoted
-from kanegen.model.coordinates import FREEDOMS
+from kanegen.model.coordinates import FREEDOMS, NOTES, Freedom
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.frame import Frame
 from kanegen.model.limits import SystemLimits
@@ -102,6 +102,29 @@ class SystemDescription(SystemCoordinates):
             for value in element.numbers():
                 collect(value)
         return tuple(found.values())
+
+    @property
+    def locked_summaries(self) -> tuple[str, ...]:
+        """One line for each freedom that is locked at another value than zero, and for each locked joint.
+
+        A locked joint is one with a name and without a freedom that moves.
+
+        Example:
+            system.with_locked({"elbow": 0.3}).locked_summaries  # ("forearm.theta3 = 0.3 rad (joint elbow)",)
+        """
+        lines = []
+        for k, body in enumerate(self.bodies, start=1):
+            joint = body.joint
+            is_named = bool(joint.name) and not any(joint.moving)
+            values = [(Freedom(k, index), value) for index, value in enumerate(joint.locked) if value != 0]
+            for freedom, value in values:
+                unit = f"{freedom.unit}, sequence {joint.sequence}" if freedom.is_angle else freedom.unit
+                unit = freedom.unit if joint.sequence == NOTES else unit
+                place = f" (joint {joint.name})" if is_named else ""
+                lines.append(f"{body.name}.{FREEDOMS[freedom.index]} = {toml_number(value)} {unit}{place}")
+            if is_named and not values:
+                lines.append(f"all six freedoms of {body.name} = 0 (joint {joint.name})")
+        return tuple(lines)
 
     @cached_property
     def coupling_equations(self) -> tuple[str, ...]:

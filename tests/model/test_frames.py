@@ -281,6 +281,7 @@ def test_a_wrench_acts_in_a_frame(pendulum: kg.System) -> None:
     assert loaded == pytest.approx(forcing(system, x, y, point_force=force, point_moment=moment), abs=1e-13)
     header = library.source.files["double_pendulum.h"]
     assert "0  sensor  in components of sensor" in header
+    assert "| 0 | `sensor`, in components of `sensor` |" in library.source.files["README.md"]
 
 
 def test_a_load_frame_is_one_of_the_body(pendulum: kg.System, tmp_path: Path) -> None:

@@ -229,6 +229,23 @@ def _sliders() -> kg.System:
 _ALONG = (False, False, False, True, False, False)
 
 
+def test_generated_documents_say_where_freedoms_are_locked_and_which_are_coupled() -> None:
+    """Turns have the sequence of their angles, values may be parameters, and joints at 0 are named, too."""
+    constant = ("a.s1 = 0.25 m (joint a)", "b.s1 = 0.6 m (joint b)")
+    assert _sliders().with_locked({"a": 0.25}).locked_summaries == constant
+    assert _sliders().with_locked({"d": 0}).locked_summaries == ("all six freedoms of d = 0 (joint d)",)
+    files = kg.generate(_sliders().with_locked({"d": 0.5})).files
+    header, readme = files["sliders.h"], files["README.md"]
+    assert "Locked freedoms, constant and not in x and y; all other locked freedoms are at 0" in header
+    assert " *     d.s1 = 0.5 m (joint d)\n" in header
+    assert "- `d.s1 = 0.5 m (joint d)`\n" in readme
+    for equation in ("b = 2.0 a + 0.1", "c = 1.0 b + -0.5"):
+        assert equation in header
+        assert f"- `{equation}`\n" in readme
+    turned = _cube(sequence="3-2-1").with_locked({"ball": (0, kg.Parameter("pitch", 0.4), 0)})
+    assert turned.locked_summaries == ("cube.theta2 = pitch rad, sequence 3-2-1",)
+
+
 def test_what_follows_only_locked_freedoms_is_locked_and_other_couplings_keep_their_value() -> None:
     locked = _sliders().with_locked({"a": 0.3})
     assert locked.freedom_names == ("d",)

@@ -132,6 +132,7 @@ def test_a_header_lists_chosen_frames() -> None:
     source = kg.generate(system.with_poses(["tool", "table", "upper"]), ("frame_jacobians",))
     header = source.files["double_pendulum.h"]
     assert "0  tool  on lower\n *     1  table  on the ground\n *     2  upper\n" in header
+    assert "\n- `tool` on `lower`\n- `table` on the ground\n- `upper`\n" in source.files["README.md"]
     assert re.search(r"DOUBLE_PENDULUM_POSES += 3,", header)
     assert "double frame_jacobians[3 * 6 * 2]" in header
 

@@ -188,6 +188,23 @@ def test_the_header_documents_the_selection() -> None:
     assert "| 1 | `upper.theta1` | N m |" in readme
 
 
+def test_the_readme_says_what_the_loads_are() -> None:
+    pendulum = kg.load(MODELS / "double_pendulum.toml").with_frames({"tool": ("lower", (0, 0, 1))})
+
+    def about(*chosen: str) -> str:
+        files = kg.generate(pendulum.with_reactions(chosen), ("reaction_loads",)).files
+        return " ".join(files["README.md"].split())
+
+    direction, component = "The load of an angle is the moment on the body about its origin", "of the frame"
+    assert direction in about("upper.theta1")
+    assert component not in about("upper.theta1")
+    assert direction not in about("tool")
+    assert "the moment on the body about the origin of the frame, and the force, in comp" in about("tool")
+    assert "efforts on its freedoms included" in about("tool")
+    assert direction in about("tool", "upper.theta1")
+    assert component in about("tool", "upper.theta1")
+
+
 def test_a_cost_report_compares_them_with_efforts() -> None:
     """Nothing is locked in the general program, so what holds a direction is an effort there."""
     system = kg.load(MODELS / "double_pendulum.toml").with_reactions(["lower.s2"])
