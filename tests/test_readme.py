@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pydoc
 import re
 import shutil
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import kanegen as kg
 from kanegen.library.native import compilers
 from tests.support.paths import ROOT
 
@@ -64,6 +66,16 @@ def test_python_of_the_readme(checkout: Path) -> None:
     (code,) = (text for language, text in BLOCKS if language == "python")
     printed = run([sys.executable, "-c", code], checkout)
     assert printed.startswith("('column_joint', 'shoulder_joint', 'elbow_joint')\narm: passed over 1000")
+
+
+def test_help_that_the_readme_names_exists_and_has_the_methods_of_systems() -> None:
+    names = re.findall(r"`help\(kg\.(\w+)\)`", README)
+    assert "System" in names
+    for name in names:
+        text = pydoc.plaintext.document(getattr(kg, name))
+        assert "Example:" in text
+        if name == "System":
+            assert all(method in text for method in ("with_frames(", "with_poses(", "with_locked("))
 
 
 def test_make_targets_of_the_readme() -> None:

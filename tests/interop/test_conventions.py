@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +14,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import kanegen as kg
-from kanegen.interop.state_map import exchanged_rows
+from kanegen.interop.state_map import StateMap, exchanged_rows
 from kanegen.model.arrays import Floats
 from kanegen.model.rotations import rotation_rpy
 from kanegen.reference import equations as reference
 from tests.support.conventions import Robot, robot, write_mjcf, write_urdf
+from tests.support.paths import ROOT
 
 NAMES = ("base", "arm", "tool")
 
@@ -26,6 +29,15 @@ def _close(found: Any, expected: Any) -> None:
     size = max(np.abs(expected).max(), 1e-3)
     assert np.shape(found) == np.shape(expected)
     assert np.abs(np.asarray(found) - expected).max() <= 1e-13 * size
+
+
+def test_the_page_names_every_conversion_with_its_arguments() -> None:
+    page = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
+    table = page.partition("## State")[0]
+    written = set(re.findall(r"`((?:to|from)_\w+\(.*?\))`", table))
+    methods = [name for name in vars(StateMap) if name.startswith(("to_", "from_"))]
+    calls = {f"{name}({', '.join([*signature(getattr(StateMap, name)).parameters][1:])})" for name in methods}
+    assert written == calls
 
 
 class InPinocchio:
