@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from kanegen.errors import counted
@@ -27,7 +27,7 @@ class ModelFacts:
         turned: Names of bodies whose frame of the model is turned against the one that users see.
         massless: Names of bodies without mass and inertia.
         limits: Limits of position, speed and effort by freedom, those that are finite; None for an open end.
-        limit_words: How many coordinates, speeds and efforts have limits.
+        limit_words: How many coordinates, speeds, efforts and coupled freedoms have limits.
         left_out: Warnings of the reader: what it left out, changed or took for none.
     """
 
@@ -103,9 +103,19 @@ def model_facts(system: System, left_out: Sequence[str]) -> ModelFacts:
             if value_of(body.mass) == 0 and not any(value_of(entry) for row in body.inertia for entry in row)
         ),
         limits=dict(_limits(system)),
-        limit_words=system.limits.words or "prescribed freedoms alone",
+        limit_words=_limit_words(system),
         left_out=tuple(left_out),
     )
+
+
+def _limit_words(system: System) -> str:
+    """Return how many coordinates, speeds, efforts, prescribed and coupled freedoms have limits."""
+    named = dict(_limits(system))
+    further = [("prescribed", system.prescribed_names), ("coupled", system.coupled_names)]
+    counts = [(kind, len(named.keys() & {*names})) for kind, names in further]
+    parts = [counted(count, f"{kind} freedom", f"{kind} freedoms") for kind, count in counts if count]
+    own = replace(system.limits, not_kept=()).words
+    return ", ".join([own, *parts] if own else parts)
 
 
 def _limits(system: System) -> Iterator[tuple[str, dict[str, Any]]]:

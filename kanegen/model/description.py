@@ -12,6 +12,7 @@ import numpy as np
 
 from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.model.coordinates import FREEDOMS, NOTES, Freedom
+from kanegen.model.coupled_limits import with_coupled_limits
 from kanegen.model.force_elements.expression import TIME
 from kanegen.model.frame import Frame
 from kanegen.model.limits import SystemLimits
@@ -139,6 +140,9 @@ class SystemDescription(SystemCoordinates):
     def limits(self) -> SystemLimits:
         """The limits of position, speed and effort in the order of {x} and {y}; infinite where there is none.
 
+        A coordinate that coupled freedoms follow has limits within which these stay within their own, if each
+        follows this coordinate alone; `not_kept` names the others.
+
         Example:
             system.limits.upper  # (m,)
         """
@@ -154,7 +158,7 @@ class SystemDescription(SystemCoordinates):
             for f in self.freedoms
             for limits in (self.bodies[f.body - 1].joint.limits,)
         ]
-        return SystemLimits(*np.array(of_coordinates).T, *np.array(of_speeds).T)
+        return with_coupled_limits(SystemLimits(*np.array(of_coordinates).T, *np.array(of_speeds).T), self)
 
     @cached_property
     def pose_names(self) -> tuple[str, ...]:

@@ -174,12 +174,14 @@ class SystemLimits:
         upper: (m,) largest coordinates (rad, m).
         speed: (n,) largest magnitudes of the generalized speeds (rad/s, m/s).
         effort: (n,) largest magnitudes of the generalized forces of the drives (N m, N).
+        not_kept: Names of coupled freedoms that may leave their own limits within these.
     """
 
     lower: Floats
     upper: Floats
     speed: Floats
     effort: Floats
+    not_kept: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
         """Return whether there is any limit."""
@@ -197,11 +199,16 @@ class SystemLimits:
 
     @property
     def words(self) -> str:
-        """How many coordinates, speeds and efforts have limits, as reports say it; "" for none."""
+        """How many coordinates, speeds and efforts have limits, and which are not kept; "" for no limits."""
         sizes = (len(self.lower), len(self.speed), len(self.effort))
         nouns = ("coordinates", "speeds", "efforts")
         parts = zip(self.counts().values(), sizes, nouns, strict=True)
-        return ", ".join(f"{count} of {size} {noun}" for count, size, noun in parts if count)
+        text = ", ".join(f"{count} of {size} {noun}" for count, size, noun in parts if count)
+        if not self.not_kept:
+            return text
+        names = ", ".join(map(repr, self.not_kept))
+        kind = "freedom" if len(self.not_kept) == 1 else "freedoms"
+        return f"{text or 'no coordinate'}, but not those of the coupled {kind} {names}"
 
     def positions(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
         """Return ranges of the coordinates: the limits, and `low` to `high` where there are none.

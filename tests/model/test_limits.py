@@ -133,6 +133,52 @@ def test_a_comparison_says_that_its_states_stay_within_the_limits() -> None:
     assert "limits of the model" not in str(compare(systems.chain(2, ["theta2"]), Inside()))  # type: ignore[arg-type]
 
 
+def _gripper(*couplings: kg.Coupling) -> kg.System:
+    """Three slides on the ground, all with limits."""
+    free = (False, False, False, True, False, False)
+    ends = {"left": (0.0, 0.04), "right": (0.0, 0.01), "third": (-0.03, 0.0)}
+    bodies = tuple(
+        kg.Body(
+            name,
+            0,
+            1.0,
+            np.eye(3).tolist(),
+            joint=kg.Joint(
+                free=free, name=name, limits=kg.Limits.of({"s1": {"position": limit, "speed": 3.0}})
+            ),
+        )
+        for name, limit in ends.items()
+    )
+    return kg.System("gripper", bodies, couplings=couplings)
+
+
+def test_coupled_freedoms_stay_within_their_limits() -> None:
+    system = _gripper(
+        kg.Coupling("right", {"left": 0.8}, 0.001), kg.Coupling("third", {"right": -2.0}, 0.004)
+    )
+    # right: 0 <= 0.8 x + 0.001 <= 0.01; third: -0.03 <= 0.002 - 1.6 x <= 0, so 0.00125 <= x <= 0.02
+    limits = system.limits
+    np.testing.assert_allclose([limits.lower[0], limits.upper[0]], [0.00125, 0.01125], rtol=1e-14)
+    assert limits.speed[0] == pytest.approx(3.0 / 1.6, rel=1e-15)
+    assert (limits.not_kept, limits.words) == ((), "1 of 1 coordinates, 1 of 1 speeds")
+    left = random_states(system, 1000, limits=limits).x[:, 0]
+    assert 0.0 <= (0.8 * left + 0.001).min() < (0.8 * left + 0.001).max() <= 0.01 + 1e-15
+    box = read_domain(None, system)
+    assert (box.low["x"][0], box.high["x"][0]) == (limits.lower[0], limits.upper[0])
+
+
+def test_limits_of_coupled_freedoms_that_are_no_ranges_are_named() -> None:
+    several = _gripper(kg.Coupling("third", {"left": 1.0, "right": -1.0}))
+    assert several.limits.not_kept == ("third",)
+    words = "2 of 2 coordinates, 2 of 2 speeds, but not those of the coupled freedom 'third'"
+    assert any(words in line for line in lines(read_domain(None, several)))
+    apart = _gripper(kg.Coupling("right", {"left": 1.0}, 0.5))
+    assert apart.limits.not_kept == ("right",)
+    assert apart.limits.upper[0] == 0.04
+    moved = several.with_prescribed("left")
+    assert moved.limits.not_kept == ("third",)
+
+
 def test_bounds_and_budgets_hold_within_the_limits_unless_a_domain_says_otherwise() -> None:
     system = _limited_chain()
     box = read_domain(None, system)
