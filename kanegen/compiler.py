@@ -218,7 +218,7 @@ def compare(
         assert kg.compare(kg.load("models/eight_body.toml"), states=100).passed
     """
     system = reformulated(system, speeds, coordinates)
-    library = build(system, progress=progress, precision=precision, tier=tier)
+    library = build(system, progress=progress, precision=precision, tier=tier, on_status="ignore")
     progress("comparing")
     arithmetic, storage = precision_named(library.precision), precision_named(library.storage)
     return compare_with_reference(system, library, states, seed, arithmetic, storage)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from kanegen.errors import ArrayError, OptionError, quoted
 from kanegen.measure.errors import Errors, quotient, scaled_norm
 from kanegen.measure.report import Accuracy, Evaluation, Report
+from kanegen.measure.undefined import undefined_words
 from kanegen.model.arrays import Flags, Floats, SystemArrays
 from kanegen.model.system import System
 from kanegen.program.precision import DOUBLE, Precision
@@ -67,6 +68,7 @@ class ReferenceErrors(Errors):
     Attributes:
         cancellation: (B,) norm of the terms' magnitudes over the norm of their sum.
         finite: (B,) flags of the states with a finite result.
+        undefined: (B,) flags of the states in which neither the library nor the reference is finite.
         entry: (B,) index of the entry with the largest componentwise error.
         value: (B,) this entry as the library computed it.
         reference: (B,) this entry as the reference computed it.
@@ -74,6 +76,7 @@ class ReferenceErrors(Errors):
 
     cancellation: Floats
     finite: Flags
+    undefined: Flags
     entry: NDArray[np.int64]
     value: Floats
     reference: Floats
@@ -107,7 +110,9 @@ def compare(
 
     Coordinates and speeds stay within the limits of the system where it has some, and vary over the scale of
     each body elsewhere, see `reference.states.random_states`. Then follow states at rest, the origin, and
-    states at kinks of expressions, see `reference.special_states`.
+    states at kinks of expressions, see `reference.special_states`. Where a force element is undefined, so
+    that neither the reference nor the library has a finite {f}, there is nothing to compare; the report
+    counts these states.
 
     Args:
         system: System from which the library was generated.
@@ -139,9 +144,33 @@ def compare(
     parts = _batches(sample, system.number_of_bodies)
     batches = [_batch_errors(arrays, library, outputs, part, limit, storage) for part in parts]
     errors = {name: _joined([batch[name] for batch in batches]) for name in outputs}
-    accuracies = tuple(_accuracy(system, sample, name, errors[name], limit, states) for name in outputs)
-    reason = _reason(precision, storage, angle)
-    return Report(system.name, states, seed, accuracies, reason, system.limits.words, further.words)
+    kept = {name: _compared(system, errors[name], states) for name in outputs}
+    accuracies = tuple(
+        _accuracy(system, sample, name, errors[name], limit, states, kept[name]) for name in outputs
+    )
+    left_out = ~kept.get("forcing", np.ones(len(sample), dtype=bool))[:states]
+    return Report(
+        system=system.name,
+        states=states,
+        seed=seed,
+        accuracies=accuracies,
+        reason=_reason(precision, storage, angle),
+        limits=system.limits.words,
+        special=further.words,
+        undefined=undefined_words(system, sample.part(0, states).chosen(left_out), states),
+    )
+
+
+def _compared(system: System, errors: ReferenceErrors, states: int) -> Flags:
+    """Return flags of the states that count: without those in which a force element is undefined.
+
+    Both programs must agree that there is no result. A system all of whose elements are defined everywhere,
+    or a sample of `states` random states of which none has a result, counts as a whole.
+    """
+    kept = ~errors.undefined
+    if kept[:states].any() and any(element.may_be_undefined for element in system.force_elements):
+        return kept
+    return np.ones_like(kept)
 
 
 def reference_errors(
@@ -174,6 +203,7 @@ def reference_errors(
         componentwise=ratio[rows, entry],
         cancellation=quotient(size_norm, norm),
         finite=np.all(finite, axis=1),
+        undefined=~np.all(np.isfinite(value), axis=1) & ~np.all(np.isfinite(truth), axis=1),
         entry=entry,
         value=value[rows, entry],
         reference=truth[rows, entry],
@@ -249,25 +279,32 @@ def _reason(precision: Precision, storage: Precision, angle: float) -> str:
 
 
 def _accuracy(
-    system: System, sample: States, output: str, errors: ReferenceErrors, bound: float, states: int
+    system: System,
+    sample: States,
+    output: str,
+    errors: ReferenceErrors,
+    bound: float,
+    states: int,
+    kept: Flags,
 ) -> Accuracy:
-    """Return the summary of an output's errors over all states, with its worst entry.
+    """Return the summary of an output's errors over the states that are kept, with its worst entry.
 
     Medians, and the cancellation, are those of the random states, which are the first `states`.
     """
-    worst = int(errors.componentwise.argmax())
+    random, every = np.flatnonzero(kept[:states]), np.flatnonzero(kept)
+    worst = int(every[errors.componentwise[every].argmax()])
     names = system.speed_names
     shape = (len(names),) * (2 if output == "mass_matrix" else 1)
     entry = [names[i] for i in np.unravel_index(int(errors.entry[worst]), shape)]
     return Accuracy(
         output=output,
-        normwise=float(errors.normwise.max()),
-        normwise_median=float(np.median(errors.normwise[:states])),
-        componentwise=float(errors.componentwise.max()),
-        componentwise_median=float(np.median(errors.componentwise[:states])),
-        cancellation=float(errors.cancellation[:states].max()),
+        normwise=float(errors.normwise[every].max()),
+        normwise_median=float(np.median(errors.normwise[random])),
+        componentwise=float(errors.componentwise[every].max()),
+        componentwise_median=float(np.median(errors.componentwise[random])),
+        cancellation=float(errors.cancellation[random].max()),
         bound=bound,
-        not_finite=int(np.count_nonzero(~errors.finite)),
+        not_finite=int(np.count_nonzero(~errors.finite[every])),
         worst=Evaluation(
             state=worst,
             entry=f"[{', '.join(entry)}]",

@@ -80,6 +80,7 @@ class Report:
         reason: Sentence that says where the bound comes from.
         limits: How many coordinates and speeds stay within limits of the model; "" if it has no limits.
         special: How many further states were compared, at rest, at the origin and at kinks of expressions.
+        undefined: Sentences on random states in which a force element is undefined; "" for none.
 
     Example:
         >>> report = kg.compare(kg.load("models/double_pendulum.toml"), states=100)
@@ -95,6 +96,7 @@ class Report:
     reason: str
     limits: str = ""
     special: str = ""
+    undefined: str = ""
 
     @property
     def max_error(self) -> float:
@@ -143,6 +145,7 @@ class Report:
         ]
         lines += [f"The states stay within the limits of the model, on {self.limits}."] if self.limits else []
         lines += [f"Further states: {self.special}."] if self.special else []
+        lines += [self.undefined] if self.undefined else []
         lines += [_failure(accuracy) for accuracy in self.accuracies if not accuracy.passed]
         return "\n".join([*lines, self.reason])
 

@@ -71,13 +71,13 @@ def special_states(system: System, sample: States) -> SpecialStates:
     still = joined([*_still(system, starts)])
     kinked = [*_at_kinks(system, arrays, starts)]
     every = joined([still, *kinked])
-    defined = _defined(arrays, every)
-    left = every.chosen(defined)
+    kept = defined(arrays, every)
+    left = every.chosen(kept)
     return SpecialStates(
         states=left,
-        at_rest=int(defined[: len(still)].sum()),
-        at_kinks=int(defined[len(still) :].sum()),
-        undefined=int((~defined).sum()),
+        at_rest=int(kept[: len(still)].sum()),
+        at_kinks=int(kept[len(still) :].sum()),
+        undefined=int((~kept).sum()),
     )
 
 
@@ -132,7 +132,7 @@ def _reached(
     system: System, arrays: SystemArrays, starts: States, kink: Expression, name: str
 ) -> Iterator[States]:
     """Yield states at a kink that one variable reaches from some of the starting states."""
-    place = _place(system, name)
+    place = place_of_variable(system, name)
     if place is None:
         return
     vector, index = place
@@ -160,7 +160,7 @@ def _reached(
         yield replace(starts, x=moved["x"], y=moved["y"]).chosen(reached)
 
 
-def _place(system: System, name: str) -> tuple[str, int] | None:
+def place_of_variable(system: System, name: str) -> tuple[str, int] | None:
     """Return the vector, x or y, and the place in it of a variable that is free; None for any other."""
     if name == TIME:
         return None
@@ -173,9 +173,9 @@ def _place(system: System, name: str) -> tuple[str, int] | None:
     return None if place is None else (name[0], place)
 
 
-def _defined(arrays: SystemArrays, states: States) -> Flags:
+def defined(arrays: SystemArrays, states: States) -> Flags:
     """Return in which states the reference's {f} is finite."""
     with np.errstate(all="ignore"):
         found = equations.forcing(arrays, states.x, states.y, states.force, states.torque, **states.inputs)
-    defined: Flags = np.all(np.isfinite(found), axis=1)
-    return defined
+    finite: Flags = np.all(np.isfinite(found), axis=1)
+    return finite

@@ -294,6 +294,27 @@ def test_states_without_forces_are_left_out_and_counted() -> None:
     assert report.special == "1 at rest or at the origin; {f} is undefined in 10 more"
 
 
+def test_random_states_without_forces_are_left_out_counted_and_explained() -> None:
+    system = slide("sqrt(x.q) + 3*x.p").with_force_elements(kg.Drive("p", "exp(-y.q**2)"))
+    report = kg.compare(system, states=200)
+    undefined = int((random_states(system, 200).x[:, 0] < 0).sum())
+    assert report.passed and 50 < undefined < 150
+    assert report.undefined.startswith(f"{{f}} is undefined in {undefined} of 200 random states, in the ref")
+    assert "Undefined there: drive: freedom = b0.s1, effort = sqrt(x.b0.s1)" in report.undefined
+    assert "exp" not in report.undefined
+    assert "Limits on x.q, x.p in the model would" in report.undefined and report.undefined in str(report)
+    limited = system.with_limits({"q": {"position": (0.1, 1.0)}})
+    assert kg.compare(limited, states=200).undefined == ""
+
+
+def test_a_library_with_forces_where_the_reference_has_none_or_the_other_way_round_fails() -> None:
+    whole, partial = slide("x.p"), slide("x.p + 0*sqrt(x.q)")
+    assert compare(partial, kg.build(whole), states=50).accuracies[1].not_finite > 0
+    assert compare(whole, kg.build(partial, on_status="ignore"), states=50).accuracies[1].not_finite > 0
+    nowhere = slide("x.p + sqrt(-1 - x.q**2)")
+    assert not compare(nowhere, kg.build(nowhere, on_status="ignore"), states=50).passed
+
+
 def test_kinks_are_approached_from_both_sides() -> None:
     system = slide("max(x.q, 0.3*y.p) + abs(sin(x.p))")
     found = special_states(system, random_states(system, 3))
