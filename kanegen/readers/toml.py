@@ -89,6 +89,8 @@ def parse_toml(text: str, where: str | Path) -> Table:
         if place:
             where = f"{where}:{place[1] or len(text.splitlines())}"
             message = message[: place.start()]
+        if message.endswith("for a key part"):
+            message += '. A key with other characters than a to z, digits, - and _ stands between "quotes"'
         raise ReadError(f"{where}: not valid TOML: {message}.") from None
     except RecursionError:
         raise ReadError(f"{where}: its arrays are nested too deeply.") from None

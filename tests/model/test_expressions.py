@@ -137,6 +137,12 @@ def test_plain_numbers_and_expressions_pass() -> None:
         ("x" + ".a" * 1900, "nested too deeply"),
         ("x" + ".a" * 1900 + "()", "nested too deeply"),
         ("\0", "no expression"),
+        ("x.q^2", r"a power is written with \*\*, as in"),
+        ("x.q**2.5", "an exponent is a whole number; for roots there is sqrt"),
+        ("x.q**1e300", "a huge power"),
+        ("x.q**1e999", "an exponent is a whole number"),
+        ("kk*t", "'kk' in expression .*: the name is not known. Write x.<coordinate>, .* or a parameter. "),
+        ("kay*t", "Known are 'k'"),
     ],
 )
 def test_what_is_refused(text: str, message: str) -> None:
@@ -144,6 +150,10 @@ def test_what_is_refused(text: str, message: str) -> None:
         parse(text, [K])
     assert len(str(raised.value)) < 400
     assert raised.value.__cause__ is None
+
+
+def test_a_whole_exponent_may_be_written_with_a_point() -> None:
+    assert parse("x.q**3.0 + x.q**-2.0") == parse("x.q**3 + x.q**-2")
 
 
 @pytest.mark.parametrize("wrong", [None, [], {}, 1j, True, float("nan")])

@@ -20,6 +20,7 @@ from kanegen.measure.comparison import compare
 from kanegen.measure.truth import truth
 from kanegen.model.coordinates import FREEDOMS
 from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
+from kanegen.model.force_elements.expression import Expression, Variable
 from kanegen.model.force_elements.grammar import parse
 from kanegen.model.numbers import Parameter
 from kanegen.program.count import count
@@ -453,13 +454,13 @@ def test_simulations_tell_the_time() -> None:
 
 
 WRONG = [
-    (JointSpring("body1.s9", 1.0), "joint_spring: there is no coordinate 'body1.s9'. Known are 'body1."),
-    (Drive("body9.s1", 1.0), "drive: there is no speed 'body9.s1'"),
-    (Drive("body1.s1", parse("x.body1.q")), "drive: there is no coordinate 'body1.q'"),
-    (Drive("body1.s1", parse("x.__class__")), "drive: there is no coordinate '__class__'"),
-    (Drive("body1.s1", parse("foo")), "drive: 'foo' is not known. Write x.<coordinate>"),
-    (PointLoad("tp"), "point_load: there is no point or frame 'tp'. Did you mean 'tip'?"),
-    (Spring(("tip", "top"), 1.0), "spring: there is no point or frame 'top'"),
+    (JointSpring("body1.s9", 1.0), "joint_spring 1: there is no coordinate 'body1.s9'. Known are 'body1."),
+    (Drive("body9.s1", 1.0), "drive 1: there is no speed 'body9.s1'"),
+    (Drive("body1.s1", parse("x.body1.q")), "drive 1: there is no coordinate 'body1.q'"),
+    (Drive("body1.s1", parse("x.__class__")), "drive 1: there is no coordinate '__class__'"),
+    (Drive("body1.s1", Expression(Variable("foo"))), "drive 1: 'foo' is not known. Write x.<coordinate>"),
+    (PointLoad("tp"), "point_load 1: there is no point or frame 'tp'. Did you mean 'tip'?"),
+    (Spring(("tip", "top"), 1.0), "spring 1: there is no point or frame 'top'"),
     (Spring(((0, 0, 0), (1, 0, 0)), 1.0), "between the ground and the ground: both ends are on one body"),
 ]
 
@@ -493,6 +494,13 @@ def test_elements_that_say_nothing(make: Any, message: str) -> None:
     with pytest.raises(kg.ModelError) as raised:
         make()
     assert message in str(raised.value)
+
+
+def test_messages_count_the_elements_of_a_kind() -> None:
+    drives = (Drive("body1.s1", "t"), JointSpring("body1.s1", 1.0), Drive("body1.s1", "x.body1.s2 + t"))
+    with pytest.raises(kg.ModelError, match=r"^drive 2: there is no coordinate 'body1\.q'"):
+        oscillator(*drives[:2], Drive("body1.s1", "x.body1.q"))
+    assert len(oscillator(*drives).force_elements) == 3
 
 
 def test_coordinates_that_have_no_rate() -> None:

@@ -201,7 +201,7 @@ def test_a_load_in_components_of_a_frame_turns_with_the_frame(pendulum: kg.Syste
 
 def test_the_frame_of_a_load_belongs_to_the_body_of_its_point(pendulum: kg.System) -> None:
     frames = pendulum.with_frames({"tool": ("lower", (0.3, 0.1, -0.2))})
-    with pytest.raises(kg.ModelError, match=r"point_load at 'tool': its body has no frame 'upper'\."):
+    with pytest.raises(kg.ModelError, match=r"point_load 1 at 'tool': its body has no frame 'upper'\."):
         frames.with_force_elements(kg.PointLoad("tool", (1, 0, 0), frame="upper"))
     with pytest.raises(kg.ModelError, match="point_load frame: 3 is not a name"):
         kg.PointLoad("tool", (1, 0, 0), frame=3)  # type: ignore[arg-type]
@@ -224,8 +224,8 @@ def test_loads_on_a_body_are_components_of_its_frame() -> None:
 @pytest.mark.parametrize(
     ("element", "message"),
     [
-        (kg.PointLoad("world"), r"point_load: 'world' is fixed to the ground, where a load does nothing"),
-        (kg.PointLoad("tol"), r"point_load: there is no point or frame 'tol'\. Did you mean 'tool'\?"),
+        (kg.PointLoad("world"), r"point_load 1: 'world' is fixed to the ground, where a load does nothing"),
+        (kg.PointLoad("tol"), r"point_load 1: there is no point or frame 'tol'\. Did you mean 'tool'\?"),
         (kg.Spring(("world", (0, 0, 1)), 1.0), r"both ends are on one body"),
         (kg.Spring(("tool", "lower"), 1.0), r"both ends are on one body"),
     ],

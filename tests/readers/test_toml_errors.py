@@ -100,7 +100,7 @@ def with_joint(line: str) -> str:
         (
             ONE_BODY
             + "points = {p = [0, 0, 0], q = [1, 0, 0]}\n[[spring]]\nbetween = ['p', 'q']\nstiffness = 1\n",
-            r"spring between 'p' and 'q': both ends are on one body",
+            r"spring 1 between 'p' and 'q': both ends are on one body",
         ),
         (
             ONE_BODY + "[[spring]]\nbetween = ['p', [0, 0, 0]]\nstiffness = 1\n",
@@ -120,7 +120,10 @@ def with_joint(line: str) -> str:
             ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'sinh(t)'\n",
             r"drive 1: .*there is no function 'sinh'",
         ),
-        (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'k*t'\n", r"drive: 'k' is not known"),
+        (
+            ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 'k*t'\n",
+            r"drive 1: expression 'k' in expression 'k\*t': the name is not known",
+        ),
         (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 't.real'\n", r"only x and y have elements"),
         (ONE_BODY + "[[drive]]\nfreedom = 'b.s1'\neffort = 't**999'\n", r"drive 1: .*a huge power"),
         (
@@ -129,7 +132,7 @@ def with_joint(line: str) -> str:
         ),
         (
             ONE_BODY + "[[point_load]]\npoint = 'q'\nforce = [1, 2, 3]\n",
-            r"point_load: there is no point or frame 'q'",
+            r"point_load 1: there is no point or frame 'q'",
         ),
         (
             ONE_BODY + "[[potential]]\nenergy = 'y.b.s1'\n",
@@ -149,6 +152,7 @@ def test_errors(tmp_path: Path, text: str, message: str) -> None:
     [
         ("name = 'a'\nmass = \n", r"model\.toml:2: not valid TOML: Invalid value\."),
         ("name = 'a'\nname = 'b'\n", r"model\.toml:2: not valid TOML: Cannot overwrite a value\."),
+        ("name = 'a'\nx.ö = 1\n", r"model\.toml:2: .*for a key part\. A key with .* between \"quotes\"\."),
         ("name = 'a'\n\nx = [1,", r"model\.toml:3: not valid TOML: "),
         (f"mass = {'1' * 5000}\n", r"model\.toml: not valid TOML: Exceeds the limit"),
         (f"mass = {'[' * 20000}\n", r"model\.toml: its arrays are nested too deeply"),

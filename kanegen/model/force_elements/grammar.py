@@ -22,6 +22,7 @@ from collections.abc import Iterable, Sequence
 from functools import reduce
 from itertools import pairwise
 
+from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.force_elements.expression import (
@@ -142,6 +143,8 @@ class _Reader:
                 return self.node(operand, depth + 1, power)
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return Operation("negate", (self.node(operand, depth + 1, power),))
+            case ast.BinOp(op=ast.BitXor()):
+                raise self._refused(found, "a power is written with **, as in x.arm.theta1**2.")
             case ast.BinOp(left=base, op=ast.Pow(), right=exponent):
                 whole = self._exponent(exponent, power)
                 base_node = self.node(base, depth + 1, power * max(abs(whole), 1))
@@ -194,7 +197,7 @@ class _Reader:
         return Operation(_COMPARISONS[type(op)], (a, b))
 
     def _named(self, found: ast.expr, name: str) -> Node:
-        """Return pi, the time or the parameter of a name; a name must have one meaning."""
+        """Return pi, the time or the parameter of a name, which must have one meaning."""
         parameter = self._parameters.get(name)
         if parameter and name == PI:
             raise self._refused(found, "this is the number pi, but a parameter has the same name. Rename it.")
@@ -205,7 +208,14 @@ class _Reader:
             raise self._refused(found, f"one element is needed, such as {name}.arm.theta1.{hint}")
         if parameter and name == TIME:
             raise self._refused(found, "this is the time, but a parameter has the same name. Rename it.")
-        return Constant(parameter) if parameter else Variable(name)
+        if parameter:
+            return Constant(parameter)
+        if name == TIME:
+            return Variable(name)
+        hint = f" {did_you_mean(name, self._parameters)}" if self._parameters else ""
+        raise self._refused(
+            found, f"the name is not known. Write x.<coordinate>, y.<speed>, t or a parameter.{hint}"
+        )
 
     def _element(self, found: ast.expr) -> str:
         """Return `x.arm.theta1` from names with dots between them, or from a text in brackets."""
@@ -228,11 +238,12 @@ class _Reader:
                 pass
             case ast.UnaryOp(op=ast.USub(), operand=digits):
                 sign = -1
-        if not isinstance(digits, ast.Constant) or type(digits.value) is not int:
+        value = digits.value if isinstance(digits, ast.Constant) else None
+        if not isinstance(value, int | float) or isinstance(value, bool) or value % 1 != 0:
             raise self._refused(found, "an exponent is a whole number; for roots there is sqrt.")
-        if digits.value * power > MAX_EXPONENT:
+        if value * power > MAX_EXPONENT:
             raise self._refused(found, f"a huge power; together exponents reach at most {MAX_EXPONENT}.")
-        return sign * digits.value
+        return sign * int(value)
 
     def _call(self, found: ast.Call, depth: int, power: int) -> Node:
         """Return the operation of a call of one of `FUNCTIONS`."""

@@ -6,6 +6,7 @@ locking a freedom changes no element.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -83,7 +84,11 @@ def with_resolved_names(
         ModelError: If a name is unknown, or an element cannot act on the freedom or points that it names.
     """
     resolver = _Resolver(bodies, frames)
-    found = [resolver.resolved(element) for element in elements]
+    counts: Counter[str] = Counter()
+    found = []
+    for element in elements:
+        counts[element.KEY] += 1
+        found.append(resolver.resolved(element, f"{element.KEY} {counts[element.KEY]}"))
     return tuple(sorted(found, key=lambda element: KINDS.index(type(element))))
 
 
@@ -137,23 +142,23 @@ class _Resolver:
         points = {point.name: k for k, body in enumerate(bodies, start=1) for point in body.points}
         self._points = {**frames, **points}
 
-    def resolved(self, element: ForceElement) -> ForceElement:
-        """Return an element with permanent names, after a check that it can act."""
-        element = element.with_variables_renamed(lambda name: self._variable(name, element.KEY))
+    def resolved(self, element: ForceElement, label: str) -> ForceElement:
+        """Return an element with permanent names, after a check that it can act; `label` begins messages."""
+        element = element.with_variables_renamed(lambda name: self._variable(name, label))
         match element:
             case JointSpring():
-                name = self._coordinates.named(element.freedom, element.KEY)
-                self._require_rate(f"x.{name}", element.KEY)
+                name = self._coordinates.named(element.freedom, label)
+                self._require_rate(f"x.{name}", label)
                 return replace(element, freedom=name)
             case Drive() | JointFriction():
-                return replace(element, freedom=self._speeds.named(element.freedom, element.KEY))
+                return replace(element, freedom=self._speeds.named(element.freedom, label))
             case Spring():
-                self._check_ends(element)
+                self._check_ends(element, label)
             case PointLoad():
-                self._check_load(element)
+                self._check_load(element, label)
             case Potential():
                 for name in element.energy.variables:
-                    self._require_rate(name, element.KEY)
+                    self._require_rate(name, label)
         return element
 
     def _variable(self, name: str, label: str) -> str:
@@ -178,28 +183,28 @@ class _Resolver:
                 f"'{body.name}.omega1' to 'omega3'."
             )
 
-    def _check_load(self, load: PointLoad) -> None:
+    def _check_load(self, load: PointLoad, label: str) -> None:
         """Raise a `ModelError` if a load is on the ground, or in components of a frame of another body."""
-        k = self._body(load.point, load.KEY)
+        k = self._body(load.point, label)
         if not k:
             raise ModelError(
-                f"{load.KEY}: {quoted(load.point)} is fixed to the ground, where a load does nothing. Name a "
+                f"{label}: {quoted(load.point)} is fixed to the ground, where a load does nothing. Name a "
                 "point or frame of a body."
             )
         if load.frame and self._frames.get(load.frame) != k:
             own = [name for name, body in self._frames.items() if body == k]
             raise ModelError(
-                f"{load.KEY} at {quoted(load.point)}: its body has no frame {quoted(load.frame)}. "
+                f"{label} at {quoted(load.point)}: its body has no frame {quoted(load.frame)}. "
                 f"{did_you_mean(load.frame, own)}"
             )
 
-    def _check_ends(self, spring: Spring) -> None:
+    def _check_ends(self, spring: Spring, label: str) -> None:
         """Raise a `ModelError` if both ends of a spring are on one body."""
-        first, second = (self._body(end, spring.KEY) if isinstance(end, str) else 0 for end in spring.between)
+        first, second = (self._body(end, label) if isinstance(end, str) else 0 for end in spring.between)
         if first == second:
             one, two = (repr(end) if isinstance(end, str) else "the ground" for end in spring.between)
             raise ModelError(
-                f"spring between {one} and {two}: both ends are on one body, so it would do nothing. Name "
+                f"{label} between {one} and {two}: both ends are on one body, so it would do nothing. Name "
                 "points of two bodies, or a place [x, y, z] of the ground."
             )
 
