@@ -140,7 +140,10 @@ def with_permanent_names(couplings: Iterable[Coupling], bodies: Sequence[Body]) 
             return f"{bodies[freedom.body - 1].name}.{FREEDOMS[freedom.index]}"
 
         pairs = tuple((permanent(other), factor) for other, factor in coupling.pairs)
-        named.append(Coupling(permanent(coupling.freedom), pairs, coupling.offset))
+        freedom = permanent(coupling.freedom)
+        if freedom in dict(pairs):
+            raise ModelError(f"{label}: it follows itself. Name freedoms that move without it.")
+        named.append(Coupling(freedom, pairs, coupling.offset))
     validation.unique("coupled freedom", [coupling.freedom for coupling in named])
     for coupling in named:
         if bodies[known[coupling.freedom].body - 1].joint.prescribed[known[coupling.freedom].index]:

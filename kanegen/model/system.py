@@ -63,11 +63,11 @@ class System(SystemVariations):
         validation.store(self, poses=output_rows.poses(self.frame, self.poses))
         if self.reactions is not None:
             validation.store(self, reactions=self._reactions(self.reactions))
+        names = (*self.freedom_names, *self.prescribed_names, *self.coupled_names)
         if not self.freedoms:
             states = ["locked"] + ["prescribed"] * bool(self.prescribed) + ["coupled"] * bool(self.couplings)
             state = " or ".join(states)
             raise ModelError(f"system {quoted(self.name)} has no free freedom: every joint is {state}.")
-        names = (*self.freedom_names, *self.prescribed_names, *self.coupled_names)
         validation.unique("freedom name", names)
         validation.unique("coordinate name", self.coordinate_names)
         validation.unique("speed name", self.speed_names)

@@ -98,7 +98,7 @@ def test_errors_in_files(tmp_path: Path, lines: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("couplings", "message"),
     [
-        ([("a", {"a": 1.0})], r"'link0.theta3' follows 'link0.theta3': a circle"),
+        ([("a", {"a": 1.0})], r"coupling of 'a': it follows itself\. Name freedoms that move without it"),
         (
             [("a", {"d": 1.0}), ("b", {"c": 1.0}), ("c", {"b": 1.0})],
             r"there is no freedom 'd'\. .*'link3\.theta3'",
@@ -116,6 +116,13 @@ def test_errors_in_files(tmp_path: Path, lines: str, message: str) -> None:
 def test_what_is_refused(couplings: list[tuple[str, dict[str, float]]], message: str) -> None:
     with pytest.raises(kg.ModelError, match=message):
         arm().with_couplings(*(kg.Coupling(*one) for one in couplings))
+
+
+def test_a_circle_of_all_freedoms_is_named_as_one() -> None:
+    names = arm().freedom_names
+    pairs = zip(names, (*names[1:], names[0]), strict=True)
+    with pytest.raises(kg.ModelError, match=r": a circle\. Leave one coupling out"):
+        arm().with_couplings(*(kg.Coupling(one, {other: 1.0}) for one, other in pairs))
 
 
 def test_prescribed_freedoms_may_be_followed_but_do_not_follow() -> None:
