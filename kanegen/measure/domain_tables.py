@@ -57,6 +57,7 @@ def set_ranges(
     Raises:
         OptionError: If a key is unknown or a value is no range.
     """
+    table = _without_nesting(table)
     require_known_keys(where, table, (*units, *UNITS_OF_KINDS))
     for kind, unit in UNITS_OF_KINDS.items():
         if kind in table and kind not in units:
@@ -93,6 +94,7 @@ def set_load_ranges(
     Raises:
         OptionError: If a key is unknown or a value is no range.
     """
+    table = _without_nesting(table)
     require_known_keys(where, table, (*rows, *((ALL_ROWS,) if rows else ())))
     for key in sorted(table, key=lambda key: key != ALL_ROWS):
         for name, row in rows.items():
@@ -121,6 +123,18 @@ def require_known_keys(where: str, table: Mapping[str, Any], known: tuple[str, .
     for key in table:
         if key not in known:
             raise OptionError(f"{where}: unknown key {quoted(key)}. {did_you_mean(key, known)}")
+
+
+def _without_nesting(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table whose tables of ranges are ranges by names with dots.
+
+    TOML takes the dots in `x.head.e0 = [0, 1]` for tables in each other; the name in {x} is "head.e0".
+    """
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        inner = _without_nesting(value) if isinstance(value, Mapping) else {}
+        found |= {f"{key}.{name}": own for name, own in inner.items()} if inner else {key: value}
+    return found
 
 
 def finite_number(where: str, value: Any) -> float:

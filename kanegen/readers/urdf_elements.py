@@ -207,8 +207,9 @@ def _unique(items: Sequence[_Item], kind: str) -> dict[str, _Item]:
 
 def _name(element: Element) -> str:
     """Return the name of a robot, a link or a joint, without blanks around it."""
+    name = element.text("name")
     try:
-        return check_label(element.text("name"), f"name of this <{element.tag}>")
+        return check_label(name, f"name of this <{element.tag}>")
     except ModelError as error:
         raise element.error(str(error)) from None
 

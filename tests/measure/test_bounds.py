@@ -31,6 +31,7 @@ from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
 from tests.support.bound_search import MARGIN, Search
 from tests.support.cases import slow_except
+from tests.support.orientation_trees import with_quaternions
 
 MODELS = Path("models")
 OUTPUTS = ("mass_matrix", "inverse_dynamics")
@@ -430,3 +431,22 @@ def test_inputs_that_are_rounded_to_single_precision_stay_in_the_box() -> None:
     assert (ends.low.astype(np.float32) == ends.low).all() and (
         ends.high.astype(np.float32) == ends.high
     ).all()
+
+
+def test_names_with_dots_stand_in_domains_as_they_are() -> None:
+    """TOML takes the dots of `x.body1.e0` for tables in each other."""
+    system = with_quaternions(1)
+    name = next(name for name in system.coordinate_names if name.endswith(".e0"))
+    speed = system.speed_names[0]
+    text = f"x.{name} = [0.5, 1.0]; y.{speed} = 2.0"
+    quoted = f'x."{name}" = [0.5, 1.0]; y."{speed}" = 2.0'
+    box, same = (read_domain(one, system) for one in (text, quoted))
+    place = system.coordinate_names.index(name)
+    assert (box.low["x"][place], box.high["x"][place]) == (0.5, 1.0)
+    assert box.low["y"][0] == box.high["y"][0] == 2.0
+    for key, low in box.low.items():
+        assert (low == same.low[key]).all()
+        assert (box.high[key] == same.high[key]).all()
+    body = name.partition(".")[0]
+    with pytest.raises(OptionError, match=rf"unknown key '{body}\.e7'"):
+        read_domain(f"x.{body}.e7 = 1", system)

@@ -130,7 +130,7 @@ MASS = '<mass value="1.3"/>'
         ),
         (
             '<link name="${x}"/>',
-            r":2: <link name>: '\$\{x\}' is a xacro expression\. Run xacro on the file first",
+            r"^[^:]+:2: <link name>: '\$\{x\}' is a xacro expression\. Run xacro on the file first",
         ),
         ('<link name="$(arg x)"/>', r"'\$\(arg x\)' is a xacro expression\."),
         ("<visual><a><xacro:if/></a></visual>", r"<xacro:if> is a xacro instruction\. Run xacro"),
