@@ -18,6 +18,7 @@ from kanegen.library.simulation.simulate import ADAPTIVE, FIXED
 from kanegen.options import TIERS, Variant
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
+from kanegen.program.precision import precision_named
 from tests.support import systems
 from tests.support.c_compilers import CPP, WARNINGS, C, code, run
 from tests.support.handmade import F, Listing, X, description, source
@@ -204,6 +205,28 @@ def test_a_batch_names_the_first_state_of_each_kind() -> None:
     assert f"in {doubtful} of 64 states the result is not accurate; in state {kinds.index(INACCURATE)} " in (
         batch.message
     )
+
+
+@pytest.mark.parametrize("variant", ["double", "float", "double-double"])
+def test_a_quaternion_without_length_is_named_and_not_blamed_on_the_mass_matrix(variant: str) -> None:
+    system = systems.chain(2, ("theta1", "theta2", "theta3")).with_coordinates("quaternion")
+    outputs = ("mass_matrix", "forcing", "forward_dynamics")
+    library = kg.build(system, outputs, tier=VARIANTS[variant], flags=QUICK)
+    precision = precision_named(library.storage)
+
+    def stored(values: list[float]) -> np.ndarray:
+        return precision.from_doubles(np.array(values))
+
+    x, y = stored([1.0, 0, 0, 0, 0, 0, 0, 0]), stored([0.0] * 6)
+    clause = "x has a quaternion of length 0, which is no orientation: 'body2.e0' to 'body2.e3'"
+    with pytest.raises(kg.SingularError, match=clause) as error:
+        library.forward_dynamics(x, y)
+    assert "singular" not in str(error.value)
+    with pytest.warns(kg.KanegenWarning, match=clause):
+        library.mass_matrix(np.stack([x, x]))
+    tiny = stored([1.0, 0, 0, 0, 1e-30 if variant == "float" else 1e-170, 0, 0, 0])
+    with pytest.raises(kg.SingularError, match=r"a length whose square is 0\.0, which is no orientation"):
+        library.forward_dynamics(tiny, y)
 
 
 def test_rules_are_checked_and_kept() -> None:

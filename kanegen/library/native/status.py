@@ -144,6 +144,8 @@ class Status:
         failure: Clause on the state where the quantity is not positive, such as "[A] is singular".
         outputs: Arrays of the results.
         force_elements: One line of text for each force element that is undefined in some state.
+        homogeneous: For each orientation by homogeneous coordinates, such as a quaternion, the names of these
+            coordinates by their places in {x}.
     """
 
     name: str
@@ -153,6 +155,7 @@ class Status:
     failure: str
     outputs: tuple[Array, ...]
     force_elements: tuple[str, ...]
+    homogeneous: tuple[Mapping[int, str], ...] = ()
 
     @classmethod
     def of(cls, function: Function, model: ModelDescription) -> Status:
@@ -166,6 +169,9 @@ class Status:
             failure=" or ".join(condition.failure for condition in function.conditions),
             outputs=function.outputs,
             force_elements=() if function.name == PREPARE else model.undefined_somewhere,
+            homogeneous=tuple(
+                {place: model.coordinate_names[place] for place in places} for places in model.homogeneous
+            ),
         )
 
     def of_state(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> StatusReport:
@@ -227,7 +233,7 @@ class Status:
         if self._kind(status) == MISSING:
             return (
                 f"the {self.quantity} at {self._freedom(status - 1)} is not positive or is NaN: "
-                f"{_unless_finite(inputs) or self.failure + ' in this state'}."
+                f"{self._bad_input(inputs) or self.failure + ' in this state'}."
             )
         if status < 0:
             return (
@@ -242,10 +248,29 @@ class Status:
             place = _first_infinite(values)
             if place is not None:
                 where = f", at {self._freedom(place[0])}" if array.of_freedoms else ""
-                cause = _unless_finite(inputs)
+                cause = self._bad_input(inputs)
                 reason = f", because {cause}." if cause else self._hint()
                 return f"{_element(array.name, values, place)}{where}{reason}"
         return "a result is not finite."
+
+    def _bad_input(self, inputs: Mapping[str, Floats]) -> str:
+        """Return the clause on an input that has no results in any model: "" if there is none.
+
+        Such an input is infinite or NaN, or a quaternion without a length.
+        """
+        if clause := _unless_finite(inputs):
+            return clause
+        for names in self.homogeneous if "x" in inputs else ():
+            values = inputs["x"][list(names)]
+            if values.ndim > 1:  # pairs of doubles; the first one is the number to double precision
+                values = values[:, 0]
+            with np.errstate(all="ignore"):
+                square = (values * values).sum()
+            first, *_, last = names.values()
+            if square == 0 or not np.isfinite(square):
+                size = "length 0" if not values.any() else f"a length whose square is {square}"
+                return f"x has a quaternion of {size}, which is no orientation: {first!r} to {last!r}"
+        return ""
 
     def _hint(self) -> str:
         """Return the end of a sentence on a result that is not finite although all inputs are."""
