@@ -147,13 +147,15 @@ def _contents(system: System) -> dict[str, Any]:
         "freedoms": _directions(system.freedom_names, system.freedoms),
         "prescribed": _directions(system.prescribed_names, system.prescribed),
         "coupled": _directions(system.coupled_names, [one.freedom for one in system.coupled]),
-        "couplings": [coupling.as_table() for coupling in system.couplings],
-        "rotors": [rotor.as_table() for rotor in system.rotors],
+        "couplings": [coupling.as_table() for coupling in system.named_couplings],
+        "rotors": [rotor.as_table() for rotor in system.named_rotors],
         "speeds": list(system.speed_names),
         "poses": list(system.pose_names),
         "reactions": [_reaction(row) for row in system.reaction_rows],
         "parameters": {parameter.name: parameter.value for parameter in system.parameters},
-        "force_elements": [{"kind": element.KEY, **element.as_table()} for element in system.force_elements],
+        "force_elements": [
+            {"kind": element.KEY, **element.as_table()} for element in system.named_force_elements
+        ],
     }
 
 

@@ -100,7 +100,11 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
     if system.parameters:
         yield "Parameters", ", with their defaults", _parameters(system)
     if system.force_elements:
-        yield "Force elements", "", escape("\n".join(element.summary for element in system.force_elements))
+        yield (
+            "Force elements",
+            "",
+            escape("\n".join(element.summary for element in system.named_force_elements)),
+        )
     yield "Operations", " of one evaluation", _costs(summary)
 
 

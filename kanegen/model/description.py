@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -13,12 +13,15 @@ import numpy as np
 from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.model.coordinates import FREEDOMS, NOTES, Freedom
 from kanegen.model.coupled_limits import with_coupled_limits
+from kanegen.model.coupling import Coupling
+from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.expression import TIME
+from kanegen.model.force_elements.names import with_names_of_freedoms
 from kanegen.model.frame import Frame
 from kanegen.model.limits import SystemLimits
 from kanegen.model.numbers import Number, Parameter, map_numbers, toml_number
 from kanegen.model.reaction import Reaction, every_reaction, reaction_rows
-from kanegen.model.rotor import MountedRotor, mounted_rotors
+from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 from kanegen.model.system_coordinates import SystemCoordinates
 
 
@@ -60,7 +63,40 @@ class SystemDescription(SystemCoordinates):
             for name, value, freedom in armature
             if value
         ]
-        return (*lines, *(f"rotor {rotor.summary}" for rotor in self.rotors))
+        return (*lines, *(f"rotor {rotor.summary}" for rotor in self.named_rotors))
+
+    @cached_property
+    def _names_of_freedoms(self) -> dict[str, str]:
+        """The names of freedoms that move, such as `freedom_names` has, by permanent names."""
+        return {
+            f"{self.bodies[one.body - 1].name}.{FREEDOMS[one.index]}": self._freedom_name(one)
+            for one in self.moving_places
+        }
+
+    @property
+    def named_rotors(self) -> tuple[Rotor, ...]:
+        """The rotors, with the names of freedoms that `freedom_names` has."""
+        names = self._names_of_freedoms
+        return tuple(replace(one, freedom=names.get(one.freedom, one.freedom)) for one in self.rotors)
+
+    @property
+    def named_couplings(self) -> tuple[Coupling, ...]:
+        """The couplings, with the names of freedoms that `freedom_names` has."""
+        names = self._names_of_freedoms
+        return tuple(
+            Coupling(
+                names[one.freedom], tuple((names[name], factor) for name, factor in one.pairs), one.offset
+            )
+            for one in self.couplings
+        )
+
+    @property
+    def named_force_elements(self) -> tuple[ForceElement, ...]:
+        """The force elements, with the names of freedoms that `freedom_names` has.
+
+        In `force_elements` every name is `<body>.<freedom>`, which stays when a freedom is locked.
+        """
+        return with_names_of_freedoms(self.force_elements, self._names_of_freedoms)
 
     @cached_property
     def depends_on_time(self) -> bool:
@@ -130,11 +166,7 @@ class SystemDescription(SystemCoordinates):
     @cached_property
     def coupling_equations(self) -> tuple[str, ...]:
         """One line for each coupling, with the names of freedoms that `freedom_names` has."""
-        names = {
-            f"{self.bodies[one.body - 1].name}.{FREEDOMS[one.index]}": self._freedom_name(one)
-            for one in self.in_couplings
-        }
-        return tuple(coupling.equation(names) for coupling in self.couplings)
+        return tuple(coupling.equation() for coupling in self.named_couplings)
 
     @cached_property
     def limits(self) -> SystemLimits:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -110,3 +111,35 @@ def test_functions_and_comparisons_are_counted_in_columns_of_their_own(tmp_path:
     passes = [line.split() for line in lines if "this after" in line]
     assert passes
     assert all(row[-2:] == ["1", "1"] for row in passes)
+
+
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
+def test_freedoms_have_the_names_of_the_file_everywhere(tmp_path: Path) -> None:
+    path = tmp_path / "m.toml"
+    path.write_text(
+        "".join(
+            f'[[body]]\nname = "{body}"\nconnection = "{lower}"\nmass = 1\nmass_center = [0.5, 0, 0]\n'
+            f'inertia = [0.1, 0.1, 0.1]\njoint.free = ["theta2"]\njoint.name = "{joint}"\n'
+            for body, lower, joint in (
+                ("arm", "ground", "q"),
+                ("hand", "arm", "my wrist"),
+                ("tip", "hand", "r"),
+            )
+        )
+        + '[[rotor]]\nname = "motor"\nfreedom = "arm.theta2"\naxis = [0, 1, 0]\ninertia = 1e-4\nratio = 100\n'
+        '[[joint_spring]]\nfreedom = "q"\nstiffness = 2\n[[joint_friction]]\nfreedom = "my wrist"\n'
+        'friction = 1\nsmoothing = 0.01\n[[drive]]\nfreedom = "arm.theta2"\n'
+        """effort = 'sin(x["my wrist"]) + y.hand.theta2 + t'\n"""
+        '[[coupling]]\nfreedom = "tip.theta2"\nterms = {q = 2}\n'
+    )
+    done = kanegen("info", str(path))
+    facts = json.loads(kanegen("info", str(path), "--json").stdout)
+    for text in (done.stdout, json.dumps([facts[key] for key in ("rotors", "couplings", "force_elements")])):
+        assert not any(f"{body}.theta2" in text for body in ("arm", "hand", "tip"))
+    assert "turns 100.0 times q\n" in done.stdout
+    assert 'drive: freedom = q, effort = sin(x["my wrist"]) + y["my wrist"] + t' in done.stdout
+    assert "joint_friction: freedom = my wrist" in done.stdout
+    assert "r = 2.0 q" in done.stdout
+    assert facts["couplings"] == [{"freedom": "r", "terms": {"q": 2.0}}]
+    system = load(path)
+    assert system == replace(system, force_elements=system.named_force_elements, rotors=system.named_rotors)

@@ -92,6 +92,28 @@ def with_resolved_names(
     return tuple(sorted(found, key=lambda element: KINDS.index(type(element))))
 
 
+def with_names_of_freedoms(
+    elements: Iterable[ForceElement], names: Mapping[str, str]
+) -> tuple[ForceElement, ...]:
+    """Return the elements with other names for some freedoms, also in expressions, for people to read.
+
+    Args:
+        elements: The elements of a system.
+        names: Other names by permanent names, `<body>.<freedom>`.
+    """
+
+    def renamed(variable: str) -> str:
+        return variable[:2] + names.get(variable[2:], variable[2:])
+
+    found = []
+    for element in elements:
+        changed = element.with_variables_renamed(renamed)
+        if isinstance(changed, JointSpring | JointFriction | Drive):
+            changed = replace(changed, freedom=names.get(changed.freedom, changed.freedom))
+        found.append(changed)
+    return tuple(found)
+
+
 def referenced_variables(elements: Iterable[ForceElement]) -> set[str]:
     """Return the variables in expressions of elements, and x and y of the freedoms on which elements act."""
     found: set[str] = set()
