@@ -22,7 +22,8 @@ from sympy import Expr, ImmutableMatrix, Symbol
 from kanegen.errors import OptionError, counted
 from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.system import System
-from kanegen.symbolic.closed.form import ClosedForm, close
+from kanegen.symbolic.closed.form import ClosedForm, close, has_rounded_rotations
+from kanegen.symbolic.closed.named_numbers import NamedNumbers, with_named_numbers
 from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.force_elements import ElementForces
@@ -171,9 +172,13 @@ class Equations:
                 "equations.definitions."
             )
         literal = derive(self.system, intermediates=False)
-        f = total([*(body.forcing for body in literal.bodies), literal._motors.forcing])
+        named, numbers = literal, NamedNumbers()
+        if has_rounded_rotations(literal.bodies):
+            system, numbers = with_named_numbers(self.system)
+            named = derive(system, intermediates=False)
+        f = total([*(body.forcing for body in named.bodies), named._motors.forcing])
         motion = [*literal.y, *self.loads, *self.prescribed[1:, :]]
-        closed = close(literal.A, f, literal.bodies, motion)
+        closed = close(named.A, f, literal.bodies, motion, numbers)
         operations = sum(sympy.count_ops(entry) for entry in literal.element_forces)
         if operations > MOST_OPERATIONS or literal.definitions:
             raise OptionError(

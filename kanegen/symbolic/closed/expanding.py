@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
@@ -23,9 +23,14 @@ class Expander:
     Attributes:
         sums: Sum of the angles of the parallel hinges inward of a hinge, by the angle of this hinge. Sines
             and cosines of such angles are expanded in those of sums, which keeps the number of terms small.
+        values: Values of the symbols that stand for numbers of the model, without signs their sizes.
+        signed: Whether terms have their signs. Without signs none cancel, and every coefficient is the sum of
+            the sizes of the terms that are added up in the coefficient with signs.
     """
 
     sums: Mapping[Expr, Expr]
+    values: Mapping[Expr, Fraction] = field(default_factory=dict)
+    signed: bool = True
     _known: dict[Expr, Polynomial] = field(default_factory=dict)
 
     def polynomial(self, expr: Expr) -> Polynomial:
@@ -41,26 +46,32 @@ class Expander:
 
     def _expand(self, expr: Expr) -> Polynomial:
         """Return a sum, product, power or factor as a polynomial."""
-        if expr.is_Number:
-            return {(): fraction(expr)} if expr else {}
+        if expr.is_Number or expr in self.values:
+            value = self.values[expr] if expr in self.values else fraction(expr)
+            return {(): value if self.signed else abs(value)} if value else {}
         if expr.is_Add:
             return add(self.polynomial(argument) for argument in expr.args)
         if expr.is_Mul:
-            return reduce(reduced_product, (self.polynomial(argument) for argument in expr.args))
+            return self._product([self.polynomial(argument) for argument in expr.args])
         if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
-            return reduce(reduced_product, [self.polynomial(expr.base)] * int(expr.exp))
+            return self._product([self.polynomial(expr.base)] * int(expr.exp))
         if expr.func in (sin, cos) and expr.args[0] in self.sums:
-            return _of_difference(expr.func, self.sums[expr.args[0]] + expr.args[0], self.sums[expr.args[0]])
+            return self._of_difference(
+                expr.func, self.sums[expr.args[0]] + expr.args[0], self.sums[expr.args[0]]
+            )
         return {((expr, 1),): Fraction(1)}
 
+    def _product(self, factors: Iterable[Polynomial]) -> Polynomial:
+        """Return the product of polynomials without squares of sines."""
+        return reduce(lambda a, b: reduced_product(a, b, signed=self.signed), factors)
 
-def _of_difference(function: type[Expr], a: Expr, b: Expr) -> Polynomial:
-    """Expand sin(a - b) or cos(a - b) by the addition theorems."""
-    other, sign = (cos, -1) if function is sin else (sin, 1)
-    return {
-        monomial([(function(a), 1), (cos(b), 1)]): Fraction(1),
-        monomial([(other(a), 1), (sin(b), 1)]): Fraction(sign),
-    }
+    def _of_difference(self, function: type[Expr], a: Expr, b: Expr) -> Polynomial:
+        """Expand sin(a - b) or cos(a - b) by the addition theorems."""
+        other, sign = (cos, -1) if function is sin else (sin, 1)
+        return {
+            monomial([(function(a), 1), (cos(b), 1)]): Fraction(1),
+            monomial([(other(a), 1), (sin(b), 1)]): Fraction(sign if self.signed else 1),
+        }
 
 
 def parallel_sums(bodies: tuple[BodyEquations, ...]) -> dict[Expr, Expr]:

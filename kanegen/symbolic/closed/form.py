@@ -13,10 +13,19 @@ from fractions import Fraction
 
 from sympy import Expr, Float, ImmutableMatrix
 
+from kanegen.errors import OptionError
 from kanegen.symbolic.closed.angle_sums import shortest
 from kanegen.symbolic.closed.collecting import collected
 from kanegen.symbolic.closed.expanding import Expander, parallel_sums
-from kanegen.symbolic.closed.polynomials import Monomial, Polynomial, add, monomial, readable
+from kanegen.symbolic.closed.named_numbers import NamedNumbers
+from kanegen.symbolic.closed.polynomials import (
+    Monomial,
+    Polynomial,
+    add,
+    monomial,
+    readable,
+    without_cancelled,
+)
 from kanegen.symbolic.literal.dynamics import BodyEquations
 
 
@@ -34,7 +43,11 @@ class ClosedForm:
 
 
 def close(
-    A: ImmutableMatrix, f: ImmutableMatrix, bodies: tuple[BodyEquations, ...], motion: Collection[Expr]
+    A: ImmutableMatrix,
+    f: ImmutableMatrix,
+    bodies: tuple[BodyEquations, ...],
+    motion: Collection[Expr],
+    numbers: NamedNumbers,
 ) -> ClosedForm:
     """Return the closed form of [A] and {f}.
 
@@ -43,11 +56,12 @@ def close(
         f: (n, 1) {f} without intermediates.
         bodies: The equations of all bodies.
         motion: Speeds, loads and prescribed motion, by whose products the terms of an entry may be grouped.
+        numbers: The symbols in [A] and {f} that stand for numbers of the model.
 
     Raises:
         OptionError: If an entry grows too long to be read.
     """
-    simplifier = Simplifier(parallel_sums(bodies), frozenset(motion), _has_rounded_rotations(bodies))
+    simplifier = Simplifier(parallel_sums(bodies), frozenset(motion), has_rounded_rotations(bodies), numbers)
     for entry in (*f, *A):  # an entry that is too long is found before any is simplified
         simplifier.expand(entry)
     n = A.shape[0]
@@ -58,7 +72,7 @@ def close(
     )
 
 
-def _has_rounded_rotations(bodies: tuple[BodyEquations, ...]) -> bool:
+def has_rounded_rotations(bodies: tuple[BodyEquations, ...]) -> bool:
     """Return whether a constant orientation holds floats like 0.7071..., by which 1 may become 1 - 2e-16."""
     return any(entry.has(Float) for body in bodies for entry in body.relative_rotation)
 
@@ -69,11 +83,20 @@ class Simplifier:
     Args:
         sums: Sum of the angles of parallel hinges inward of a hinge, by its angle; see `Expander.sums`.
         motion: Speeds, loads and prescribed motion.
-        rounded: Whether coefficients within rounding of a short decimal number are replaced by it.
+        rounded: Whether coefficients that only rounding keeps from zero are dropped, and those within
+            rounding of a short decimal number are replaced by it.
+        numbers: Symbols that stand for numbers of the model.
     """
 
-    def __init__(self, sums: Mapping[Expr, Expr], motion: Collection[Expr], rounded: bool) -> None:
-        self._expander = Expander(sums)
+    def __init__(
+        self,
+        sums: Mapping[Expr, Expr],
+        motion: Collection[Expr],
+        rounded: bool,
+        numbers: NamedNumbers,
+    ) -> None:
+        self._expander = Expander(sums, numbers.values)
+        self._sizes = Expander(sums, numbers.sizes, signed=False)
         self._motion = motion
         self._rounded = rounded
         self._shortest: dict[tuple[tuple[Monomial, Fraction], ...], Polynomial] = {}
@@ -84,7 +107,15 @@ class Simplifier:
         Raises:
             OptionError: If it has too many terms.
         """
-        return self._expander.polynomial(expr)
+        polynomial = self._expander.polynomial(expr)
+        return without_cancelled(polynomial, self._sizes_of(expr)) if self._rounded else polynomial
+
+    def _sizes_of(self, expr: Expr) -> Polynomial:
+        """Return the sizes of the terms that `expr` adds up, by monomial; none where there are too many."""
+        try:
+            return self._sizes.polynomial(expr)
+        except OptionError:
+            return {}
 
     def simplify(self, expr: Expr) -> Expr:
         """Return an equal expression that is short enough to read.

@@ -26,8 +26,9 @@ MOST_TERMS = 500
 """Number of terms up to which a polynomial is worth writing out."""
 
 CANCELLED = Fraction(1, 10**14)
-"""Ratio of a sum to its last term below which the sum counts as zero: squares of rounded rotations, such as
-0.7071..., do not add up to one exactly."""
+"""Ratio of a sum to its last term, or to the sum of the sizes of its terms, below which it counts as zero:
+squares of rounded rotations, such as 0.7071..., do not add up to one exactly. A term is a product of about a
+dozen numbers, each rounded a few times when a file was read: fewer than 90 roundings of 2^-53, or 1e-14."""
 
 READABLE_DIGITS = 12
 """Number of digits of a decimal number that replaces a coefficient within rounding of it."""
@@ -89,8 +90,24 @@ def _add_term(result: dict[Monomial, Fraction], term: Monomial, value: Fraction)
         result.pop(term, None)
 
 
-def eliminate(polynomial: Polynomial, function: type[Expr], other: type[Expr], angle: Expr) -> Polynomial:
-    """Replace even powers of function(angle) by function^2 = 1 - other^2."""
+def without_cancelled(polynomial: Polynomial, sizes: Polynomial) -> Polynomial:
+    """Return a polynomial without coefficients that are smaller than the rounding errors of their terms.
+
+    Args:
+        polynomial: The polynomial.
+        sizes: For each monomial the sum of the sizes of the terms whose sum its coefficient is.
+    """
+    return {
+        term: value
+        for term, value in polynomial.items()
+        if abs(value) > CANCELLED * sizes.get(term, Fraction(0))
+    }
+
+
+def eliminate(
+    polynomial: Polynomial, function: type[Expr], other: type[Expr], angle: Expr, *, signed: bool = True
+) -> Polynomial:
+    """Replace even powers of function(angle) by function^2 = 1 - other^2, or by 1 + other^2 without signs."""
     factor, square = function(angle), ((other(angle), 2),)
     parts: list[Polynomial] = []
     for term, coefficient in polynomial.items():
@@ -99,17 +116,17 @@ def eliminate(polynomial: Polynomial, function: type[Expr], other: type[Expr], a
             parts.append({term: coefficient})
             continue
         rest = monomial([*((f, p) for f, p in term if f != factor), (factor, power % 2)])
-        complement: Polynomial = {(): Fraction(1), square: Fraction(-1)}
+        complement: Polynomial = {(): Fraction(1), square: Fraction(-1 if signed else 1)}
         parts.append(reduce(multiply, [complement] * (power // 2), {rest: coefficient}))
     return add(parts)
 
 
-def reduced_product(a: Polynomial, b: Polynomial) -> Polynomial:
-    """Return the product of two polynomials without squares of sines."""
+def reduced_product(a: Polynomial, b: Polynomial, *, signed: bool = True) -> Polynomial:
+    """Return the product of two polynomials without squares of sines; `signed` as in `eliminate`."""
     result = multiply(a, b)
     angles = {f.args[0] for term in result for f, power in term if power > 1 and f.func is sympy.sin}
     for angle in sorted(angles, key=str):
-        result = eliminate(result, sympy.sin, sympy.cos, angle)
+        result = eliminate(result, sympy.sin, sympy.cos, angle, signed=signed)
     return result
 
 
