@@ -64,19 +64,15 @@ class Coupling:
         """The terms as (name, factor) pairs."""
         return tuple(self.terms.items()) if isinstance(self.terms, Mapping) else self.terms
 
-    def equation(self, names: Mapping[str, str] | None = None) -> str:
+    def equation(self) -> str:
         """Return the equation in one line, as comments in generated code and `kanegen info` show it.
-
-        Args:
-            names: Other names for some of the freedoms.
 
         Example:
             kg.Coupling("left", {"right": -1.0}, 0.5).equation()  # "left = -1.0 right + 0.5"
         """
-        shown = names or {}
-        parts = [f"{toml_number(factor)} {shown.get(name, name)}" for name, factor in self.pairs]
+        parts = [f"{toml_number(factor)} {name}" for name, factor in self.pairs]
         parts += [str(toml_number(self.offset))] if self.offset != 0 else []
-        return f"{shown.get(self.freedom, self.freedom)} = {' + '.join(parts)}"
+        return f"{self.freedom} = {' + '.join(parts)}"
 
     def numbers(self) -> Iterator[Number]:
         """Yield the factors, then the offset.
