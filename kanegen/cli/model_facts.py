@@ -24,6 +24,8 @@ class ModelFacts:
     Attributes:
         frames: Names of the frames that are fixed in each body or in the ground, by its name. In a robot file
             these are the links that are welded to it, and sensors and tools.
+        other_names: Further names of these frames and of bodies, such as those of joints, with the frame or
+            body that each means.
         turned: Names of bodies whose frame of the model is turned against the one that users see.
         massless: Names of bodies without mass and inertia.
         limits: Limits of position, speed and effort by freedom, those that are finite; None for an open end.
@@ -32,6 +34,7 @@ class ModelFacts:
     """
 
     frames: dict[str, tuple[str, ...]]
+    other_names: dict[str, str]
     turned: tuple[str, ...]
     massless: tuple[str, ...]
     limits: dict[str, dict[str, Any]]
@@ -42,6 +45,7 @@ class ModelFacts:
         """Return all facts as plain data for JSON."""
         return {
             "frames": {body: list(names) for body, names in self.frames.items()},
+            "other_names_of_frames": self.other_names,
             "turned": list(self.turned),
             "bodies_without_mass": list(self.massless),
             "limits": self.limits,
@@ -56,6 +60,10 @@ class ModelFacts:
         """
         if self.frames:
             yield from self._frames(verbose)
+        if verbose and self.other_names:
+            count = counted(len(self.other_names), "frame has", "frames have")
+            yield f"{count} the place of another frame, as that of a joint has the place of its body:"
+            yield from (f"  {name} is {other}" for name, other in self.other_names.items())
         if self.turned:
             bodies = counted(len(self.turned), "body has", "bodies have")
             yield (
@@ -90,12 +98,17 @@ def model_facts(system: System, left_out: Sequence[str]) -> ModelFacts:
     own = {body.name for body in system.bodies}
     names = [GROUND, *(body.name for body in system.bodies)]
     frames: dict[str, list[str]] = {}
+    other_names: dict[str, str] = {}
     for frame in system.frames:
-        is_other_name = frame.frame and frame.is_trivial
-        if frame.name not in own and not is_other_name:
+        if frame.name in own:
+            continue
+        if frame.frame and frame.is_trivial:
+            other_names[frame.name] = frame.frame
+        else:
             frames.setdefault(names[frame.body], []).append(frame.name)
     return ModelFacts(
         frames={body: tuple(found) for body, found in frames.items()},
+        other_names=other_names,
         turned=tuple(f.name for f in system.frames if f.name in own and f.orientation != IDENTITY),
         massless=tuple(
             body.name

@@ -24,7 +24,7 @@ from kanegen.program.passes import savings
 from kanegen.studies.explain.exactness import STATES
 
 WIDEST = 2**16
-"""Characters of a line of the tree; rich would cut off lines wider than the screen."""
+"""Characters of a line of a tree or a table; rich would cut off lines wider than the screen."""
 
 SYMBOLS = {"mass_matrix": "[A]", "forcing": "{f}", "ydot": "{ydot}"}
 """The letters of the notes by the names of the results that exact right angles change."""
@@ -43,12 +43,14 @@ def show(summary: Summary, console: Console, verbose: bool = False) -> None:
     freedoms = counted(len(system.freedoms), "freedom")
     gravity = ", ".join(_text(value) for value in system.gravity)
     console.print(f"[bold]{escape(system.name)}[/]: {bodies}, {freedoms}, gravity ({gravity}) m/s^2\n")
-    drawing = console.render(_tree(system), console.options.update_width(WIDEST))
-    console.print(Segments(drawing), soft_wrap=True)
+    _print_whole(_tree(system), console)
     _show_facts(summary.facts, console, verbose)
     for title, remark, content in _sections(summary):
         console.print(f"\n[bold]{title}[/]{remark}")
-        console.print(content)
+        if isinstance(content, Table):
+            _print_whole(content, console)
+        else:
+            console.print(content)
     if summary.uncounted:
         text = f"further outputs, counted with --all: {', '.join(summary.uncounted)}"
         console.print(escape(text), soft_wrap=True)
@@ -65,6 +67,12 @@ def show(summary: Summary, console: Console, verbose: bool = False) -> None:
         console.print(escape(f"refinement of forward_dynamics: {summary.refinement}"))
     if summary.right_angles:
         _show_right_angles(summary.right_angles, console)
+
+
+def _print_whole(content: Tree | Table, console: Console) -> None:
+    """Print a tree or a table with whole lines, which the terminal wraps where they are wider than it is."""
+    drawing = console.render(content, console.options.update_width(WIDEST))
+    console.print(Segments(drawing), soft_wrap=True)
 
 
 def _show_facts(facts: ModelFacts, console: Console, verbose: bool) -> None:
@@ -172,7 +180,7 @@ def _show_right_angles(changes: RightAngleChanges, console: Console) -> None:
         column.justify = "right"
     for body in found.bodies:
         table.add_row(escape(body.body), *(f"{x:.1e}" for x in (body.turned, body.shifted, body.inertia)))
-    console.print(table)
+    _print_whole(table, console)
     results = ", ".join(f"{SYMBOLS[name]} {change:.1e}" for name, change in found.results.items())
     verb = "changes" if changes.applied else "would change"
     text = f"relative to the model as written this {verb}: {results}, at most in {STATES} random states"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from kanegen import KanegenWarning
 from kanegen.cli.model_facts import model_facts
 from kanegen.readers import load
 from tests.support.command import kanegen
@@ -59,6 +60,32 @@ def test_json_has_all_of_it(robot: str) -> None:
     assert facts["bodies_without_mass"] == ["plate"]
     assert facts["limits"] == {"j": {"position": [-1.5, 2], "speed": 3, "effort": 87}, "k": {"effort": 5}}
     assert any("taken for none" in line for line in facts["left_out"])
+
+
+def test_every_name_of_a_frame_is_listed(robot: str) -> None:
+    facts = json.loads(kanegen("info", robot, "--json").stdout)
+    assert facts["other_names_of_frames"] == {"j": "a", "k": "b", "l": "plate", "weld": "tool"}
+    named = {*facts["other_names_of_frames"], *(name for found in facts["frames"].values() for name in found)}
+    with pytest.warns(KanegenWarning):
+        system = load(robot)
+    assert named | {body.name for body in system.bodies} == set(system.frame_names)
+    text = kanegen("info", robot, "--verbose").stdout
+    assert "4 frames have the place of another frame" in text
+    assert "  weld is tool\n" in text
+
+
+def test_a_narrow_terminal_cuts_no_name_in_a_table(tmp_path: Path) -> None:
+    long_name = "the body at the end of the chain with a name of more than sixty letters"
+    path = tmp_path / "m.toml"
+    path.write_text(
+        f'[[body]]\nname = "{long_name}"\nconnection = "ground"\nmass = 1\ninertia = [1, 1, 1]\n'
+        "mass_center = [0.5, 0, 0]\njoint.orientation_angles = [0, 0, 1.5708]\n"
+        "[[joint_friction]]\nfriction = 1\nsmoothing = 0.01\n"
+        f'freedom = "{long_name}.theta1"\n'
+    )
+    lines = kanegen("info", str(path), COLUMNS="60").stdout.splitlines()
+    assert any(re.match(r"\s*frame_bias_accelerations(\s+\d+){6}", line) for line in lines)
+    assert any(re.match(rf"\s*{long_name}\s+\d\.\de", line) for line in lines)
 
 
 @pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
