@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.c.formats import uniform
+from kanegen.c.formats import formats, uniform
 from kanegen.c.sincos import SHARED, sincos_named
 from kanegen.errors import KanegenError, OptionError
 from kanegen.measure import truth
@@ -29,6 +29,7 @@ from kanegen.measure.truth.balls import arb
 from kanegen.model.arrays import Floats
 from kanegen.options import Variant
 from kanegen.program.precision import DOUBLE, FLOAT, Precision
+from kanegen.reference.states import random_states
 from tests.support.bound_search import MARGIN, Search
 from tests.support.cases import slow_except
 from tests.support.orientation_trees import with_quaternions
@@ -279,6 +280,44 @@ def test_fixed_inputs_are_computed_not_bounded() -> None:
     fixed = {"x": {"angles": 0.0}, "y": {"angles": 0.0}}
     bounds = kg.bound(kg.generate(system), fixed)
     assert bounds.largest["mass_matrix"] < 4 * 2.0**-53 * bounds.magnitudes["mass_matrix"].max()
+
+
+def test_the_default_box_holds_all_unit_quaternions_and_no_short_ones() -> None:
+    system = kg.load(MODELS / "satellite.toml").with_coordinates("quaternion")
+    source = kg.generate(system, ["mass_matrix", "forcing", "body_poses"])
+    box = read_domain(None, system)
+    assert box.quaternion == 0.5
+    assert read_domain(statement.as_table(box), system).quaternion == 0.5
+    x = box.intervals(formats(source.variant))["x"]
+    places = [place for place, name in enumerate(system.coordinate_names) if re.search(r"\.e[0-3]$", name)]
+    low, high = x.low[places], x.high[places]
+    states = random_states(system, 300, limits=system.limits)
+    unit = states.x[:, places] / np.linalg.norm(states.x[:, places], axis=1)[:, None]
+    unit = np.concatenate([unit, np.eye(4), -np.eye(4), [[0.5, -0.5, 0.5, -0.5]]])
+    assert ((low <= unit[..., None]) & (unit[..., None] <= high)).all(axis=1).any(axis=1).all()
+    assert (np.maximum(low, -high).max(axis=0) == 0.5).all()
+    bounds = kg.bound(source, box)
+    assert not bounds.unbounded
+    states.x[:, places] = unit[:300]
+    double, exact = kg.build(system), kg.build(system, precision="long double")
+    for name, arguments in (("mass_matrix", (states.x,)), ("forcing", (states.x, states.y))):
+        errors = np.abs(getattr(double, name)(*arguments) - getattr(exact, name)(*arguments)).max(axis=0)
+        assert (errors.max() > 0) and (errors <= bounds[name]).all()
+
+
+def test_quaternions_that_may_have_length_0_are_named() -> None:
+    system = kg.load(MODELS / "satellite.toml").with_coordinates("quaternion")
+    source = kg.generate(system, ["mass_matrix"])
+    bounds = kg.bound(source, {"x": {"quaternions": [-1.0, 1.0]}})
+    assert "the quaternion of body 'bus' may have length 0 in the box" in bounds.unbounded["mass_matrix"]
+    about = {"x": {"quaternions": [-0.1, 0.1], system.coordinate_names[0]: [0.9, 1.0]}}
+    assert kg.bound(source, about).largest["mass_matrix"] < 1e-12
+    with pytest.raises(
+        kg.OptionError, match=r"at exclude.quaternions 0.5 nothing of bus.e0 to bus.e3 is left"
+    ):
+        kg.bound(source, {"x": {"quaternions": [-0.1, 0.1]}, "exclude": {"quaternions": 0.5}})
+    with pytest.raises(kg.OptionError, match="unknown key 'quaternions'"):
+        kg.bound(kg.generate(model("double_pendulum")), {"exclude": {"quaternions": 0.5}})
 
 
 # What has no bound, and what is refused

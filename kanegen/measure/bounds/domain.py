@@ -21,15 +21,17 @@ The table has the form of a TOML file, that of `domain_tables` with all inputs t
     t = [0.0, 10.0]
     [exclude]
     clearance = 0.05                # states where |cos(theta2)| of a joint with three free angles is smaller
+    quaternions = 0.5               # states where every element of a quaternion is smaller in magnitude
 
 A key that is left out keeps the range of the limits of the model or, where it has none, that of
 `reference.states.ranges`; {tau} is 0 without limits, and a parameter has its default, or the value that a
-library has.
+library has. If no range of a quaternion is given, `exclude.quaternions` is 0.5, so that the box holds all
+unit quaternions and none of length 0.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -72,6 +74,15 @@ _ABSENT = {
 }
 """Why a system may lack a table."""
 
+SHORTEST_QUATERNION = 0.5
+"""Default of `exclude.quaternions`. The largest of the four elements of a unit quaternion is no smaller."""
+
+MOST_QUATERNIONS = 2
+"""Most quaternions of a system for which there is this default; each multiplies the boxes by eight."""
+
+MOST_BOXES = 4096
+"""Most boxes without short quaternions that are made of one box."""
+
 SMALLEST_PIECES = 64
 """Most pieces of the range of one angle between two neighbourhoods of gimbal lock."""
 
@@ -86,12 +97,14 @@ class InputBox:
         high: Largest number of every element.
         clearance: Least |cos(theta2)| of joints with three free angles, or |sin(theta2)| where the first and
             the last angle turn about the same axis.
+        quaternion: Least magnitude of the largest element of every quaternion.
     """
 
     system: System
     low: Mapping[str, Floats]
     high: Mapping[str, Floats]
     clearance: float = 0.0
+    quaternion: float = 0.0
 
     def intervals(self, formats: Formats) -> dict[str, Intervals]:
         """Return intervals (size, B) by name of the array; B boxes together are this one.
@@ -111,6 +124,8 @@ class InputBox:
         }
         for place, lock in self._gimbal_lock_angles():
             columns = self._away_from(columns, place, lock)
+        for places in quaternion_places(self.system) if self.quaternion else ():
+            columns = self._without_short(columns, places)
         return columns
 
     def _gimbal_lock_angles(self) -> list[tuple[int, float]]:
@@ -141,14 +156,29 @@ class InputBox:
             raise OptionError(
                 f"domain: x.{name} passes gimbal lock {len(pieces)} times. Give a shorter range."
             )
-        count = x.low.shape[1]
-        wider = {
-            key: Intervals(np.tile(part.low, len(pieces)), np.tile(part.high, len(pieces)))
-            for key, part in columns.items()
-        }
-        low, high = (np.repeat([piece[end] for piece in pieces], count) for end in (0, 1))
-        wider["x"].low[place], wider["x"].high[place] = low, high
-        return wider
+        return _copies(columns, [(place, low, high) for low, high in pieces])
+
+    def _without_short(self, columns: dict[str, Intervals], places: Sequence[int]) -> dict[str, Intervals]:
+        """Return boxes in which one element of a quaternion, each in turn, is at least `quaternion` in size.
+
+        Raises:
+            OptionError: If nothing is left, or there are too many boxes.
+        """
+        x, least = columns["x"], self.quaternion
+        ends = [(place, float(x.low[place].min()), float(x.high[place].max())) for place in places]
+        pieces = [(place, max(low, least), high) for place, low, high in ends if high >= least]
+        pieces += [(place, low, min(high, -least)) for place, low, high in ends if low <= -least]
+        names = [self.system.coordinate_names[place] for place in places]
+        if not pieces:
+            raise OptionError(
+                f"domain: at exclude.quaternions {least:g} nothing of {names[0]} to {names[-1]} is left."
+            )
+        if len(pieces) * x.low.shape[1] > MOST_BOXES:
+            raise OptionError(
+                f"domain: exclude.quaternions makes more than {MOST_BOXES} boxes of so many quaternions. "
+                "Give ranges of them instead, without length 0."
+            )
+        return _copies(columns, pieces)
 
 
 def read_domain(domain: InputBox | Mapping[str, Any] | str | Path | None, system: System) -> InputBox:
@@ -227,11 +257,26 @@ def box_from_table(system: System, table: Mapping[str, Any], where: str = DOMAIN
         else:
             set_ranges(at, system.name, units, own, low[name], high[name])
     excluded = require_table(where, "exclude", table.get("exclude", {}))
-    require_known_keys(f"{where}: exclude", excluded, ("clearance",))
+    elements = [place for places in quaternion_places(system) for place in places]
+    require_known_keys(
+        f"{where}: exclude", excluded, ("clearance", "quaternions") if elements else ("clearance",)
+    )
     clearance = non_negative(f"{where}: exclude.clearance", excluded.get("clearance", 0.0))
     if clearance >= 1:
         raise OptionError(f"{where}: exclude.clearance: {clearance!r} is not below 1.")
-    return InputBox(system, low, high, clearance)
+    given = {"quaternions", *(system.coordinate_names[place] for place in elements)} & {*table.get("x", {})}
+    is_default = not given and 0 < len(elements) <= 4 * MOST_QUATERNIONS
+    shortest = excluded.get("quaternions", SHORTEST_QUATERNION if is_default else 0.0)
+    return InputBox(system, low, high, clearance, non_negative(f"{where}: exclude.quaternions", shortest))
+
+
+def quaternion_places(system: System) -> tuple[tuple[int, ...], ...]:
+    """Return the places in {x} of the four elements of each quaternion."""
+    found: dict[int, list[int]] = {}
+    for coordinate, place in system.coordinate_places.items():
+        if coordinate.unit == "1":
+            found.setdefault(coordinate.body, []).append(place)
+    return tuple(map(tuple, found.values()))
 
 
 def _tables(system: System) -> dict[str, dict[str, str]]:
@@ -293,6 +338,21 @@ def _set_prescribed(
         own = require_table(where, name, table.get(name, {}))
         part = slice(row * len(units), (row + 1) * len(units))
         set_ranges(f"{where}.{name}", system.name, units, own, low[part], high[part])
+
+
+def _copies(
+    columns: Mapping[str, Intervals], pieces: Sequence[tuple[int, float, float]]
+) -> dict[str, Intervals]:
+    """Return all boxes once for each piece (place in {x}, low, high), with this range at this place."""
+    count = columns["x"].low.shape[1]
+    copies = {
+        key: Intervals(np.tile(part.low, len(pieces)), np.tile(part.high, len(pieces)))
+        for key, part in columns.items()
+    }
+    for number, (place, low, high) in enumerate(pieces):
+        own = slice(number * count, (number + 1) * count)
+        copies["x"].low[place, own], copies["x"].high[place, own] = low, high
+    return copies
 
 
 def _moved(ends: Floats, dtype: np.dtype[Any], outward: float) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from kanegen.c.formats import Formats, formats
 from kanegen.c.sincos import sincos_named
 from kanegen.c.source import Source
-from kanegen.errors import OptionError
+from kanegen.errors import OptionError, quoted
 from kanegen.measure.bounds.domain import InputBox
 from kanegen.measure.bounds.outputs import Bounder, OutputBound
 from kanegen.measure.bounds.report import Bounds
@@ -60,7 +60,14 @@ def _with_names(reason: str, system: System) -> str:
     named = re.sub(
         r"the freedom at place (\d+)", lambda m: f"freedom {system.freedom_names[int(m[1])]!r}", reason
     )
-    return re.sub(r"\bx\[(\d+)\]", lambda m: f"{m[0]} ({system.coordinate_names[int(m[1])]!r})", named)
+    named = re.sub(r"\bx\[(\d+)\]", lambda m: f"{m[0]} ({system.coordinate_names[int(m[1])]!r})", named)
+    if short := re.match(r"the divisor eq_(\d+) ", named):
+        body = quoted(system.bodies[int(short[1]) - 1].name)
+        return (
+            f"the quaternion of body {body} may have length 0 in the box; ranges without it help, such as "
+            "x.quaternions = [0.5, 1.0], or exclude.quaternions = 0.5, which keeps all unit quaternions"
+        )
+    return named
 
 
 def _a_bound_itself(array: Array) -> OutputBound:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import groupby, product
 from typing import Any
 
-from kanegen.measure.bounds.domain import PRESCRIBED, TIME, InputBox, load_rows
+from kanegen.measure.bounds.domain import PRESCRIBED, TIME, InputBox, load_rows, quaternion_places
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS
 
@@ -82,7 +82,10 @@ def as_table(box: InputBox) -> dict[str, Any]:
             table.setdefault(element.array, {}).setdefault(name, []).append(ends)
         else:
             _set(table, element.keys, ends)
-    return table | {"exclude": {"clearance": box.clearance}}
+    excluded = {"clearance": box.clearance}
+    if quaternion_places(box.system):
+        excluded["quaternions"] = box.quaternion
+    return table | {"exclude": excluded}
 
 
 def units(system: System) -> dict[str, Any]:
@@ -113,6 +116,8 @@ def lines(box: InputBox) -> Iterator[str]:
         yield f"ranges that no domain sets are the limits of the model, where it has some: {words}"
     if box.clearance:
         yield f"without states closer to gimbal lock than a clearance of {box.clearance:.6g}"
+    if box.quaternion:
+        yield f"without quaternions all of whose elements are below {box.quaternion:.6g} in magnitude"
 
 
 def _ends(box: InputBox, element: Element) -> tuple[float, float]:
