@@ -31,15 +31,11 @@ def dynamic_elements(moving: Sequence[MovingLink], bodies: Sequence[Body]) -> It
     Args:
         moving: The moving links.
         bodies: The body of each moving link.
-
-    Raises:
-        ReadError: If damping or friction is negative.
     """
     for link, body in zip(moving, bodies, strict=True):
         dynamics = link.joint.dynamics
         if dynamics.is_none:
             continue
-        dynamics.require_not_negative()
         freedom = f"{body.name}.{FREEDOMS[_freedom(body)]}"
         if dynamics.damping:
             yield JointSpring(freedom, damping=dynamics.damping)

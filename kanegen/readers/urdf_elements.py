@@ -82,25 +82,15 @@ class JointDynamics:
     Attributes:
         damping: Damping coefficient (N m s/rad, N s/m).
         friction: Magnitude of the friction (N m, N).
-        where: File and line.
     """
 
     damping: float = 0.0
     friction: float = 0.0
-    where: str = ""
 
     @property
     def is_none(self) -> bool:
         """Whether the joint has neither damping nor friction."""
         return not self.damping and not self.friction
-
-    def require_not_negative(self) -> None:
-        """Raise a `ReadError` if damping or friction is negative."""
-        for name, value in (("damping", self.damping), ("friction", self.friction)):
-            if value < 0:
-                raise ReadError(
-                    f"{self.where}: <dynamics {name}>: {value!r} is negative; it would drive the joint."
-                )
 
 
 @dataclass(frozen=True)
@@ -297,14 +287,21 @@ def _limit(element: Element, kind: str) -> JointLimit:
 
 
 def _dynamics(element: Element) -> JointDynamics:
-    """Return what the `<dynamics>` of a joint says."""
+    """Return what the `<dynamics>` of a joint says.
+
+    Raises:
+        ReadError: If damping or friction is negative.
+    """
     dynamics = element.optional("dynamics")
     if dynamics is None:
         return JointDynamics()
     damping, friction = (
         dynamics.number(name) if name in dynamics.attributes else 0.0 for name in ("damping", "friction")
     )
-    return JointDynamics(damping, friction, dynamics.where)
+    for name, value in (("damping", damping), ("friction", friction)):
+        if value < 0:
+            raise dynamics.error(f"<dynamics {name}>: {value!r} is negative; it would drive the joint.")
+    return JointDynamics(damping, friction)
 
 
 def _end(limit: Element, word: str) -> float:

@@ -269,9 +269,17 @@ def _is_zero(value: str) -> bool:
 
 
 def _extensions(element: Element) -> Iterator[Unread]:
-    """Yield the extensions for Gazebo in an element that change the motion."""
+    """Yield the extensions for Gazebo in an element that change the motion, or give mass to a link."""
     for child in element.children:
+        if element.tag == "gazebo" and _gives_mass(child):
+            yield Unread(f"<inertial> in <{element.tag}>", child.line)
+            continue
         value = child.content or child.attributes.get("value", "")
         changes = value.lower() in OF_GAZEBO.get(child.tag, ())
         if changes or (child.tag in SPRINGS_OF_GAZEBO and not _is_zero(value)):
             yield Unread(f"<{child.tag}> in <{element.tag}>", child.line)
+
+
+def _gives_mass(extension: Element) -> bool:
+    """Return whether an extension for Gazebo, other than a plugin, is or holds an `<inertial>`."""
+    return extension.tag != "plugin" and any(inner.tag == "inertial" for inner in extension.walk())

@@ -85,9 +85,11 @@ def test_zeros_need_no_warning(tmp_path: Path, dynamics: str) -> None:
         ('<dynamics damping="much"/>', r"r\.urdf:\d+: .*damping.*much"),
     ],
 )
-def test_what_is_refused(tmp_path: Path, dynamics: str, message: str) -> None:
+@pytest.mark.parametrize("joint_dynamics", [True, False])
+def test_what_is_refused(tmp_path: Path, dynamics: str, message: str, joint_dynamics: bool) -> None:
+    """What is wrong in the file is wrong whether or not damping and friction are read."""
     with pytest.raises(kg.ReadError, match=message):
-        read(tmp_path, dynamics, joint_dynamics=True)
+        read(tmp_path, dynamics, joint_dynamics=joint_dynamics)
 
 
 def test_it_is_not_for_toml_files() -> None:

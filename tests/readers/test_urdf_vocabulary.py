@@ -172,6 +172,11 @@ def test_xacro_under_any_prefix(tmp_path: Path, uri: str) -> None:
             '<gazebo><turnGravityOff>true</turnGravityOff><dampingFactor value="0.1"/></gazebo>',
             r"<turnGravityOff> in <gazebo> \(line 2\), <dampingFactor> in <gazebo> \(line 2\)\.",
         ),
+        (
+            '<gazebo reference="b"><inertial><mass>3</mass></inertial></gazebo>'
+            "<gazebo><link><inertial/></link></gazebo>",
+            r"<inertial> in <gazebo> \(lines 2, 2\)\.",
+        ),
     ],
 )
 def test_other_content_is_named_once(tmp_path: Path, inside: str, message: str) -> None:
@@ -209,7 +214,7 @@ def read_quietly(folder: Path, inside: str) -> kg.System:
             "fixed",
         ),
         '<ros2_control><joint name="j"/></ros2_control><mujoco><compiler meshdir="x"/></mujoco>',
-        '<gazebo><plugin filename="$(find x)/${y}"/></gazebo>',
+        '<gazebo><plugin filename="$(find x)/${y}"><inertial/></plugin></gazebo>',
     ],
 )
 def test_what_has_no_effect_is_passed_over(tmp_path: Path, inside: str) -> None:
