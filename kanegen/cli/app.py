@@ -16,7 +16,7 @@ from kanegen.cli.equations import equations
 from kanegen.cli.explain import explain
 from kanegen.cli.generate import generate
 from kanegen.cli.info import info
-from kanegen.cli.terminal import fail, show_warnings
+from kanegen.cli.terminal import fail, notices, show_warnings
 from kanegen.cli.tradeoff import tradeoff
 from kanegen.cli.verify import verify
 from kanegen.errors import KanegenError
@@ -71,3 +71,5 @@ def main() -> None:
         app()
     except KanegenError as error:
         fail(error)
+    finally:
+        notices.release()

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from kanegen.errors import KanegenWarning
+from kanegen.errors import LONGEST_MESSAGE, QUOTED, KanegenWarning, excerpt
 
 BAD_INPUT = 2
 """Exit status after an error in a model or an option; typer uses the same after a misspelt command."""
@@ -30,7 +30,11 @@ screen = Console(highlight=False)
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """Yield a function that shows the name of the current stage on a terminal, and nothing elsewhere."""
+    """Yield a function that shows the name of the current stage on a terminal, and nothing elsewhere.
+
+    The work of a command begins here, after its input is accepted, so warnings are shown before.
+    """
+    notices.release()
     if not errors.is_terminal:
         yield lambda stage: None
         return
@@ -57,9 +61,44 @@ def text_table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1
     return table
 
 
+class Notices:
+    """Warnings of a command, each text once, held back until all that the command was given is accepted.
+
+    A warning of a model may be long. Before an error that ends the command it would hide the one line that
+    tells what to mend, so there only its beginning and its end are shown.
+    """
+
+    def __init__(self) -> None:
+        self.start()
+
+    def start(self) -> None:
+        """Begin with a new command."""
+        self._known: set[str] = set()
+        self._held: list[str] = []
+        self._is_holding = True
+
+    def add(self, text: str) -> None:
+        """Show a warning, at once or later, unless it is known already."""
+        if text not in self._known:
+            self._known.add(text)
+            self._held.append(text)
+        if not self._is_holding:
+            self.release()
+
+    def release(self, longest: int = LONGEST_MESSAGE) -> None:
+        """Show all held warnings, each with at most `longest` characters, and hold none from now on."""
+        for text in self._held:
+            errors.print(f"[yellow]warning:[/] {escape(excerpt(text, longest))}")
+        self._held.clear()
+        self._is_holding = False
+
+
+notices = Notices()
+"""The warnings of the command that runs."""
+
+
 def show_warnings() -> None:
-    """Print every warning of kanegen as one line, each text once, however often a command meets it."""
-    shown: set[str] = set()
+    """Show every warning of kanegen as one line, as `notices` does."""
 
     def show(
         message: Warning | str,
@@ -69,11 +108,10 @@ def show_warnings() -> None:
         file: TextIO | None = None,
         line: str | None = None,
     ) -> None:
-        """Print a warning; this replaces `warnings.showwarning` and has its signature."""
-        if str(message) not in shown:
-            shown.add(str(message))
-            errors.print(f"[yellow]warning:[/] {escape(str(message))}")
+        """Show a warning; this replaces `warnings.showwarning` and has its signature."""
+        notices.add(str(message))
 
+    notices.start()
     warnings.simplefilter("always", KanegenWarning)
     warnings.showwarning = show
 
@@ -108,6 +146,7 @@ def without_warnings() -> Iterator[None]:
 
 
 def fail(error: Exception) -> NoReturn:
-    """Print an error as one line and exit with the status `BAD_INPUT`."""
+    """Print an error as one line, after short forms of warnings still held, and exit with `BAD_INPUT`."""
+    notices.release(QUOTED)
     errors.print(f"[bold red]error:[/] {escape(str(error))}")
     sys.exit(BAD_INPUT)

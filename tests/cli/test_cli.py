@@ -232,6 +232,22 @@ def test_missing_compiler() -> None:
     assert "no-such-compiler" in done.stderr
 
 
+def test_an_error_is_not_lost_below_long_warnings(tmp_path: Path) -> None:
+    names = [f"body_with_a_long_name_{k}" for k in range(20)]
+    model = tmp_path / "m.toml"
+    model.write_text(
+        f"[parameters]\n{''.join(f'{name} = 1.0' + chr(10) for name in names)}"
+        '[[body]]\nname = "b"\nconnection = "ground"\nmass = 1\n'
+    )
+    failed = kanegen("equations", str(model), "--lock", "c=0", status=2)
+    warning, error = failed.stderr.splitlines()
+    assert warning.startswith("warning: ")
+    assert len(warning) < 140
+    assert error.startswith("error: locked: there is no freedom 'c'")
+    (warning,) = kanegen("equations", str(model)).stderr.splitlines()
+    assert all(name in warning for name in names)
+
+
 def test_warnings_are_one_line(tmp_path: Path) -> None:
     model = tmp_path / "rod.toml"
     model.write_text(
