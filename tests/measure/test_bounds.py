@@ -489,3 +489,49 @@ def test_names_with_dots_stand_in_domains_as_they_are() -> None:
     body = name.partition(".")[0]
     with pytest.raises(OptionError, match=rf"unknown key '{body}\.e7'"):
         read_domain(f"x.{body}.e7 = 1", system)
+
+
+def test_the_rounding_of_a_parameter_to_single_precision_counts() -> None:
+    offset = kg.Joint(position=(kg.Parameter("c", 0.1), 0, 0), free=(False, False, True, False, False, False))
+    system = kg.System("arm", (kg.Body("arm", 0, 1.0, np.eye(3).tolist(), joint=offset),))
+    library = kg.build(system, outputs=("body_poses",), precision="float")
+    bounds = kg.bound(library)
+    error = abs(Fraction(float(library.body_poses([0.0])[0, 3, 0])) - Fraction(0.1))
+    assert error > 0
+    assert error <= bounds["body_poses"][0, 3, 0] <= error * (1 + Fraction(1, 2**40))
+    assert any("whose rounding to their precision counts" in one for one in bounds.assumptions)
+    assert kg.bound(library.with_parameters({"c": 0.125}))["body_poses"][0, 3, 0] == 0
+
+
+@pytest.mark.parametrize("variant", [Variant(precision="float"), Variant(storage="float")])
+def test_the_rounding_of_inputs_with_one_value_counts(variant: Variant) -> None:
+    """The exact value is that of the doubles in the domain, up to errors of double precision."""
+    system = model("scara")
+    names, freedoms = system.coordinate_names, system.freedom_names
+    rng = np.random.default_rng(5)
+    outputs = ["mass_matrix", "inverse_dynamics", "body_poses"]
+    single = kg.build(system, outputs, tier=variant)
+    double = kg.build(system, outputs)
+    for _ in range(3):
+        x, y, ydot = rng.uniform(-1.0, 1.0, (3, len(names)))
+        values = {"x": (names, x), "y": (freedoms, y), "ydot": (freedoms, ydot)}
+        domain = {key: dict(zip(of, map(float, value), strict=True)) for key, (of, value) in values.items()}
+        bounds = kg.bound(single, domain)
+        for name, arguments in (
+            ("mass_matrix", (x,)),
+            ("inverse_dynamics", (x, y, ydot)),
+            ("body_poses", (x,)),
+        ):
+            errors = abs(getattr(single, name)(*arguments).astype(float) - getattr(double, name)(*arguments))
+            assert (errors <= bounds[name] + 1e-14).all()
+            assert errors.max() > 1e-9
+
+
+def test_a_range_without_a_number_of_the_precision_is_refused() -> None:
+    system = model("double_pendulum")
+    narrow = {"x": {"angles": [0.1, 0.1 + 1e-12]}}
+    with pytest.raises(
+        OptionError, match=r"domain: x\[0\]: the range \[0\.1, .*holds no number of single prec"
+    ):
+        kg.bound(kg.generate(system, precision="float"), narrow)
+    assert np.isfinite(kg.bound(kg.generate(system), narrow)["mass_matrix"]).all()

@@ -109,16 +109,21 @@ class InputBox:
     def intervals(self, formats: Formats) -> dict[str, Intervals]:
         """Return intervals (size, B) by name of the array; B boxes together are this one.
 
-        Ends are moved outward to numbers of the precision of the array, so that inputs that are rounded to
-        this precision stay inside.
+        Ends of a range are moved outward to numbers of the precision of the array, so that inputs that are
+        rounded to this precision stay inside. An input with one value keeps it; the error of rounding this
+        value to the precision of the array is part of its bounds.
 
         Args:
             formats: Precisions of arrays.
+
+        Raises:
+            OptionError: If a range holds no number of the precision of the array.
         """
+        self._require_numbers(formats)
         columns = {
             name: Intervals(
-                _moved(self.low[name], formats.of(name).dtype, -np.inf)[:, None],
-                _moved(self.high[name], formats.of(name).dtype, np.inf)[:, None],
+                _moved(self.low[name], self.high[name], formats.of(name).dtype, -np.inf)[:, None],
+                _moved(self.high[name], self.low[name], formats.of(name).dtype, np.inf)[:, None],
             )
             for name in self.low
         }
@@ -127,6 +132,17 @@ class InputBox:
         for places in quaternion_places(self.system) if self.quaternion else ():
             columns = self._without_short(columns, places)
         return columns
+
+    def _require_numbers(self, formats: Formats) -> None:
+        """Raise an `OptionError` if a range, not one value, holds no number of the precision of its array."""
+        for name, low in self.low.items():
+            high, precision = self.high[name], formats.of(name)
+            first = _moved(low, high, precision.dtype, np.inf)
+            for place in np.flatnonzero((low < high) & (first > high) & np.isfinite(first)):
+                raise OptionError(
+                    f"{DOMAIN}: {name}[{place}]: the range [{float(low[place])!r}, {float(high[place])!r}] "
+                    f"holds no number of {precision.label} precision. Give one number, or a longer range."
+                )
 
     def _gimbal_lock_angles(self) -> list[tuple[int, float]]:
         """Return places in x of middle angles, with an angle at which the joint is in gimbal lock (rad)."""
@@ -355,14 +371,18 @@ def _copies(
     return copies
 
 
-def _moved(ends: Floats, dtype: np.dtype[Any], outward: float) -> Floats:
-    """Return ends, moved outward to numbers of a precision with fewer digits than double."""
+def _moved(ends: Floats, others: Floats, dtype: np.dtype[Any], outward: float) -> Floats:
+    """Return ends, moved outward to numbers of a precision with fewer digits than double.
+
+    An end that is also the other end of its range stays, unless it is beyond the largest number.
+    """
     if np.finfo(dtype).nmant >= np.finfo(np.float64).nmant:
         return ends.astype(np.float64)
     with np.errstate(over="ignore"):
         nearest = ends.astype(dtype)
     inside = nearest.astype(np.float64) > ends if outward < 0 else nearest.astype(np.float64) < ends
-    return np.where(inside, np.nextafter(nearest, dtype.type(outward)), nearest).astype(np.float64)
+    moved = np.where(inside, np.nextafter(nearest, dtype.type(outward)), nearest).astype(np.float64)
+    return np.where((ends == others) & np.isfinite(nearest), ends, moved)
 
 
 def _pieces(first: float, last: float, lock: float, margin: float) -> list[tuple[float, float]]:

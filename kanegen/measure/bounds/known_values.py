@@ -32,10 +32,13 @@ def with_known_values(steps: Sequence[Step], box: Mapping[str, Intervals]) -> tu
 
 
 def _fixed_input(step: Step, box: Mapping[str, Intervals]) -> Step | None:
-    """Return an input that has one value in the whole box as a constant."""
+    """Return an input that has one value in the whole box as a constant; C has it rounded to its array."""
     elements = box[step.array]
     low, high = float(elements.low[step.index].min()), float(elements.high[step.index].max())
-    return _constant(step, MULTIPRECISION.mpf(low), low) if low == high else None
+    if low != high:
+        return None
+    is_short = step.precision.significand_bits <= np.finfo(np.float64).nmant
+    return _constant(step, MULTIPRECISION.mpf(low), step.precision.dtype.type(low) if is_short else low)
 
 
 def _result(step: Step, before: Sequence[Step]) -> Step | None:

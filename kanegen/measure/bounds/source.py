@@ -103,8 +103,9 @@ def _assumptions(variant: Variant, arrays: Formats, system: System) -> Iterator[
         "default flags keep it."
     )
     yield (
-        "exact is the function of the very numbers of the model and of the inputs; inputs are numbers of "
-        f"{arrays.storage.label} precision in the box."
+        "exact is the function of the very numbers of the model and of the inputs; inputs with a range are "
+        f"numbers of {arrays.storage.label} precision in it, and inputs with one value, such as parameters, "
+        "have this value, whose rounding to their precision counts."
     )
     if sincos_named(variant.sincos, arrays.arithmetic) is None:
         yield "sine and cosine of the C library err by at most one unit in the last place."
