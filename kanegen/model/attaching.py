@@ -10,7 +10,7 @@ from kanegen.errors import ModelError, quoted
 from kanegen.model import output_rows, validation
 from kanegen.model.body import Body, Point
 from kanegen.model.description import SystemDescription
-from kanegen.model.frame import Frame
+from kanegen.model.frame import GROUND, Frame
 from kanegen.model.joint import IDENTITY
 
 EXAMPLE = '{"tool": ("hand", (0, 0, 0.1))}'
@@ -32,6 +32,8 @@ def new_frame(system: SystemDescription, name: Any, value: Any) -> Frame:
     """Return a further frame of a system from its entry in a table; see `System.with_frames`."""
     label = f"frame {quoted(name)}"
     items: Sequence[Any] = validation.sequence(value, None, label)
+    if name == GROUND:
+        raise ModelError(f"{label}: this is the name of the inertial frame. Give the frame another name.")
     if len(items) not in (2, 3):
         raise ModelError(
             f"{label}: expected a frame or body, a position and perhaps an orientation, as in {EXAMPLE}, got "

@@ -200,7 +200,7 @@ class SystemDescription(SystemCoordinates):
     @cached_property
     def pose_frames(self) -> tuple[Frame, ...]:
         """The frames in the output `body_poses`, in the order of its rows."""
-        return tuple(map(self.frame, self.pose_names))
+        return tuple(self.frames_by_name.get(name) or self.frame(name) for name in self.pose_names)
 
     @cached_property
     def reaction_rows(self) -> tuple[Reaction, ...]:

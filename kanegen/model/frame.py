@@ -22,7 +22,7 @@ from kanegen.model.numbers import Matrix, Number, Vector, map_numbers, numbers, 
 from kanegen.model.rotations import UNIT, ZERO, Square, Triple, apply, product, rotation_123, transpose
 
 GROUND = "ground"
-"""Name of the inertial frame, unless a body or a frame of the system has this name."""
+"""Name of the inertial frame. Where another frame or a body of a file has it, too, it cannot be used."""
 
 
 @dataclass(frozen=True)
@@ -160,9 +160,15 @@ def resolved(known: Mapping[str, Frame], bodies: Sequence[Body], name: Any, labe
         label: Name of the object that refers to the frame, for the message.
 
     Raises:
-        ModelError: If there is no such frame.
+        ModelError: If there is no such frame, or "ground" may mean the inertial frame or another one.
     """
     if isinstance(name, str):
+        if name == GROUND and name in known and (known[name].body or not known[name].is_trivial):
+            kind = "body" if any(body.name == name for body in bodies) else "frame"
+            raise ModelError(
+                f"{label}: 'ground' is the inertial frame, but a {kind} of the model has this name, too. "
+                f"Give the {kind} another name."
+            )
         if name in known:
             return known[name]
         if name == GROUND:

@@ -291,3 +291,24 @@ def test_a_load_frame_is_one_of_the_body(pendulum: kg.System, tmp_path: Path) ->
     lower = replace(system.bodies[1], points=(kg.Point("tip", (0, 0, 0), loads=True, load_frame="tool"),))
     with pytest.raises(kg.ModelError, match=r"point 'tip': its body has no frame 'tool'"):
         replace(system, bodies=(system.bodies[0], lower))
+
+
+def test_ground_never_means_another_frame_in_silence() -> None:
+    pendulum = kg.load(MODELS / "double_pendulum.toml")
+    with pytest.raises(kg.ModelError, match="frame 'ground': this is the name of the inertial frame"):
+        pendulum.with_frames({"ground": ("lower", (0, 0, 1))})
+    shifted = replace(pendulum, frames=(kg.Frame("ground", 0, (0, 0, 1)),))
+    named = replace(pendulum, bodies=(replace(pendulum.bodies[0], name="ground"), pendulum.bodies[1]))
+    for system, kind in ((shifted, "frame"), (named, "body")):
+        message = f"'ground' is the inertial frame, but a {kind} of the model has this name, too"
+        for choose in (
+            lambda system=system: system.frame("ground"),
+            lambda system=system: system.with_frames({"mark": ("ground", (0, 0, 1))}),
+            lambda system=system: system.with_poses("ground"),
+        ):
+            with pytest.raises(kg.ModelError, match=message):
+                choose()
+        assert [frame.body for frame in system.pose_frames] == [1, 2]
+    same = replace(pendulum, frames=(kg.Frame("ground", 0),))
+    assert same.frame("ground").body == 0
+    assert same.with_frames({"mark": ("ground", (0, 0, 1))}).frame("mark").body == 0
