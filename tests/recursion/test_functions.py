@@ -160,6 +160,45 @@ def test_what_is_undefined_has_a_status(text: str) -> None:
     assert found[1] == 0.0
 
 
+@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize(
+    ("text", "u", "expected"),
+    [
+        ("sqrt(x.q)**2", -1.0, -1.0),
+        ("sqrt(x.q)*sqrt(x.q)", -1.0, -1.0),
+        ("x.q/x.q", 0.0, 1.0),
+        ("0/x.q", 0.0, 0.0),
+        ("log(x.q) - log(x.q)", -1.0, 0.0),
+        ("sqrt(x.q) - sqrt(x.q)", -1.0, 0.0),
+        ("0*log(x.q)", -1.0, 0.0),
+        ("min(3, 1/x.q)", 0.0, 3.0),
+        ("tanh(1/x.q)", 0.0, 1.0),
+        ("sign(1/x.q)", 0.0, 1.0),
+        ("sign(1/x.q)", -0.0, -1.0),
+        ("1/(1/x.q)", 0.0, 0.0),
+        ("exp(-1/x.q)", 0.0, 0.0),
+        ("1 if 1/x.q > 0 else 2", 0.0, 1.0),
+        ("1 if log(x.q) < 0 else 2", 0.0, 1.0),
+        ("x.q if x.q >= 0 else log(-1 - x.q**2)", 0.5, 0.5),
+        ("x.q if x.q >= 0 else log(-1 - x.q**2)", -1.0, None),
+        ("min(3, sqrt(x.q))", -1.0, None),
+        ("sign(log(x.q))", -1.0, None),
+        ("1/x.q", 0.0, None),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_what_simplifies_and_what_is_infinite_inside_counts_as_documented(
+    text: str, u: float, expected: float | None, precision: str
+) -> None:
+    """docs/model-files.md says which expressions stay finite where a part of them has no finite value."""
+    library = kg.build(slide(text), ("forcing",), precision=precision, flags="-O0")
+    if expected is None:
+        with pytest.warns(KanegenWarning, match="may be undefined in this state"):
+            assert not np.isfinite(library.forcing([u, 0.0], [0.0, 0.0])[0])
+    else:
+        assert library.forcing([u, 0.0], [0.0, 0.0])[0] == expected
+
+
 def test_operations_are_counted() -> None:
     found = kg.generate(slide("max(0, x.q) + tanh(y.q) + exp(y.q)*abs(x.q)"), ("forcing",)).operations
     assert found == {
