@@ -145,7 +145,7 @@ def test_a_note_stands_once_above_its_group():
 
 
 def test_a_note_cannot_end_its_comment():
-    assert comment("a */ b") == ["    /* a * / b */"]
+    assert comment("a */ b") == [r"    /* a \u{2a}\u{2f} b */"]
 
 
 def test_long_expressions_are_cut():
