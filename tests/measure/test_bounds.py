@@ -286,8 +286,8 @@ def test_the_default_box_holds_all_unit_quaternions_and_no_short_ones() -> None:
     system = kg.load(MODELS / "satellite.toml").with_coordinates("quaternion")
     source = kg.generate(system, ["mass_matrix", "forcing", "body_poses"])
     box = read_domain(None, system)
-    assert box.quaternion == 0.5
-    assert read_domain(statement.as_table(box), system).quaternion == 0.5
+    assert box.shortest == 0.5
+    assert read_domain(statement.as_table(box), system).shortest == 0.5
     x = box.intervals(formats(source.variant))["x"]
     places = [place for place, name in enumerate(system.coordinate_names) if re.search(r"\.e[0-3]$", name)]
     low, high = x.low[places], x.high[places]

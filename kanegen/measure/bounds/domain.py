@@ -74,10 +74,10 @@ _ABSENT = {
 }
 """Why a system may lack a table."""
 
-SHORTEST_QUATERNION = 0.5
+SHORTEST = 0.5
 """Default of `exclude.quaternions`. The largest of the four elements of a unit quaternion is no smaller."""
 
-MOST_QUATERNIONS = 2
+MOST_HOMOGENEOUS = 2
 """Most quaternions of a system for which there is this default; each multiplies the boxes by eight."""
 
 MOST_BOXES = 4096
@@ -97,14 +97,14 @@ class InputBox:
         high: Largest number of every element.
         clearance: Least |cos(theta2)| of joints with three free angles, or |sin(theta2)| where the first and
             the last angle turn about the same axis.
-        quaternion: Least magnitude of the largest element of every quaternion.
+        shortest: Least magnitude of the largest element of every quaternion.
     """
 
     system: System
     low: Mapping[str, Floats]
     high: Mapping[str, Floats]
     clearance: float = 0.0
-    quaternion: float = 0.0
+    shortest: float = 0.0
 
     def intervals(self, formats: Formats) -> dict[str, Intervals]:
         """Return intervals (size, B) by name of the array; B boxes together are this one.
@@ -129,7 +129,7 @@ class InputBox:
         }
         for place, lock in self._gimbal_lock_angles():
             columns = self._away_from(columns, place, lock)
-        for places in quaternion_places(self.system) if self.quaternion else ():
+        for places in homogeneous_places(self.system) if self.shortest else ():
             columns = self._without_short(columns, places)
         return columns
 
@@ -175,12 +175,12 @@ class InputBox:
         return _copies(columns, [(place, low, high) for low, high in pieces])
 
     def _without_short(self, columns: dict[str, Intervals], places: Sequence[int]) -> dict[str, Intervals]:
-        """Return boxes in which one element of a quaternion, each in turn, is at least `quaternion` in size.
+        """Return boxes in which one element of a quaternion, each in turn, is at least `shortest` in size.
 
         Raises:
             OptionError: If nothing is left, or there are too many boxes.
         """
-        x, least = columns["x"], self.quaternion
+        x, least = columns["x"], self.shortest
         ends = [(place, float(x.low[place].min()), float(x.high[place].max())) for place in places]
         pieces = [(place, max(low, least), high) for place, low, high in ends if high >= least]
         pieces += [(place, low, min(high, -least)) for place, low, high in ends if low <= -least]
@@ -273,7 +273,7 @@ def box_from_table(system: System, table: Mapping[str, Any], where: str = DOMAIN
         else:
             set_ranges(at, system.name, units, own, low[name], high[name])
     excluded = require_table(where, "exclude", table.get("exclude", {}))
-    elements = [place for places in quaternion_places(system) for place in places]
+    elements = [place for places in homogeneous_places(system) for place in places]
     require_known_keys(
         f"{where}: exclude", excluded, ("clearance", "quaternions") if elements else ("clearance",)
     )
@@ -281,12 +281,12 @@ def box_from_table(system: System, table: Mapping[str, Any], where: str = DOMAIN
     if clearance >= 1:
         raise OptionError(f"{where}: exclude.clearance: {clearance!r} is not below 1.")
     given = {"quaternions", *(system.coordinate_names[place] for place in elements)} & {*table.get("x", {})}
-    is_default = not given and 0 < len(elements) <= 4 * MOST_QUATERNIONS
-    shortest = excluded.get("quaternions", SHORTEST_QUATERNION if is_default else 0.0)
+    is_default = not given and 0 < len(elements) <= 4 * MOST_HOMOGENEOUS
+    shortest = excluded.get("quaternions", SHORTEST if is_default else 0.0)
     return InputBox(system, low, high, clearance, non_negative(f"{where}: exclude.quaternions", shortest))
 
 
-def quaternion_places(system: System) -> tuple[tuple[int, ...], ...]:
+def homogeneous_places(system: System) -> tuple[tuple[int, ...], ...]:
     """Return the places in {x} of the four elements of each quaternion."""
     found: dict[int, list[int]] = {}
     for coordinate, place in system.coordinate_places.items():

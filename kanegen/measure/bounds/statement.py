@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import groupby, product
 from typing import Any
 
-from kanegen.measure.bounds.domain import PRESCRIBED, TIME, InputBox, load_rows, quaternion_places
+from kanegen.measure.bounds.domain import PRESCRIBED, TIME, InputBox, homogeneous_places, load_rows
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS
 
@@ -83,8 +83,8 @@ def as_table(box: InputBox) -> dict[str, Any]:
         else:
             _set(table, element.keys, ends)
     excluded = {"clearance": box.clearance}
-    if quaternion_places(box.system):
-        excluded["quaternions"] = box.quaternion
+    if homogeneous_places(box.system):
+        excluded["quaternions"] = box.shortest
     return table | {"exclude": excluded}
 
 
@@ -116,8 +116,8 @@ def lines(box: InputBox) -> Iterator[str]:
         yield f"ranges that no domain sets are the limits of the model, where it has some: {words}"
     if box.clearance:
         yield f"without states closer to gimbal lock than a clearance of {box.clearance:.6g}"
-    if box.quaternion:
-        yield f"without quaternions all of whose elements are below {box.quaternion:.6g} in magnitude"
+    if box.shortest:
+        yield f"without quaternions all of whose elements are below {box.shortest:.6g} in magnitude"
 
 
 def _ends(box: InputBox, element: Element) -> tuple[float, float]:
