@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import importlib
 import os
+import signal
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,10 @@ from tests.support.paths import ROOT
 
 os.environ["KANEGEN_CACHE"] = str(ROOT / ".pytest_cache" / "kanegen")
 os.environ.setdefault("SYMPY_CACHE_SIZE", "100000")  # read when SymPy is imported
+
+# A shell without job control starts background processes that ignore SIGINT, and so would all their children.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 gc.set_threshold(100_000, 50, 50)  # derivations make millions of small objects, hardly any of them in circles
 
