@@ -194,7 +194,7 @@ def _pairs(terms: Any, label: str) -> list[tuple[Any, Any]]:
 
 
 def _term(name: Any, factor: Any, label: str) -> tuple[str, Number]:
-    """Return a checked term."""
+    """Return the name of a freedom and its factor; a wrong type or a factor of 0 is refused."""
     if not isinstance(name, str):
         raise ModelError(f"{label}: {quoted(name)} is no name of a freedom.")
     value = number(factor, f"{label}: factor of {quoted(name)}")

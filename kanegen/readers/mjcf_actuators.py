@@ -117,14 +117,14 @@ def _has_state(model: Compiled, number: int) -> bool:
 
 
 def _gain(model: Compiled, number: int) -> tuple[float, float, float]:
-    """Return g0, g1, g2."""
+    """Return g0, g1, g2 of an actuator: its gain is g0 + g1 length + g2 velocity."""
     first, second, third = (float(value) for value in model.model.actuator_gainprm[number][:3])
     is_affine = int(model.model.actuator_gaintype[number]) == int(model.mujoco.mjtGain.mjGAIN_AFFINE)
     return (first, second, third) if is_affine else (first, 0.0, 0.0)
 
 
 def _bias(model: Compiled, number: int) -> tuple[float, float, float]:
-    """Return b0, b1, b2."""
+    """Return b0, b1, b2 of an actuator: its bias force is b0 + b1 length + b2 velocity."""
     first, second, third = (float(value) for value in model.model.actuator_biasprm[number][:3])
     is_affine = int(model.model.actuator_biastype[number]) == int(model.mujoco.mjtBias.mjBIAS_AFFINE)
     return (first, second, third) if is_affine else (0.0, 0.0, 0.0)

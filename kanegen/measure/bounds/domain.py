@@ -31,7 +31,7 @@ unit quaternions and none of length 0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,6 +40,10 @@ import numpy as np
 
 from kanegen.c.formats import Formats
 from kanegen.errors import OptionError, quoted
+from kanegen.measure.bounds.excluded_states import (
+    away_from_gimbal_lock,
+    without_short_homogeneous_coordinates,
+)
 from kanegen.measure.bounds.intervals import Intervals
 from kanegen.measure.domain_tables import (
     non_negative,
@@ -79,12 +83,6 @@ SHORTEST = 0.5
 
 MOST_HOMOGENEOUS = 2
 """Most quaternions of a system for which there is this default; each multiplies the boxes by eight."""
-
-MOST_BOXES = 4096
-"""Most boxes without short quaternions that are made of one box."""
-
-SMALLEST_PIECES = 64
-"""Most pieces of the range of one angle between two neighbourhoods of gimbal lock."""
 
 
 @dataclass(frozen=True)
@@ -128,9 +126,9 @@ class InputBox:
             for name in self.low
         }
         for place, lock in self._gimbal_lock_angles():
-            columns = self._away_from(columns, place, lock)
+            columns = away_from_gimbal_lock(columns, self.system, place, lock, self.clearance)
         for places in homogeneous_places(self.system) if self.shortest else ():
-            columns = self._without_short(columns, places)
+            columns = without_short_homogeneous_coordinates(columns, self.system, places, self.shortest)
         return columns
 
     def _require_numbers(self, formats: Formats) -> None:
@@ -154,47 +152,6 @@ class InputBox:
             for place, coordinate in enumerate(self.system.coordinates)
             if coordinate.index == 1 and joints[coordinate.body - 1].gimbal_lock
         ]
-
-    def _away_from(self, columns: dict[str, Intervals], place: int, lock: float) -> dict[str, Intervals]:
-        """Return boxes without the angles next to gimbal lock of one joint.
-
-        Raises:
-            OptionError: If nothing is left, or the range of the angle is too long.
-        """
-        x = columns["x"]
-        first, last = float(x.low[place].min()), float(x.high[place].max())
-        margin = np.arcsin(self.clearance) * (1 - 1e-9)
-        pieces = _pieces(first, last, lock, margin)
-        name = self.system.coordinate_names[place]
-        if not pieces:
-            raise OptionError(f"domain: at clearance {self.clearance:g} nothing of x.{name} is left.")
-        if len(pieces) > SMALLEST_PIECES:
-            raise OptionError(
-                f"domain: x.{name} passes gimbal lock {len(pieces)} times. Give a shorter range."
-            )
-        return _copies(columns, [(place, low, high) for low, high in pieces])
-
-    def _without_short(self, columns: dict[str, Intervals], places: Sequence[int]) -> dict[str, Intervals]:
-        """Return boxes in which one element of a quaternion, each in turn, is at least `shortest` in size.
-
-        Raises:
-            OptionError: If nothing is left, or there are too many boxes.
-        """
-        x, least = columns["x"], self.shortest
-        ends = [(place, float(x.low[place].min()), float(x.high[place].max())) for place in places]
-        pieces = [(place, max(low, least), high) for place, low, high in ends if high >= least]
-        pieces += [(place, low, min(high, -least)) for place, low, high in ends if low <= -least]
-        names = [self.system.coordinate_names[place] for place in places]
-        if not pieces:
-            raise OptionError(
-                f"domain: at exclude.quaternions {least:g} nothing of {names[0]} to {names[-1]} is left."
-            )
-        if len(pieces) * x.low.shape[1] > MOST_BOXES:
-            raise OptionError(
-                f"domain: exclude.quaternions makes more than {MOST_BOXES} boxes of so many quaternions. "
-                "Give ranges of them instead, without length 0."
-            )
-        return _copies(columns, pieces)
 
 
 def read_domain(domain: InputBox | Mapping[str, Any] | str | Path | None, system: System) -> InputBox:
@@ -356,21 +313,6 @@ def _set_prescribed(
         set_ranges(f"{where}.{name}", system.name, units, own, low[part], high[part])
 
 
-def _copies(
-    columns: Mapping[str, Intervals], pieces: Sequence[tuple[int, float, float]]
-) -> dict[str, Intervals]:
-    """Return all boxes once for each piece (place in {x}, low, high), with this range at this place."""
-    count = columns["x"].low.shape[1]
-    copies = {
-        key: Intervals(np.tile(part.low, len(pieces)), np.tile(part.high, len(pieces)))
-        for key, part in columns.items()
-    }
-    for number, (place, low, high) in enumerate(pieces):
-        own = slice(number * count, (number + 1) * count)
-        copies["x"].low[place, own], copies["x"].high[place, own] = low, high
-    return copies
-
-
 def _moved(ends: Floats, others: Floats, dtype: np.dtype[Any], outward: float) -> Floats:
     """Return ends, moved outward to numbers of a precision with fewer digits than double.
 
@@ -383,19 +325,3 @@ def _moved(ends: Floats, others: Floats, dtype: np.dtype[Any], outward: float) -
     inside = nearest.astype(np.float64) > ends if outward < 0 else nearest.astype(np.float64) < ends
     moved = np.where(inside, np.nextafter(nearest, dtype.type(outward)), nearest).astype(np.float64)
     return np.where((ends == others) & np.isfinite(nearest), ends, moved)
-
-
-def _pieces(first: float, last: float, lock: float, margin: float) -> list[tuple[float, float]]:
-    """Return the parts of a range that have the distance `margin` from `lock` and its half turns (rad)."""
-    found: list[tuple[float, float]] = []
-    start = first
-    turn = int(np.floor((first - lock) / np.pi))
-    while start <= last and len(found) <= SMALLEST_PIECES:
-        centre = lock + turn * np.pi
-        if centre - margin > start:
-            found.append((start, min(last, centre - margin)))
-        start = max(start, centre + margin)
-        turn += 1
-        if centre > last + margin:
-            break
-    return found
