@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from kanegen.measure.report import Report as Report
     from kanegen.model.body import Body as Body
     from kanegen.model.body import Point as Point
+    from kanegen.model.contact import Contact as Contact
     from kanegen.model.coupling import Coupling as Coupling
     from kanegen.model.force_elements import Drive as Drive
     from kanegen.model.force_elements import Expression as Expression
@@ -92,6 +93,7 @@ _MODULES = {
     "measure.bounds.report": ("Bounds",),
     "measure.report": ("Report",),
     "model.body": ("Body", "Point"),
+    "model.contact": ("Contact",),
     "model.coupling": ("Coupling",),
     "model.force_elements": (
         "Drive",

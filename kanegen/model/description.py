@@ -135,6 +135,8 @@ class SystemDescription(SystemCoordinates):
             map_numbers((frame.position, frame.orientation), collect)
         for rotor in self.rotors:
             map_numbers((rotor.inertia, rotor.ratio), collect)
+        for contact in self.contacts:
+            collect(contact.damping)
         for element in self.force_elements:
             for value in element.numbers():
                 collect(value)

@@ -38,6 +38,8 @@ def system_table(system: SystemDescription) -> dict[str, Any]:
         table["coupling"] = [coupling.as_table() for coupling in system.couplings]
     if system.rotors:
         table["rotor"] = [rotor.as_table() for rotor in system.rotors]
+    if system.contacts:
+        table["contact"] = [contact.as_table() for contact in system.contacts]
     elements = {kind: [e.as_table() for e in system.force_elements if type(e) is kind] for kind in KINDS}
     return table | {kind.KEY: tables for kind, tables in elements.items() if tables}
 

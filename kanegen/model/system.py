@@ -11,6 +11,7 @@ from kanegen.files import path_of, write_whole
 from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, rotor_arrays, system_arrays
 from kanegen.model.body import Body
+from kanegen.model.contact import checked_contacts
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.coupling import Coupling, coupled_bodies, with_permanent_names
 from kanegen.model.force_elements.element import ForceElement
@@ -40,6 +41,7 @@ class System(SystemVariations):
         couplings: Freedoms that follow others: x = sum of a_i x_i + offset. They are in neither {x} nor {y}.
         frames: Frames that are fixed in a body or in the ground, beside the bodies' own.
         rotors: Rotors of geared motors, which spin in bodies that carry them.
+        contacts: Points and frames that `contact_dynamics` and `contact_forces` hold.
 
     Raises:
         ModelError: If the tree, a number or a name is not usable.
@@ -74,6 +76,8 @@ class System(SystemVariations):
         validation.unique("point name", self.point_names)
         check_points(self.points, self.frames_by_name)
         self._store_rotors()
+        contacts = checked_contacts(self.contacts, self._points_by_name, self.frames_by_name)
+        validation.store(self, contacts=contacts)
         bodies_of_frames = {name: frame.body for name, frame in self.frames_by_name.items()}
         elements = with_resolved_names(elements, self.bodies, bodies_of_frames)
         validation.store(self, force_elements=elements)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from kanegen.model.body import Body
+from kanegen.model.contact import Contact
 from kanegen.model.coupling import Coupling
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.frame import Frame
@@ -30,6 +31,7 @@ class SystemFields:
     couplings: tuple[Coupling, ...] = ()
     frames: tuple[Frame, ...] = ()
     rotors: tuple[Rotor, ...] = ()
+    contacts: tuple[Contact, ...] = ()
 
     @cached_property
     def identifier(self) -> str:

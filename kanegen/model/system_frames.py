@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from kanegen.model.body import Point
+from kanegen.model.contact import ContactRow
 from kanegen.model.frame import Frame, frames_by_name, placed, resolved, whereabouts
 from kanegen.model.rotations import apply
 from kanegen.model.system_fields import SystemFields
@@ -95,8 +96,18 @@ class SystemFrames(SystemFields):
                 return whereabouts(frame, body, apply(rotation, arm))
         return ""
 
+    @cached_property
+    def contact_rows(self) -> tuple[ContactRow, ...]:
+        """The rows of `contact_forces`: the held directions of all contacts, contact by contact."""
+        return tuple(row for contact in self.contacts for row in contact.rows())
+
+    @cached_property
+    def contact_names(self) -> tuple[str, ...]:
+        """(m,) names of the rows of `contact_forces`, such as "left_foot.force3"."""
+        return tuple(row.name for row in self.contact_rows)
+
     def place(self, name: str) -> tuple[int, Point]:
-        """Return where a spring ends or a load acts: at a point, or at the origin of a frame.
+        """Return where a spring ends, a load acts or a contact holds: at a point or the origin of a frame.
 
         Returns:
             Number of the body, 0 for the ground, and the point.

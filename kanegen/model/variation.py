@@ -1,4 +1,4 @@
-"""`SystemVariations`: the same system with other points, loads, freedoms, speeds, limits or parameters."""
+"""`SystemVariations`: the same system with other points, loads, contacts, freedoms, limits or parameters."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from kanegen.errors import ModelError, quoted
 from kanegen.model import locking, output_rows, validation
 from kanegen.model.attaching import EXAMPLE, bodies_with_loads, bodies_with_points, new_frame
 from kanegen.model.body import Body
+from kanegen.model.contact import Contact, chosen_contacts
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.coupling import Coupling
 from kanegen.model.description import SystemDescription
@@ -232,6 +233,26 @@ class SystemVariations(SystemDescription):
         """
         return replace(self, rotors=(*self.rotors, *rotors))
 
+    def with_contacts(self, contacts: Iterable[Contact | str | int] | Contact | str | int) -> Self:
+        """Return the same system with other contacts, instead of those that it has.
+
+        Args:
+            contacts: Contacts, or names, one or several, in the order of their rows in `contact_forces`. A
+                name means a contact that the system has, else a point, which is then held in three
+                directions, else a frame or body, which is held in six; a number is that of a body from 1. An
+                empty list leaves all contacts out.
+
+        Raises:
+            ModelError: If there is nothing of a name, it is fixed to the ground, or two contacts have one
+                name.
+
+        Example:
+            standing = system.with_contacts(["left_sole_link", "right_sole_link"])
+            touching = system.with_contacts(kg.Contact(point="toe", directions=("force3",)))
+        """
+        found = chosen_contacts(contacts, self.contacts, self.bodies, self.point_names)
+        return replace(self, contacts=found)
+
     def with_speeds(self, speeds: str) -> Self:
         """Return the same system with other generalized speeds at every joint that has three free angles.
 
@@ -333,4 +354,5 @@ class SystemVariations(SystemDescription):
             couplings=tuple(coupling.map_numbers(change) for coupling in self.couplings),
             frames=tuple(frame.map_numbers(change) for frame in self.frames),
             rotors=tuple(rotor.map_numbers(change) for rotor in self.rotors),
+            contacts=tuple(contact.map_numbers(change) for contact in self.contacts),
         )

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
+from kanegen.model.contact import Contact
 from kanegen.model.coupling import Coupling
 from kanegen.model.rotor import Rotor
 from kanegen.model.system import System
@@ -29,9 +30,11 @@ KEYS = (
     "body",
     "coupling",
     "rotor",
+    "contact",
     *toml_force_elements.KEYS,
 )
 COUPLING_KEYS = ("freedom", "terms", "offset")
+CONTACT_KEYS = ("name", "point", "frame", "directions", "damping")
 ROTOR_KEYS = ("name", "freedom", "axis", "inertia", "ratio", "body")
 OUTPUT_KEYS = ("body_poses", "reaction_loads")
 
@@ -122,8 +125,9 @@ def _system(table: Table, path: Path, tolerance: float) -> System:
     couplings = _couplings(table, parameters)
     frames = read_frames(table, parameters, tolerance)
     rotors = _rotors(table, parameters)
+    contacts = _contacts(table, parameters)
     name = table.get("name", path.stem)
-    system = System(name, bodies, gravity, elements, poses, reactions, couplings, frames, rotors)
+    system = System(name, bodies, gravity, elements, poses, reactions, couplings, frames, rotors, contacts)
     if unused := parameters.unused():
         warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
     return system
@@ -155,6 +159,17 @@ def _rotors(table: Table, parameters: Parameters) -> tuple[Rotor, ...]:
             if key in entry
         }
         found.append(Rotor(**{**entry, **resolved}))
+    return tuple(found)
+
+
+def _contacts(table: Table, parameters: Parameters) -> tuple[Contact, ...]:
+    """Return the contacts of a model file from its tables."""
+    found = []
+    for place, entry in enumerate(tables_named(table, "contact"), start=1):
+        label = f"contact {place}"
+        check_keys(entry, CONTACT_KEYS, label=f"{label}: ")
+        damping = parameters.resolve(entry.get("damping", 0), f"{label}: damping")
+        found.append(Contact(**{**entry, "damping": damping}))
     return tuple(found)
 
 
