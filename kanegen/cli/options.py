@@ -51,7 +51,10 @@ Outputs = Annotated[
         "momentum, mass_center, body_poses, frame_velocities, frame_accelerations, "
         "frame_bias_accelerations, frame_jacobians, coordinate_rates, point_positions, point_velocities, "
         "point_accelerations, point_jacobians, prescribed_efforts, forcing_derivatives, "
-        "inverse_dynamics_derivatives, forward_dynamics_derivatives.",
+        "inverse_dynamics_derivatives, forward_dynamics_derivatives, coordinate_rates_derivatives, "
+        "point_positions_derivatives, point_velocities_derivatives, point_accelerations_derivatives, "
+        "kinetic_energy_derivatives, potential_energy_derivatives, momentum_derivatives, "
+        "mass_center_derivatives.",
     ),
 ]
 Functions = Annotated[

@@ -12,6 +12,7 @@ from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.native.status import OnStatus, checked_on_status
 from kanegen.library.quantities import Quantities
+from kanegen.library.quantity_derivatives import QuantityDerivatives
 
 
 def load(
@@ -45,7 +46,7 @@ def load(
     return Library(NativeLibrary.made(recipe), dict(source.model.parameters), checked_on_status(on_status))
 
 
-class Library(Dynamics, Quantities, Frames, Derivatives):
+class Library(Dynamics, Quantities, Frames, Derivatives, QuantityDerivatives):
     """The functions of a compiled model, with values of its run-time parameters.
 
     A state has coordinates of shape (m,) and generalized speeds of shape (n,), n being the number of freedoms

@@ -27,7 +27,7 @@ from kanegen.program.elimination import Column, Elimination
 from kanegen.program.ir import Op, Output, Program
 from kanegen.program.tangent import Tangent, tangents
 from kanegen.recursion.factorisation import carriers
-from kanegen.recursion.outputs import DERIVATIVES
+from kanegen.recursion.outputs import DERIVATIVES, OUTPUTS
 from kanegen.recursion.refinement import UNREFINED, Refinement
 
 
@@ -89,7 +89,7 @@ class _Differentiation:
         self._builder, self._program, self._moved = builder, program, moved
         self._outputs, self._constants = outputs, constants
         self._derivative = DERIVATIVES[name]
-        self._array = self._derivative.array(system, name)
+        self._array = OUTPUTS[name].array(system)
         self._columns = self._derivative.columns_of(system)
         self._n = len(system.freedoms)
         self._carriers = carriers(system)

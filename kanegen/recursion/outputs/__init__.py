@@ -1,10 +1,10 @@
 """Outputs of the generated code: one table of the arrays that they fill and read, and of their derivations.
 
-`table` has one entry for each output; those that are about motion alone stand in `kinematics`. Everything
-else follows from the entry: `recursion.derivation`, the C functions (`selection.function_signatures`), the
-methods of `library.Library`, the command line. `inputs` has the arrays that functions read. A new output is
-one entry, one function that derives it, one method of `Library`, and one function of `reference` to compare
-with.
+`table` has one entry for each output; those that are about motion alone stand in `kinematics`, and
+`derivatives` differentiates other entries. Everything else follows from the entry: `recursion.derivation`,
+the C functions (`selection.function_signatures`), the methods of `library.Library`, the command line.
+`inputs` has the arrays that functions read. A new output is one entry, one function that derives it, one
+method of `Library`, and one function of `reference` to compare with.
 """
 
 from kanegen.recursion.outputs.inputs import input_arrays

@@ -42,13 +42,11 @@ class Derivative:
 
     Attributes:
         of: The differentiated quantity, as documented in the generated C.
-        unit: Unit of the differentiated quantity.
         needs: Names of the outputs whose programs are differentiated.
         by: Names of the arrays with respect to which they are differentiated; run-time parameters are added.
     """
 
     of: str
-    unit: str
     needs: tuple[str, ...]
     by: tuple[str, ...]
 
@@ -75,16 +73,16 @@ class Derivative:
         """Return the columns of the output for a system."""
         return self.columns(len(system.coordinates), len(system.freedoms), len(system.parameters))
 
-    def array(self, system: System, name: str) -> Array:
-        """Return the array of the output `name`: rows are freedoms, columns are elements of `by`."""
+    def array(self, system: System, name: str, base: Array) -> Array:
+        """Return the array of the output `name`: behind the axes of `base` one for the elements of `by`."""
         columns = self.columns_of(system)
         places = ", then ".join(
             f"{one} (columns {part.start} to {part.stop - 1})" for one, part in columns.items()
         )
         width = max(part.stop for part in columns.values())
         doc = f"derivatives of {self.of} by {places}"
-        shape, unit = (len(system.freedoms), width), f"{self.unit} over the units of these"
-        return Array(name, shape, unit, doc, of_freedoms=True)
+        unit = f"{base.unit} over the units of these"
+        return Array(name, (*base.shape, width), unit, doc, base.condition, base.of_freedoms)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,7 @@
-"""The table of outputs: one entry per output, in the order of the generated C; see also `kinematics`."""
+"""The table of outputs: one entry per output, in the order of the generated C.
+
+The entries about motion alone stand in `kinematics`, those of derivatives in `derivatives`.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from kanegen.program.ir import Array, Condition
 from kanegen.recursion.energy_and_momentum import kinetic_energy, mass_center, momentum, potential_energy
 from kanegen.recursion.inverse_dynamics import forcing, inverse_dynamics, prescribed_efforts
 from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.recursion.outputs.derivatives import derivatives_of
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.kinematics import KINEMATICS
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
@@ -47,11 +51,6 @@ def _reactions_doc(system: System) -> str:
         "about the origin of a frame of the body, and the force, in components of the frame"
     )
     return "; ".join([directions] * (not all(in_frames)) + [loads] * any(in_frames))
-
-
-def _derivative(name: str, inputs: tuple[str, ...], derivation: Derivative) -> Output:
-    """Return the entry of an output that is a derivative, whose array follows from the derivation."""
-    return Output(name, lambda system: derivation.array(system, name), inputs, derivation)
 
 
 _ENTRIES = (
@@ -209,29 +208,9 @@ _ENTRIES = (
         Recursion("recursion of forces", prescribed_efforts),
         PRESCRIBED,
     ),
-    _derivative(
-        "forcing_derivatives",
-        ("x", "y", *LOADS),
-        Derivative("{f}, Eq. (44),", "N m, N", ("forcing",), ("x", "y")),
-    ),
-    _derivative(
-        "inverse_dynamics_derivatives",
-        ("x", "y", "ydot", *LOADS),
-        Derivative("[A]{ydot} - {f} for given {ydot}", "N m, N", ("inverse_dynamics",), ("x", "y")),
-    ),
-    _derivative(
-        "forward_dynamics_derivatives",
-        ("x", "y", "tau", *LOADS),
-        Derivative(
-            "{ydot} of [A]{ydot} = {f} + {tau}",
-            "rad/s^2, m/s^2",
-            ("mass_matrix", "inverse_dynamics", "forward_dynamics"),
-            ("x", "y", "tau"),
-        ),
-    ),
 )
 
-OUTPUTS: dict[str, Output] = {output.name: output for output in _ENTRIES}
+OUTPUTS: dict[str, Output] = {output.name: output for output in (*_ENTRIES, *derivatives_of(_ENTRIES))}
 """The outputs by name."""
 
 EQUATIONS = ("mass_matrix", "forcing")
