@@ -228,6 +228,17 @@ def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int, numb
                 )
 
 
+def is_symbol_of_notes(name: str) -> bool:
+    """Return whether a name has the form of the symbol of a coordinate, a speed or a load, such as `s_2_3`.
+
+    Example:
+        is_symbol_of_notes("theta_1_3")  # True
+        is_symbol_of_notes("joint_1")  # False
+    """
+    match = _SYMBOL.fullmatch(name)
+    return match is not None and match[1] in _OF_BODIES | _OF_POINTS
+
+
 def store(instance: object, **values: Any) -> None:
     """Store checked values in a frozen dataclass, from its `__post_init__`."""
     for name, value in values.items():

@@ -61,13 +61,20 @@ class Definitions:
     Args:
         parameters: Names of the parameters, which definitions must not use.
         constants: Arithmetic in which the sines and cosines of constant angles are computed.
+        taken: Further names that definitions must not use.
     """
 
-    def __init__(self, parameters: Iterable[str] = (), constants: Constants = DOUBLE_CONSTANTS) -> None:
+    def __init__(
+        self,
+        parameters: Iterable[str] = (),
+        constants: Constants = DOUBLE_CONSTANTS,
+        taken: Iterable[str] = (),
+    ) -> None:
         self.constants = constants
         self._list: list[Definition] = []
-        self._names = set(parameters)
-        self._sums = ConstantSums(Symbol(name, real=True) for name in self._names)
+        constant = set(parameters)
+        self._names = constant.union(taken)
+        self._sums = ConstantSums(Symbol(name, real=True) for name in constant)
         self._known: dict[Expr, Symbol] = {}
         self._numbers: dict[str, int] = {}
         self._note = ""

@@ -30,7 +30,8 @@ from kanegen.symbolic.literal.force_elements import ElementForces
 from kanegen.symbolic.literal.intermediates import Intermediates
 from kanegen.symbolic.literal.motors import MotorEquations
 from kanegen.symbolic.literal.numeric import NumericEquations, numeric
-from kanegen.symbolic.symbols import accelerations, coordinates, force, prescribed, speed, speeds, torque
+from kanegen.symbolic.state_symbols import StateSymbols, of_system
+from kanegen.symbolic.symbols import force, torque
 
 MOST_FREEDOMS = 8
 """Number of freedoms up to which closed forms are made."""
@@ -53,11 +54,14 @@ class Equations:
 
     Attributes:
         system: The system whose equations they are.
+        symbols: The symbols of coordinates and speeds: the names that the model gives to freedoms, or those
+            of the notes.
         intermediates: Whether intermediate quantities are named by symbols.
         bodies: The equations of each body; `bodies[k]` is body k + 1.
     """
 
     system: System
+    symbols: StateSymbols
     intermediates: bool
     bodies: tuple[BodyEquations, ...]
 
@@ -69,12 +73,12 @@ class Equations:
     @cached_property
     def x(self) -> ImmutableMatrix:
         """{x}, a column: free angles (rad) or quaternions, then free translations (m), Eq. (1)."""
-        return ImmutableMatrix(coordinates(self.system))
+        return ImmutableMatrix(self.symbols.coordinates(self.system))
 
     @cached_property
     def y(self) -> ImmutableMatrix:
         """{y}, (n, 1): generalized speeds (rad/s, m/s), Eq. (1)."""
-        return ImmutableMatrix(speeds(self.system))
+        return ImmutableMatrix(self.symbols.speeds(self.system))
 
     @cached_property
     def xdot(self) -> ImmutableMatrix:
@@ -85,7 +89,9 @@ class Equations:
                 rates[body.number] = iter(body.angle_rate_inverse * body.relative_angular_velocity)
         return ImmutableMatrix(
             [
-                speed(c.body, c.index) if c.is_translation or c.body not in rates else next(rates[c.body])
+                next(rates[c.body])
+                if c.body in rates and not c.is_translation
+                else self.symbols.speed(c.body, c.index)
                 for c in self.system.coordinates
             ]
         )
@@ -93,12 +99,12 @@ class Equations:
     @cached_property
     def ydot(self) -> ImmutableMatrix:
         """{ydot}, (n, 1): the unknowns of Eq. (42) (rad/s^2, m/s^2)."""
-        return ImmutableMatrix(accelerations(self.system))
+        return ImmutableMatrix(self.symbols.accelerations(self.system))
 
     @cached_property
     def prescribed(self) -> ImmutableMatrix:
         """Values (rad, m), rates and second derivatives of the prescribed freedoms, (3, p)."""
-        return ImmutableMatrix(3, len(self.system.prescribed), prescribed(self.system))
+        return ImmutableMatrix(3, len(self.system.prescribed), self.symbols.prescribed(self.system))
 
     @cached_property
     def loads(self) -> tuple[Symbol, ...]:
@@ -129,13 +135,14 @@ class Equations:
     @property
     def _motors(self) -> MotorEquations:
         """The inertia of motors."""
-        return MotorEquations(self.system, self.bodies)
+        return MotorEquations(self.system, self.symbols, self.bodies)
 
     @cached_property
     def _elements(self) -> ElementForces:
         """The generalized forces of force elements and loads on points."""
         parameters = [parameter.name for parameter in self.system.parameters]
-        return ElementForces(self.system, self.bodies, Definitions(parameters), self.intermediates)
+        names = Definitions(parameters, taken=self.symbols.reserved)
+        return ElementForces(self.system, self.symbols, self.bodies, names, self.intermediates)
 
     @cached_property
     def definitions(self) -> tuple[Definition, ...]:
@@ -151,7 +158,7 @@ class Equations:
 
         Example:
             equations = kg.derive(kg.load("models/double_pendulum.toml"))
-            equations.closed_form().A[0, 1]  # l2*m2*(l1*cos(theta_2_3) + l2)
+            equations.closed_form().A[0, 1]  # l2*m2*(l1*cos(q2) + l2)
 
         Raises:
             OptionError: If there are more than `MOST_FREEDOMS` freedoms or there is a quaternion, or an entry
@@ -195,7 +202,7 @@ class Equations:
             equations = kg.derive(kg.load("models/double_pendulum.toml"))
             equations.lambdify().forcing([0.1, 0.2], [0.0, 0.0])
         """
-        return numeric(self.system, self.A, self.f, self.definitions)
+        return numeric(self.system, self.symbols, self.A, self.f, self.definitions)
 
 
 def derive(system: System, intermediates: bool | None = None) -> Equations:
@@ -215,10 +222,11 @@ def derive(system: System, intermediates: bool | None = None) -> Equations:
     """
     if intermediates is None:
         intermediates = len(system.freedoms) > MOST_FREEDOMS_WITHOUT_NAMES
-    taken = frozenset(parameter.name for parameter in system.parameters)
+    symbols = of_system(system)
+    taken = symbols.reserved.union(parameter.name for parameter in system.parameters)
     bodies: list[BodyEquations] = []
     for number, body in enumerate(system.bodies, start=1):
         lower = bodies[body.lower - 1] if body.lower else None
         names = Intermediates(number, body.lower, intermediates, taken)
-        bodies.append(BodyEquations(number, system, lower, names))
-    return Equations(system, intermediates, tuple(bodies))
+        bodies.append(BodyEquations(number, system, lower, symbols, names))
+    return Equations(system, symbols, intermediates, tuple(bodies))

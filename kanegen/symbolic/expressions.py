@@ -34,7 +34,8 @@ from kanegen.model.system import System
 from kanegen.symbolic import functions
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.freedom_motion import FreedomMotions
-from kanegen.symbolic.symbols import coordinate, speed, time
+from kanegen.symbolic.state_symbols import NOTES, StateSymbols
+from kanegen.symbolic.symbols import time
 
 LONGEST_PART = 24
 """Largest number of operations of one part of an expression, counted where they occur."""
@@ -164,11 +165,13 @@ class ExpressionTranslator:
         system: The system to which the force elements belong.
         number: Converts a number of the model to SymPy.
         definitions: Collects the definitions of the parts of long expressions.
+        symbols: The symbols of coordinates and speeds.
     """
 
     system: System
     number: Callable[[Number], Expr]
     definitions: Definitions
+    symbols: StateSymbols = NOTES
 
     def value(self, expression: Expression) -> Expr:
         """Return an expression in SymPy.
@@ -190,7 +193,7 @@ class ExpressionTranslator:
                 has none, in every state.
         """
         places = {name: self._places[name] for name in energy.variables}
-        symbols = {place: coordinate(*place) for place in dict.fromkeys(places.values())}
+        symbols = {place: self.symbols.coordinate(*place) for place in dict.fromkeys(places.values())}
 
         def leaf(node: Leaf) -> Expr:
             return self.number(node.value) if isinstance(node, Constant) else symbols[places[node.name]]
@@ -252,18 +255,18 @@ class ExpressionTranslator:
         if kind < len(FREEDOMS) and joint.coupled[kind]:
             return self._motions.coordinate(Freedom(k, kind))
         is_symbol = kind >= len(FREEDOMS) or joint.moving[kind]
-        return coordinate(k, kind) if is_symbol else self.number(joint.locked[kind])
+        return self.symbols.coordinate(k, kind) if is_symbol else self.number(joint.locked[kind])
 
     def _speed(self, place: Place) -> Expr:
         k, index = place
         joint = self.system.bodies[k - 1].joint
         if joint.coupled[index]:
             return self._motions.speed(Freedom(k, index))
-        return speed(k, joint.speed_kinds[index]) if joint.moving[index] else S.Zero
+        return self.symbols.speed(k, joint.speed_kinds[index]) if joint.moving[index] else S.Zero
 
     @cached_property
     def _motions(self) -> FreedomMotions:
-        return FreedomMotions(self.system, self.number)
+        return FreedomMotions(self.system, self.number, self.symbols)
 
 
 def _checked(value: Expr, expression: Expression, part: Expression | None = None) -> Expr:

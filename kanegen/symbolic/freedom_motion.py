@@ -15,7 +15,7 @@ from sympy import Add, Expr, S, Symbol
 from kanegen.model.coordinates import Freedom
 from kanegen.model.numbers import Number
 from kanegen.model.system import System
-from kanegen.symbolic.symbols import acceleration, coordinate, speed
+from kanegen.symbolic.state_symbols import NOTES, StateSymbols
 
 Shares = Mapping[Freedom, Expr]
 """Factors of freedoms in a linear function, by freedom."""
@@ -28,10 +28,12 @@ class FreedomMotions:
     Attributes:
         system: The system.
         number: Converts a number of the model to SymPy.
+        symbols: The symbols of coordinates and speeds.
     """
 
     system: System
     number: Callable[[Number], Expr]
+    symbols: StateSymbols = NOTES
 
     def shares(self, freedom: Freedom) -> Shares:
         """Return the free and prescribed freedoms that move a freedom, each with its factor."""
@@ -40,15 +42,15 @@ class FreedomMotions:
     def coordinate(self, freedom: Freedom) -> Expr:
         """Return the coordinate of a freedom that moves (rad, m)."""
         offset = self._functions[freedom][1] if freedom in self._functions else S.Zero
-        return self._sum(freedom, coordinate) + offset
+        return self._sum(freedom, self.symbols.coordinate) + offset
 
     def speed(self, freedom: Freedom) -> Expr:
         """Return the rate of a freedom that moves (rad/s, m/s)."""
-        return self._sum(freedom, speed)
+        return self._sum(freedom, self.symbols.speed)
 
     def acceleration(self, freedom: Freedom) -> Expr:
         """Return the second derivative of a freedom that moves (rad/s^2, m/s^2)."""
-        return self._sum(freedom, acceleration)
+        return self._sum(freedom, self.symbols.acceleration)
 
     def _sum(self, freedom: Freedom, symbol: Callable[[int, int], Symbol]) -> Expr:
         """Return the sum of the symbols of the freedoms that move a freedom, times their factors."""

@@ -1,9 +1,9 @@
-"""All SymPy symbols are made here, so that one name always means one symbol; shared by both derivations.
+"""The symbols of the notes, of loads and of parameters; shared by both derivations.
 
 `theta_K_i`, `s_K_i`, `epsilon_K_i` are coordinates, `thetadot_K_i`, `sdot_K_i`, `epsilondot_K_i` their rates,
 `omegahat_K_i` components of relative angular velocities, `thetaddot_K_i`, `sddot_K_i`, `omegahatdot_K_i` the
 rates of speeds, `F_K_i`, `M_K_i` loads; bodies K and components i count from 1, those of epsilon from 0. A
-parameter is the symbol of the same name. Every symbol is real.
+parameter is the symbol of the same name. One name always means one symbol, and every symbol is real.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from sympy import Expr, Float, Integer, Symbol
 
 from kanegen.model.coordinates import COORDINATE_KINDS, SPEED_KINDS, Rotation
 from kanegen.model.numbers import Number, Parameter
-from kanegen.model.system import System
 
 EXACT_INTEGER_LIMIT = 2**31
 """Whole numbers below this size become exact integers; larger ones stay binary floating-point numbers."""
@@ -38,16 +37,6 @@ def rotation_coordinates(body: int, rotation: Rotation) -> tuple[Symbol, ...]:
     return tuple(coordinate(body, kind) for kind in rotation.coordinates)
 
 
-def coordinates(system: System) -> tuple[Symbol, ...]:
-    """Return the symbols of the coordinates {x}, in order."""
-    return tuple(coordinate(c.body, c.index) for c in system.coordinates)
-
-
-def coordinate_rates(system: System) -> tuple[Symbol, ...]:
-    """Return the time derivatives {xdot} of the coordinates."""
-    return tuple(coordinate_rate(c.body, c.index) for c in system.coordinates)
-
-
 def speed(body: int, kind: int) -> Symbol:
     """Return a generalized speed of `body` (from 1); `kind` counts `SPEED_KINDS` (rad/s, m/s)."""
     entry = SPEED_KINDS[kind]
@@ -58,22 +47,6 @@ def acceleration(body: int, kind: int) -> Symbol:
     """Return the time derivative of `speed(body, kind)` (rad/s^2, m/s^2)."""
     entry = SPEED_KINDS[kind]
     return real(f"{entry.derivative}_{body}_{entry.number}")
-
-
-def speeds(system: System) -> tuple[Symbol, ...]:
-    """Return the symbols of the generalized speeds {y}, in order."""
-    return tuple(speed(each.body, each.index) for each in system.speeds)
-
-
-def accelerations(system: System) -> tuple[Symbol, ...]:
-    """Return the time derivatives {ydot} of the generalized speeds."""
-    return tuple(acceleration(each.body, each.index) for each in system.speeds)
-
-
-def prescribed(system: System) -> tuple[Symbol, ...]:
-    """Return the symbols of prescribed freedoms: all values, then all rates, then all second derivatives."""
-    places = [(freedom.body, freedom.index) for freedom in system.prescribed]
-    return tuple(symbol(*place) for symbol in (coordinate, speed, acceleration) for place in places)
 
 
 def force(body: int, axis: int) -> Symbol:

@@ -109,8 +109,8 @@ double_pendulum: 2 bodies, 2 freedoms
 Equations of motion [A]{ydot} = {f}, with {xdot} = {y}. SI units.
 
 Coordinates and speeds. Eq. (1).
-  x[1] = theta_1_3, y[1] = thetadot_1_3: q1 (rad)
-  x[2] = theta_2_3, y[2] = thetadot_2_3: q2 (rad)
+  x[1] = q1, y[1] = q1_dot: q1 (rad)
+  x[2] = q2, y[2] = q2_dot: q2 (rad)
 
 Parameters. Default values.
   g = 9.81
@@ -120,23 +120,22 @@ Parameters. Default values.
   l2 = 0.7
 
 Mass matrix. [A] of Eq. (43); it is symmetric.
-  A[1,1] = l1**2*(m1 + m2) + 2*l1*l2*m2*cos(theta_2_3) + l2**2*m2
-  A[1,2] = l2*m2*(l1*cos(theta_2_3) + l2)
+  A[1,1] = l1**2*(m1 + m2) + 2*l1*l2*m2*cos(q2) + l2**2*m2
+  A[1,2] = l2*m2*(l1*cos(q2) + l2)
   A[2,2] = l2**2*m2
 
 Forcing. {f} of Eq. (44).
-  f[1] = -g*l1*(m1 + m2)*sin(theta_1_3) - g*l2*m2*sin(theta_1_3 + theta_2_3) """
-        """+ l1*l2*m2*thetadot_2_3*(2*thetadot_1_3 + thetadot_2_3)*sin(theta_2_3)
-  f[2] = -l2*m2*(g*sin(theta_1_3 + theta_2_3) + l1*thetadot_1_3**2*sin(theta_2_3))
+  f[1] = -g*l1*(m1 + m2)*sin(q1) - g*l2*m2*sin(q1 + q2) + l1*l2*m2*q2_dot*(2*q1_dot + q2_dot)*sin(q2)
+  f[2] = -l2*m2*(g*sin(q1 + q2) + l1*q1_dot**2*sin(q2))
 """
     )
 
 
 def test_markdown_holds_the_matrices() -> None:
     text = render(derive(PENDULUM), "markdown")
-    assert r"- $x_{2} = \theta_{2,3}, \quad y_{2} = \dot{\theta}_{2,3} \quad \text{q2 (rad)}$" in text
+    assert r"- $x_{2} = q_{2}, \quad y_{2} = \dot{q}_{2} \quad \text{q2 (rad)}$" in text
     assert "- $m_{2} = 0.5$" in text
-    corner = r"l_{2} m_{2} \left(l_{1} \cos {\theta_{2,3}} + l_{2}\right)"
+    corner = r"l_{2} m_{2} \left(l_{1} \cos {q_{2}} + l_{2}\right)"
     assert re.search(
         rf"\$\$\nA = \\left\[\\begin{{matrix}}.*{re.escape(corner)}\\\\{re.escape(corner)} & .*\n\$\$", text
     )

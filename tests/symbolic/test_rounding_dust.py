@@ -12,7 +12,6 @@ import kanegen as kg
 from kanegen.reference import equations as reference
 from kanegen.symbolic import derive
 from kanegen.symbolic.closed.form import ClosedForm
-from kanegen.symbolic.symbols import coordinate
 
 ROBOT = """<robot name="oblique"><link name="base"/>
 <link name="arm"><inertial><origin xyz="0 0 .03"/><mass value="0.5"/>
@@ -62,8 +61,9 @@ def test_weight_along_an_oblique_axis_has_no_moment_about_it(tmp_path: Path, hin
 
 def test_a_number_is_the_same_in_every_entry(tmp_path: Path) -> None:
     """The weight of the slide has the coefficients of {f} both along the rail and in the moment."""
-    form = derive(_oblique(tmp_path, "1 1 0", "0 1 0")).closed_form()
-    theta, s = coordinate(1, 0), coordinate(2, 4)
+    system = _oblique(tmp_path, "1 1 0", "0 1 0")
+    form = derive(system).closed_form()
+    theta, s = derive(system).x
     moment, along = form.f[0].expand(), form.f[1].expand()
     assert moment.coeff(s * cos(theta)) == along.coeff(sin(theta)) != 0
     assert moment.coeff(s * sin(theta)) == -along.coeff(cos(theta)) != 0

@@ -11,6 +11,7 @@ from kanegen.model.coordinates import FREEDOMS, CoordinateKind
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS, Array
 from kanegen.symbolic import symbols
+from kanegen.symbolic.state_symbols import NOTES
 
 Elements = tuple[tuple[Symbol, str], ...]
 """Symbol of each element of an array, with its name in the generated code."""
@@ -52,8 +53,8 @@ def _parameters(system: System) -> Iterator[tuple[Array, Elements]]:
 
 def _state(system: System) -> Iterator[tuple[Array, Elements]]:
     """Yield the arrays {x} and {y}."""
-    x = symbols.coordinates(system)
-    y = symbols.speeds(system)
+    x = NOTES.coordinates(system)
+    y = NOTES.speeds(system)
     units = coordinate_units(system)
     orientation = " or ".join([*dict.fromkeys(kind.group for kind in _orientation_kinds(system)), "angles"])
     doc = f"{{x}}, the coordinates: {orientation}, then translations, Eq. (1)"
@@ -64,7 +65,7 @@ def _state(system: System) -> Iterator[tuple[Array, Elements]]:
 
 def _accelerations_and_forces(system: System) -> Iterator[tuple[Array, Elements]]:
     """Yield the arrays that only inverse or forward dynamics read."""
-    rates = symbols.accelerations(system)
+    rates = NOTES.accelerations(system)
     doc = "{ydot}, derivatives of the generalized speeds"
     yield Array("ydot", (len(rates),), "rad/s^2, m/s^2", doc), _named(rates)
     forces = [symbols.generalized_force(freedom.body, freedom.index) for freedom in system.freedoms]
@@ -112,4 +113,4 @@ def _prescribed(system: System) -> Iterator[tuple[Array, Elements]]:
         shape = (3, len(system.prescribed))
         doc = "the prescribed freedoms: a row of values, one of rates, one of second derivatives"
         array = Array("prescribed", shape, "rad, m; rad/s, m/s; rad/s^2, m/s^2", doc)
-        yield array, _named(symbols.prescribed(system))
+        yield array, _named(NOTES.prescribed(system))

@@ -18,6 +18,7 @@ from kanegen.model.joint import IDENTITY
 from kanegen.model.numbers import Matrix, Number, Parameter, map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.symbolic.closed.polynomials import fraction
+from kanegen.symbolic.state_symbols import of_system
 from kanegen.symbolic.symbols import expression, parameter
 
 DIGITS = 50
@@ -47,7 +48,7 @@ def with_named_numbers(system: System) -> tuple[System, NamedNumbers]:
 
     Integers stay, so that zeros and ones vanish from products, and so do angles, whose sines are numbers.
     """
-    names = _Names({each.name for each in system.parameters})
+    names = _Names(of_system(system).reserved.union(each.name for each in system.parameters))
     bodies = tuple(_named(body, names) for body in system.bodies)
     gravity = map_numbers(system.gravity, names.of_number)
     return replace(system, bodies=bodies, gravity=gravity), NamedNumbers(names.values, names.sizes)

@@ -15,7 +15,6 @@ from sympy import ImmutableMatrix
 from kanegen.symbolic.literal.joint import JointEquations
 from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.literal.outward_property import outward_property
-from kanegen.symbolic.symbols import acceleration, speed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,7 +103,7 @@ class AngularEquations(JointEquations):
     @outward_property
     def remaining_angular_velocity(self) -> ImmutableMatrix:
         """{omega_t}, (3, 1): angular velocity that prescribed freedoms cause (rad/s)."""
-        own = self.angle_rate_matrix * self._prescribed(speed, 0)
+        own = self.angle_rate_matrix * self._prescribed(self.symbols.speed, 0)
         if self.lower is not None:
             own += self.relative_rotation * self.lower.remaining_angular_velocity
         return self._named("remaining_angular_velocity", own)
@@ -112,8 +111,8 @@ class AngularEquations(JointEquations):
     @outward_property
     def remaining_angular_velocity_rate(self) -> ImmutableMatrix:
         """Time derivative of the K components of {omega_t}, (3, 1) (rad/s^2)."""
-        rate = self.angle_rate_matrix * self._prescribed(acceleration, 0)
-        rate += self.angle_rate_matrix_rate * self._prescribed(speed, 0)
+        rate = self.angle_rate_matrix * self._prescribed(self.symbols.acceleration, 0)
+        rate += self.angle_rate_matrix_rate * self._prescribed(self.symbols.speed, 0)
         if self.lower is not None:
             rate += self.relative_rotation * self.lower.remaining_angular_velocity_rate
             rate += self.relative_rotation_rate * self.lower.remaining_angular_velocity

@@ -28,6 +28,7 @@ from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.frames import frame_equations, point_position
 from kanegen.symbolic.literal.orientation import skew
+from kanegen.symbolic.state_symbols import StateSymbols
 from kanegen.symbolic.symbols import column, expression, point_force, point_moment
 
 
@@ -52,12 +53,14 @@ class ElementForces:
 
     Attributes:
         system: The tree.
+        symbols: The symbols of coordinates and speeds.
         bodies: The equations of its bodies.
         intermediates: Collects the intermediates.
         named: Whether all intermediates are named, or only parts of long expressions.
     """
 
     system: System
+    symbols: StateSymbols
     bodies: Sequence[BodyEquations]
     intermediates: Definitions
     named: bool
@@ -173,7 +176,7 @@ class ElementForces:
     @cached_property
     def _translator(self) -> ExpressionTranslator:
         """The translation of expressions to SymPy."""
-        return ExpressionTranslator(self.system, expression, self.intermediates)
+        return ExpressionTranslator(self.system, expression, self.intermediates, self.symbols)
 
     @cached_property
     def _labels(self) -> dict[str, str]:

@@ -22,7 +22,8 @@ from kanegen.symbolic.literal.orientation import (
     length_factor,
     orientation,
 )
-from kanegen.symbolic.symbols import accelerations, column, expression, speed, speeds
+from kanegen.symbolic.state_symbols import StateSymbols
+from kanegen.symbolic.symbols import column, expression
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,12 +34,14 @@ class JointEquations:
         number: K, from 1.
         system: The tree that the body belongs to.
         lower: The equations of body J; None where J is the ground.
+        symbols: The symbols of coordinates and speeds.
         intermediates: Names the longer entries of matrices, where that is wanted.
     """
 
     number: int
     system: System
     lower: Self | None
+    symbols: StateSymbols
     intermediates: Intermediates
 
     @property
@@ -126,12 +129,13 @@ class JointEquations:
         joint = self.body.joint
         if joint.coupled[index]:
             return self._motions.speed(Freedom(self.number, index))
-        return speed(self.number, joint.speed_kinds[index]) if joint.moving[index] else S.Zero
+        is_moving = joint.moving[index]
+        return self.symbols.speed(self.number, joint.speed_kinds[index]) if is_moving else S.Zero
 
     @cached_property
     def _motions(self) -> FreedomMotions:
         """The motion of freedoms, coupled ones in terms of those that they follow."""
-        return FreedomMotions(self.system, expression)
+        return FreedomMotions(self.system, expression, self.symbols)
 
     def _prescribed(self, symbol: Callable[[int, int], Symbol], first: int) -> ImmutableMatrix:
         """Return (3, 1) parts of freedoms `first` to `first` + 2 that prescribed motion causes."""
@@ -156,12 +160,12 @@ class JointEquations:
     @property
     def _y(self) -> ImmutableMatrix:
         """The column {y} of generalized speeds, (n, 1)."""
-        return ImmutableMatrix(speeds(self.system))
+        return ImmutableMatrix(self.symbols.speeds(self.system))
 
     @property
     def _ydot(self) -> ImmutableMatrix:
         """The column {ydot} of their derivatives, (n, 1)."""
-        return ImmutableMatrix(accelerations(self.system))
+        return ImmutableMatrix(self.symbols.accelerations(self.system))
 
     def _columns(self, block: ImmutableMatrix, first: int) -> ImmutableMatrix:
         """Return (3, n) zeros, with the columns of `block` for the freedoms `first` to `first` + 2.

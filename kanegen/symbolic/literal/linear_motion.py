@@ -15,7 +15,7 @@ from sympy import ImmutableMatrix
 from kanegen.symbolic.literal.angular_motion import AngularEquations
 from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.literal.outward_property import outward_property
-from kanegen.symbolic.symbols import acceleration, column, speed
+from kanegen.symbolic.symbols import column
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,7 +95,7 @@ class LinearEquations(AngularEquations):
     @outward_property
     def remaining_velocity_of_origin(self) -> ImmutableMatrix:
         """{v_t} of O_K in **J** components, (3, 1): its velocity that prescribed freedoms cause (m/s)."""
-        own = self.joint_orientation.T * self._prescribed(speed, 3)
+        own = self.joint_orientation.T * self._prescribed(self.symbols.speed, 3)
         if self.lower is not None:
             lower = self.lower
             own += lower.relative_rotation * lower.remaining_velocity_of_origin
@@ -105,7 +105,7 @@ class LinearEquations(AngularEquations):
     @outward_property
     def remaining_velocity_of_origin_rate(self) -> ImmutableMatrix:
         """Time derivative of the **J** components of {v_t} of O_K, (3, 1) (m/s^2)."""
-        rate = self.joint_orientation.T * self._prescribed(acceleration, 3)
+        rate = self.joint_orientation.T * self._prescribed(self.symbols.acceleration, 3)
         if self.lower is not None:
             lower = self.lower
             rate += lower.relative_rotation * lower.remaining_velocity_of_origin_rate

@@ -21,7 +21,8 @@ from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.frames import frame_equations
 from kanegen.symbolic.literal.orientation import skew
-from kanegen.symbolic.symbols import acceleration, column, expression
+from kanegen.symbolic.state_symbols import StateSymbols
+from kanegen.symbolic.symbols import column, expression
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,10 +31,12 @@ class MotorEquations:
 
     Attributes:
         system: The tree.
+        symbols: The symbols of coordinates and speeds.
         bodies: The equations of its bodies.
     """
 
     system: System
+    symbols: StateSymbols
     bodies: Sequence[BodyEquations]
 
     @property
@@ -58,7 +61,7 @@ class MotorEquations:
     @cached_property
     def _motions(self) -> FreedomMotions:
         """The motion of all freedoms, coupled ones by those that they follow."""
-        return FreedomMotions(self.system, expression)
+        return FreedomMotions(self.system, expression, self.symbols)
 
     def _inertias(self) -> Iterator[tuple[Freedom, Expr]]:
         """Yield each freedom that moves with the reflected inertia of its motor, or of a rotor."""
@@ -111,5 +114,6 @@ class MotorEquations:
     def _prescribed_acceleration(self, freedom: Freedom) -> Expr:
         """Return the part of the second derivative of a freedom that prescribed motion causes."""
         shares = self._motions.shares(freedom).items()
+        acceleration = self.symbols.acceleration
         driven = (share * acceleration(f.body, f.index) for f, share in shares if f not in self.system.places)
         return Add(*driven)

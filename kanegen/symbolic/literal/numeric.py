@@ -14,14 +14,12 @@ from sympy import Dummy, Expr, ImmutableMatrix, Symbol
 from kanegen.errors import ArrayError, quoted
 from kanegen.model.system import System
 from kanegen.symbolic.definitions import Definition
+from kanegen.symbolic.state_symbols import StateSymbols
 from kanegen.symbolic.symbols import (
-    coordinates,
     force,
     parameter,
     point_force,
     point_moment,
-    prescribed,
-    speeds,
     time,
     torque,
 )
@@ -125,27 +123,32 @@ class NumericEquations:
 
 
 def numeric(
-    system: System, A: ImmutableMatrix, f: ImmutableMatrix, definitions: Sequence[Definition]
+    system: System,
+    symbols: StateSymbols,
+    A: ImmutableMatrix,
+    f: ImmutableMatrix,
+    definitions: Sequence[Definition],
 ) -> NumericEquations:
     """Return functions that evaluate [A] and {f}.
 
     Args:
         system: The system whose equations they are.
+        symbols: The symbols of its coordinates and speeds.
         A: (n, n) [A].
         f: (n, 1) {f}.
         definitions: The definitions of the intermediates in [A] and {f}.
     """
     every = [(k, axis) for k in range(1, system.number_of_bodies + 1) for axis in range(3)]
-    x, y = list(coordinates(system)), list(speeds(system))
+    x, y, motion = ([*of(system)] for of in (symbols.coordinates, symbols.speeds, symbols.prescribed))
     at_points = [(k, axis) for k in range(1, len(system.points) + 1) for axis in range(3)]
     inputs = (force, every), (torque, every), (point_force, at_points), (point_moment, at_points)
     loads = [[symbol(k, axis) for k, axis in places] for symbol, places in inputs]
-    # A parameter may have the name of a function, such as sin; a Dummy cannot.
-    private = {parameter(each): Dummy(each.name) for each in system.parameters}
-    if private:
-        A, f = A.xreplace(private), f.xreplace(private)
-        definitions = [replace(d, value=d.value.xreplace(private)) for d in definitions]
-    parameters, motion = list(private.values()), list(prescribed(system))
+    # A parameter or a freedom may have the name of a function, such as sin; a Dummy cannot.
+    parameters = [parameter(each) for each in system.parameters]
+    private = {symbol: Dummy(symbol.name) for symbol in (*parameters, *x, *y, *motion)}
+    A, f = A.xreplace(private), f.xreplace(private)
+    definitions = [replace(d, value=d.value.xreplace(private)) for d in definitions]
+    x, y, motion, parameters = ([private[one] for one in part] for part in (x, y, motion, parameters))
     return NumericEquations(
         system,
         _function([x, motion, parameters], A, definitions),

@@ -21,7 +21,7 @@ from kanegen.symbolic.printing.statements import (
     SymbolLatex,
     equation,
 )
-from kanegen.symbolic.symbols import coordinate_rates, expression, parameter
+from kanegen.symbolic.symbols import expression, parameter
 
 SHORT_MATRIX = 600
 """Number of characters of LaTeX up to which a matrix is printed whole; a longer one is printed by entries."""
@@ -153,7 +153,8 @@ def _prescribed(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
 
 def _coordinate_rates(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
     """Yield the section on {xdot}, if some coordinates have rates that are not speeds."""
-    every = zip(coordinate_rates(equations.system), equations.xdot, strict=True)
+    rates = equations.symbols.coordinate_rates(equations.system)
+    every = zip(rates, equations.xdot, strict=True)
     statements = tuple(equation(symbol, rate, names) for symbol, rate in every if rate != symbol)
     if statements:
         note = (

@@ -14,25 +14,17 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
-from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS
+from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS, Freedom
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.functions import python_sign
-from kanegen.symbolic.symbols import (
-    acceleration,
-    coordinate,
-    coordinate_rate,
-    force,
-    parameter,
-    speed,
-    torque,
-)
+from kanegen.symbolic.symbols import force, parameter, torque
 
 LINE = 90
 """Width in characters after which a long sum continues in the next line of LaTeX."""
 
 _LETTER = re.compile("[A-Za-z]|alpha|beta|gamma|delta|epsilon|theta|kappa|mu|nu|rho|sigma|tau|phi|psi|omega")
-_LETTER_AND_INDEX = re.compile(rf"(?:{_LETTER.pattern})(?:_?[A-Za-z]{{0,2}}\d*)")
-"""Names of parameters that SymPy prints well in LaTeX: a letter, perhaps with an index."""
+_LETTER_AND_INDEX = re.compile(rf"({_LETTER.pattern})(?:_?(\d+|[xyz]{{1,2}})|_([A-Za-z]{{1,2}}\d*))?")
+"""Names that are printed in LaTeX as a letter, perhaps with an index: `g`, `m2`, `theta_1`, `Ixx`, `l_a`."""
 
 
 class _TextPrinter(StrPrinter):  # type: ignore[misc]  # SymPy has no types
@@ -103,27 +95,22 @@ def _visible_width(printed: str) -> int:
 
 
 def latex_names(equations: Equations) -> dict[Symbol, str]:
-    """Return the LaTeX of coordinates, speeds, accelerations, loads, intermediates and some parameters.
-
-    Parameters whose names SymPy prints well are left to SymPy.
-    """
-    names: dict[Symbol, str] = {}
-    for given in equations.system.parameters:
-        if not _LETTER_AND_INDEX.fullmatch(given.name):
-            names[parameter(given)] = rf"\mathit{{{escaped(given.name)}}}"
-    system = equations.system
+    """Return the LaTeX of coordinates, speeds, accelerations, loads, intermediates and parameters."""
+    system, symbols = equations.system, equations.symbols
+    names = {parameter(given): _of_name(given.name) for given in system.parameters}
     moving = {(f.body, f.index) for f in system.freedoms + system.prescribed}
     for k, kind in sorted(moving | {(c.body, c.index) for c in system.coordinates}):
-        letter, place = _letter(COORDINATE_KINDS[kind].symbol), f"_{{{k},{COORDINATE_KINDS[kind].number}}}"
-        names[coordinate(k, kind)] = letter + place
-        names[coordinate_rate(k, kind)] = rf"\dot{{{letter}}}" + place
+        given = symbols.names.get(Freedom(k, kind))
+        letter, place = _letter_and_index(given) if given else _of_the_notes(k, kind)
+        names[symbols.coordinate(k, kind)] = letter + place
+        names[symbols.coordinate_rate(k, kind)] = rf"\dot{{{letter}}}" + place
         if kind < len(FREEDOMS):
-            names[acceleration(k, kind)] = rf"\ddot{{{letter}}}" + place
+            names[symbols.acceleration(k, kind)] = rf"\ddot{{{letter}}}" + place
     for each in system.speeds:
         if not each.kind.is_rate:
             place = f"_{{{each.body},{each.kind.number}}}"
-            names[speed(each.body, each.index)] = rf"{{\hat{{\omega}}'}}{place}"
-            names[acceleration(each.body, each.index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
+            names[symbols.speed(each.body, each.index)] = rf"{{\hat{{\omega}}'}}{place}"
+            names[symbols.acceleration(each.body, each.index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
     for body in equations.bodies:
         for axis in range(3):
             names[force(body.number, axis)] = f"{{F'}}_{{{body.number},{axis + 1}}}"
@@ -132,8 +119,28 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
     return names
 
 
+def _of_the_notes(body: int, kind: int) -> tuple[str, str]:
+    """Return the letter and the index of a coordinate in LaTeX as the notes write it."""
+    entry = COORDINATE_KINDS[kind]
+    return _letter(entry.symbol), f"_{{{body},{entry.number}}}"
+
+
+def _of_name(name: str) -> str:
+    """Return a name in LaTeX."""
+    return "".join(_letter_and_index(name))
+
+
+def _letter_and_index(name: str) -> tuple[str, str]:
+    """Return a name in LaTeX as a letter and an index, such as q and 1; a longer name has no index."""
+    match = _LETTER_AND_INDEX.fullmatch(name)
+    if not match:
+        return rf"\mathit{{{escaped(name)}}}", ""
+    index = match[2] or match[3]
+    return _letter(match[1]), f"_{{{index}}}" if index else ""
+
+
 def _letter(symbol: str) -> str:
-    """Return the letter of a coordinate: a command for a Greek one, itself otherwise."""
+    """Return a letter in LaTeX: a command for a Greek one, itself otherwise."""
     return symbol if len(symbol) == 1 else rf"\{symbol}"
 
 

@@ -23,7 +23,7 @@ TAKEN = frozenset(
         *keyword.kwlist,
     ]
 )
-"""Names in the module that the symbol of a parameter cannot have."""
+"""Names in the module that the symbol of a parameter or of a freedom cannot have."""
 
 
 def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
@@ -34,10 +34,10 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
         A: (n, n) [A].
         f: (n, 1) {f}.
     """
-    names = _names([p.name for p in equations.system.parameters])
+    names = _names(equations)
     functions = ", ".join(sorted({"cos", "sin", *_functions(equations, f)}))
     head = [
-        _docstring(equations),
+        _docstring(equations, names),
         f"from math import {functions}",
         "import numpy as np",
         _parameters(equations),
@@ -64,11 +64,13 @@ def _functions(equations: Equations, f: ImmutableMatrix) -> Iterable[str]:
         yield "pi"
 
 
-def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
-    """Return the symbol in the module of each parameter, with another name where the name is taken."""
-    used = TAKEN.union(parameters)
+def _names(equations: Equations) -> dict[Symbol, Symbol]:
+    """Return the symbol in the module of each parameter and freedom, with another name where it is taken."""
+    given = [each.name for each in equations.system.parameters]
+    given += sorted(equations.symbols.reserved)
+    used = TAKEN.union(given)
     names: dict[Symbol, Symbol] = {}
-    for name in parameters:
+    for name in given:
         free = name
         while name in TAKEN and free in used:
             free += "_"
@@ -77,7 +79,7 @@ def _names(parameters: Sequence[str]) -> dict[Symbol, Symbol]:
     return names
 
 
-def _docstring(equations: Equations) -> str:
+def _docstring(equations: Equations, names: dict[Symbol, Symbol]) -> str:
     """Return the docstring of the module."""
     system = equations.system
     relation = kinematic_relation(system)
@@ -96,13 +98,12 @@ def _docstring(equations: Equations) -> str:
     }
     elements = zip(equations.x, system.coordinates, system.coordinate_names, strict=True)
     for i, (x, coordinate, name) in enumerate(elements):
-        lines.append(f"    x[{i}] = {x}, {python_text(name)} ({coordinate.unit})")
+        lines.append(f"    x[{i}] = {names.get(x, x)}, {python_text(name)} ({coordinate.unit})")
         if i in speeds:
             lines.append(speeds[i])
     for i, (name, freedom) in enumerate(zip(system.prescribed_names, system.prescribed, strict=True)):
-        lines.append(
-            f"    prescribed[0][{i}] = {equations.prescribed[0, i]}, {python_text(name)} ({freedom.unit})"
-        )
+        value = names.get(equations.prescribed[0, i], equations.prescribed[0, i])
+        lines.append(f"    prescribed[0][{i}] = {value}, {python_text(name)} ({freedom.unit})")
     if system.prescribed:
         lines += ["", "prescribed[1] and prescribed[2] are their rates and second derivatives."]
     return "\n".join([*lines, '"""'])
@@ -122,8 +123,8 @@ def _mass_matrix(equations: Equations, A: ImmutableMatrix, names: dict[Symbol, S
     lines = [
         f"def mass_matrix(x{prescribed}, parameters=PARAMETERS):",
         f'    """[A] of Eq. (43), ({n}, {n}), at the coordinates x, ({len(equations.x)},)."""',
-        *_unpacked(equations.x, "x"),
-        *_prescribed_assignments(equations),
+        *_unpacked(equations.x, "x", names),
+        *_prescribed_assignments(equations, names),
         *_body(equations, list(entries.values()), names),
         f"    A = np.zeros(({n}, {n}))",
     ]
@@ -143,9 +144,9 @@ def _forcing(equations: Equations, f: ImmutableMatrix, names: dict[Symbol, Symbo
     lines = [
         f"def forcing(x, y{prescribed}, force=None, torque=None, parameters=PARAMETERS{further}):",
         f'    """{{f}} of Eq. (44), ({n},), at x, ({m},), and y, ({n},), under loads, ({bodies}, 3)."""',
-        *_unpacked(equations.x, "x"),
-        *_unpacked(equations.y, "y"),
-        *_prescribed_assignments(equations),
+        *_unpacked(equations.x, "x", names),
+        *_unpacked(equations.y, "y", names),
+        *_prescribed_assignments(equations, names),
         *_loads(equations),
         *_body(equations, list(f), names),
         f"    f = np.zeros({n})",
@@ -159,8 +160,8 @@ def _coordinate_rates(equations: Equations, names: dict[Symbol, Symbol]) -> str:
     lines = [
         "def coordinate_rates(x, y):",
         f'    """{{xdot}} of Eqs. (9), (45), ({len(equations.x)},), at coordinates x and speeds y."""',
-        *_unpacked(equations.x, "x"),
-        *_unpacked(equations.y, "y"),
+        *_unpacked(equations.x, "x", names),
+        *_unpacked(equations.y, "y", names),
         *_body(equations, list(equations.xdot), names),
         f"    return np.array([{', '.join(python(value.xreplace(names)) for value in equations.xdot)}])",
     ]
@@ -172,11 +173,11 @@ def _prescribed_argument(equations: Equations) -> str:
     return ", prescribed" if equations.system.prescribed else ""
 
 
-def _prescribed_assignments(equations: Equations) -> Iterable[str]:
+def _prescribed_assignments(equations: Equations, names: dict[Symbol, Symbol]) -> Iterable[str]:
     """Yield the assignments of prescribed values, rates and second derivatives, a line each."""
     if equations.system.prescribed:
         for i in range(3):
-            yield from _unpacked(equations.prescribed[i, :], f"prescribed[{i}]")
+            yield from _unpacked(equations.prescribed[i, :], f"prescribed[{i}]", names)
 
 
 def _loads(equations: Equations) -> Iterable[str]:
@@ -216,7 +217,7 @@ def _body(equations: Equations, values: Sequence[Expr], names: dict[Symbol, Symb
         yield f"    {definition.symbol} = {python(definition.value.xreplace(names))}"
 
 
-def _unpacked(symbols: Iterable[Symbol], name: str) -> Iterable[str]:
-    """Yield the assignment of the elements of an argument to symbols."""
-    names = [str(symbol) for symbol in symbols]
-    yield f"    {', '.join(names)} = {name}" if len(names) > 1 else f"    {names[0]} = {name}[0]"
+def _unpacked(symbols: Iterable[Symbol], argument: str, names: dict[Symbol, Symbol]) -> Iterable[str]:
+    """Yield the assignment of the elements of an argument to symbols, which may have other names."""
+    left = [str(names.get(symbol, symbol)) for symbol in symbols]
+    yield f"    {', '.join(left)} = {argument}" if len(left) > 1 else f"    {left[0]} = {argument}[0]"
