@@ -13,7 +13,7 @@ from kanegen.recursion.outputs import DERIVATIVES
 
 
 class Derivatives(CompiledModel):
-    """Methods for the derivatives of {f}, of generalized forces and of {ydot}.
+    """Methods for the derivatives of {f} and of its part by gravity, of generalized forces and of {ydot}.
 
     The last axis of a result has K columns, one for each differentiation variable; `derivative_columns` gives
     their order.
@@ -48,6 +48,26 @@ class Derivatives(CompiledModel):
             stiffness = -library.forcing_derivatives(x, y)[:, by["x"]]
         """
         return self._run("forcing_derivatives", (x, y, force, torque), inputs)[0]
+
+    def gravity_forces_derivatives(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the derivatives of the part of {f} that gravity causes by {x} and the run-time parameters.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n, K) or (B, n, K): a row for each freedom, N m and N over the units of x and the parameters.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            by = library.derivative_columns("gravity_forces_derivatives")
+            stiffness = -library.gravity_forces_derivatives(x)[:, by["x"]]
+        """
+        return self._run("gravity_forces_derivatives", (x,), inputs)[0]
 
     def inverse_dynamics_derivatives(
         self,

@@ -67,6 +67,53 @@ class Dynamics(CompiledModel):
         """
         return self._run("forcing", (x, y, force, torque), inputs)[0]
 
+    def gravity_forces(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the part of {f} that gravity causes: the sum of [v_G,y]^T m {g} over the bodies, Eq. (44).
+
+        {f} is the sum of `gravity_forces`, of `velocity_forces` and of what loads and force elements apply. So
+        -gravity_forces are the generalized forces that hold a system without these at rest. Without force
+        elements they are minus the derivatives of `potential_energy` by {x}, where all speeds are rates.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n,) or (B, n), N m and N.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            holding = -library.gravity_forces(x)
+        """
+        return self._run("gravity_forces", (x,), inputs)[0]
+
+    def velocity_forces(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the part of {f} that {y} and prescribed motion cause, Eqs. (39)-(41) for {ydot} = {0}.
+
+        These are centrifugal, Coriolis and gyroscopic forces, without gravity, loads and force elements; with
+        the inertia forces of prescribed accelerations. They are -C{y} with `coriolis_matrix` where nothing is
+        prescribed.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n,) or (B, n), N m and N.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            applied = library.forcing(x, y) - library.gravity_forces(x) - library.velocity_forces(x, y)
+        """
+        return self._run("velocity_forces", (x, y), inputs)[0]
+
     def inverse_dynamics(
         self,
         x: ArrayLike,

@@ -1,4 +1,4 @@
-"""The outputs {f} and [A]{ydot} - {f} by a recursion of forces.
+"""The outputs {f} and [A]{ydot} - {f}, and the part of {f} that motion causes, by a recursion of forces.
 
 An outward pass computes the motion of every body (`body_motion`), an inward pass the force and moment about
 its origin that this motion requires, less the loads. Their component along a freedom is the generalized force
@@ -19,7 +19,7 @@ from kanegen.recursion.constants import exact
 from kanegen.recursion.force_elements import applied_wrenches, element_efforts
 from kanegen.recursion.frames import fixed_frame
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.joint_motion import FreedomMotion, JointMotion
+from kanegen.recursion.joint_motion import JointMotion
 from kanegen.recursion.rotors import rotor_efforts, rotor_moments, spinning_rotors
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import Wrench, add, cross, dot, multiply, scale, subtract
@@ -31,6 +31,13 @@ from kanegen.symbolic.symbols import torque as torque_symbol
 def forcing(tree: Tree) -> Derived:
     """Derive the entries of {f}, Eq. (44)."""
     return Derived([-needed for needed in required_efforts(tree, _required(tree, accelerated=False))])
+
+
+def velocity_forces(tree: Tree) -> Derived:
+    """Derive the part of {f} that {y} and prescribed motion cause, without weights, loads and elements."""
+    moved = body_motions(tree, accelerated=False, weightless=True)
+    needed = required(tree, moved, accelerated=False, loaded=False)
+    return Derived([-effort for effort in at_free(tree, _along_freedoms(tree, needed))])
 
 
 def inverse_dynamics(tree: Tree) -> Derived:
@@ -63,13 +70,16 @@ def _required(tree: Tree, *, accelerated: bool) -> Requirement:
     return required(tree, body_motions(tree, accelerated=accelerated), accelerated=accelerated)
 
 
-def required(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) -> Requirement:
+def required(
+    tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool, loaded: bool = True
+) -> Requirement:
     """Return what a motion requires.
 
     Args:
         tree: The tree.
         moved: Motion of every body, by number.
         accelerated: Whether the freedoms have accelerations, as for `body_motions`.
+        loaded: Whether loads and springs on the bodies are subtracted.
     """
     rotors = spinning_rotors(tree)
     efforts = _armature_efforts(tree, accelerated)
@@ -78,7 +88,7 @@ def required(tree: Tree, moved: Mapping[int, BodyMotion], *, accelerated: bool) 
         efforts[number] = tree.definitions.define(f"fr_{number}", efforts.get(number, S.Zero) + effort)
     omega = {k: motion.omega for k, motion in moved.items()}
     moments = rotor_moments(rotors, omega, accelerated=accelerated)
-    return Requirement(_required_wrenches(tree, moved, moments), efforts)
+    return Requirement(_required_wrenches(tree, moved, moments, loaded), efforts)
 
 
 def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
@@ -93,7 +103,7 @@ def _armature_efforts(tree: Tree, accelerated: bool) -> dict[int, Expr]:
 
 
 def _required_wrenches(
-    tree: Tree, moved: Mapping[int, BodyMotion], spinning: Mapping[int, Vector]
+    tree: Tree, moved: Mapping[int, BodyMotion], spinning: Mapping[int, Vector], loaded: bool
 ) -> list[Wrench]:
     """Return for each body the force and moment about its origin that its motion requires, less its loads.
 
@@ -101,25 +111,26 @@ def _required_wrenches(
         tree: The tree.
         moved: Motion of every body, by number.
         spinning: Moments that the spin of rotors requires, by number of their carrier, in its frame.
+        loaded: Whether there are loads.
     """
-    loads = applied_wrenches(tree)
+    loads = applied_wrenches(tree) if loaded else {}
     found = []
     for joint in tree.joints:
         load = loads.get(joint.body, Wrench())
         if joint.body in spinning:
             load = replace(load, moment=subtract(load.moment, spinning[joint.body]))
-        found.append(_required_wrench(tree, joint.body, moved[joint.body], load))
+        found.append(_required_wrench(tree, joint.body, moved[joint.body], load, loaded))
     return found
 
 
-def _required_wrench(tree: Tree, k: int, motion: BodyMotion, applied: Wrench) -> Wrench:
+def _required_wrench(tree: Tree, k: int, motion: BodyMotion, applied: Wrench, loaded: bool) -> Wrench:
     """Return the wrench that the motion of body `k` requires, less its loads, Eqs. (38), (44)."""
     body, inertia, definitions = tree.system.bodies[k - 1], tree.inertias[k - 1], tree.definitions
     tree.about(k, "force and moment about its origin, Eq. (44)")
     m, h = inertia.mass, inertia.moment
     force = add(scale(m, motion.acceleration), multiply(motion.field, h))
     moment = add(_rotational_moment(inertia, motion, definitions, k), cross(h, motion.acceleration))
-    if body.loads:
+    if body.loads and loaded:
         load, torque = (
             _in_body(tree, k, Vector(*(symbol(k, axis) for axis in range(3))), name)
             for symbol, name in ((force_symbol, "Fl"), (torque_symbol, "Ml"))
@@ -210,28 +221,48 @@ def required_efforts(tree: Tree, needed: Requirement) -> list[Expr]:
 
 def _all_required_efforts(tree: Tree, needed: Requirement) -> list[Expr]:
     """Return required generalized forces at the freedoms, then at the prescribed freedoms."""
-    along: dict[int, tuple[FreedomMotion, Expr]] = {}
+    along, acting = _along_freedoms(tree, needed), element_efforts(tree)
+    for freedom, number in tree.system.moving_places.items():
+        along[number] -= acting.get((freedom.body, freedom.index), S.Zero)
+    return _at_speeds(tree, along)
+
+
+def _along_freedoms(tree: Tree, needed: Requirement) -> dict[int, Expr]:
+    """Return required generalized forces by number of the freedom, without those of force elements."""
+    along: dict[int, Expr] = {}
     for carried in carried_wrenches(tree, needed.wrenches):
         joint = carried.joint
-        along |= {one.number: (one, carried.above.moment[one.axis]) for one in joint.angular_speeds}
+        along |= {one.number: carried.above.moment[one.axis] for one in joint.angular_speeds}
         for step, moment in zip(joint.steps, carried.moments, strict=True):
             if step.moves:
-                along[step.number] = step, moment[step.axis]
+                along[step.number] = moment[step.axis]
         for translation in joint.moving_translations:
             work = dot(translation.direction, carried.force)
-            work = tree.definitions.define(f"f_{translation.number}", work)
-            along[translation.number] = translation, work
-    acting = element_efforts(tree)
+            along[translation.number] = tree.definitions.define(f"f_{translation.number}", work)
+    return {number: work + needed.efforts.get(number, S.Zero) for number, work in along.items()}
+
+
+def at_free(tree: Tree, along: Mapping[int, Expr]) -> list[Expr]:
+    """Return generalized forces in the order of {y}: those of coupled freedoms add to those they follow.
+
+    Args:
+        tree: The tree.
+        along: Generalized force by number of the freedom, as in `FreedomMotion.number`.
+    """
+    return _at_speeds(tree, along)[: len(tree.system.freedoms)]
+
+
+def _at_speeds(tree: Tree, along: Mapping[int, Expr]) -> list[Expr]:
+    """Return the generalized forces of `at_free`, then those at the prescribed freedoms."""
+    motions = {one.number: one for joint in tree.joints for one in joint.elements}
     n = len(tree.system.freedoms)
-    required: list[list[Expr]] = [[] for _ in range(n + len(tree.system.prescribed))]
-    for freedom, number in tree.system.moving_places.items():
-        one, work = along[number]
-        own = needed.efforts.get(number, S.Zero)
-        effort = work + own - acting.get((freedom.body, freedom.index), S.Zero)
+    sums: list[list[Expr]] = [[] for _ in range(n + len(tree.system.prescribed))]
+    for number in tree.system.moving_places.values():
+        one, effort = motions[number], along[number]
         if one.is_coupled:
             effort = tree.definitions.define(f"fn_{number}", effort)
         for i, share in one.shares.items():
-            required[i].append(share * effort)
+            sums[i].append(share * effort)
         for i, share in one.prescribed_shares.items():
-            required[n + i].append(share * effort)
-    return [Add(*parts) for parts in required]
+            sums[n + i].append(share * effort)
+    return [Add(*parts) for parts in sums]

@@ -162,6 +162,8 @@ NAMES = (
     ("M_{P}_{x}", "moment that body K and all that it carries need (N m)"),
     ("fn_{n}", "generalized force on freedom n, which couplings name, with its force elements"),
     ("f_{n}", "force that body K and all that it carries need along the translation at place n (N)"),
+    ("g_{P}_{x}", "gravity (m/s^2)"),
+    ("fg_{n}", "torque of gravity on body K and all that it carries, about its hinge at place n (N m)"),
     # Velocities, energy, momentum, poses
     ("vo_{P}_{x}", "velocity of the origin (m/s)"),
     ("vr_{K}_{x}", "velocity of the origin of body K past the origin of J, in J (m/s)"),

@@ -8,6 +8,7 @@ from kanegen.recursion.outputs.output import Derivative, Output
 
 _DIFFERENTIATED = (
     ("forcing", "{f}, Eq. (44),", ("x", "y")),
+    ("gravity_forces", "the part of {f} that gravity causes", ("x",)),
     ("inverse_dynamics", "[A]{ydot} - {f} for given {ydot}", ("x", "y")),
     ("forward_dynamics", "{ydot} of [A]{ydot} = {f} + {tau}", ("x", "y", "tau")),
     ("coordinate_rates", "{xdot}, Eqs. (9), (45),", ("x", "y")),

@@ -8,7 +8,13 @@ from __future__ import annotations
 from kanegen.model.system import System
 from kanegen.program.ir import Array, Condition
 from kanegen.recursion.energy_and_momentum import kinetic_energy, mass_center, momentum, potential_energy
-from kanegen.recursion.inverse_dynamics import forcing, inverse_dynamics, prescribed_efforts
+from kanegen.recursion.gravity import gravity_forces
+from kanegen.recursion.inverse_dynamics import (
+    forcing,
+    inverse_dynamics,
+    prescribed_efforts,
+    velocity_forces,
+)
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.outputs.derivatives import derivatives_of
 from kanegen.recursion.outputs.inputs import LOADS
@@ -77,6 +83,30 @@ _ENTRIES = (
         ),
         ("x", "y", *LOADS),
         Recursion("recursion of forces", forcing),
+    ),
+    Output(
+        "gravity_forces",
+        lambda system: Array(
+            "gravity_forces",
+            (_n(system),),
+            "N m, N",
+            "the part of {f} that gravity causes, the sum of [v_G,y]^T m {g}, Eq. (44)",
+            of_freedoms=True,
+        ),
+        ("x",),
+        Recursion("first moments of mass", gravity_forces),
+    ),
+    Output(
+        "velocity_forces",
+        lambda system: Array(
+            "velocity_forces",
+            (_n(system),),
+            "N m, N",
+            "the part of {f} that {y} and prescribed motion cause, without gravity, loads and force elements",
+            of_freedoms=True,
+        ),
+        ("x", "y"),
+        Recursion("recursion of forces", velocity_forces),
     ),
     Output(
         "inverse_dynamics",
