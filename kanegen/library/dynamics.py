@@ -70,9 +70,10 @@ class Dynamics(CompiledModel):
     def gravity_forces(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
         """Return the part of {f} that gravity causes: the sum of [v_G,y]^T m {g} over the bodies, Eq. (44).
 
-        {f} is the sum of `gravity_forces`, of `velocity_forces` and of what loads and force elements apply. So
-        -gravity_forces are the generalized forces that hold a system without these at rest. Without force
-        elements they are minus the derivatives of `potential_energy` by {x}, where all speeds are rates.
+        {f} is the sum of `gravity_forces`, of `velocity_forces` and of what loads and force elements apply.
+        So a system without these stays at rest under generalized forces that are the opposite of
+        `gravity_forces`. Where all speeds are rates, they are minus the derivatives by {x} of the energy of
+        gravity.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.

@@ -13,7 +13,6 @@ gravity has no torque about an axis along it, such as the vertical first axis of
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from sympy import Expr, S
 

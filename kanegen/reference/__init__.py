@@ -4,6 +4,7 @@
 - `kinematics` is Eqs. (1)-(35), `equations` Eqs. (36)-(44), as they stand in the notes.
 - `force_elements` and `expressions` add springs, drives, potentials and loads on points.
 - `motors` adds the inertia of motors.
+- `coriolis` has the parts of {f} that gravity and motion cause, and the Coriolis matrix.
 - `frames` has poses, Jacobians, velocities and accelerations of frames.
 - `magnitudes` says how large the terms of [A] and {f} are, and bounds rounding errors by them.
 - `regularity` finds systems whose [A] is singular in every state.

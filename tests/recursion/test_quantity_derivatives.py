@@ -1,4 +1,4 @@
-"""Derivatives of rates, points, energies and momenta: against complex steps through the reference."""
+"""Derivatives of rates, points, energies, momenta, gravity: against complex steps through the reference."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.recursion.outputs import DERIVATIVES, OUTPUTS
+from kanegen.reference.coriolis import gravity_forces
 from kanegen.reference.freedoms import free_columns
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.matrices import skew
@@ -86,6 +87,8 @@ def quantity(system: kg.System, name: str, given: dict[str, Any]) -> Any:
     """Return the differentiated output by the reference, for real or complex numbers."""
     kind = np.result_type(given["x"], given["y"])
     x, y = given["x"].astype(kind), given["y"].astype(kind)
+    if name == "gravity_forces":
+        return gravity_forces(system, x)
     if name == "coordinate_rates":
         return rates_of(system, x, y)
     if name.startswith("point_"):
