@@ -327,6 +327,31 @@ class Dynamics(CompiledModel):
         """
         return self._run("error_bound", (x, y, ydot, tau, force, torque), inputs)[0]
 
+    def mass_matrix_inverse(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the inverse of the generalized mass matrix [A] of Eq. (43).
+
+        Column j holds what a unit generalized force at freedom j adds to {ydot}. To solve [A]{ydot} = {b} for
+        few right sides, `forward_dynamics` costs less.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n, n) or (B, n, n), both halves equal to the last bit, 1/(kg m^2), 1/(kg m) and 1/kg. Where [A]
+            is singular they are missing: NaN in a batch.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+            StatusError: See `with_on_status`; by default a `SingularError` if [A] is singular in a single
+                state. The message names the freedom.
+
+        Example:
+            A_inverse = library.mass_matrix_inverse(x)
+        """
+        return self._run("mass_matrix_inverse", (x,), inputs)[0]
+
     def regularity(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
         """Return for each freedom its pivot in the elimination over its inertia, the diagonal entry of [A].
 

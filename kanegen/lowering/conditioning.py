@@ -32,7 +32,8 @@ from kanegen.program.ir import Program
 from kanegen.program.passes.prune import prune
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.recursion import Methods, derive, methods
-from kanegen.recursion.outputs import prerequisites
+from kanegen.recursion.outputs import accurately_solved, prerequisites
+from kanegen.recursion.pivot_margins import PivotLimits
 from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, ranges
@@ -81,33 +82,79 @@ def condition(request: Request) -> tuple[Candidate, ...]:
     """Return the candidates, ways to derive the outputs, that lose no accuracy.
 
     Where [A] is ill-conditioned there is one candidate with the most accurate solver, refined if the measured
-    error demands it.
+    error demands it. Only {ydot} is refined; other results of a solver, such as [A]^-1, have a status where
+    they may be inaccurate.
     """
     system, variant = request.system, request.variant
     ways = methods(system, prerequisites(request.outputs), variant.solver)
-    if "forward_dynamics" not in ways[0]:
+    solved = accurately_solved(ways[0])
+    if not solved:
         return tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in ways)
+    losses = {way[solved[0]]: largest_losses(system, way[solved[0]]) for way in ways}
+    first, *_ = losses.values()
+    is_well = is_well_conditioned(system, first)
+    if "forward_dynamics" in solved:
+        candidates = _of_solution(request, ways, losses, is_well)
+    else:
+        accurate = ways if is_well else ways[:1]
+        candidates = tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in accurate)
+    if solved == ("forward_dynamics",):
+        return candidates
+    return tuple(_reporting_unrefined(system, one, solved[0], losses, is_well) for one in candidates)
+
+
+def _of_solution(
+    request: Request, ways: Sequence[Methods], losses: Mapping[str, Losses], is_well: bool
+) -> tuple[Candidate, ...]:
+    """Return the candidates for {ydot}.
+
+    Args:
+        request: The request.
+        ways: The ways to derive its outputs; the first has the most accurate solver.
+        losses: Losses of the pivots by solver.
+        is_well: Whether [A] is well conditioned.
+    """
+    system, variant = request.system, request.variant
     precision = precisions.precision_named(variant.precision)
-    losses = [largest_losses(system, way["forward_dynamics"]) for way in ways]
     asked = None if variant.refinement == AUTO else int(variant.refinement)
-    if is_well_conditioned(system, losses[0]):
+    found = [losses[way["forward_dynamics"]] for way in ways]
+    if is_well:
         why = "0 (auto: [A] is well conditioned in every state tried)" if asked is None else str(asked)
         return tuple(
-            Candidate(way, refined(system, asked, precision) if asked else reporting(UNREFINED, found), why)
-            for way, found in zip(ways, losses, strict=True)
+            Candidate(way, refined(system, asked, precision) if asked else reporting(UNREFINED, own), why)
+            for way, own in zip(ways, found, strict=True)
         )
     if asked is not None:
         return tuple(
-            Candidate(way, _measured(system, way, asked, found, precision)[0], str(asked))
-            for way, found in zip(ways, losses, strict=True)
+            Candidate(way, _measured(system, way, asked, own, precision)[0], str(asked))
+            for way, own in zip(ways, found, strict=True)
         )
-    refinement, lost = _measured(system, ways[0], 0, losses[0], precision)
+    refinement, lost = _measured(system, ways[0], 0, found[0], precision)
     if lost <= LARGEST_UNREFINED_ERROR:
         reason = f"0 (auto: it would repair about {_power_of_ten(lost)} roundoffs)"
         return (Candidate(ways[0], refinement, reason),)
-    refinement, _ = _measured(system, ways[0], 1, losses[0], precision)
+    refinement, _ = _measured(system, ways[0], 1, found[0], precision)
     reason = f"1 (auto: it repairs about {_power_of_ten(lost)} roundoffs)"
     return (Candidate(ways[0], refinement, reason),)
+
+
+def _reporting_unrefined(
+    system: System, candidate: Candidate, output: str, losses: Mapping[str, Losses], is_well: bool
+) -> Candidate:
+    """Return a candidate that reports losses of pivots in results that are not refined.
+
+    Args:
+        system: The tree.
+        candidate: The candidate.
+        output: Name of an output that the solver of the candidate gives.
+        losses: Losses of the pivots by solver.
+        is_well: Whether [A] is well conditioned.
+    """
+    solver = candidate.methods[output]
+    own = losses[solver]
+    accurate = is_well or measured_inverse_error(system, solver, own.states) <= LARGEST_UNREFINED_ERROR
+    limits = pivot_limits(own, accurate=accurate)
+    return replace(candidate, refinement=replace(candidate.refinement, unrefined=limits))
 
 
 def _measured(
@@ -168,12 +215,21 @@ def reporting(refinement: Refinement, losses: Losses, *, accurate: bool = True) 
         losses: The losses that the search found.
         accurate: Whether results are accurate where it found them.
     """
+    return replace(refinement, pivots=pivot_limits(losses, accurate=accurate))
+
+
+def pivot_limits(losses: Losses, *, accurate: bool) -> PivotLimits:
+    """Return the losses of pivots beyond which results are reported, from those that a search found.
+
+    Args:
+        losses: The losses that the search found.
+        accurate: Whether results are accurate where it found them.
+    """
     least = np.maximum(SLACK * losses.largest, UNTESTED_LOSS)
     with np.errstate(over="ignore"):
         limits = np.exp2(np.ceil(np.log2(np.minimum(least, 2.0**100))))
     limits = limits if accurate else np.minimum(limits, REPORTED_LOSS)
-    bounded = tuple((losses.bounds <= limits).tolist())
-    return replace(refinement, losses=tuple(limits.tolist()), bounded=bounded)
+    return PivotLimits(tuple(limits.tolist()), tuple((losses.bounds <= limits).tolist()))
 
 
 def refined(system: System, steps: int, precision: Precision) -> Refinement:
@@ -190,8 +246,47 @@ def measured_error(system: System, solver: str, refinement: Refinement, states: 
     The program is evaluated in doubles and in 320 bits, so that the rounding of its constants, and what the
     residuals of a refinement lose, count too. Angles and translations are compared by `_accelerations`.
     """
-    form = derive(system, {"forward_dynamics": solver}, DOUBLE.constants, refinement)
-    program = prune(lower(form, ("forward_dynamics",), DOUBLE.constants))
+    rounded, exact = _evaluated(system, {"forward_dynamics": solver}, refinement, states)
+    with np.errstate(all="ignore"):
+        scale = np.array(_accelerations(system))
+        sizes = np.linalg.norm(exact / scale, axis=1)
+        errors = np.linalg.norm((rounded - exact) / scale, axis=1)
+        return _largest_share(errors, sizes)
+
+
+def measured_inverse_error(system: System, solver: str, states: States) -> float:
+    """Return the largest error of an entry of [A]^-1 in doubles, in roundoffs; infinity if it is undefined.
+
+    The error of entry (i, j) is compared with the root of the product of entries (i, i) and (j, j), which
+    bounds the entry and has its unit.
+    """
+    n = len(system.freedoms)
+    rounded, exact = (
+        found.reshape(-1, n, n)
+        for found in _evaluated(system, {"mass_matrix_inverse": solver}, UNREFINED, states)
+    )
+    with np.errstate(all="ignore"):
+        root = np.sqrt(np.diagonal(exact, axis1=1, axis2=2))
+        return _largest_share(np.abs(rounded - exact), root[:, :, None] * root[:, None, :])
+
+
+def _largest_share(errors: Floats, sizes: Floats) -> float:
+    """Return the largest ratio of errors and sizes, in roundoffs; infinity if one is undefined."""
+    share = np.where(errors == 0, 0.0, errors / sizes) / DOUBLE.roundoff
+    return float(np.max(np.where(np.isnan(share), np.inf, share)))
+
+
+def _evaluated(system: System, way: Methods, refinement: Refinement, states: States) -> tuple[Floats, Floats]:
+    """Return the (B, size) values of an output in some of the states, in doubles and in 320 bits.
+
+    Args:
+        system: The tree.
+        way: The solver by name of the output.
+        refinement: The refinement of {ydot}.
+        states: The states.
+    """
+    form = derive(system, way, DOUBLE.constants, refinement)
+    program = prune(lower(form, tuple(way), DOUBLE.constants))
     count = min(len(states), max(LEAST_MEASURED, MEASURED_INSTRUCTIONS // len(program.instructions)))
     chosen = np.linspace(0, len(states) - 1, count).astype(int)
     inputs = {
@@ -199,22 +294,18 @@ def measured_error(system: System, solver: str, refinement: Refinement, states: 
         for name, rows in array_inputs(system, program, states).items()
     }
     with np.errstate(all="ignore"):
-        rows = evaluate(program, inputs, np, np.float64)["acceleration"]
+        (rows,) = evaluate(program, inputs, np, np.float64).values()
         rounded = np.stack([np.broadcast_to(row, count) for row in rows], axis=-1)
         exact = np.array([_in_many_bits(program, inputs, b) for b in range(count)])
-        scale = np.array(_accelerations(system))
-        sizes = np.linalg.norm(exact / scale, axis=1)
-        errors = np.linalg.norm((rounded - exact) / scale, axis=1)
-        share = np.where(errors == 0, 0.0, errors / sizes) / DOUBLE.roundoff
-    return float(np.max(np.where(np.isnan(share), np.inf, share)))
+    return rounded, exact
 
 
 def _in_many_bits(program: Program, inputs: Mapping[str, Sequence[Floats]], state: int) -> list[float]:
-    """Return {ydot} of one state, computed in 320 bits; NaN where it is undefined."""
+    """Return the output of one state, computed in 320 bits; NaN where it is undefined."""
     number = MULTIPRECISION.mpf
     elements = {name: [number(float(row[state])) for row in rows] for name, rows in inputs.items()}
     try:
-        found = evaluate(program, elements, MULTIPRECISION, number)["acceleration"]
+        (found,) = evaluate(program, elements, MULTIPRECISION, number).values()
         return [float(value) for value in found]
     except (ZeroDivisionError, TypeError):  # a root of a negative number is complex
         return [np.nan] * len(program.outputs[0].values)

@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from sympy import Add, Expr, S
 
 from kanegen.recursion.articulated_inertia import ArticulatedInertia, Elimination, rigid_body
+from kanegen.recursion.attached import Attached
 from kanegen.recursion.body_motion import NOT_CARRIED, Carried
 from kanegen.recursion.coordinate_rates import angle_rates
 from kanegen.recursion.force_elements import element_efforts
@@ -35,11 +36,14 @@ from kanegen.recursion.joint_path import (
     shared_rates,
     with_shared_rates,
 )
+from kanegen.recursion.kinematics import poses
+from kanegen.recursion.mass_matrix_inverse import products
+from kanegen.recursion.reduced import Reduced
 from kanegen.recursion.rotors import spinning_rotors, with_rotors
 from kanegen.recursion.shared_rates import SharedElimination, SharedRates
 from kanegen.recursion.solved_motion import Paths, solved_motions
 from kanegen.recursion.tree import Tree, about_mass_centers
-from kanegen.recursion.vectors import Wrench, column, subtract
+from kanegen.recursion.vectors import Wrench, column, cross, negate, subtract
 from kanegen.symbolic.definitions import Vector
 from kanegen.symbolic.symbols import generalized_force
 
@@ -126,10 +130,41 @@ class ArticulatedBodies:
             bias: What is required where all free components are zero.
             name: Prefix of the names of the components.
         """
-        tree, definitions, efforts = self.tree, self.tree.definitions, self._joint_efforts(bias)
+        return self._outward(self._inward(self._joint_efforts(bias), bias.wrenches).over_pivots, name)
+
+    def reduced(self, bias: Requirement) -> Reduced:
+        """Return the right side under {tau}, where `bias` is required at zero components, eliminated."""
+        return self._inward(self._joint_efforts(bias), bias.wrenches)
+
+    def reduced_effort(self, place: int) -> Reduced:
+        """Return a unit generalized force at a place in {y}, eliminated."""
+        efforts = [S.One if i == place else S.Zero for i in range(len(self.pivots))]
+        with self.tree.definitions.marking(f"_u{place}"):
+            return self._inward(efforts, [Wrench() for _ in self.tree.joints])
+
+    def reduced_loads(self, one: Attached) -> list[Reduced]:
+        """Return unit moments, then unit forces, at a point along the inertial axes, eliminated."""
+        directions, arm = poses(self.tree)[one.body].columns, one.arm(self.tree)
+        needed = [Wrench(moment=negate(v)) for v in directions]
+        needed += [Wrench(negate(v), negate(cross(arm, v))) for v in directions]
+        result: list[Reduced] = []
+        for i, wrench in enumerate(needed, start=1):
+            with self.tree.definitions.marking(f"_l{one.number}_{i}"):
+                wrenches = [wrench if joint.body == one.body else Wrench() for joint in self.tree.joints]
+                result.append(self._inward([S.Zero] * len(self.pivots), wrenches))
+        return result
+
+    def inverse(self) -> Mapping[tuple[int, int], Expr]:
+        """Return the entries of [A]^-1 by row and column."""
+        return products(self)
+
+    def _inward(self, efforts: Sequence[Expr], wrenches: Sequence[Wrench]) -> Reduced:
+        """Return efforts on freedoms, less wrenches that bodies require, after every elimination."""
+        tree, definitions = self.tree, self.tree.definitions
         along_components = self._component_efforts(efforts)
+        left: dict[int, Expr] = {}
         alone: dict[int, Expr] = {}
-        carried = [Wrench(), *bias.wrenches]
+        carried = [Wrench(), *wrenches]
         required: list[dict[int, Expr]] = [{} for _ in carried]
         for joint in reversed(tree.joints):
             k, j = joint.body, joint.lower
@@ -141,15 +176,16 @@ class ArticulatedBodies:
                         self._require(required[k], element, wrench)
                     case FreeComponent(index, freedom=i):
                         effort = along_components[i]
-                        surplus = effort - [*wrench.moment, *wrench.force][index]
+                        left[i] = definitions.define(
+                            f"e_{i}", effort - [*wrench.moment, *wrench.force][index]
+                        )
                         for place, gain in self._shared_gains[i].items():
-                            needed = required[k].get(place, S.Zero)
-                            needed += gain * definitions.define(f"e_{i}", surplus)
+                            needed = required[k].get(place, S.Zero) + gain * left[i]
                             required[k][place] = definitions.define(f"er_{i}_{place}", needed)
                         wrench, alone[i] = self._eliminations[i].eliminate(wrench, effort, definitions)
                     case SharedRate(place):
-                        wrench, required[k], alone[place] = self._shared_eliminations[place].eliminate(
-                            wrench, required[k], along_components[place], definitions
+                        wrench = self._eliminate_shared(
+                            place, wrench, required[k], along_components, left, alone
                         )
                     case FreeTranslations():
                         wrench = element.inward(wrench, efforts)
@@ -161,10 +197,26 @@ class ArticulatedBodies:
                 total = required[j].get(place, S.Zero) + needed
                 required[j][place] = definitions.define(f"er_{j}_{place}", total)
         for place in self._at_ground:
-            _, required[0], alone[place] = self._shared_eliminations[place].eliminate(
-                Wrench(), required[0], along_components[place], definitions
-            )
-        return self._outward(alone, name)
+            self._eliminate_shared(place, Wrench(), required[0], along_components, left, alone)
+        return Reduced(left, alone)
+
+    def _eliminate_shared(
+        self,
+        place: int,
+        wrench: Wrench,
+        required: dict[int, Expr],
+        efforts: Sequence[Expr],
+        left: dict[int, Expr],
+        alone: dict[int, Expr],
+    ) -> Wrench:
+        """Eliminate an entry of {ydot} that moves several freedoms, and return the rest of the wrench."""
+        elimination, definitions = self._shared_eliminations[place], self.tree.definitions
+        needed = efforts[place] - required.get(place, S.Zero)
+        left[place] = definitions.define(f"e_{place}", needed)
+        rest, others, alone[place] = elimination.eliminate(wrench, required, efforts[place], definitions)
+        required.clear()
+        required.update(others)
+        return rest
 
     def _require(self, required: dict[int, Expr], element: FreeComponent, wrench: Wrench) -> None:
         """Add the wrench along a coupled freedom to the generalized forces of the entries that move it."""
@@ -173,7 +225,7 @@ class ArticulatedBodies:
             needed = required.get(place, S.Zero) + share * along
             required[place] = self.tree.definitions.define(f"er_{element.freedom}_{place}", needed)
 
-    def _outward(self, alone: dict[int, Expr], name: str) -> list[Expr]:
+    def _outward(self, alone: Mapping[int, Expr], name: str) -> list[Expr]:
         """Return the free components, from the value of each component where the others are zero."""
         found: dict[int, Expr] = {}
         accelerations = {0: GROUND_ACCELERATION}

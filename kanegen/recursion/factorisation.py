@@ -13,17 +13,23 @@ than the freedom that drives it does the same. The pattern follows from the tree
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 
 from sympy import Expr, S
 
 from kanegen.model.coordinates import Freedom
 from kanegen.model.system import System
+from kanegen.recursion.attached import Attached, partial_velocities
 from kanegen.recursion.body_motion import NOT_CARRIED, Carried
 from kanegen.recursion.inverse_dynamics import Requirement, required_efforts
 from kanegen.recursion.joint_path import joint_path, released
+from kanegen.recursion.kinematics import poses
 from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.recursion.mass_matrix_inverse import outward, products
+from kanegen.recursion.reduced import Reduced
 from kanegen.recursion.solved_motion import Paths
 from kanegen.recursion.tree import Tree
+from kanegen.recursion.vectors import ZERO
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import generalized_force
 
@@ -89,20 +95,69 @@ class Factorisation:
             name: Prefix of the names of the entries.
         """
         definitions, factors = self.tree.definitions, self._factors
-        efforts = [generalized_force(f.body, f.index) for f in self.tree.system.freedoms]
-        b = [effort - work for effort, work in zip(efforts, required_efforts(self.tree, bias), strict=True)]
-        definitions.about("{ydot}, Eq. (42)")
-        for k in self._carriers:
-            b[k] = definitions.define(f"b_{k}", b[k])
-            for i in self._carriers[k]:
-                b[i] -= factors.get((k, i), S.Zero) * b[k]
+        b = self._remainders(self._surplus(bias))
         result: dict[int, Expr] = {}
         for k in reversed(self._carriers):
             known = sum(factors.get((k, i), S.Zero) * result[i] for i in self._carriers[k])
-            inverse = definitions.define(f"D_{k}i", 1 / self.pivots[k])
-            scaled = definitions.define(f"bd_{k}", b[k] * inverse)
-            result[k] = definitions.define(f"{name}_{k}", scaled - known)
-        return [result[i] for i in range(len(efforts))]
+            result[k] = definitions.define(f"{name}_{k}", self._over_pivot(k, b[k]) - known)
+        return [result[i] for i in range(len(b))]
+
+    def reduced(self, bias: Requirement) -> Reduced:
+        """Return the right side under {tau}, where `bias` is required at zero components, eliminated."""
+        return self._reduced(self._surplus(bias))
+
+    def reduced_effort(self, place: int) -> Reduced:
+        """Return a unit generalized force at a place in {y}, eliminated."""
+        efforts = [S.One if i == place else S.Zero for i in range(len(self.pivots))]
+        with self.tree.definitions.marking(f"_u{place}"):
+            return self._reduced(efforts)
+
+    def reduced_loads(self, one: Attached) -> list[Reduced]:
+        """Return unit moments, then unit forces, at a point along the inertial axes, eliminated."""
+        found = partial_velocities(self.tree, one, poses(self.tree))
+        self.tree.about(one.body, f"unit loads at {one.label}, eliminated")
+        result: list[Reduced] = []
+        for i, (velocities, axis) in enumerate(product((found.angular, found.linear), range(3)), start=1):
+            with self.tree.definitions.marking(f"_l{one.number}_{i}"):
+                result.append(self._reduced([velocities.get(k, ZERO)[axis] for k in range(len(self.pivots))]))
+        return result
+
+    def inverse(self) -> Mapping[tuple[int, int], Expr]:
+        """Return the entries of [A]^-1 by row and column."""
+        order = list(reversed(self._carriers))
+        if any(len(self._carriers[k]) < number for number, k in enumerate(order)):
+            return products(self)
+        inverses = {k: self._inverse_pivot(k) for k in order}
+        return outward(self._factors, inverses, order, self.tree.definitions)
+
+    def _surplus(self, bias: Requirement) -> list[Expr]:
+        """Return {tau} less what is required where all free components are zero, by freedom."""
+        efforts = [generalized_force(f.body, f.index) for f in self.tree.system.freedoms]
+        b = [effort - work for effort, work in zip(efforts, required_efforts(self.tree, bias), strict=True)]
+        self.tree.definitions.about("{ydot}, Eq. (42)")
+        return b
+
+    def _remainders(self, b: Sequence[Expr]) -> dict[int, Expr]:
+        """Return what is left of a right side at the elimination of each freedom: [L]^-T {b}."""
+        left = dict(enumerate(b))
+        for k in self._carriers:
+            left[k] = self.tree.definitions.define(f"b_{k}", left[k])
+            for i in self._carriers[k]:
+                left[i] -= self._factors.get((k, i), S.Zero) * left[k]
+        return left
+
+    def _reduced(self, b: Sequence[Expr]) -> Reduced:
+        """Return a right side after the elimination of every freedom."""
+        left = self._remainders(b)
+        return Reduced(left, {k: self._over_pivot(k, value) for k, value in left.items()})
+
+    def _over_pivot(self, k: int, remainder: Expr) -> Expr:
+        """Return what is left of a right side at a freedom, over the pivot of the freedom."""
+        return self.tree.definitions.define(f"bd_{k}", remainder * self._inverse_pivot(k))
+
+    def _inverse_pivot(self, k: int) -> Expr:
+        """Return 1 over the pivot of a freedom."""
+        return self.tree.definitions.define(f"D_{k}i", 1 / self.pivots[k])
 
     def speed_rates(
         self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]

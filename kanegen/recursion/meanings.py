@@ -288,6 +288,7 @@ NAMES = (
     ("L_{n}_{m}", "entry of the factor [L] of [A]"),
     ("b_{n}", "right side of the elimination at place n"),
     ("bd_{n}", "b_n over the pivot"),
+    ("Ai_{n}_{m}", "entry of [A]^-1"),
     ("ydot_{n}", "entry of {ydot}, or the component of the acceleration of the body in its place"),
     ("r_{n}", "component of the acceleration that a body has with the freedom at place n"),
     # Refinement
@@ -315,6 +316,8 @@ NAMES = (
 MARKS = (
     ("_d{n}", "at the end of a name: derivative by element n of what is differentiated by"),
     ("_s", "at the end of a name: the value at the solution {ydot}"),
+    ("_u{n}", "at the end of a name: for a unit generalized force at place n alone"),
+    ("_l{n}_{i}", "at the end of a name: for unit load i alone, moments before forces, on frame n"),
     ("_", "at the end of a name: another value of the same kind"),
 )
 """Meanings of the endings of names."""

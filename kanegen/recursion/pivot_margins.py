@@ -9,12 +9,28 @@ the model exclude this, nothing is left to test. See `pivot_bounds`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 
 from sympy import Expr, Rational, S
 
 from kanegen.recursion.pivot_bounds import PivotBounds
 from kanegen.recursion.solver import Solver
+
+
+@dataclass(frozen=True)
+class PivotLimits:
+    """The losses of pivots beyond which results are reported as inaccurate.
+
+    Attributes:
+        losses: Largest loss by freedom; empty if losses are not tested.
+        bounded: By freedom whether no state has a larger loss while parameters stay near their defaults.
+    """
+
+    losses: tuple[float, ...] = ()
+    bounded: tuple[bool, ...] = ()
+
+
+NO_LIMITS = PivotLimits()
 
 
 class PivotMargins:
@@ -45,16 +61,14 @@ class PivotMargins:
             bounds.constant(freedom) / bounds.least(freedom) if bounds.has_largest_loss(freedom) else S.Zero
         )
 
-    def margins(self, limits: Sequence[float], bounded: Sequence[bool]) -> list[Expr]:
-        """Return the margins by freedom.
+    def margins(self, limits: PivotLimits) -> list[Expr]:
+        """Return the margins by freedom; none if losses are not tested.
 
-        Args:
-            limits: Largest loss by freedom.
-            bounded: By freedom whether the margin is that of the lower bound of its pivot, which depends on
-                parameters at most, or that of the pivot.
+        The margin of a freedom whose loss is bounded is that of the lower bound of its pivot, which depends
+        on parameters at most; else it is that of the pivot.
         """
         self._solver.tree.definitions.about("margins of the pivots")
-        pairs = zip(limits, bounded, strict=True)
+        pairs = zip(limits.losses, limits.bounded, strict=True)
         return [
             self._margin(i, Rational(1) / Rational(limit), is_bounded)
             for i, (limit, is_bounded) in enumerate(pairs)

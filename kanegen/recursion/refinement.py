@@ -24,7 +24,7 @@ from kanegen.recursion.body_motion import BodyMotion, body_motions
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.inverse_dynamics import Requirement, required
-from kanegen.recursion.pivot_margins import PivotMargins
+from kanegen.recursion.pivot_margins import NO_LIMITS, PivotLimits, PivotMargins
 from kanegen.recursion.rotors import rotor_efforts, spinning_rotors
 from kanegen.recursion.solved_motion import solved_motions
 from kanegen.recursion.solver import Solver
@@ -41,16 +41,15 @@ class Refinement:
         steps: Number of steps.
         limit: Largest first correction over the solution, freedom by freedom.
         floor: Acceleration by freedom below which a solution counts as zero (rad/s^2, m/s^2).
-        losses: Loss of a pivot by freedom, see `pivot_margins`, beyond which a result is reported as
-            inaccurate; empty if this is not tested.
-        bounded: By freedom whether no state has a larger loss while parameters stay near their defaults.
+        pivots: Losses of pivots beyond which {ydot} is reported as inaccurate.
+        unrefined: The same for results that no step refines, such as [A]^-1.
     """
 
     steps: int = 0
     limit: float = 0.0
     floor: tuple[float, ...] = ()
-    losses: tuple[float, ...] = ()
-    bounded: tuple[bool, ...] = ()
+    pivots: PivotLimits = NO_LIMITS
+    unrefined: PivotLimits = NO_LIMITS
 
 
 UNREFINED = Refinement()
@@ -80,9 +79,18 @@ class Solution:
         refinement, margins = self._refinement, list[Expr]()
         if refinement.steps:
             margins += self._size.margins(refinement.limit, refinement.floor)
-        if refinement.losses:
-            margins += PivotMargins(self._solver).margins(refinement.losses, refinement.bounded)
-        return () if all(margin.is_positive and margin.is_number for margin in margins) else margins
+        margins += PivotMargins(self._solver).margins(refinement.pivots)
+        return _unless_positive(margins)
+
+    def _unrefined_margins(self) -> Sequence[Expr]:
+        """Return expressions by freedom that are positive where a result that is not refined is accurate."""
+        return _unless_positive(PivotMargins(self._solver).margins(self._refinement.unrefined))
+
+    def mass_matrix_inverse(self) -> Derived:
+        """Derive the entries of [A]^-1, row-major; both halves hold the same symbols."""
+        found, places = self._solver.inverse(), range(len(self._solver.pivots))
+        entries = [found[i, j] for i in places for j in places]
+        return Derived(entries, self._solver.regular_if_positive, self._unrefined_margins())
 
     def error_estimate(self) -> Derived:
         """Derive the absolute change of each entry of {ydot} by the first step of refinement."""
@@ -127,6 +135,11 @@ class Solution:
     def _define(self, name: str, value: Expr) -> Expr:
         """Return a symbol for a value."""
         return self._tree.definitions.define(name, value)
+
+
+def _unless_positive(margins: Sequence[Expr]) -> Sequence[Expr]:
+    """Return margins, none if all are positive numbers."""
+    return () if all(margin.is_positive and margin.is_number for margin in margins) else margins
 
 
 def _with_free_components(solver: Solver, bias: Requirement, components: Sequence[Expr]) -> Requirement:

@@ -1,4 +1,4 @@
-"""What forward dynamics needs of a solver of [A]{ydot} = {b}."""
+"""What forward dynamics and products with [A]^-1 need of a solver of [A]{ydot} = {b}."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from typing import Protocol
 
 from sympy import Expr
 
+from kanegen.recursion.attached import Attached
 from kanegen.recursion.body_motion import Carried
 from kanegen.recursion.inverse_dynamics import Requirement
+from kanegen.recursion.reduced import Reduced
 from kanegen.recursion.solved_motion import Paths
 from kanegen.recursion.tree import Tree
 
@@ -41,6 +43,18 @@ class Solver(Protocol):
 
     def solve(self, bias: Requirement, name: str) -> list[Expr]:
         """Return the free components under {tau}, where `bias` is required at zero components."""
+
+    def reduced(self, bias: Requirement) -> Reduced:
+        """Return the right side under {tau}, where `bias` is required at zero components, eliminated."""
+
+    def reduced_effort(self, place: int) -> Reduced:
+        """Return a unit generalized force at a place in {y}, eliminated."""
+
+    def reduced_loads(self, one: Attached) -> Sequence[Reduced]:
+        """Return unit moments, then unit forces, at a point along the inertial axes, eliminated."""
+
+    def inverse(self) -> Mapping[tuple[int, int], Expr]:
+        """Return the entries of [A]^-1 by row and column."""
 
     def speed_rates(
         self, components: Sequence[Expr], name: str, carried: Mapping[int, Carried]

@@ -7,7 +7,8 @@ back or lowered to a program, and no expression ever grows.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -78,6 +79,7 @@ class Definitions:
         self._known: dict[Expr, Symbol] = {}
         self._numbers: dict[str, int] = {}
         self._note = ""
+        self._mark = ""
 
     def listed(self) -> tuple[Definition, ...]:
         """Return all definitions so far, in order of evaluation."""
@@ -87,12 +89,22 @@ class Definitions:
         """Set the note of the following definitions."""
         self._note = note
 
+    @contextmanager
+    def marking(self, mark: str) -> Iterator[None]:
+        """End the names of all definitions with a mark, which says for which case they are made."""
+        before, self._mark = self._mark, mark
+        try:
+            yield
+        finally:
+            self._mark = before
+
     def define(self, name: str, value: Expr) -> Expr:
         """Return a symbol for `value`, or `value` itself where it is a number or a symbol up to its sign.
 
         Equal values share one symbol. A name that is taken gets an underscore at its end. Terms that cancel
         in a sum of constants are left out, see `ConstantSums`.
         """
+        name += self._mark
         is_constant = self._sums.is_constant(value)
         if is_constant:
             value = self._sums.without_cancellation(value)

@@ -11,6 +11,7 @@ from kanegen.recursion.outputs.inputs import input_arrays
 from kanegen.recursion.outputs.kinematics import OF_FRAMES
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.outputs.selection import (
+    accurately_solved,
     available,
     chosen,
     function_signatures,
@@ -34,6 +35,7 @@ __all__ = [
     "Output",
     "Recursion",
     "Subject",
+    "accurately_solved",
     "available",
     "chosen",
     "function_signatures",

@@ -27,13 +27,16 @@ class Recursion:
 
 @dataclass(frozen=True)
 class OfSolution:
-    """Derivation from the solution {ydot} of [A]{ydot} = {f} + {tau}; its method is the name of the solver.
+    """Derivation from a solver of [A]{ydot} = {f} + {tau}; its method is the name of the solver.
 
     Attributes:
         derive: Function that returns the entries.
+        is_accurate: Whether the entries are promised to be accurate, or a status says that they are not. The
+            solver is then chosen for its accuracy.
     """
 
     derive: Callable[[Solution], Derived]
+    is_accurate: bool = True
 
 
 @dataclass(frozen=True)

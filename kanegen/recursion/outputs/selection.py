@@ -57,6 +57,16 @@ def _solves(name: str) -> bool:
     return isinstance(derivation, OfSolution)
 
 
+def accurately_solved(outputs: Iterable[str]) -> tuple[str, ...]:
+    """Return those of the outputs of a solver that are accurate, or have a status where they are not."""
+    return tuple(name for name in outputs if _is_accurate(OUTPUTS[name].derivation))
+
+
+def _is_accurate(derivation: object) -> bool:
+    """Return whether a derivation is from a solver that must be accurate."""
+    return isinstance(derivation, OfSolution) and derivation.is_accurate
+
+
 def prerequisites(outputs: Sequence[str]) -> tuple[str, ...]:
     """Return the outputs to derive for `outputs`: derivatives are replaced by the outputs differentiated.
 

@@ -154,7 +154,7 @@ _ENTRIES = (
             of_freedoms=True,
         ),
         ("x", "y", "tau", *LOADS),
-        OfSolution(Solution.error_estimate),
+        OfSolution(Solution.error_estimate, is_accurate=False),
     ),
     Output(
         "error_bound",
@@ -180,7 +180,19 @@ _ENTRIES = (
             of_freedoms=True,
         ),
         ("x",),
-        OfSolution(Solution.regularity),
+        OfSolution(Solution.regularity, is_accurate=False),
+    ),
+    Output(
+        "mass_matrix_inverse",
+        lambda system: Array(
+            "A_inverse",
+            (_n(system),) * 2,
+            "1/(kg m^2), 1/(kg m), 1/kg",
+            "[A]^-1, what unit generalized forces add to {ydot}, column by column",
+            of_freedoms=True,
+        ),
+        ("x",),
+        OfSolution(Solution.mass_matrix_inverse),
     ),
     Output(
         "kinetic_energy",
