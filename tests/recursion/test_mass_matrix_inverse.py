@@ -23,11 +23,11 @@ from kanegen.program.ir import Program
 from kanegen.recursion import derive, methods
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
-from tests.lowering.test_rod_on_light_links import ROUNDOFF, X, rod_on_light_links
 from tests.support import random_trees, systems
 from tests.support.cases import slow_except
 from tests.support.chains import bushes, gimbals, hinges
 from tests.support.robots import robot_file
+from tests.support.rod_on_light_links import ROUNDOFF, X, rod_on_light_links
 
 NAME = "mass_matrix_inverse"
 
