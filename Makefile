@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports validation clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -52,6 +52,10 @@ scenes: $(VENV)/.bench
 # minute.
 cost-reports: $(VENV)/.tests
 	$(BIN)/python -m benchmarks.cost_reports
+
+# Compute cases that others have published and rewrite docs/validation.md; takes a minute or two.
+validation: $(VENV)/.tests
+	$(BIN)/python -m benchmarks.validation
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,45 @@
+"""The cases, one module each with a function `case`, in the order of the document."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from benchmarks.validation.case import Case
+from benchmarks.validation.cases import (
+    flyball_governor,
+    free_rigid_body,
+    furuta_pendulum,
+    heavy_top,
+    plate_pendulum,
+    puma560,
+    simple_pendulum,
+    tumbling_brick,
+)
+
+
+@dataclass(frozen=True)
+class Study:
+    """How a case is computed.
+
+    Attributes:
+        full: Function for the whole case.
+        quick: Function for a part of it that takes at most a few seconds.
+    """
+
+    full: Callable[[], Case]
+    quick: Callable[[], Case]
+
+
+CASES = {
+    "plate_pendulum": Study(plate_pendulum.case, partial(plate_pendulum.case, certain=False)),
+    "heavy_top": Study(heavy_top.case, heavy_top.case),
+    "puma560": Study(puma560.case, puma560.case),
+    "furuta_pendulum": Study(furuta_pendulum.case, furuta_pendulum.case),
+    "simple_pendulum": Study(simple_pendulum.case, partial(simple_pendulum.case, seconds=50.0)),
+    "flyball_governor": Study(flyball_governor.case, partial(flyball_governor.case, last=1.0)),
+    "free_rigid_body": Study(free_rigid_body.case, free_rigid_body.case),
+    "tumbling_brick": Study(tumbling_brick.case, tumbling_brick.case),
+}
+"""Every case by its name."""

@@ -1,0 +1,59 @@
+"""Cases that others have published, as docs/validation.md has them, and what counts as failing there."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from benchmarks.validation.case import Case, Row, row
+from benchmarks.validation.cases import CASES
+from benchmarks.validation.document import document
+from tests.support.paths import ROOT
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_published_case(name: str) -> None:
+    case = CASES[name].quick()
+    assert case.count > 0
+    failing = [f"{one.quantity}: {one.found} against {one.expected}" for one in case.rows if not one.holds]
+    assert not failing
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name, study in CASES.items() if study.full is not study.quick])
+def test_whole_published_case(name: str) -> None:
+    assert CASES[name].full().holds
+
+
+def test_half_a_unit_of_the_last_digit_is_allowed() -> None:
+    assert row("a", "m", "31.6399 -0.0000", [31.63994, 0.00004]).holds
+    assert not row("a", "m", "31.6399 -0.0000", [31.63996, 0.0]).holds
+    assert not row("a", "m", "31.6399 0.0000", [31.6399, 0.00006]).holds
+    assert row("a", "m", "1.5e-3", [0.00154]).holds
+    assert not row("a", "m", "1.5e-3", [0.00156]).holds
+
+
+def test_a_number_that_is_not_finite_fails() -> None:
+    assert not row("a", "m", "1.0", [float("nan")], allowed=1e9).holds
+
+
+def test_as_many_numbers_are_found_as_expected() -> None:
+    with pytest.raises(ValueError, match="2 numbers against 1"):
+        Row("a", "m", ("1", "2"), (1.0,))
+
+
+def test_the_document_names_what_fails() -> None:
+    rows = (row("height", "m", "1.00 2.00", [1.001, 2.1]),)
+    text = document([Case("A title, short", "model", "source", "problem", "allowance", rows)])
+    assert "[A title, short](#a-title-short) | 2 | 20 | **fails**" in text
+    assert re.search(r"\|  \|  \| 2.00 \| 2.10000 \| 1.0e-01 \*\*fails\*\* \| 5.0e-03 \|", text)
+
+
+def test_the_document_has_every_case() -> None:
+    text = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+    titles = re.findall(r"^## (.*)$", text, flags=re.MULTILINE)
+    assert len(titles) == len(CASES)
+    assert "fails**" not in text
+    for name in CASES:
+        assert f"benchmarks/validation/models/{name}.toml" in text
