@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from kanegen.model.force_elements import Spring as Spring
     from kanegen.model.force_elements import parse as parse
     from kanegen.model.frame import Frame as Frame
+    from kanegen.model.identification.inertial_parameters import inertial_parameters as inertial_parameters
     from kanegen.model.joint import Joint as Joint
     from kanegen.model.limits import Limits as Limits
     from kanegen.model.numbers import Parameter as Parameter
@@ -107,6 +108,7 @@ _MODULES = {
         "parse",
     ),
     "model.frame": ("Frame",),
+    "model.identification.inertial_parameters": ("inertial_parameters",),
     "model.joint": ("Joint",),
     "model.limits": ("Limits",),
     "model.numbers": ("Parameter",),

@@ -158,6 +158,28 @@ class Quantities(CompiledModel):
         """
         return self._run("momentum", (x, y), inputs)[0]
 
+    def centroidal_momentum_matrix(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the centroidal momentum matrix [A_G] (Orin, Goswami and Lee 2013).
+
+        Where nothing is prescribed, `momentum` is its product with {y}.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (6, n) or (B, 6, n) inertial components: three rows of linear momentum, kg m and kg, then three of
+            angular momentum about the mass centre of all bodies, kg m^2 and kg m.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            momentum = library.centroidal_momentum_matrix(x) @ y
+        """
+        return self._run("centroidal_momentum_matrix", (x,), inputs)[0]
+
     def kinetic_energy(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
         """Return the kinetic energy of all bodies; it is {y}^T [A] {y} / 2 where nothing is prescribed.
 

@@ -128,7 +128,7 @@ def _outward(
         omega = definitions.vector(f"omega_{k}", add(omega, joint.relative_omega))
     if joint.rotations and all(freedom in released for freedom in joint.rotations):
         carried, alpha = replace(carried, alpha=alpha), ZERO
-    squares, field = _field(k, omega, alpha, definitions)
+    squares, field = products_and_field(f"{k}", omega, alpha, definitions)
     carried = replace(carried, to_center=multiply(field, joint.to_center))
     return BodyMotion(omega, alpha, acceleration, squares, field, carried)
 
@@ -148,14 +148,21 @@ def _origin_acceleration(
     return definitions.vector(f"a_{joint.body}j", add(carried, cross(twice, sliding)))
 
 
-def _field(
-    k: int, omega: Vector, alpha: Vector, definitions: Definitions
+def products_and_field(
+    frame: str, omega: Vector, alpha: Vector, definitions: Definitions
 ) -> tuple[dict[tuple[int, int], Expr], Rows]:
-    """Return the products of the angular velocity of body `k`, and its field."""
+    """Return `squares` and `field` of `BodyMotion`, in components of a frame.
+
+    Args:
+        frame: Suffix of the names of quantities in the frame.
+        omega: Angular velocity (rad/s).
+        alpha: Angular acceleration (rad/s^2).
+        definitions: Definitions that the intermediates are added to.
+    """
     squares: dict[tuple[int, int], Expr] = {}
     for i in range(3):
         for j in range(i, 3):
-            name = f"ww_{k}_{AXES[i]}{AXES[j]}"
+            name = f"ww_{frame}_{AXES[i]}{AXES[j]}"
             squares[i, j] = squares[j, i] = definitions.define(name, omega[i] * omega[j])
     w = squares
     field = (
@@ -163,5 +170,5 @@ def _field(
         Vector(w[0, 1] + alpha.z, -(w[0, 0] + w[2, 2]), w[1, 2] - alpha.x),
         Vector(w[0, 2] - alpha.y, w[1, 2] + alpha.x, -(w[0, 0] + w[1, 1])),
     )
-    named = tuple(definitions.vector(f"W_{k}_{axis}", row) for axis, row in zip(AXES, field, strict=True))
+    named = tuple(definitions.vector(f"W_{frame}_{axis}", row) for axis, row in zip(AXES, field, strict=True))
     return squares, (named[0], named[1], named[2])

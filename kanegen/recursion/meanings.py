@@ -203,6 +203,32 @@ NAMES = (
     ("Ci_{P}", "1 over the function of the middle angle that is 0 at gimbal lock"),
     ("Cq_{K}", "square of the function of the middle angle that is 0 at gimbal lock"),
     ("qq_{K}", "component of the angular velocity along the axis that gives the first rate"),
+    # Centroidal momentum
+    ("ra_{P}_{x}", "origin from the mass centre of all bodies (m)"),
+    (
+        "hG_{K}_{x}",
+        "first moment of body K and all that it carries about the mass centre of all bodies (kg m)",
+    ),
+    ("PB_{n}_{x}", "linear momentum for unit speed of freedom n, in a body of its joint (kg, kg m)"),
+    ("LB_{n}_{x}", "angular momentum about the mass centre for unit speed of freedom n, in the same body"),
+    ("PG_{n}_{x}", "linear momentum for unit speed of freedom n, inertial (kg, kg m)"),
+    ("LG_{n}_{x}", "angular momentum about the mass centre for unit speed of freedom n, inertial"),
+    # Regressor
+    ("Yr_{K}_{x}", "origin of the frame of body K for its users, from the origin, in K (m)"),
+    ("Ya_{K}_{x}", "acceleration of the origin of the frame of body K less gravity, in K (m/s^2)"),
+    ("Ya_{K}f_{x}", "the same in the frame (m/s^2)"),
+    ("Yw_{K}f_{x}", "angular velocity of body K in its frame for users (rad/s)"),
+    ("Ye_{K}f_{x}", "angular acceleration of body K in its frame for users (rad/s^2)"),
+    ("ww_{K}f_{xx}", "products of components of Yw_Kf"),
+    ("W_{K}f_{x}_{y}", "[alpha~] + [omega~][omega~] of body K in its frame for users, row by row"),
+    ("Yf_{n}_{K}f_{x}", "force for a unit of the parameter of column n of [Y], in K"),
+    (
+        "Ym_{n}_{K}f_{x}",
+        "moment for a unit of the parameter of column n, about the origin of its frame, in K",
+    ),
+    ("Yf_{n}_{P}_{x}", "force for a unit of the parameter of column n of [Y]"),
+    ("Ym_{n}_{P}_{x}", "moment for a unit of the parameter of column n of [Y]"),
+    ("Ys_{n}_{m}", "force for a unit of the parameter of column n of [Y] along freedom m"),
     # Force elements
     ("ex_{n}", "part of the expression of a force element, or of its derivatives"),
     ("fe_{K}_{i}", "generalized force of force elements on freedom i of body K"),

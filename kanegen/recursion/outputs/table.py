@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from kanegen.model.system import System
 from kanegen.program.ir import Array, Condition
+from kanegen.recursion.centroidal import centroidal_momentum_matrix
 from kanegen.recursion.energy_and_momentum import kinetic_energy, mass_center, momentum, potential_energy
 from kanegen.recursion.gravity import gravity_forces
 from kanegen.recursion.inverse_dynamics import (
@@ -22,6 +23,7 @@ from kanegen.recursion.outputs.kinematics import KINEMATICS
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import Solution
+from kanegen.recursion.regressor import regressor
 
 REACTIONS = Subject(
     lambda system: system.reaction_rows,
@@ -226,6 +228,18 @@ _ENTRIES = (
         Recursion("velocities of the bodies", momentum),
     ),
     Output(
+        "centroidal_momentum_matrix",
+        lambda system: Array(
+            "centroidal_momentum_matrix",
+            (6, _n(system)),
+            "kg m, kg; kg m^2, kg m",
+            "[A_G], the momentum by {y}: rows of linear momentum, then of angular momentum about the mass "
+            "centre of all bodies, inertial components; armature has none (Orin, Goswami and Lee 2013)",
+        ),
+        ("x",),
+        Recursion("composite bodies", centroidal_momentum_matrix),
+    ),
+    Output(
         "mass_center",
         lambda system: Array(
             "mass_center",
@@ -238,6 +252,19 @@ _ENTRIES = (
         MASSES,
     ),
     *KINEMATICS,
+    Output(
+        "regressor",
+        lambda system: Array(
+            "regressor",
+            (_n(system), 10 * system.number_of_bodies),
+            "N m, N over the units of the parameters",
+            "[Y] of [A]{ydot} - {f} = [Y]{pi} without loads, force elements and motors: for each body the "
+            "columns of its mass, first moment (x, y, z) and inertia (xx, xy, yy, xz, yz, zz) about the "
+            "origin of its frame (Atkeson, An and Hollerbach 1986)",
+        ),
+        ("x", "y", "ydot"),
+        Recursion("recursion of forces", regressor),
+    ),
     Output(
         "prescribed_efforts",
         lambda system: Array(
