@@ -180,6 +180,29 @@ class Quantities(CompiledModel):
         """
         return self._run("centroidal_momentum_matrix", (x,), inputs)[0]
 
+    def centroidal_momentum_bias(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the rate of the momentum of all bodies for {ydot} = 0 (Orin, Goswami and Lee 2013).
+
+        The rate of `momentum` is [A_G]{ydot} plus this bias, which is d[A_G]/dt {y} and what prescribed
+        motion adds. The weight of the bodies is no part of it.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (6,) or (B, 6) inertial components: linear, N, then angular about the mass centre, N m.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            rate = library.centroidal_momentum_matrix(x) @ ydot + library.centroidal_momentum_bias(x, y)
+        """
+        return self._run("centroidal_momentum_bias", (x, y), inputs)[0]
+
     def kinetic_energy(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
         """Return the kinetic energy of all bodies; it is {y}^T [A] {y} / 2 where nothing is prescribed.
 

@@ -13,10 +13,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from kanegen.recursion.body_motion import body_motions
 from kanegen.recursion.columns import RotationColumn
 from kanegen.recursion.composites import CompositeBodies, composite_bodies
 from kanegen.recursion.energy_and_momentum import total_mass
 from kanegen.recursion.inertia import Inertia
+from kanegen.recursion.inverse_dynamics import carried_wrenches, required
 from kanegen.recursion.joint_motion import FreedomMotion, JointMotion, Step
 from kanegen.recursion.kinematics import Pose, poses
 from kanegen.recursion.rotors import spinning_rotors
@@ -52,6 +54,28 @@ def centroidal_momentum_matrix(tree: Tree) -> Derived:
             p, about = columns[place]
             columns[place] = add(p, scale(share, linear)), add(about, scale(share, angular))
     return Derived([col[part][i] for part in range(2) for i in range(3) for col in columns])
+
+
+def centroidal_momentum_bias(tree: Tree) -> Derived:
+    """Derive the rate of the momentum for {ydot} = 0: the force and the moment that the motion requires.
+
+    The velocity of the mass centre adds nothing to the rate of the angular momentum about it, because it is
+    along the linear momentum. The weight of the bodies is no part of the rate; prescribed accelerations are.
+    """
+    arms = _arms(tree, composite_bodies(tree))
+    moved = body_motions(tree, accelerated=False, weightless=True)
+    needed = required(tree, moved, accelerated=False, loaded=False)
+    linear = angular = ZERO
+    for carried in carried_wrenches(tree, needed.wrenches):
+        if not carried.joint.lower:
+            below = carried.below
+            linear = add(linear, below.force)
+            about = add(below.moment, cross(arms.below[carried.joint.body], below.force))
+            angular = add(angular, about)
+    for rotor in spinning_rotors(tree):
+        if not rotor.carrier:
+            angular = add(angular, rotor.moment(ZERO, accelerated=False))
+    return Derived([*linear, *angular])
 
 
 def _inertial(tree: Tree, one: UnitMomentum, pose: Pose) -> tuple[Vector, Vector]:

@@ -177,13 +177,13 @@ class CarriedWrench:
         joint: The joint of body K.
         above: Force and moment about the origin of K, in its frame.
         moments: Moment above each of the turns of the joint, in the frame above that turn.
-        force: Force in the frame of J.
+        below: Force and moment about the origin of K, in the frame of J.
     """
 
     joint: JointMotion
     above: Wrench
     moments: tuple[Vector, ...]
-    force: Vector
+    below: Wrench
 
 
 def carried_wrenches(tree: Tree, wrenches: Sequence[Wrench]) -> Iterator[CarriedWrench]:
@@ -205,7 +205,7 @@ def carried_wrenches(tree: Tree, wrenches: Sequence[Wrench]) -> Iterator[Carried
             moments.append(moment)
             force = definitions.vector(f"F_{step.frame}", step.turn.down(force))
             moment = definitions.vector(f"M_{step.frame}", step.turn.down(moment))
-        yield CarriedWrench(joint, above, tuple(reversed(moments)), force)
+        yield CarriedWrench(joint, above, tuple(reversed(moments)), Wrench(force, moment))
         if j:
             shifted = definitions.vector(f"M_{k}j", add(moment, cross(joint.offset, force)))
             carried[j - 1] = Wrench(
@@ -237,7 +237,7 @@ def _along_freedoms(tree: Tree, needed: Requirement) -> dict[int, Expr]:
             if step.moves:
                 along[step.number] = moment[step.axis]
         for translation in joint.moving_translations:
-            work = dot(translation.direction, carried.force)
+            work = dot(translation.direction, carried.below.force)
             along[translation.number] = tree.definitions.define(f"f_{translation.number}", work)
     return {number: work + needed.efforts.get(number, S.Zero) for number, work in along.items()}
 

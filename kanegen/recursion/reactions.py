@@ -84,4 +84,4 @@ def _forces(carried: CarriedWrench, joint: Joint, definitions: Definitions) -> I
     for axis, direction in enumerate(carried.joint.directions):
         if not joint.moving[3 + axis]:
             name = f"F_{carried.joint.body}l{axis + 1}"
-            yield axis, definitions.define(name, dot(direction, carried.force))
+            yield axis, definitions.define(name, dot(direction, carried.below.force))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from kanegen.model.system import System
 from kanegen.program.ir import Array, Condition
-from kanegen.recursion.centroidal import centroidal_momentum_matrix
+from kanegen.recursion.centroidal import centroidal_momentum_bias, centroidal_momentum_matrix
 from kanegen.recursion.energy_and_momentum import kinetic_energy, mass_center, momentum, potential_energy
 from kanegen.recursion.gravity import gravity_forces
 from kanegen.recursion.inverse_dynamics import (
@@ -238,6 +238,19 @@ _ENTRIES = (
         ),
         ("x",),
         Recursion("composite bodies", centroidal_momentum_matrix),
+    ),
+    Output(
+        "centroidal_momentum_bias",
+        lambda system: Array(
+            "centroidal_momentum_bias",
+            (6,),
+            "N, N m",
+            "the rate of the momentum for {ydot} = 0, d/dt of [A_G] times {y}, prescribed motion included: "
+            "linear, then angular about the mass centre of all bodies, inertial components (Orin, Goswami, "
+            "Lee 2013)",
+        ),
+        ("x", "y"),
+        Recursion("recursion of forces", centroidal_momentum_bias),
     ),
     Output(
         "mass_center",
