@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from kanegen.compiler import compare as compare
     from kanegen.compiler import derive as derive
     from kanegen.compiler import generate as generate
+    from kanegen.compiler import linearize as linearize
     from kanegen.errors import ArrayError as ArrayError
     from kanegen.errors import BudgetError as BudgetError
     from kanegen.errors import BuildError as BuildError
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from kanegen.errors import WriteError as WriteError
     from kanegen.library.library import Library as Library
     from kanegen.library.simulation.simulate import simulate as simulate
+    from kanegen.linear.linear_model import LinearModel as LinearModel
     from kanegen.measure.bounds.report import Bounds as Bounds
     from kanegen.measure.report import Report as Report
     from kanegen.model.body import Body as Body
@@ -73,7 +75,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "c.source": ("Source",),
-    "compiler": ("bound", "build", "compare", "derive", "generate"),
+    "compiler": ("bound", "build", "compare", "derive", "generate", "linearize"),
     "errors": (
         "ArrayError",
         "BudgetError",
@@ -91,6 +93,7 @@ _MODULES = {
     ),
     "library.library": ("Library",),
     "library.simulation.simulate": ("simulate",),
+    "linear.linear_model": ("LinearModel",),
     "measure.bounds.report": ("Bounds",),
     "measure.report": ("Report",),
     "model.body": ("Body", "Point"),

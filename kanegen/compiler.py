@@ -26,7 +26,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
+
+from numpy.typing import ArrayLike
 
 from kanegen import library as libraries
 from kanegen import recursion, symbolic
@@ -34,9 +36,11 @@ from kanegen.artifacts import ARTIFACTS, with_artifacts
 from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
-from kanegen.choices import flag, several
+from kanegen.choices import chosen, flag, several
 from kanegen.errors import OptionError, quoted
+from kanegen.library.linearization import outputs_needed
 from kanegen.library.native.status import OnStatus
+from kanegen.linear import LinearModel
 from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
@@ -45,6 +49,7 @@ from kanegen.lowering.lower import lower
 from kanegen.measure.bounds import Bounds, InputBox, bound_source, read_domain
 from kanegen.measure.comparison import Report
 from kanegen.measure.comparison import compare as compare_with_reference
+from kanegen.model.arguments import NamedInputs
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
 from kanegen.program import passes
@@ -198,6 +203,36 @@ def build(
     )
     progress("compiling")
     return libraries.load(source, compiler, flags, threads, on_status)
+
+
+def linearize(
+    system: System,
+    x: ArrayLike | Mapping[str, float] | None = None,
+    y: ArrayLike | Mapping[str, float] | None = None,
+    tau: ArrayLike | Mapping[str, float] | None = None,
+    *,
+    inputs: Iterable[str] | str | None = None,
+    outputs: Iterable[str] | str = (),
+    **further: Unpack[NamedInputs],
+) -> LinearModel:
+    """Return the linear model of small deviations from one state, by compiled derivatives.
+
+    It builds a library with the outputs that are needed and calls `Library.linearize`, which has the
+    arguments. For symbols see `Equations.linearize`.
+
+    Raises:
+        ArrayError: If an argument has the wrong shape or type.
+        OptionError: If a name does not exist.
+        SingularError: If [A] is singular in the state.
+        BuildError: As `build`.
+
+    Example:
+        model = kg.linearize(kg.load("models/cart_pole.toml"), {"pole": 0.0}, inputs=["cart_position"])
+        print(model)
+    """
+    asked = chosen(outputs) or ()
+    library = build(system, outputs_needed(system.speeds_are_rates, asked))
+    return library.linearize(x, y, tau, inputs=inputs, outputs=asked, **further)
 
 
 def compare(

@@ -27,6 +27,7 @@ ORDER = (
     "program",
     "options",
     "model",
+    "linear",
     "readers reference symbolic",
     "recursion",
     "lowering",

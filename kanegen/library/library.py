@@ -9,6 +9,7 @@ from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
 from kanegen.library.frames import Frames
 from kanegen.library.identification import Identification
+from kanegen.library.linearization import Linearization
 from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.native.status import OnStatus, checked_on_status
@@ -47,7 +48,7 @@ def load(
     return Library(NativeLibrary.made(recipe), dict(source.model.parameters), checked_on_status(on_status))
 
 
-class Library(Dynamics, Quantities, Frames, Identification, Derivatives, QuantityDerivatives):
+class Library(Linearization, Dynamics, Quantities, Frames, Identification, Derivatives, QuantityDerivatives):
     """The functions of a compiled model, with values of its run-time parameters.
 
     A state has coordinates of shape (m,) and generalized speeds of shape (n,), n being the number of freedoms

@@ -220,6 +220,9 @@ class AxisRotations:
     coordinates: ClassVar[tuple[int, ...]] = ANGLES
     """Indices of the angles in `COORDINATE_KINDS`."""
 
+    neutral: ClassVar[tuple[float, ...]] = (0.0, 0.0, 0.0)
+    """Angles of the orientation that is not turned."""
+
     def angles(self, values: Sequence[float]) -> Triple:
         """Return the three angles (rad) of an orientation: its coordinates themselves."""
         one, two, three = values
@@ -242,6 +245,9 @@ class QuaternionRotation:
 
     coordinates: ClassVar[tuple[int, ...]] = EULER_PARAMETERS
     """Indices of the elements in `COORDINATE_KINDS`."""
+
+    neutral: ClassVar[tuple[float, ...]] = (1.0, 0.0, 0.0, 0.0)
+    """Euler parameters of the orientation that is not turned."""
 
     gimbal_lock: ClassVar[None] = None
     """A quaternion is regular in every orientation."""

@@ -80,6 +80,20 @@ class SystemCoordinates(SystemFrames):
         """The place of every coordinate in {x}."""
         return {coordinate: i for i, coordinate in enumerate(self.coordinates)}
 
+    @cached_property
+    def neutral_coordinates(self) -> tuple[float, ...]:
+        """(m,) coordinates of the position in which no joint is turned or displaced (rad, m, 1).
+
+        Example:
+            x = np.array(system.neutral_coordinates)
+        """
+        found = []
+        for coordinate in self.coordinates:
+            rotation = self.bodies[coordinate.body - 1].joint.rotation
+            values = dict(zip(rotation.coordinates, rotation.neutral, strict=True))
+            found.append(values.get(coordinate.index, 0.0))
+        return tuple(found)
+
     def coordinate_place(self, body: int, kind: int) -> int:
         """Return the place of a coordinate in {x}.
 

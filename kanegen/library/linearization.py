@@ -1,0 +1,272 @@
+"""Linear models of small deviations from a state, by the derivatives in C."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kanegen.choices import chosen, did_you_mean
+from kanegen.errors import ArrayError, OptionError, quoted
+from kanegen.library.derivatives import Derivatives
+from kanegen.library.dynamics import Dynamics
+from kanegen.library.quantities import Quantities
+from kanegen.library.quantity_derivatives import QuantityDerivatives
+from kanegen.linear import LinearModel
+from kanegen.model.arguments import NamedInputs, floats
+from kanegen.model.values_by_name import in_order
+from kanegen.recursion.outputs import OUTPUTS
+
+Doubles = NDArray[np.float64]
+
+
+LINEAR_OUTPUTS = (
+    "point_positions",
+    "point_velocities",
+    "point_accelerations",
+    "kinetic_energy",
+    "potential_energy",
+    "momentum",
+    "mass_center",
+)
+"""Outputs of the table that a linear model may have as its own."""
+
+OF_MOTION = ("forward_dynamics", "forward_dynamics_derivatives")
+"""Outputs of C that every linear model needs."""
+
+OF_RATES = ("coordinate_rates", "coordinate_rates_derivatives")
+"""Outputs of C that a linear model needs where speeds are no rates of coordinates."""
+
+
+def outputs_needed(speeds_are_rates: bool, outputs: Iterable[str]) -> tuple[str, ...]:
+    """Return the outputs that C must have for a linear model.
+
+    Args:
+        speeds_are_rates: Whether {xdot} = {y}.
+        outputs: Outputs of the linear model; names of states need nothing.
+    """
+    needed = [*OF_MOTION, *(() if speeds_are_rates else OF_RATES)]
+    for name in outputs:
+        if name in LINEAR_OUTPUTS:
+            needed += [
+                f"{name}_derivatives",
+                *(["point_jacobians"] if "ydot" in OUTPUTS[name].inputs else []),
+            ]
+    return tuple(dict.fromkeys(needed))
+
+
+class Linearization(Dynamics, Quantities, Derivatives, QuantityDerivatives):
+    """The method `linearize`."""
+
+    def linearize(
+        self,
+        x: ArrayLike | Mapping[str, float] | None = None,
+        y: ArrayLike | Mapping[str, float] | None = None,
+        tau: ArrayLike | Mapping[str, float] | None = None,
+        force: ArrayLike | None = None,
+        torque: ArrayLike | None = None,
+        *,
+        inputs: Iterable[str] | str | None = None,
+        outputs: Iterable[str] | str = (),
+        **further: Unpack[NamedInputs],
+    ) -> LinearModel:
+        """Return the linear model of small deviations from one state.
+
+        Its matrices are the derivatives in C, without differences. Loads, prescribed motions and the time
+        are held at the values that are passed here.
+
+        Args:
+            x: (m,) coordinates, rad, m or 1, or some by name; the others are neutral, see
+                `System.neutral_coordinates`.
+            y: (n,) generalized speeds, rad/s and m/s, or some by name; the others are 0.
+            tau: (n,) generalized forces, N m and N, or some by name; the others are 0.
+            force: Forces on the bodies, as in `forcing`.
+            torque: Torques on the bodies, as in `forcing`.
+            inputs: Names of the freedoms on which a control acts; by default all of them.
+            outputs: Names of outputs such as "point_positions", or of single states such as "x.pole".
+            further: Inputs that only some systems have, as in `forcing`.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If a name does not exist, or the library was built without an output that is needed;
+                `kg.linearize` builds what it needs.
+            StatusError: See `with_on_status`; by default a `SingularError` if [A] is singular in the state.
+
+        Example:
+            library = kg.build(system, ("forward_dynamics", "forward_dynamics_derivatives"))
+            model = library.linearize({"pole": 0.0}, inputs=["cart_position"])
+        """
+        if self.storage == "double-double":
+            raise OptionError(
+                f"the arrays of system {quoted(self.name)} hold double-double numbers. Build it with "
+                'storage="double".'
+            )
+        names = outputs_of(self, outputs)
+        for needed in outputs_needed(self.source.model.speeds_are_rates, names):
+            if needed not in self.outputs:
+                raise self._absent(needed)
+        columns = inputs_of(self.freedom_names, inputs)
+        state = _State(self, x, y, tau)
+        point = state.x, state.y
+        ydot = np.array(self.forward_dynamics(*point, state.tau, force, torque, **further), np.float64)
+        slopes = np.array(
+            self.forward_dynamics_derivatives(*point, state.tau, force, torque, **further), np.float64
+        )
+        by = self.derivative_columns("forward_dynamics_derivatives")
+        rates = _Rates(self, state, further)
+        A = np.block([[rates.by_x, rates.map], [slopes[:, by["x"]], slopes[:, by["y"]]]])
+        B = np.concatenate([np.zeros((len(state.x), len(columns))), slopes[:, by["tau"]][:, columns]])
+        rows = _Outputs(self, state, ydot, A, B, further)
+        output_names, C, D = rows.matrices(names)
+        return LinearModel(
+            name=self.name,
+            state_names=state_names(self.coordinate_names, self.speed_names),
+            input_names=tuple(f"tau.{self.freedom_names[place]}" for place in columns),
+            output_names=output_names,
+            **{"A": A + 0.0, "B": B + 0.0, "C": C + 0.0, "D": D + 0.0},  # no zero has a sign
+            **{"x": state.x, "y": state.y, "tau": state.tau, "xdot": rates.xdot, "ydot": ydot},
+            rate_map=rates.map,
+            rate_map_rate=rates.map_rate,
+        )
+
+
+def state_names(coordinates: Iterable[str], speeds: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of the states of a linear model: "x.<coordinate>", then "y.<speed>"."""
+    return (*(f"x.{name}" for name in coordinates), *(f"y.{name}" for name in speeds))
+
+
+def inputs_of(freedoms: Sequence[str], asked: Iterable[str] | str | None) -> list[int]:
+    """Return the places of the freedoms on which a control acts.
+
+    Raises:
+        OptionError: If there is no freedom of a name, or one is named twice.
+    """
+    if asked is None:
+        return list(range(len(freedoms)))
+    places = []
+    for name in chosen(asked) or ():
+        if name not in freedoms:
+            raise OptionError(f"inputs: there is no freedom {quoted(name)}. {did_you_mean(name, freedoms)}")
+        places.append(freedoms.index(name))
+    if len(set(places)) < len(places):
+        raise OptionError("inputs: a freedom is named twice. Name each once.")
+    return places
+
+
+def outputs_of(library: Quantities, asked: Iterable[str] | str) -> tuple[str, ...]:
+    """Return the names of the outputs of a linear model, checked.
+
+    Raises:
+        OptionError: If there is neither an output nor a state of a name.
+    """
+    known = (*LINEAR_OUTPUTS, *state_names(library.coordinate_names, library.speed_names))
+    names = chosen(asked) or ()
+    for name in names:
+        if name not in known:
+            raise OptionError(
+                f"outputs: a linear model has no output {quoted(name)}. {did_you_mean(name, known)}"
+            )
+    return names
+
+
+class _State:
+    """A state in which a library is linearized, as arrays."""
+
+    def __init__(self, library: Quantities, x: Any, y: Any, tau: Any) -> None:
+        neutral = np.zeros(len(library.coordinate_names))
+        neutral[[places[0] for places in library.source.model.homogeneous]] = 1.0
+        self.x = _doubles("x", x, library.coordinate_names, neutral)
+        self.y = _doubles("y", y, library.speed_names, np.zeros(library.n))
+        self.tau = _doubles("tau", tau, library.freedom_names, np.zeros(library.n))
+
+
+def _doubles(label: str, given: Any, names: Sequence[str], defaults: Doubles) -> Doubles:
+    """Return values in order as doubles, from a row or a table of them."""
+    if isinstance(given, Mapping) or given is None:
+        given = in_order(label, given, names, defaults.tolist())
+    found: Doubles = np.asarray(floats(label, given, np.dtype(np.float64)), np.float64)
+    if found.shape != (len(names),):
+        raise ArrayError(f"{label}: expected shape ({len(names)},), got {found.shape}.")
+    return found
+
+
+class _Rates:
+    """{xdot} = [H]{y} in a state: [H], its time derivative, and the derivatives of {xdot}.
+
+    Attributes:
+        map: (m, n) [H], by Eq. (9), or the identity.
+        map_rate: (m, n) time derivative of [H].
+        by_x: (m, m) derivatives of {xdot} by {x}.
+        xdot: (m,) rates of the coordinates.
+    """
+
+    def __init__(self, library: Linearization, state: _State, further: NamedInputs) -> None:
+        m, n = len(state.x), len(state.y)
+        self.map, self.map_rate, self.by_x = np.eye(m, n), np.zeros((m, n)), np.zeros((m, m))
+        self.xdot = state.y
+        if library.source.model.speeds_are_rates:
+            return
+        by = library.derivative_columns("coordinate_rates_derivatives")
+        unit = np.concatenate([state.y[None], np.eye(n)])
+        many = np.repeat(state.x[None], n + 1, axis=0)
+        slopes = np.array(library.coordinate_rates_derivatives(many, unit, **further), np.float64)
+        self.map, self.by_x = slopes[0][:, by["y"]], slopes[0][:, by["x"]]
+        self.xdot = np.array(library.coordinate_rates(state.x, state.y, **further), np.float64)
+        self.map_rate = (slopes[1:][:, :, by["x"]] @ self.xdot).T
+
+
+class _Outputs:
+    """Rows of [C] and [D] of the outputs of a linear model in a state."""
+
+    def __init__(
+        self,
+        library: Linearization,
+        state: _State,
+        ydot: Doubles,
+        A: Doubles,
+        B: Doubles,
+        further: NamedInputs,
+    ) -> None:
+        self._library, self._state, self._ydot, self._further = library, state, ydot, further
+        self._A, self._B = A, B
+        self._states = state_names(library.coordinate_names, library.speed_names)
+
+    def matrices(self, names: Iterable[str]) -> tuple[tuple[str, ...], Doubles, Doubles]:
+        """Return the names of all rows, [C] and [D]."""
+        rows = [row for name in names for row in self._rows(name)]
+        N, r = self._B.shape
+        C = np.array([c for _, c, _ in rows], np.float64).reshape(len(rows), N)
+        D = np.array([d for _, _, d in rows], np.float64).reshape(len(rows), r)
+        return tuple(name for name, _, _ in rows), C, D
+
+    def _rows(self, name: str) -> Iterator[tuple[str, Doubles, Doubles]]:
+        """Yield name and rows of [C] and [D] for each element of an output."""
+        N, r = self._B.shape
+        if name in self._states:
+            yield name, np.eye(N)[self._states.index(name)], np.zeros(r)
+            return
+        given = {"x": self._state.x, "y": self._state.y, "ydot": self._ydot}
+        arguments = [given[one] for one in OUTPUTS[name].arguments]
+        slopes = np.array(getattr(self._library, f"{name}_derivatives")(*arguments, **self._further))
+        by = self._library.derivative_columns(f"{name}_derivatives")
+        m = len(self._state.x)
+        C, D = np.zeros((*slopes.shape[:-1], N)), np.zeros((*slopes.shape[:-1], r))
+        C[..., :m] = slopes[..., by["x"]]
+        if "y" in by:
+            C[..., m:] = slopes[..., by["y"]]
+        if "ydot" in given and "ydot" in OUTPUTS[name].inputs:
+            partial = np.array(self._library.point_jacobians(self._state.x, **self._further))
+            C, D = C + partial @ self._A[m:], D + partial @ self._B[m:]
+        for labels, c, d in zip(
+            self._elements(name, slopes.shape[:-1]), C.reshape(-1, N), D.reshape(-1, r), strict=True
+        ):
+            yield ".".join([name, *labels]), c, d
+
+    def _elements(self, name: str, shape: tuple[int, ...]) -> Iterator[tuple[str, ...]]:
+        """Yield the names of the indices of each element of an output."""
+        points = self._library.point_names if name.startswith("point_") else ()
+        for index in np.ndindex(shape):
+            first = (points[index[0]],) if points else ()
+            yield (*first, *(str(one + 1) for one in index[len(first) :]))
