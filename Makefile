@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports validation clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports validation truth clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -56,6 +56,10 @@ cost-reports: $(VENV)/.tests
 # Compute cases that others have published and rewrite docs/validation.md; takes a minute or two.
 validation: $(VENV)/.tests
 	$(BIN)/python -m benchmarks.validation
+
+# Compute the exact numbers of five trees again and rewrite docs/truth; takes some seconds.
+truth: $(VENV)/.tests
+	$(BIN)/python -m benchmarks.validation.truth
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -12,7 +12,8 @@ INTRODUCTION = """\
 Written by `make validation` (`python -m benchmarks.validation`); do not edit it by hand. Cases that others
 have published, computed with the C that kanegen generates. *Expected* is what the source states, digit by
 digit; *allowed* is how far a right result may be from it, because digits or accuracy of the source end there.
-The command fails if a difference is larger."""
+The command fails if a difference is larger. [truth](truth/README.md) is the other way round: exact numbers of
+five trees, for other programs to compare themselves with."""
 
 
 def document(cases: Sequence[Case]) -> str:
