@@ -17,7 +17,7 @@ from kanegen.cli.summary import RightAngleChanges, Summary
 from kanegen.errors import counted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, selected_freedoms
-from kanegen.model.numbers import Number, Parameter
+from kanegen.model.numbers import Number, toml_number, value_of
 from kanegen.model.system import System
 from kanegen.program.count import PREPARE, kinds
 from kanegen.program.passes import savings
@@ -197,5 +197,6 @@ def _moving(body: Body) -> str:
 
 
 def _text(value: Number) -> str:
-    """Return a number, or a parameter with its default."""
-    return f"{value.name} = {value.value:g}" if isinstance(value, Parameter) else f"{value:g}"
+    """Return a number; after the name of a parameter, or the text of an expression, it is at the defaults."""
+    shown = f"{value_of(value):g}"
+    return shown if isinstance(value, float) else f"{toml_number(value)} = {shown}"

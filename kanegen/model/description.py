@@ -15,11 +15,11 @@ from kanegen.model.coordinates import FREEDOMS, NOTES, Freedom
 from kanegen.model.coupled_limits import with_coupled_limits
 from kanegen.model.coupling import Coupling
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.expression import TIME
 from kanegen.model.force_elements.names import with_names_of_freedoms
 from kanegen.model.frame import Frame
 from kanegen.model.limits import SystemLimits
-from kanegen.model.numbers import Number, Parameter, map_numbers, toml_number
+from kanegen.model.nodes import TIME
+from kanegen.model.numbers import Number, Parameter, map_numbers, parameters_of, toml_number
 from kanegen.model.reaction import Reaction, every_reaction, reaction_rows
 from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 from kanegen.model.system_coordinates import SystemCoordinates
@@ -117,11 +117,12 @@ class SystemDescription(SystemCoordinates):
         found: dict[str, Parameter] = {}
 
         def collect(value: Number) -> None:
-            if isinstance(value, Parameter) and found.setdefault(value.name, value) != value:
-                raise ModelError(
-                    f"parameter {quoted(value.name)} has two values, {quoted(found[value.name].value)} and "
-                    f"{quoted(value.value)}. One name, one value."
-                )
+            for one in parameters_of(value):
+                if found.setdefault(one.name, one) != one:
+                    raise ModelError(
+                        f"parameter {quoted(one.name)} has two values, {quoted(found[one.name].value)} and "
+                        f"{quoted(one.value)}. One name, one value."
+                    )
 
         map_numbers(self.gravity, collect)
         for body in self.bodies:

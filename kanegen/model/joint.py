@@ -278,7 +278,7 @@ class Joint:
         """
         limit = right_angles.checked_tolerance(tolerance)
 
-        angles = (right_angles.unless_parameter(angle, limit) for angle in self.locked[:3])
+        angles = (right_angles.if_plain(angle, limit) for angle in self.locked[:3])
         return replace(
             self,
             orientation=right_angles.orientation(self.orientation, limit),

@@ -28,7 +28,7 @@ from kanegen.model.description import SystemDescription
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import Drive, JointFriction
 from kanegen.model.joint import Joint
-from kanegen.model.numbers import Number, Parameter, number, numbers, value_of
+from kanegen.model.numbers import Number, is_fixed, number, numbers, value_of
 
 LOCKED = "locked"
 """Beginning of error messages."""
@@ -129,7 +129,7 @@ def _angles(joint: Joint, name: str, given: tuple[Number, ...]) -> Iterator[tupl
         return
     label = f"{LOCKED}: {quoted(name)}"
     plain = [value_of(entry) for entry in given]
-    if tuple(plain) != given:
+    if not all(map(is_fixed, given)):
         raise ModelError(f"{label}: an orientation by {len(plain)} numbers takes no parameters.")
     if not any(plain):
         raise ModelError(f"{label}: {len(plain)} zeros are no orientation.")
@@ -140,8 +140,7 @@ def _couplings(system: SystemDescription, locked: Values) -> tuple[tuple[Couplin
     """Return the couplings that remain, and the values together with those of coupled freedoms now constant.
 
     Raises:
-        ModelError: If the value of a locked freedom or its factor is a parameter, whose product cannot be a
-            number of the model.
+        ModelError: If the value of a coupled freedom is not finite.
     """
     values, left = dict(locked), []
     by_name = {coupling.freedom: coupling for coupling in system.couplings}
@@ -153,12 +152,7 @@ def _couplings(system: SystemDescription, locked: Values) -> tuple[tuple[Couplin
                 terms.append(term)
                 continue
             value = values[freedom]
-            if isinstance(factor, Parameter) or isinstance(value, Parameter) or isinstance(offset, Parameter):
-                raise ModelError(
-                    f"{LOCKED}: {quoted(name)} follows {quoted(term[0])}, and its value there would be an "
-                    "expression with a parameter. Give numbers, or leave the coupling out."
-                )
-            offset = offset + factor * value
+            offset = number(offset + factor * value, f"{LOCKED}: {quoted(name)}")
         if terms:
             left.append(Coupling(name, tuple(terms), offset))
         else:

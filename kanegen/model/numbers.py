@@ -1,43 +1,40 @@
-"""Numbers of a model: plain floats, or named parameters that get their values at run time."""
+"""Numbers of a model: plain floats, named parameters that get their values at run time, expressions of these.
+
+Whoever needs the value of a number asks `value_of`, or `parameters_of` for what it depends on.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Set
-from dataclasses import dataclass
+from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
-import numpy as np
+from kanegen.errors import QUOTED, ModelError, counted, excerpt, quoted
+from kanegen.model.evaluation import Exact
+from kanegen.model.expression import Expression, Parameter
+from kanegen.model.finite import finite, listed
 
-from kanegen.errors import ModelError, counted, quoted
-from kanegen.model.names import check_identifier
+__all__ = [
+    "Matrix",
+    "Number",
+    "Parameter",
+    "Vector",
+    "described",
+    "exact_value_of",
+    "finite",
+    "is_fixed",
+    "listed",
+    "map_numbers",
+    "number",
+    "numbers",
+    "parameters_of",
+    "toml_number",
+    "value_of",
+    "with_parameters_changed",
+]
 
-
-@dataclass(frozen=True)
-class Parameter:
-    """A number of a model that gets its value at run time.
-
-    Attributes:
-        name: A C identifier, unique within a system.
-        value: Default value, in the unit of the quantity that the parameter replaces.
-
-    Raises:
-        ModelError: If the name is no C identifier or the value is not finite.
-
-    Example:
-        payload = kg.Parameter("payload", 1.5)  # kg, where a mass is expected
-    """
-
-    name: str
-    value: float
-
-    def __post_init__(self) -> None:
-        check_identifier(self.name, "parameter name")
-        object.__setattr__(self, "value", finite(self.value, f"parameter {quoted(self.name)}"))
-
-
-Number = float | Parameter
-"""A number of a model: fixed, or a run-time parameter."""
+Number = float | Parameter | Expression
+"""A number of a model: fixed, a run-time parameter, or an expression of numbers and parameters."""
 
 Vector = tuple[Number, Number, Number]
 """(3,) numbers of a model."""
@@ -46,35 +43,29 @@ Matrix = tuple[Vector, Vector, Vector]
 """(3, 3) numbers of a model, row by row."""
 
 
-def finite(value: Any, label: str) -> float:
-    """Return `value` as a finite float; the message calls it `label`.
+def number(value: Any, label: str) -> Number:
+    """Return a number of a model; an expression that is exactly a double becomes this double.
 
     Raises:
-        ModelError: If `value` is not a real number, or is NaN or infinite.
+        ModelError: If it is neither a finite number nor an expression that has a value at the defaults of its
+            parameters and depends on nothing else.
     """
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
-        raise ModelError(f"{label}: {quoted(value)} is not a number.")
+    if isinstance(value, Parameter):
+        return value
+    if isinstance(value, Fraction):
+        value = Expression.of(value)
+    if not isinstance(value, Expression):
+        return finite(value, label)
+    if value.variables:
+        raise ModelError(
+            f"{label}: {quoted(str(value))} depends on {quoted(value.variables[0])}, but a number of a model "
+            "may depend on parameters only."
+        )
     try:
-        result = float(value)
-    except OverflowError:
-        result = math.inf
-    if not math.isfinite(result):
-        raise ModelError(f"{label}: {quoted(result)} is not finite.")
-    return result + 0.0  # -0.0 + 0.0 is 0.0: the sign of a zero in a model has no meaning
-
-
-def number(value: Any, label: str) -> Number:
-    """Return a parameter unchanged, and anything else as a finite float."""
-    return value if isinstance(value, Parameter) else finite(value, label)
-
-
-def listed(value: Any) -> list[Any] | None:
-    """Return the items of an ordered collection; None for strings, tables, sets and single values."""
-    if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
-        return None
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        return None
-    return list(value)
+        finite(value.value, label)
+    except ModelError as error:
+        raise ModelError(f"{label}: {error}") from None
+    return value.simplest
 
 
 def numbers(value: Any, shape: tuple[int, ...], label: str) -> Any:
@@ -114,10 +105,44 @@ def map_numbers(value: Any, function: Callable[[Number], Any]) -> Any:
 
 
 def value_of(value: Number) -> float:
-    """Return the value of a number: of a parameter its default, of a float the float itself."""
-    return value.value if isinstance(value, Parameter) else value
+    """Return the value of a number, with parameters at their defaults, rounded once."""
+    return float(value) if isinstance(value, int | float) else value.value
+
+
+def exact_value_of(value: Number) -> Exact:
+    """Return the value of a number before rounding: a fraction, or a number of 320 bits."""
+    return value.exact if isinstance(value, Expression) else Fraction(value_of(value))
+
+
+def parameters_of(value: Number) -> tuple[Parameter, ...]:
+    """Return the parameters of a number, each once."""
+    if isinstance(value, Expression):
+        return value.parameters
+    return (value,) if isinstance(value, Parameter) else ()
+
+
+def is_fixed(value: Number) -> bool:
+    """Return whether a number depends on no parameter."""
+    return not parameters_of(value)
+
+
+def with_parameters_changed(value: Number, change: Callable[[Parameter], Number]) -> Number:
+    """Return a number with `change` applied to its parameters."""
+
+    def changed(one: float | Parameter) -> Number:
+        return change(one) if isinstance(one, Parameter) else one
+
+    return number(value.map_numbers(changed), "number") if isinstance(value, Expression) else changed(value)
 
 
 def toml_number(value: Number) -> float | str:
-    """Return a number as a model file holds it: the number itself, or the name of its parameter."""
-    return value.name if isinstance(value, Parameter) else value
+    """Return a number as a model file holds it: the number itself, or the text of its expression."""
+    if isinstance(value, Parameter):
+        return value.name
+    return str(value) if isinstance(value, Expression) else value
+
+
+def described(value: Number) -> str:
+    """Return a number for a message: its value, after its text where it is an expression or a parameter."""
+    shown = quoted(value_of(value))
+    return shown if isinstance(value, float) else f"{excerpt(str(toml_number(value)), QUOTED)} = {shown}"

@@ -10,7 +10,7 @@ from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, TRANSLATIONS, AxisRotations, Freedom
 from kanegen.model.force_elements.names import referenced_variables
 from kanegen.model.joint import Joint
-from kanegen.model.numbers import Parameter, map_numbers
+from kanegen.model.numbers import Parameter, is_fixed, map_numbers, parameters_of
 from kanegen.model.system import System
 
 
@@ -93,11 +93,12 @@ def _obstacle(system: System, body: Body) -> str:
         return "its translations have different armatures, which would belong to others. Leave it out"
     if any(joint.prescribed):
         return "it has a translation that is prescribed in its joint frame. Leave it out"
-    if any(isinstance(value, Parameter) for value in joint.locked) or (parameters and any(joint.locked)):
+    if not all(map(is_fixed, joint.locked)) or (parameters and any(joint.locked)):
         return (
             "parameters meet a locked translation in its joint frame. Put the translation into its position"
         )
-    if parameters and not _are_three_of_its_own(system, parameters):
+    plain = all(isinstance(angle, Parameter) for angle in joint.orientation)
+    if parameters and not (plain and _are_three_of_its_own(system, parameters)):
         return (
             "its orientation shares parameters, or has fewer than three. Give it three of its own, or numbers"
         )
@@ -127,7 +128,7 @@ def orientation_parameters(joint: Joint) -> list[str]:
 def _parameter_names(numbers: Any) -> list[str]:
     """Return the names of the parameters in nested tuples of numbers."""
     names: list[str] = []
-    map_numbers(numbers, lambda value: names.append(value.name) if isinstance(value, Parameter) else None)
+    map_numbers(numbers, lambda value: names.extend(one.name for one in parameters_of(value)))
     return names
 
 

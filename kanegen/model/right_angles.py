@@ -11,7 +11,7 @@ import math
 from typing import Any
 
 from kanegen.errors import ModelError, OptionError, quoted
-from kanegen.model.numbers import Matrix, Number, Parameter, Vector, finite, map_numbers, value_of
+from kanegen.model.numbers import Matrix, Number, Vector, finite, map_numbers, value_of
 from kanegen.model.rotations import Square, Triple, cross, normalized
 from kanegen.program.constants import MOST_QUARTER_TURNS
 
@@ -52,20 +52,20 @@ def angle(value: float, tolerance: float) -> float:
     return exact if abs(turns) <= MOST_QUARTER_TURNS and abs(value - exact) <= tolerance else value
 
 
-def unless_parameter(value: Number, tolerance: float) -> Number:
-    """Return a constant angle with right angles made exact, or a parameter as it is."""
-    return value if isinstance(value, Parameter) else angle(value, tolerance)
+def if_plain(value: Number, tolerance: float) -> Number:
+    """Return a constant angle with right angles made exact; parameters and expressions stay as they are."""
+    return angle(value, tolerance) if isinstance(value, float) else value
 
 
 def orientation(value: Matrix | Vector, tolerance: float) -> Matrix | Vector:
     """Return a constant orientation, a matrix or three angles, with right angles made exact.
 
-    Matrices with parameters, and angles that are parameters, stay as they are.
+    Matrices with parameters, and angles that are no plain floats, stay as they are.
     """
     if isinstance(value[0], tuple):
         plain = map_numbers(value, value_of)
         return rotation(plain, tolerance) if plain == value else value
-    exact: Vector = map_numbers(value, lambda one: unless_parameter(one, tolerance))
+    exact: Vector = map_numbers(value, lambda one: if_plain(one, tolerance))
     return exact
 
 

@@ -23,7 +23,17 @@ from kanegen.model import validation
 from kanegen.model.body import Body
 from kanegen.model.coordinates import FREEDOMS, SPEED_KINDS, Freedom
 from kanegen.model.names import check_label
-from kanegen.model.numbers import Number, Vector, map_numbers, number, numbers, toml_number, value_of
+from kanegen.model.numbers import (
+    Number,
+    Vector,
+    described,
+    is_fixed,
+    map_numbers,
+    number,
+    numbers,
+    toml_number,
+    value_of,
+)
 
 
 @dataclass(frozen=True)
@@ -64,7 +74,7 @@ class Rotor:
         if not any(self.axis):
             raise ModelError(f"{label}: its axis has no direction. Give one such as [0, 0, 1].")
         if value_of(self.inertia) < 0:
-            raise ModelError(f"{label}: its inertia {quoted(value_of(self.inertia))} kg m^2 is negative.")
+            raise ModelError(f"{label}: its inertia {described(self.inertia)} kg m^2 is negative.")
         if self.ratio == 0:
             raise ModelError(f"{label}: with the ratio 0 it never turns. Leave it out.")
         if not isinstance(self.body, str):
@@ -204,8 +214,8 @@ def _plain(label: str) -> Callable[[Number], float]:
     """Return a function that returns a number that is no parameter, for messages with a label."""
 
     def plain(value: Number) -> float:
-        if not isinstance(value, float):
+        if not is_fixed(value):
             raise ModelError(f"{label}: a direction has no parameters.")
-        return value
+        return value_of(value)
 
     return plain

@@ -15,10 +15,10 @@ from kanegen.model.contact import checked_contacts
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.coupling import Coupling, coupled_bodies, with_permanent_names
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.expression import TIME
 from kanegen.model.force_elements.names import with_resolved_names
 from kanegen.model.frame import check_points, checked_frames
 from kanegen.model.names import check_label
+from kanegen.model.nodes import TIME
 from kanegen.model.numbers import numbers
 from kanegen.model.rotor import Rotor, check_carriers, check_freedoms, permanent_name
 from kanegen.model.saving import system_table, toml_text

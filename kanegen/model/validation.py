@@ -12,7 +12,18 @@ import numpy as np
 
 from kanegen.errors import KanegenWarning, ModelError, counted, quoted
 from kanegen.model.coordinates import COORDINATE_KINDS, SPEED_KINDS
-from kanegen.model.numbers import Matrix, Number, Parameter, Vector, listed, map_numbers, numbers, value_of
+from kanegen.model.numbers import (
+    Matrix,
+    Number,
+    Parameter,
+    Vector,
+    described,
+    is_fixed,
+    listed,
+    map_numbers,
+    numbers,
+    value_of,
+)
 from kanegen.model.rotations import nearest_rotation, rotation_123
 
 _T = TypeVar("_T")
@@ -100,7 +111,7 @@ def connection(lower: Sequence[int]) -> tuple[int, ...]:
 def mass(value: Number) -> Number:
     """Return a mass (kg), which must not be negative."""
     if value_of(value) < 0:
-        raise ModelError(f"mass {quoted(value_of(value))} kg is negative.")
+        raise ModelError(f"mass {described(value)} kg is negative.")
     return value
 
 
@@ -109,7 +120,7 @@ def armature(values: Sequence[Number], names: Sequence[str]) -> tuple[Number, ..
     for name, value in zip(names, values, strict=True):
         if value_of(value) < 0:
             raise ModelError(
-                f"armature: that of {name} is {quoted(value_of(value))}. A reflected inertia is not negative."
+                f"armature: that of {name} is {described(value)}. A reflected inertia is not negative."
             )
     return tuple(values)
 
@@ -150,8 +161,8 @@ def _power_of_two(size: float) -> float:
 
 
 def _differ(a: Number, b: Number) -> bool:
-    """Return whether two numbers, one of them a parameter, are different."""
-    return (isinstance(a, Parameter) or isinstance(b, Parameter)) and a != b
+    """Return whether two numbers, which are not both plain floats, are different."""
+    return not (isinstance(a, float) and isinstance(b, float)) and a != b
 
 
 def _symmetric(value: Matrix) -> Matrix:
@@ -159,7 +170,7 @@ def _symmetric(value: Matrix) -> Matrix:
 
     def entry(i: int, j: int) -> Number:
         a, b = value[i][j], value[j][i]
-        return a if isinstance(a, Parameter) or isinstance(b, Parameter) else a / 2 + b / 2
+        return a / 2 + b / 2 if isinstance(a, float) and isinstance(b, float) else a
 
     xx, xy, xz = value[0][0], entry(0, 1), entry(0, 2)
     yy, yz, zz = value[1][1], entry(1, 2), value[2][2]
@@ -167,16 +178,20 @@ def _symmetric(value: Matrix) -> Matrix:
 
 
 def orientation(value: Any, label: str) -> Matrix | Vector:
-    """Return a constant orientation: a rotation matrix, or three angles (rad) where one is a parameter."""
+    """Return a constant orientation: a rotation matrix, or three angles (rad) that are not all plain floats.
+
+    A matrix without parameters is rounded to doubles.
+    """
     items = listed(value) or []
-    if items and all(isinstance(item, Parameter) or np.ndim(item) == 0 for item in items):
+    if items and all(np.ndim(item) == 0 for item in items):
         angles: Vector = numbers(items, (3,), label)
-        one, two, three = angles
-        if isinstance(one, Parameter) or isinstance(two, Parameter) or isinstance(three, Parameter):
+        if not all(isinstance(angle, float) for angle in angles):
             return angles
-        value = rotation_123((one, two, three))
+        value = rotation_123(map_numbers(angles, value_of))
     matrix: Matrix = numbers(value, (3, 3), label)
     plain = map_numbers(matrix, value_of)
+    if all(is_fixed(entry) for row in matrix for entry in row):
+        matrix = plain
     c = np.array(plain)
     with np.errstate(over="ignore", invalid="ignore"):
         defect = float(np.abs(c @ c.T - np.eye(3)).max())

@@ -19,7 +19,7 @@ from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.free_orientations import with_free_orientations
 from kanegen.model.joint import Joint
 from kanegen.model.joint_changes import bodies_with_limits, bodies_with_prescribed
-from kanegen.model.numbers import Number, Parameter, map_numbers
+from kanegen.model.numbers import Number, Parameter, map_numbers, with_parameters_changed
 from kanegen.model.reaction import reaction_rows
 from kanegen.model.right_angles import checked_tolerance
 from kanegen.model.rotor import Rotor
@@ -333,9 +333,9 @@ class SystemVariations(SystemDescription):
                 raise ModelError(f"unknown parameter {quoted(name)}. {did_you_mean(name, known)}")
 
         def change(value: Number) -> Number:
-            if isinstance(value, Parameter) and value.name in values:
-                return Parameter(value.name, values[value.name])
-            return value
+            return with_parameters_changed(
+                value, lambda one: Parameter(one.name, values[one.name]) if one.name in values else one
+            )
 
         return self.map_numbers(change)
 

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator
 
 from kanegen.model.force_elements.elements import Drive, PointLoad
-from kanegen.model.force_elements.grammar import parse
+from kanegen.model.grammar import parse
 from kanegen.model.names import MAX_IDENTIFIER
 from kanegen.model.numbers import Parameter
 from kanegen.readers.mjcf_compiled import JOINT_TYPES, Compiled

@@ -8,7 +8,7 @@ from typing import Any
 
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import Drive, JointFriction, JointSpring, PointLoad, Potential
-from kanegen.model.force_elements.grammar import parse
+from kanegen.model.grammar import parse
 from kanegen.model.rotations import Triple
 from kanegen.readers.mjcf_compiled import JOINT_TYPES, Compiled, triple
 from kanegen.readers.mjcf_left_out import LeftOut

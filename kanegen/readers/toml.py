@@ -19,7 +19,7 @@ from kanegen.readers import toml_force_elements
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 from kanegen.readers.toml_bodies import read_bodies
 from kanegen.readers.toml_frames import read_frames
-from kanegen.readers.toml_tables import Parameters, Table, check_keys, tables_named
+from kanegen.readers.toml_tables import Parameters, Table, TextError, check_keys, tables_named
 
 KEYS = (
     "name",
@@ -67,10 +67,22 @@ def read_toml(file: ModelFile, options: ReadOptions) -> System:
     try:
         return _system(table, file.path, options.right_angles)
     except ModelError as error:
-        raise ReadError(f"{file.path}: {error}") from None
+        raise ReadError(f"{file.path}{_line(error, file.text)}: {error}") from None
 
 
 READER = Reader("TOML", ".toml", read_toml)
+
+
+def _line(error: BaseException | None, text: str) -> str:
+    """Return ":" and the line of the text in a file that an error is about; "" if it is about no text."""
+    while error is not None and not isinstance(error, TextError):
+        error = error.__context__
+    if error is not None:
+        shown = [f"{quote}{error.text}{quote}" for quote in "\"'"]
+        for number, line in enumerate(text.splitlines(), start=1):
+            if any(one in line for one in shown):
+                return f":{number}"
+    return ""
 
 
 def parse_toml(text: str, where: str | Path) -> Table:
@@ -155,7 +167,7 @@ def _rotors(table: Table, parameters: Parameters) -> tuple[Rotor, ...]:
         check_keys(entry, ROTOR_KEYS, required=ROTOR_KEYS[:4], label=f"{label}: ")
         resolved = {
             key: parameters.resolve(entry[key], f"{label}: {key}")
-            for key in ("inertia", "ratio")
+            for key in ("axis", "inertia", "ratio")
             if key in entry
         }
         found.append(Rotor(**{**entry, **resolved}))

@@ -182,7 +182,7 @@ def read_orientation(table: Table, parameters: Parameters, tolerance: float) -> 
             raise ModelError("both orientation and orientation_angles are given. Keep one.")
         angles = parameters.resolve(table["orientation_angles"], "orientation_angles")
         angles = numbers(angles, (3,), "orientation_angles")
-        return tuple(right_angles.unless_parameter(angle, tolerance) for angle in angles)
+        return tuple(right_angles.if_plain(angle, tolerance) for angle in angles)
     matrix = parameters.resolve(table.get("orientation", IDENTITY), "orientation")
     return numbers(matrix, (3, 3), "orientation")
 

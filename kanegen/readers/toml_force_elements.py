@@ -8,7 +8,6 @@ from typing import Any
 from kanegen.errors import ModelError
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import KINDS
-from kanegen.model.force_elements.grammar import parse
 from kanegen.readers.toml_tables import Parameters, Table, check_keys, tables_named
 
 KEYS = tuple(kind.KEY for kind in KINDS)
@@ -65,4 +64,4 @@ def _expressions(value: Any, parameters: Parameters) -> Any:
     """Return the expression of a string or number, or a list of expressions."""
     if isinstance(value, list):
         return [_expressions(item, parameters) for item in value]
-    return parameters.mark_used(parse(value, parameters.known.values()))
+    return parameters.expression(value)

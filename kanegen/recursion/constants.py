@@ -10,9 +10,12 @@ from typing import Any
 import sympy
 from sympy import Expr, Rational
 
+from kanegen.model.evaluation import multiprecise
+from kanegen.model.expression import Expression
 from kanegen.model.joint import Joint
-from kanegen.model.numbers import Number, Parameter
-from kanegen.program.constants import MULTIPRECISION, Constants, as_fraction, sine_cosine
+from kanegen.model.numbers import Number, Parameter, value_of
+from kanegen.program.constants import MULTIPRECISION, Constants, as_fraction, quarter_turns, sine_cosine
+from kanegen.symbolic.operations import of_parameters
 
 Matrix = Sequence[Sequence[Expr]]
 """A matrix, row by row."""
@@ -22,16 +25,28 @@ _NEWTON_STEPS = 4
 
 
 def exact(value: Number) -> Expr:
-    """Return the symbol of a parameter, or a float as an exact fraction, so that folding rounds only once."""
+    """Return the symbol of a parameter, an expression of such symbols, or a float as an exact fraction.
+
+    So folding rounds only once.
+    """
+    if isinstance(value, Expression):
+        return of_parameters(value, exact)
     return sympy.Symbol(value.name, real=True) if isinstance(value, Parameter) else sympy.Rational(value)
 
 
-def constant_sine_cosine(angle: float, constants: Constants) -> tuple[Expr, Expr]:
-    """Return sine and cosine of a constant angle (rad), exact at right angles.
+def constant_sine_cosine(angle: Number, constants: Constants) -> tuple[Expr, Expr]:
+    """Return sine and cosine of a constant angle without parameters (rad), exact at right angles.
 
     For C in double and single precision they are doubles; fractions of 320 bits grow too long in products.
     """
-    sine, cosine = sine_cosine(angle, constants.functions if constants.are_rotations_exact else math)
+    if isinstance(angle, Expression) and not quarter_turns(angle.value):
+        exactly = multiprecise(angle.exact)
+        sine, cosine = MULTIPRECISION.sin(exactly), MULTIPRECISION.cos(exactly)
+        if constants.are_rotations_exact:
+            return rational(sine), rational(cosine)
+        return rational(float(sine)), rational(float(cosine))
+    value, functions = value_of(angle), constants.functions if constants.are_rotations_exact else math
+    sine, cosine = sine_cosine(value, functions)
     return rational(sine), rational(cosine)
 
 

@@ -10,7 +10,7 @@ from sympy import Add, Expr, S
 
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, Freedom, Rotation
-from kanegen.model.numbers import Matrix, Number, Parameter
+from kanegen.model.numbers import Matrix, Number, is_fixed
 from kanegen.model.numbers import Vector as Angles
 from kanegen.model.system import System
 from kanegen.recursion.constants import constant_rotation, constant_sine_cosine, exact
@@ -195,8 +195,8 @@ def _angle_step(system: System, freedom: Freedom, definitions: Definitions) -> S
 
 
 def _constant_turn(name: str, axis: int, angle: Number, definitions: Definitions) -> Turn:
-    """Return the turn by a constant angle or one that is a parameter (rad)."""
-    if isinstance(angle, Parameter):
+    """Return the turn by a constant angle or one that depends on parameters (rad)."""
+    if not is_fixed(angle):
         symbol = exact(angle)
         sine = definitions.define(f"S_{name}", sympy.sin(symbol))
         return planar_turn(axis, sine, definitions.define(f"C_{name}", sympy.cos(symbol)))

@@ -19,6 +19,7 @@ from kanegen.recursion.constants import exact
 from kanegen.recursion.inertia import NO_INERTIA, Inertia, body_inertia
 from kanegen.recursion.joint_builder import joint_motion
 from kanegen.recursion.joint_motion import JointMotion
+from kanegen.recursion.model_numbers import with_expressions_defined
 from kanegen.recursion.vectors import ZERO, entry, scale, subtract, unit
 from kanegen.symbolic.definitions import Definitions, Symmetric, Vector
 
@@ -45,7 +46,7 @@ class Tree:
     """A system, prepared for recursions.
 
     Attributes:
-        system: The system.
+        system: The system, with parameters in place of numbers that are expressions of parameters.
         joints: Joint of each body.
         inertias: Inertia that each body keeps, about its origin.
         ground: Inertia that bodies pass to the ground, about the inertial origin; it never moves.
@@ -76,6 +77,7 @@ class Tree:
 def tree(system: System, constants: Constants = DOUBLE_CONSTANTS) -> Tree:
     """Return the tree of a system, with new definitions."""
     definitions = Definitions([parameter.name for parameter in system.parameters], constants)
+    system = with_expressions_defined(system, definitions)
     joints: list[JointMotion] = []
     for k, body in enumerate(system.bodies, start=1):
         below = joints[body.lower - 1].origin if body.lower else ZERO

@@ -12,7 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from kanegen.model.force_elements.expression import PI, Constant, Expression, Leaf, Operation, Power, folded
+from kanegen.model.expression import Expression
+from kanegen.model.nodes import PI, Constant, Leaf, Operation, Power, folded
 from kanegen.model.numbers import value_of
 from kanegen.reference import arithmetics
 from kanegen.reference.arithmetics import Dual, Rounded, Value, function

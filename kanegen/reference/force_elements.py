@@ -14,6 +14,7 @@ import numpy as np
 
 from kanegen.model.arrays import SystemArrays
 from kanegen.model.coordinates import TRANSLATIONS
+from kanegen.model.expression import Expression
 from kanegen.model.force_elements.elements import (
     Drive,
     End,
@@ -23,7 +24,7 @@ from kanegen.model.force_elements.elements import (
     Potential,
     Spring,
 )
-from kanegen.model.force_elements.expression import TIME, Expression
+from kanegen.model.nodes import TIME
 from kanegen.model.numbers import Number, value_of
 from kanegen.reference import expressions
 from kanegen.reference.arguments import PointInputs

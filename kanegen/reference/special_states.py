@@ -14,9 +14,10 @@ import numpy as np
 
 from kanegen.model.arrays import Flags, Floats, SystemArrays
 from kanegen.model.coordinates import Coordinate, Freedom
+from kanegen.model.expression import Expression
 from kanegen.model.force_elements.elements import JointSpring
-from kanegen.model.force_elements.expression import COMPARISONS, TIME, Expression, Operation
 from kanegen.model.force_elements.names import variable_places
+from kanegen.model.nodes import COMPARISONS, TIME, Operation
 from kanegen.model.numbers import value_of
 from kanegen.model.system import System
 from kanegen.reference import equations, expressions

@@ -15,8 +15,8 @@ import numpy as np
 
 from kanegen.model.arrays import Flags, Floats, SystemArrays
 from kanegen.model.coordinates import ANGLES
-from kanegen.model.force_elements.expression import TIME
 from kanegen.model.limits import SystemLimits
+from kanegen.model.nodes import TIME
 from kanegen.model.system import System
 from kanegen.program.precision import Precision
 from kanegen.reference.freedoms import free_columns, prescribed_columns

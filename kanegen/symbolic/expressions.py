@@ -7,7 +7,6 @@ its value back through the parts (reverse accumulation: Griewank and Walther 200
 
 from __future__ import annotations
 
-import operator
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -19,21 +18,15 @@ from sympy import Add, Dummy, Expr, S, Symbol
 
 from kanegen.errors import ModelError, quoted
 from kanegen.model.coordinates import FREEDOMS, Freedom
-from kanegen.model.force_elements.expression import (
-    TIME,
-    Constant,
-    Expression,
-    Leaf,
-    Operation,
-    Power,
-    folded,
-)
+from kanegen.model.expression import Expression
 from kanegen.model.force_elements.names import Place, variable_places
-from kanegen.model.numbers import Number
+from kanegen.model.nodes import TIME, Constant, Leaf, Operation, Power, folded
+from kanegen.model.numbers import Number, Parameter
 from kanegen.model.system import System
 from kanegen.symbolic import functions
 from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.freedom_motion import FreedomMotions
+from kanegen.symbolic.operations import OPERATIONS
 from kanegen.symbolic.state_symbols import NOTES, StateSymbols
 from kanegen.symbolic.symbols import time
 
@@ -42,38 +35,6 @@ LONGEST_PART = 24
 
 MOST_BITS = 2**15
 """Largest number of bits of an exact number that is made of the constants of an expression."""
-
-_OPERATIONS: dict[str, Callable[..., Expr]] = {
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
-    "negate": operator.neg,
-    "abs": sympy.Abs,
-    "cos": sympy.cos,
-    "sin": sympy.sin,
-    "sqrt": sympy.sqrt,
-    "tan": lambda angle: sympy.sin(angle) / sympy.cos(angle),
-    "exp": functions.exp,
-    "log": functions.log,
-    "tanh": functions.tanh,
-    "atan2": functions.atan2,
-    "sign": functions.sign,
-    "min": functions.minimum,
-    "max": functions.maximum,
-    "pi": lambda: sympy.pi,
-    "if": functions.choice,
-    ">": functions.greater,
-    "<": lambda a, b: functions.greater(b, a),
-    ">=": functions.not_less,
-    "<=": lambda a, b: functions.not_less(b, a),
-    "and": functions.both,
-    "or": functions.either,
-    "not": functions.negated,
-}
-"""Functions of SymPy expressions for the operations of expressions; a condition holds where it is
-positive."""
-
 
 _COPIES = {"tan": 2}
 """How often an operand occurs in the SymPy of an operation, where it is not once."""
@@ -111,7 +72,7 @@ class _Parts:
             longest = max(range(len(operands)), key=lambda k: operands[k].size)
             operands[longest] = _Sized(self._part(operands[longest].value))
         values = [one.value for one in operands]
-        value = values[0] ** node.exponent if isinstance(node, Power) else _OPERATIONS[name](*values)
+        value = values[0] ** node.exponent if isinstance(node, Power) else OPERATIONS[name](*values)
         size = 0 if value.is_Number else 1 + copies * sum(one.size for one in operands)
         return _Sized(_checked(value, self._expression, Expression(node)), size)
 
@@ -196,7 +157,7 @@ class ExpressionTranslator:
         symbols = {place: self.symbols.coordinate(*place) for place in dict.fromkeys(places.values())}
 
         def leaf(node: Leaf) -> Expr:
-            return self.number(node.value) if isinstance(node, Constant) else symbols[places[node.name]]
+            return self._number(node) if isinstance(node, Constant) else symbols[places[node.name]]
 
         with self._named(energy):
             parts = _Parts(leaf, energy)
@@ -238,8 +199,12 @@ class ExpressionTranslator:
     def _leaf(self, node: Leaf) -> Expr:
         """Return a number or a variable in SymPy."""
         if isinstance(node, Constant):
-            return self.number(node.value)
+            return self._number(node)
         return time() if node.name == TIME else self._variable(node.name)
+
+    def _number(self, node: Constant) -> Expr:
+        """Return a number or a parameter in SymPy."""
+        return self.number(node.value if isinstance(node.value, Parameter) else float(node.value))
 
     def _variable(self, name: str) -> Expr:
         place = self._places[name]

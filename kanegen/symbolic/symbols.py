@@ -14,7 +14,9 @@ import sympy
 from sympy import Expr, Float, Integer, Symbol
 
 from kanegen.model.coordinates import COORDINATE_KINDS, SPEED_KINDS, Rotation
+from kanegen.model.expression import Expression
 from kanegen.model.numbers import Number, Parameter
+from kanegen.symbolic.operations import of_parameters
 
 EXACT_INTEGER_LIMIT = 2**31
 """Whole numbers below this size become exact integers; larger ones stay binary floating-point numbers."""
@@ -87,11 +89,14 @@ def parameter(value: Parameter) -> Symbol:
 def expression(value: Number) -> Expr:
     """Return a number of a model in SymPy without rounding.
 
-    A parameter is its symbol. A whole number below `EXACT_INTEGER_LIMIT` is an `Integer`, so that zeros and
-    ones vanish from products; every other float is a `Float` of the same 53 bits.
+    A parameter is its symbol, and an expression of parameters one of their symbols, whose fractions stay
+    fractions. A whole number below `EXACT_INTEGER_LIMIT` is an `Integer`, so that zeros and ones vanish from
+    products; every other float is a `Float` of the same 53 bits.
     """
     if isinstance(value, Parameter):
         return parameter(value)
+    if isinstance(value, Expression):
+        return of_parameters(value, expression)
     if value.is_integer() and abs(value) < EXACT_INTEGER_LIMIT:
         return Integer(int(value))
     return Float(value, precision=53)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
-from kanegen.model.force_elements.grammar import MAX_CHARACTERS, MAX_DEPTH, MAX_EXPONENT, MAX_OPERATIONS
+from kanegen.model.grammar import MAX_CHARACTERS, MAX_DEPTH, MAX_EXPONENT, MAX_OPERATIONS
 from kanegen.reference import expressions
 from kanegen.symbolic.expressions import LONGEST_PART
 from kanegen.symbolic.printing.formats import FORMATS, render

@@ -15,17 +15,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kanegen.errors import ModelError
-from kanegen.model.force_elements.expression import (
-    COMPARISONS,
-    FUNCTIONS,
-    Constant,
-    Expression,
-    Node,
-    Operation,
-    Power,
-    Variable,
-)
-from kanegen.model.force_elements.grammar import MAX_CHARACTERS, MAX_EXPONENT, parse
+from kanegen.model.expression import Expression
+from kanegen.model.grammar import MAX_CHARACTERS, MAX_EXPONENT, parse
+from kanegen.model.nodes import COMPARISONS, FUNCTIONS, Constant, Node, Operation, Power, Variable
 from kanegen.model.numbers import Parameter
 from kanegen.reference.expressions import Dual, Rounded, evaluate
 

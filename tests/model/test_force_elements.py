@@ -19,9 +19,10 @@ from kanegen.library.simulation import simulate
 from kanegen.measure.comparison import compare
 from kanegen.measure.truth import truth
 from kanegen.model.coordinates import FREEDOMS
+from kanegen.model.expression import Expression
 from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
-from kanegen.model.force_elements.expression import Expression, Variable
-from kanegen.model.force_elements.grammar import parse
+from kanegen.model.grammar import parse
+from kanegen.model.nodes import Variable
 from kanegen.model.numbers import Parameter
 from kanegen.program.count import count
 from kanegen.recursion.outputs import available

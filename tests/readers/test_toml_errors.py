@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -26,7 +27,10 @@ def with_joint(line: str) -> str:
         ("gravity = [0, 1]\n" + ONE_BODY, r"gravity: expected 3 numbers, got 2 entries"),
         ("parameters = 3\n" + ONE_BODY, r"parameters: write a table, \[parameters\]"),
         ("parameters = {a-b = 1}\n" + ONE_BODY, r"parameter name: 'a-b' cannot be used"),
-        ("parameters = {a = 'x'}\n" + ONE_BODY, r"parameter 'a': 'x' is not a number"),
+        (
+            "parameters = {a = 'x'}\n" + ONE_BODY,
+            r"parameter 'a': a string stands for .*there is no 'x'",
+        ),
         ("outputs = ['body_poses']\n" + ONE_BODY, r"outputs: write a table, \[outputs\]"),
         ("[outputs]\nbodyposes = []\n" + ONE_BODY, r"outputs: unknown key .* Did you mean 'body_poses'\?"),
         (
@@ -144,7 +148,7 @@ def with_joint(line: str) -> str:
 def test_errors(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(ReadError, match=message) as caught:
         read_toml(tmp_path, text)
-    assert str(caught.value).startswith(f"{tmp_path / 'model.toml'}: ")
+    assert re.match(rf"{re.escape(str(tmp_path / 'model.toml'))}(:\d+)?: ", str(caught.value))
 
 
 @pytest.mark.parametrize(

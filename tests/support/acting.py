@@ -8,7 +8,7 @@ import numpy as np
 
 import kanegen as kg
 from kanegen.model.force_elements.elements import Drive, JointSpring, PointLoad, Potential, Spring
-from kanegen.model.force_elements.grammar import parse
+from kanegen.model.grammar import parse
 from kanegen.model.numbers import Parameter
 
 K, W = Parameter("k", 3.0), Parameter("w", 2.0)

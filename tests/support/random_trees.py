@@ -22,8 +22,8 @@ from kanegen.model.force_elements.elements import (
     Potential,
     Spring,
 )
-from kanegen.model.force_elements.grammar import parse
 from kanegen.model.force_elements.names import coordinate_places, speed_places
+from kanegen.model.grammar import parse
 from kanegen.model.joint import IDENTITY
 from kanegen.model.numbers import Number
 from tests.support import systems
@@ -39,23 +39,37 @@ QUARTER = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 class Drawing:
-    """A source of numbers, of which about every fifth becomes a parameter of its own.
+    """A source of numbers, of which about every fifth becomes a parameter of its own, or an expression.
 
     Attributes:
         rng: Source of everything random.
-        share: Share of the numbers that become parameters.
+        share: Share of the numbers that become parameters or expressions of parameters.
         prefix: Beginning of the names of these parameters.
     """
 
     def __init__(self, rng: np.random.Generator, share: float = 0.2, prefix: str = "p") -> None:
         self.rng, self.share, self.prefix = rng, share, prefix
-        self._names = count()
+        self._names, self._forms = count(), count()
 
     def parameter(self, value: float) -> kg.Parameter:
         return kg.Parameter(f"{self.prefix}{next(self._names)}", float(value))
 
     def number(self, value: float) -> Number:
-        return self.parameter(value) if self.rng.random() < self.share else float(value)
+        return self.of_parameters(float(value)) if self.rng.random() < self.share else float(value)
+
+    def of_parameters(self, value: float) -> Number:
+        """Return a parameter or an expression with this value, which changes by no more than they do."""
+        match next(self._forms) % 7:
+            case 1:
+                return -self.parameter(-value)
+            case 2:
+                return self.parameter(3 * value) / 3
+            case 4:
+                return 0.75 * value + self.parameter(3 * value) * self.parameter(1.0) ** 2 / 12
+            case 5:
+                tilt = self.parameter(0.2)
+                return self.parameter(value) * np.cos(tilt) / np.cos(0.2)
+        return self.parameter(value)
 
     def vector(self, size: float = 1.0) -> tuple[Number, ...]:
         return tuple(self.number(value) for value in self.rng.uniform(-size, size, 3))

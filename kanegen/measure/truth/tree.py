@@ -1,9 +1,10 @@
 """A system in one state, in balls: the numbers that both algorithms read.
 
-Floats are taken exactly. Only two things are rounded, to the working precision: sines and cosines of
-constant joint angles, and joint orientations. A constant angle next to a right angle means the right angle,
-which no double can express. A joint orientation that is a matrix of doubles is a rotation but for its
-rounding; it means the rotation nearest to it, which is an exact function of its entries.
+Floats are taken exactly. Three things are rounded, to the working precision: expressions of numbers and
+parameters, sines and cosines of constant joint angles, and joint orientations. A constant angle next to a
+right angle means the right angle, which no double can express. A joint orientation that is a matrix of
+doubles is a rotation but for its rounding; it means the rotation nearest to it, which is an exact function of
+its entries.
 """
 
 from __future__ import annotations
@@ -22,9 +23,10 @@ from kanegen.measure.truth.balls import (
     square,
     unit,
 )
+from kanegen.measure.truth.numbers import ball
 from kanegen.model.arrays import Floats
 from kanegen.model.coordinates import NOTES, SEQUENCES, Axes, Coordinate, Freedom, QuaternionRotation
-from kanegen.model.numbers import Matrix, Number, Parameter, Vector, map_numbers, value_of
+from kanegen.model.numbers import Matrix, Number, Vector, map_numbers
 from kanegen.model.system import System
 from kanegen.program.constants import quarter_turns
 
@@ -144,7 +146,7 @@ def tree(system: System, state: State) -> Tree:
     return Tree(
         links=tuple(_link(system, k, state) for k in range(1, system.number_of_bodies + 1)),
         spins=tuple(_spins(system)),
-        gravity=column(map_numbers(system.gravity, value_of)),
+        gravity=column(map_numbers(system.gravity, ball)),
         speeds=column(state.y),
         tau=column(state.tau),
         ydot=column(state.ydot),
@@ -161,10 +163,10 @@ def _link(system: System, k: int, state: State) -> Link:
     return Link(
         lower=body.lower,
         shares=tuple(shares for shares, _ in functions),
-        mass=arb(value_of(body.mass)),
-        inertia=square(map_numbers(body.inertia, value_of)),
-        center=column(map_numbers(body.mass_center, value_of)),
-        position=column(map_numbers(body.joint.position, value_of)),
+        mass=ball(body.mass),
+        inertia=square(map_numbers(body.inertia, ball)),
+        center=column(map_numbers(body.mass_center, ball)),
+        position=column(map_numbers(body.joint.position, ball)),
         orientation=constant_orientation(body.joint.orientation),
         angles=column(coordinates[:3]),
         quaternion=_quaternion(system, k, state),
@@ -175,7 +177,7 @@ def _link(system: System, k: int, state: State) -> Link:
         translation_rates=column(speeds[3:]),
         force=inward * column(state.force[k - 1]),
         torque=inward * column(state.torque[k - 1]),
-        armature=tuple(arb(value_of(value)) for value in body.joint.armature),
+        armature=tuple(ball(value) for value in body.joint.armature),
     )
 
 
@@ -183,7 +185,7 @@ def _spins(system: System) -> Iterator[Spin]:
     """Yield the rotors, each with what drives it."""
     for one in system.mounted_rotors:
         axis = _inward(system, one.frame) * column(one.rotor.direction)
-        inertia, ratio = arb(value_of(one.rotor.inertia)), arb(value_of(one.rotor.ratio))
+        inertia, ratio = ball(one.rotor.inertia), ball(one.rotor.ratio)
         yield Spin(one.body, _function(system, one.freedom)[0], axis, inertia, ratio)
 
 
@@ -206,12 +208,12 @@ def _function(system: System, freedom: Freedom) -> tuple[dict[int, arb], arb]:
     offset = arb(0)
     for one in system.coupled:
         if one.freedom == freedom:
-            offset += arb(value_of(one.offset))
+            offset += ball(one.offset)
             for other, factor in one.terms:
                 inner, constant = _function(system, other)
-                offset += arb(value_of(factor)) * constant
+                offset += ball(factor) * constant
                 for place, share in inner.items():
-                    shares[place] = shares.get(place, arb(0)) + arb(value_of(factor)) * share
+                    shares[place] = shares.get(place, arb(0)) + ball(factor) * share
     return shares, offset
 
 
@@ -228,7 +230,7 @@ def _coordinate(system: System, freedom: Freedom, state: State) -> float | arb:
             value += share * float(state.x[system.coordinate_place(followed.body, followed.index)])
         return value
     locked = joint.locked[freedom.index]
-    return _constant_angle(locked) if freedom.is_angle else value_of(locked)
+    return _constant_angle(locked) if freedom.is_angle else ball(locked)
 
 
 def _sum(shares: Mapping[int, arb], speeds: Floats) -> arb:
@@ -246,17 +248,16 @@ def _quaternion(system: System, k: int, state: State) -> arb_mat | None:
 
 def _constant_angle(angle: Number) -> float | arb:
     """Return a constant angle (rad); an angle next to a right angle is the right angle."""
-    if isinstance(angle, Parameter):
-        return angle.value
+    if not isinstance(angle, float):
+        return ball(angle)
     turns = quarter_turns(angle)
     return arb.pi() * turns / 2 if turns else angle
 
 
 def constant_orientation(given: Matrix | Vector) -> arb_mat:
     """Return a (3, 3) constant orientation, such as [C_K], given as a matrix or as three angles 1-2-3."""
-    plain = map_numbers(given, value_of)
-    if isinstance(plain[0], tuple):
-        return nearest_rotation(square(plain))
+    if isinstance(given[0], tuple):
+        return nearest_rotation(square(map_numbers(given, ball)))
     return rotations_by_angles(
         column(_constant_angle(angle) for angle in given if not isinstance(angle, tuple)),
         SEQUENCES[NOTES],

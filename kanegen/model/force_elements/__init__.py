@@ -3,6 +3,7 @@
 Numbers in them may be parameters, and efforts may be expressions of coordinates, speeds and the time.
 """
 
+from kanegen.model.expression import Expression
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.elements import (
     KINDS,
@@ -13,8 +14,7 @@ from kanegen.model.force_elements.elements import (
     Potential,
     Spring,
 )
-from kanegen.model.force_elements.expression import Expression
-from kanegen.model.force_elements.grammar import parse
+from kanegen.model.grammar import parse
 
 __all__ = [
     "KINDS",

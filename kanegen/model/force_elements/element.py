@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
-from kanegen.model.force_elements.expression import Constant, Expression
+from kanegen.model.expression import Expression
+from kanegen.model.nodes import Constant
 from kanegen.model.numbers import Number, map_numbers, toml_number
 
 
@@ -29,12 +30,13 @@ class ForceElement:
             plain = element.map_numbers(value_of)  # parameters at their defaults
         """
 
+        def in_expression(value: Expression) -> Expression:
+            return value.map_numbers(change)
+
         def leaf(value: Any) -> Any:
-            if isinstance(value, Expression):
-                return value.map_numbers(change)
             return value if isinstance(value, str) else change(value)
 
-        return self._mapped(leaf)
+        return self._mapped(in_expression, leaf)
 
     def with_variables_renamed(self, rename: Callable[[str], str]) -> Self:
         """Return the same element with `rename` applied to the variables of its expressions.
@@ -42,9 +44,7 @@ class ForceElement:
         Example:
             element.with_variables_renamed(lambda name: name.replace("x.old.", "x.new."))
         """
-        return self._mapped(
-            lambda value: value.with_variables_renamed(rename) if isinstance(value, Expression) else value
-        )
+        return self._mapped(lambda value: value.with_variables_renamed(rename))
 
     def with_constants(self, values: Mapping[str, Number]) -> Self:
         """Return the same element with numbers in place of some variables of its expressions.
@@ -52,9 +52,7 @@ class ForceElement:
         Example:
             element.with_constants({"x.arm.s1": 0.5})
         """
-        return self._mapped(
-            lambda value: value.with_constants(values) if isinstance(value, Expression) else value
-        )
+        return self._mapped(lambda value: value.with_constants(values))
 
     def numbers(self) -> Iterator[Number]:
         """Yield every number of the element, also inside expressions.
@@ -62,19 +60,20 @@ class ForceElement:
         Example:
             list(kg.JointSpring("arm.theta3", stiffness=40.0).numbers())  # [40.0, 0.0, 0.0]
         """
-        for value in self._leaves():
-            if isinstance(value, Expression):
-                yield from value.numbers()
-            elif not isinstance(value, str):
-                yield value
+        for field in fields(self):
+            for value in _leaves(getattr(self, field.name)):
+                if field.name in self.EXPRESSION_FIELDS:
+                    yield from value.numbers()
+                elif not isinstance(value, str):
+                    yield value
 
     def expressions(self) -> Iterator[Expression]:
-        """Return the expressions of the element.
+        """Return the expressions of the state; numbers that are expressions of parameters are not among them.
 
         Example:
             [str(one) for one in kg.Drive("arm.theta3", "2*sin(t)").expressions()]
         """
-        return (value for value in self._leaves() if isinstance(value, Expression))
+        return (value for name in self.EXPRESSION_FIELDS for value in _leaves(getattr(self, name)))
 
     @property
     def may_be_undefined(self) -> bool:
@@ -103,14 +102,22 @@ class ForceElement:
             if value != default
         }
 
-    def _mapped(self, function: Callable[[Any], Any]) -> Self:
-        """Return the same element with `function` applied to every name, number and expression."""
-        return replace(self, **{f.name: map_numbers(getattr(self, f.name), function) for f in fields(self)})
-
-    def _leaves(self) -> Iterator[Any]:
-        """Yield every name, number and expression in the order of the fields."""
-        for field in fields(self):
-            yield from _leaves(getattr(self, field.name))
+    def _mapped(
+        self,
+        in_expression: Callable[[Any], Any],
+        leaf: Callable[[Any], Any] = lambda value: value,
+    ) -> Self:
+        """Return the same element with functions applied to its expressions, and to its names and numbers."""
+        return replace(
+            self,
+            **{
+                field.name: map_numbers(
+                    getattr(self, field.name),
+                    in_expression if field.name in self.EXPRESSION_FIELDS else leaf,
+                )
+                for field in fields(self)
+            },
+        )
 
 
 def _leaves(value: Any) -> Iterator[Any]:
@@ -124,8 +131,8 @@ def _leaves(value: Any) -> Iterator[Any]:
 
 def _toml_value(value: str | Number | Expression) -> str | float:
     """Return a value as a model file holds it; an expression that is one number becomes that number."""
-    if isinstance(value, Expression):
-        return toml_number(value.root.value) if isinstance(value.root, Constant) else str(value)
+    if isinstance(value, Expression) and isinstance(value.root, Constant):
+        return toml_number(value.simplest)
     return value if isinstance(value, str) else toml_number(value)
 
 

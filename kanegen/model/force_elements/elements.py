@@ -11,10 +11,11 @@ from typing import ClassVar
 
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
+from kanegen.model.expression import Expression, node_of
 from kanegen.model.force_elements.element import ForceElement
-from kanegen.model.force_elements.expression import Constant, Expression, Operation, Variable
-from kanegen.model.force_elements.grammar import parse
-from kanegen.model.numbers import Number, Vector, number, numbers, value_of
+from kanegen.model.grammar import parse
+from kanegen.model.nodes import Operation, Variable
+from kanegen.model.numbers import Number, Vector, described, number, numbers, value_of
 
 End = str | Vector
 """End of a spring: the name of a point, or a place fixed in the ground, in inertial components (m)."""
@@ -82,18 +83,18 @@ class JointFriction(ForceElement):
         for name in ("friction", "smoothing"):
             validation.store(self, **{name: number(getattr(self, name), f"joint_friction {name}")})
         if value_of(self.friction) < 0:
-            raise ModelError(f"joint_friction: the friction {quoted(value_of(self.friction))} is negative.")
+            raise ModelError(f"joint_friction: the friction {described(self.friction)} is negative.")
         if value_of(self.smoothing) <= 0:
             raise ModelError(
-                f"joint_friction: the smoothing {quoted(value_of(self.smoothing))} is not positive. Give a "
+                f"joint_friction: the smoothing {described(self.smoothing)} is not positive. Give a "
                 "rate within which the friction may be smaller, such as 0.01 (rad/s or m/s)."
             )
 
     @property
     def effort(self) -> Expression:
         """The effort as an expression of the speed."""
-        share = Operation("/", (Variable(f"y.{self.freedom}"), Constant(self.smoothing)))
-        friction = Operation("*", (Constant(self.friction), Operation("tanh", (share,))))
+        share = Operation("/", (Variable(f"y.{self.freedom}"), node_of(self.smoothing)))
+        friction = Operation("*", (node_of(self.friction), Operation("tanh", (share,))))
         return Expression(Operation("negate", (friction,)))
 
 
@@ -139,7 +140,7 @@ class Spring(ForceElement):
             )
         _check_spring(self, "rest_length")
         if value_of(self.rest_length) < 0:
-            raise ModelError(f"spring rest_length: {quoted(value_of(self.rest_length))} m is negative.")
+            raise ModelError(f"spring rest_length: {described(self.rest_length)} m is negative.")
 
 
 @dataclass(frozen=True)

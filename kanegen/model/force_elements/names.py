@@ -24,8 +24,8 @@ from kanegen.model.force_elements.elements import (
     Potential,
     Spring,
 )
-from kanegen.model.force_elements.expression import TIME
 from kanegen.model.joint import Joint
+from kanegen.model.nodes import TIME
 
 Place = tuple[int, int]
 """Number of a body, from 1, and an index in `COORDINATE_KINDS` (coordinate) or in `FREEDOMS` (speed)."""

@@ -14,7 +14,7 @@ from kanegen.model import rotations
 from kanegen.model.body import Body
 from kanegen.model.frame import Frame
 from kanegen.model.joint import Joint
-from kanegen.model.numbers import Matrix, Number, Parameter, Vector, map_numbers, value_of
+from kanegen.model.numbers import Matrix, Number, Parameter, Vector, is_fixed, map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.recursion.outputs import chosen
 
@@ -57,7 +57,7 @@ def with_numbers_as_parameters(system: System) -> System:
     names = (name for k in count(1) if (name := f"{PREFIX}{k}") not in taken)
 
     def parameter_for(value: Number) -> Number:
-        return value if isinstance(value, Parameter) else Parameter(next(names), value)
+        return Parameter(next(names), value_of(value)) if is_fixed(value) else value
 
     def joint(of: Joint) -> Joint:
         return replace(

@@ -15,7 +15,7 @@ from sympy import Expr
 
 from kanegen.model.body import Body
 from kanegen.model.joint import IDENTITY
-from kanegen.model.numbers import Matrix, Number, Parameter, map_numbers, value_of
+from kanegen.model.numbers import Matrix, Number, Parameter, is_fixed, map_numbers, value_of
 from kanegen.model.system import System
 from kanegen.symbolic.closed.polynomials import fraction
 from kanegen.symbolic.state_symbols import of_system
@@ -64,12 +64,12 @@ class _Names:
         self._unused = (name for i in count() if (name := f"number_{i}") not in taken)
 
     def of_number(self, value: Number) -> Number:
-        """Return the parameter of a number; integers and parameters stay."""
+        """Return the parameter of a number; integers, parameters and expressions stay."""
         return value if _stays(value) else self._of(value_of(value), fraction(expression(value)))
 
     def of_rotation(self, matrix: Matrix) -> Matrix:
         """Return the parameters of a rotation matrix; integers stay, and so does a matrix with parameters."""
-        if any(isinstance(entry, Parameter) for row in matrix for entry in row):
+        if not all(is_fixed(entry) for row in matrix for entry in row):
             return matrix
         exact = chain(*_nearest_rotation(matrix))
         named: Matrix = map_numbers(matrix, lambda value: self._entry(value, next(exact)))
@@ -87,8 +87,8 @@ class _Names:
 
 
 def _stays(value: Number) -> bool:
-    """Return whether a number gets no name: an integer, or a parameter."""
-    return isinstance(value, Parameter) or bool(expression(value).is_Integer)
+    """Return whether a number gets no name: an integer, a parameter, or an expression."""
+    return not isinstance(value, float) or bool(expression(value).is_Integer)
 
 
 def _nearest_rotation(matrix: Matrix) -> list[list[Fraction]]:

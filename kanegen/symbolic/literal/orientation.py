@@ -21,9 +21,9 @@ from kanegen.model.coordinates import (
     QuaternionRotation,
     Rotation,
 )
-from kanegen.model.numbers import Matrix, Number, Parameter, Vector
+from kanegen.model.numbers import Matrix, Number, Vector
 from kanegen.program.constants import sine_cosine
-from kanegen.symbolic.symbols import expression, matrix, parameter, rotation_coordinates
+from kanegen.symbolic.symbols import expression, matrix, rotation_coordinates
 
 
 @dataclass(frozen=True)
@@ -199,9 +199,8 @@ def constant_orientation(given: Matrix | Vector) -> ImmutableMatrix:
 
 
 def constant_sine_cosine(angle: Number) -> tuple[Expr, Expr]:
-    """Return (sin, cos) of a constant angle (rad), exact at right angles; a parameter stays a symbol."""
-    if isinstance(angle, Parameter):
-        symbol = parameter(angle)
-        return sympy.sin(symbol), sympy.cos(symbol)
+    """Return (sin, cos) of a constant angle (rad), exact at right angles; parameters stay symbols."""
+    if not isinstance(angle, float):
+        return sympy.sin(expression(angle)), sympy.cos(expression(angle))
     sine, cosine = sine_cosine(angle)
     return expression(sine), expression(cosine)

@@ -9,6 +9,7 @@
                | "not" condition | condition ("and" | "or") condition
     variable   = "t" | "x." name | "y." name | 'x["' name '"]' | 'y["' name '"]'
 
+A number of a model has no variables: only expressions of force elements depend on the state and the time.
 Operators bind as in Python, whose parser makes the tree; everything else that Python allows is refused.
 """
 
@@ -18,37 +19,34 @@ import ast
 import keyword
 import re
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import reduce
 from itertools import pairwise
+from typing import Any
 
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
-from kanegen.model.force_elements.expression import (
+from kanegen.model.expression import Expression, Parameter, constant, node_of
+from kanegen.model.finite import finite
+from kanegen.model.nodes import (
     FUNCTIONS,
+    MAX_DEPTH,
+    MAX_EXPONENT,
+    MAX_OPERATIONS,
     PI,
     TIME,
     Constant,
-    Expression,
     Node,
     Operation,
     Power,
     Variable,
+    check_size,
 )
-from kanegen.model.numbers import Parameter, finite
-
-MAX_OPERATIONS = 2000
-"""Largest number of operations of an expression."""
+from kanegen.model.numbers import Number
 
 MAX_CHARACTERS = 300_000
 """Largest number of characters of an expression: more than any has that was saved with `MAX_OPERATIONS`."""
-
-MAX_DEPTH = 200
-"""Largest depth of nested operations."""
-
-MAX_EXPONENT = 64
-"""Largest exponent, and largest product of the exponents of nested powers."""
 
 VECTORS = ("x", "y")
 """Names of the vectors whose elements are variables: coordinates and speeds."""
@@ -67,12 +65,12 @@ _NUMBERS = {1: "one number", 2: "two numbers"}
 """Numbers of operands in words."""
 
 
-def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
+def parse(text: object, parameters: Iterable[Parameter] | Mapping[str, Number] = ()) -> Expression:
     """Return the expression of a text.
 
     Args:
-        text: The text; a number or an `Expression` is accepted too.
-        parameters: Parameters whose names the text may contain.
+        text: The text; a number, a `Parameter` or an `Expression` is accepted too.
+        parameters: Parameters whose names the text may contain, or numbers of the model by such names.
 
     Raises:
         ModelError: If the text does not follow the grammar; the message quotes the part that does not.
@@ -82,16 +80,41 @@ def parse(text: object, parameters: Iterable[Parameter] = ()) -> Expression:
     """
     if isinstance(text, Expression):
         return text
+    if isinstance(text, Parameter):
+        return Expression.of(text)
     if not isinstance(text, str):
         return Expression(Constant(finite(text, "expression")))
-    if len(text) > MAX_CHARACTERS:
-        raise ModelError(f"an expression has {len(text)} characters; at most {MAX_CHARACTERS} are read.")
-    known = validation.instances(parameters, Parameter, "parameters")
-    reader = _Reader(text, {parameter.name: parameter for parameter in known})
+    if not isinstance(parameters, Mapping):
+        known = validation.instances(parameters, Parameter, "parameters")
+        parameters = {parameter.name: parameter for parameter in known}
+    return Expression(_root(_Reader(text, parameters)))
+
+
+def parse_number(text: str, known: Mapping[str, Number]) -> Expression:
+    """Return the expression of a text in the place of a number, which has no variables.
+
+    Args:
+        text: The text.
+        known: Parameters, and names of other numbers, by the names that the text may contain.
+
+    Raises:
+        ModelError: If the text does not follow the grammar; the message quotes the part that does not.
+
+    Example:
+        parse_number("m*l**2/12", {"m": kg.Parameter("m", 2.0), "l": kg.Parameter("l", 0.5)})
+    """
+    return Expression(_root(_NumberReader(text, known)))
+
+
+def _root(reader: _Reader) -> Node:
+    """Return the tree of the text of a reader."""
+    if len(reader.text) > MAX_CHARACTERS:
+        length = len(reader.text)
+        raise ModelError(f"an expression has {length} characters; at most {MAX_CHARACTERS} are read.")
     try:
-        return Expression(reader.node(_tree(text)))
+        return check_size(reader.node(_tree(reader.text)))
     except RecursionError:
-        raise ModelError(f"{_quoted(text)}: nested too deeply.") from None
+        raise ModelError(f"{_quoted(reader.text)}: nested too deeply.") from None
 
 
 def _tree(text: str) -> ast.expr:
@@ -122,9 +145,9 @@ def _joined(operator: str, operands: Sequence[Node]) -> Node:
 class _Reader:
     """Converts Python's syntax tree to an expression and refuses everything outside the grammar."""
 
-    def __init__(self, text: str, parameters: dict[str, Parameter]) -> None:
-        self._text = text
-        self._parameters = parameters
+    def __init__(self, text: str, known: Mapping[str, Number]) -> None:
+        self.text = text
+        self._known = known
         self._operations = 0
 
     def node(self, found: ast.expr, depth: int = 0, power: int = 1) -> Node:
@@ -134,7 +157,7 @@ class _Reader:
             case ast.Constant(value=bool() | complex() | str() | bytes() | None):
                 raise self._refused(found, "no number.")
             case ast.Constant(value=value):
-                return Constant(finite(value, _quoted(self._text)))
+                return self._number(value)
             case ast.Name(id=name):
                 return self._named(found, name)
             case ast.Attribute() | ast.Subscript():
@@ -170,7 +193,7 @@ class _Reader:
         if depth > MAX_DEPTH:
             raise self._refused(found, f"more than {MAX_DEPTH} operations inside each other.")
         if self._operations > MAX_OPERATIONS:
-            raise ModelError(f"{_quoted(self._text)}: more than {MAX_OPERATIONS} operations.")
+            raise ModelError(f"{_quoted(self.text)}: more than {MAX_OPERATIONS} operations.")
         kinds = ast.UnaryOp | ast.BinOp | ast.Call | ast.IfExp | ast.Compare | ast.BoolOp
         self._operations += isinstance(found, kinds)
 
@@ -196,23 +219,37 @@ class _Reader:
         a, b = (self.node(number, depth + 1) for number in pair)
         return Operation(_COMPARISONS[type(op)], (a, b))
 
+    def _number(self, value: Any) -> Node:
+        """Return a number that the text contains."""
+        return Constant(finite(value, _quoted(self.text)))
+
     def _named(self, found: ast.expr, name: str) -> Node:
-        """Return pi, the time or the parameter of a name, which must have one meaning."""
-        parameter = self._parameters.get(name)
-        if parameter and name == PI:
+        """Return pi, a variable or the parameter of a name, which must have one meaning."""
+        known = self._known.get(name)
+        if known is not None and name == PI:
             raise self._refused(found, "this is the number pi, but a parameter has the same name. Rename it.")
         if name == PI:
             return Operation(PI, ())
+        return self._variable_or(known, found, name)
+
+    def _known_number(self, known: Number) -> Node:
+        """Return the tree of a number that has a name; its operations count as those of the text."""
+        if isinstance(known, Expression):
+            self._operations += sum(1 for _ in known.operations())
+        return node_of(known)
+
+    def _variable_or(self, known: Number | None, found: ast.expr, name: str) -> Node:
+        """Return the time or the number of a name."""
         if name in VECTORS:
-            hint = " A parameter in an expression needs another name." if parameter else ""
+            hint = "" if known is None else " A parameter in an expression needs another name."
             raise self._refused(found, f"one element is needed, such as {name}.arm.theta1.{hint}")
-        if parameter and name == TIME:
+        if known is not None and name == TIME:
             raise self._refused(found, "this is the time, but a parameter has the same name. Rename it.")
-        if parameter:
-            return Constant(parameter)
+        if known is not None:
+            return self._known_number(known)
         if name == TIME:
             return Variable(name)
-        hint = f" {did_you_mean(name, self._parameters)}" if self._parameters else ""
+        hint = f" {did_you_mean(name, self._known)}" if self._known else ""
         raise self._refused(
             found, f"the name is not known. Write x.<coordinate>, y.<speed>, t or a parameter.{hint}"
         )
@@ -260,6 +297,26 @@ class _Reader:
 
     def _refused(self, found: ast.expr, why: str) -> ModelError:
         """Return the error that refuses a part of the expression, with the reason."""
-        part = ast.get_source_segment(self._text.strip(), found) or ""
-        where = f" in {_quoted(self._text)}" if part != self._text.strip() else ""
+        part = ast.get_source_segment(self.text.strip(), found) or ""
+        where = f" in {_quoted(self.text)}" if part != self.text.strip() else ""
         return ModelError(f"{_quoted(part)}{where}: {why}")
+
+
+class _NumberReader(_Reader):
+    """Reads the expression of a number, where nothing but parameters has a name."""
+
+    def _number(self, value: Any) -> Node:
+        return constant(value, _quoted(self.text))
+
+    def _variable_or(self, known: Number | None, found: ast.expr, name: str) -> Node:
+        if known is not None:
+            return self._known_number(known)
+        if name in (TIME, *VECTORS):
+            raise self._refused(found, _NO_VARIABLES)
+        raise self._refused(found, f"there is no parameter of this name. {did_you_mean(name, self._known)}")
+
+    def _element(self, found: ast.expr) -> str:
+        raise self._refused(found, _NO_VARIABLES)
+
+
+_NO_VARIABLES = "a number of a model depends on parameters, not on coordinates, speeds or the time."
