@@ -23,7 +23,7 @@ class Arithmetic(ABC, Generic[_E]):
 
     @abstractmethod
     def __pow__(self, exponent: object) -> _E:
-        """Return a whole power."""
+        """Return a power, whose exponent is a whole number."""
 
     def __add__(self, other: object) -> _E:
         return self.combined("+", self, other)
@@ -71,7 +71,7 @@ class Arithmetic(ABC, Generic[_E]):
         return self.combined("tan", self)
 
     def tanh(self) -> _E:
-        """Return the hyperbolic tangent."""
+        """Return the hyperbolic tangent of a number."""
         return self.combined("tanh", self)
 
     def arctan2(self, x: object) -> _E:
@@ -79,13 +79,13 @@ class Arithmetic(ABC, Generic[_E]):
         return self.combined("atan2", self, x)
 
     def sqrt(self) -> _E:
-        """Return the square root."""
+        """Return the square root of a number."""
         return self.combined("sqrt", self)
 
     def exp(self) -> _E:
-        """Return the exponential function."""
+        """Return e to the power of a number."""
         return self.combined("exp", self)
 
     def log(self) -> _E:
-        """Return the natural logarithm."""
+        """Return the natural logarithm of a positive number."""
         return self.combined("log", self)
