@@ -115,6 +115,40 @@ class Dynamics(CompiledModel):
         """
         return self._run("velocity_forces", (x, y), inputs)[0]
 
+    def coriolis_matrix(self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
+        """Return the Coriolis matrix [C]: the sum of m [v_P,y]^T [dv_P,y/dt] over all particles P.
+
+        [v_P,y] are the partial velocities of a particle, and time derivatives are those in inertial space. As
+        [A] is the sum of m [v_P,y]^T [v_P,y], this means for every kind of speeds:
+
+        - [dA/dt] - 2 [C] is skew, and [dA/dt] = [C] + [C]^T;
+        - [C]{y} = -velocity_forces where nothing is prescribed. Prescribed motion counts in [dv_P,y/dt], and
+          in [dA/dt]; what it causes beside the speeds {y} is in `velocity_forces` alone.
+
+        Where all speeds are rates of coordinates, [C] is the matrix of Christoffel symbols,
+        C_ij = sum of (dA_ij/dx_k + dA_ik/dx_j - dA_jk/dx_i) y_k / 2, or half the derivative of [C]{y} by {y}.
+        With angular velocities as speeds, that half derivative does not make [dA/dt] - 2 [C] skew, and [C] is
+        the sum above: for the angular velocity {w} of a free body with the central inertia [I] it is the skew
+        matrix of tr[I]/2 {w} - [I]{w}. For bodies, it is the factorisation of Niemeyer and Slotine (1990) and
+        Echeandia and Wensing (2021). Reflected inertia adds nothing to [C], rotors add Christoffel symbols.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n, n) or (B, n, n), kg m^2/s, kg m/s and kg/s.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            needed = library.coriolis_matrix(x, y) @ y  # -library.velocity_forces(x, y)
+        """
+        return self._run("coriolis_matrix", (x, y), inputs)[0]
+
     def inverse_dynamics(
         self,
         x: ArrayLike,

@@ -11,17 +11,28 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 
-from kanegen.recursion.meanings import FREEDOMS, MARKS, NAMES, PLACES, TURN_STEPS, TURNED
+from kanegen.recursion.meanings import (
+    FREEDOMS,
+    MARKS,
+    NAMES,
+    PLACES,
+    TURN_STEPS,
+    TURNED,
+    TURNED_WHOLE,
+    WHOLE_TURN_STEPS,
+)
 
 
 def _turning() -> Iterator[tuple[str, str]]:
-    """Yield the intermediates of turns of symmetric matrices."""
-    for matrix in TURNED:
+    """Yield the intermediates of turns of matrices."""
+    symmetric = ((matrix, "{xx}", TURN_STEPS) for matrix in TURNED)
+    others = ((matrix, "{x}_{y}", WHOLE_TURN_STEPS) for matrix in TURNED_WHOLE)
+    for matrix, entry, steps in (*symmetric, *others):
         parts = (f"{matrix}_{{i}}", f"{matrix}_{{i}}_{{i}}")
         for part in parts:
-            yield f"{part}_{{xx}}", f"{shown(matrix)} on its way through several turns, below turn i"
+            yield f"{part}_{entry}", f"{shown(matrix)} on its way through several turns, below turn i"
         for name in (matrix, *parts):
-            for ending, meaning in TURN_STEPS:
+            for ending, meaning in steps:
                 yield f"{name}{ending}", meaning.replace("{0}", shown(name))
 
 

@@ -139,6 +139,22 @@ NAMES = (
     ("A_{n}_{m}", "entry of [A]"),
     ("Ac_{n}_{m}", "term of entries of [A]: component along freedom m of the force for freedom n"),
     ("A_{n}_{m}_{i}", "entry of [A] after the elimination of the freedom at place i"),
+    # Coriolis matrix
+    ("vb_{P}_{x}", "velocity of the origin of body K past that of the first body of its branch (m/s)"),
+    ("pr_{P}_{x}", "momentum of body K and all that it carries relative to P (kg m/s)"),
+    ("Kr_{P}_{x}_{y}", "moments of this momentum, the sum of m {u}{r}^T, row by row (kg m^2/s)"),
+    ("Dc_{P}_{xx}", "second moment of mass of body K and all that it carries (kg m^2)"),
+    ("Dd_{P}", "difference of two diagonal entries of Ic_P"),
+    ("Dw_{L}_{x}", "second moments times angular velocity, where L begins (kg m^2/s)"),
+    ("pa_{L}_{x}", "momentum of what L moves, past the first body of its branch (kg m/s)"),
+    ("yh_{n}", "half the speed of the freedom at place n"),
+    ("FC_{L}_{x}", "force for unit rate of L, from its column of the Coriolis matrix"),
+    ("FC_{L}_{P}_{x}", "the same, in P"),
+    ("MC_{L}_{x}", "moment for unit rate of L, from its column of the Coriolis matrix"),
+    ("MC_{L}_{P}_{x}", "the same, in P"),
+    ("TC_{L}_{x}", "couple for unit rate of L, from its row of the Coriolis matrix"),
+    ("TC_{L}_{P}_{x}", "the same, in P"),
+    ("Cm_{n}_{m}", "entry of the Coriolis matrix"),
     # Motion and forces
     ("omega_{P}_{x}", "angular velocity (rad/s)"),
     ("alpha_{P}_{x}", "angular acceleration, {ydot} = 0 unless given (rad/s^2)"),
@@ -160,6 +176,7 @@ NAMES = (
     ("M_{K}f_{x}", "moment that joint K carries about the origin of a frame of body K, in K (N m)"),
     ("F_{P}_{x}", "force that body K and all that it carries need (N)"),
     ("M_{P}_{x}", "moment that body K and all that it carries need (N m)"),
+    ("M_{L}_{x}", "moment for unit acceleration of L, about the origin of the lower body (kg m)"),
     ("fn_{n}", "generalized force on freedom n, which couplings name, with its force elements"),
     ("f_{n}", "force that body K and all that it carries need along the translation at place n (N)"),
     ("g_{P}_{x}", "gravity (m/s^2)"),
@@ -351,6 +368,9 @@ MARKS = (
 TURNED = ("Ic_{P}", "Ic_{K}r{P}", "SI_{P}", "SM_{P}")
 """Symmetric matrices that pass turns."""
 
+TURNED_WHOLE = ("Kr_{P}",)
+"""Other matrices that pass turns, in names that end with row and column."""
+
 TURN_STEPS = (
     ("_d", "difference of the two diagonal entries of {0} that the turn mixes"),
     ("_p", "sine times {0}_d, less twice the cosine times the entry between the two"),
@@ -360,3 +380,13 @@ TURN_STEPS = (
     ("_c_{x}", "product of {0} above and column z of the turn"),
 )
 """Intermediates of a turn, where {0} is the matrix."""
+
+WHOLE_TURN_STEPS = (
+    ("_d", "difference of the two diagonal entries of {0} that the turn mixes"),
+    ("_b", "sum of the two other entries of {0} that the turn mixes"),
+    ("_p", "sine times {0}_d, less the cosine times {0}_b"),
+    ("_t", "sine times {0}_p"),
+    ("_q", "cosine times {0}_p"),
+    *TURN_STEPS[-3:],
+)
+"""The same where the matrix is not symmetric."""

@@ -52,6 +52,10 @@ class Turn(Protocol):
         """Return [T]^T [m] [T], a symmetric matrix in lower components from its upper ones, named `name`."""
         ...
 
+    def down_matrix(self, definitions: Definitions, name: str, m: Rows) -> Rows:
+        """Return [T]^T [m] [T] for any matrix in upper components, row by row, named `name`."""
+        ...
+
 
 @dataclass(frozen=True)
 class PlanarTurn:
@@ -120,6 +124,26 @@ class PlanarTurn:
         new[entry(i, k)] = s * ij + c * ik
         return definitions.symmetric(name, Symmetric(**new))
 
+    def down_matrix(self, definitions: Definitions, name: str, m: Rows) -> Rows:
+        """Return [T]^T [m] [T] in 23 operations, where the product of matrices takes 36.
+
+        With p = s (m_kk - m_jj) - c (m_jk + m_kj) the turned block is m_jj + s p, m_kk - s p, and off the
+        diagonal -(c p + m_kj), -(c p + m_jk); the couplings with the axis turn as vectors.
+        """
+        i, j, k = self._axes
+        s, c = self.sine, self.cosine
+        difference = definitions.define(f"{name}_d", m[k][k] - m[j][j])
+        both = definitions.define(f"{name}_b", m[j][k] + m[k][j])
+        p = definitions.define(f"{name}_p", s * difference - c * both)
+        along, across = definitions.define(f"{name}_t", s * p), definitions.define(f"{name}_q", c * p)
+        new = [[S.Zero] * 3 for _ in range(3)]
+        new[i][i] = m[i][i]
+        new[j][j], new[k][k] = m[j][j] + along, m[k][k] - along
+        new[j][k], new[k][j] = -(across + m[k][j]), -(across + m[j][k])
+        new[i][j], new[i][k] = c * m[i][j] - s * m[i][k], s * m[i][j] + c * m[i][k]
+        new[j][i], new[k][i] = c * m[j][i] - s * m[k][i], s * m[j][i] + c * m[k][i]
+        return _named_rows(name, new, definitions)
+
 
 @dataclass(frozen=True)
 class MatrixTurn:
@@ -161,6 +185,12 @@ class MatrixTurn:
         new = {name_ij: dot(columns[i], products[j]) for (i, j), name_ij in INDEX.items()}
         return definitions.symmetric(name, Symmetric(**new))
 
+    def down_matrix(self, definitions: Definitions, name: str, m: Rows) -> Rows:
+        """Return [T]^T [m] [T], through the product [m] [T]."""
+        columns = self._transpose
+        products = [definitions.vector(f"{name}_{'abc'[j]}", multiply(m, columns[j])) for j in range(3)]
+        return _named_rows(name, [[dot(left, right) for right in products] for left in columns], definitions)
+
 
 @dataclass(frozen=True)
 class ComposedTurn:
@@ -194,6 +224,20 @@ class ComposedTurn:
         for i, part in reversed(list(enumerate(self.parts, start=1))):
             m = part.down_symmetric(definitions, f"{name}_{i}", m)
         return m
+
+    def down_matrix(self, definitions: Definitions, name: str, m: Rows) -> Rows:
+        """Return [T]^T [m] [T] for any matrix in upper components, row by row, named `name`."""
+        for i, part in reversed(list(enumerate(self.parts, start=1))):
+            m = part.down_matrix(definitions, f"{name}_{i}", m)
+        return m
+
+
+def _named_rows(name: str, rows: Sequence[Sequence[Expr]], definitions: Definitions) -> Rows:
+    """Return a matrix with a symbol for every entry."""
+    x, y, z = (
+        definitions.vector(f"{name}_{axis}", Vector(*row)) for axis, row in zip(AXES, rows, strict=True)
+    )
+    return x, y, z
 
 
 def planar_turn(axis: int, sine: Expr, cosine: Expr, angle: Expr | None = None) -> Turn:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from kanegen.model.system import System
 from kanegen.program.ir import Array, Condition
 from kanegen.recursion.centroidal import centroidal_momentum_bias, centroidal_momentum_matrix
+from kanegen.recursion.coriolis import coriolis_matrix
 from kanegen.recursion.energy_and_momentum import kinetic_energy, mass_center, momentum, potential_energy
 from kanegen.recursion.gravity import gravity_forces
 from kanegen.recursion.inverse_dynamics import (
@@ -109,6 +110,18 @@ _ENTRIES = (
         ),
         ("x", "y"),
         Recursion("recursion of forces", velocity_forces),
+    ),
+    Output(
+        "coriolis_matrix",
+        lambda system: Array(
+            "C",
+            (_n(system),) * 2,
+            "kg m^2/s, kg m/s, kg/s",
+            "[C], the sum of m [v_P,y]^T [dv_P,y/dt] over all particles; [C]{y} is minus velocity_forces",
+            of_freedoms=True,
+        ),
+        ("x", "y"),
+        Recursion("composite bodies", coriolis_matrix),
     ),
     Output(
         "inverse_dynamics",

@@ -1,0 +1,218 @@
+"""The output [C], the Coriolis matrix, by composite bodies whose columns are passed inward with those of [A].
+
+A system is a set of particles with the partial velocities [v_P,y]. As [A] is the sum of m [v_P,y]^T [v_P,y],
+[C] is the sum of m [v_P,y]^T [dv_P,y/dt], with time derivatives in inertial space. So [C]{y} is what {y}
+requires, and [dA/dt] - 2 [C] is skew: it is the sum of m [dv_P,y/dt]^T [v_P,y] less its transpose. Where all
+speeds are rates of coordinates, [C] is that of Christoffel symbols, half the derivative of [C]{y} by {y}. For
+bodies it is the factorisation of Niemeyer and Slotine (1990) and Echeandia and Wensing (2021).
+
+With all joints outward of a freedom locked, a column holds what unit acceleration of the freedom requires of
+the composite body (`mass_matrix`), and what its [dv_P,y/dt] requires. Along the freedoms further inward the
+latter are the entries of [C] in the column of this freedom. The entries in its row follow from the former
+with the [dv_P,y/dt] of the inner freedoms, and from a couple, which is turned on the way inward but keeps no
+origin. All that the motion outward of a joint contributes is twelve numbers, see `relative_momentum`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from sympy import Add, Expr
+
+from kanegen.recursion.coriolis_columns import (
+    Column,
+    FrameMotion,
+    MovingBody,
+    rotation_column,
+    rotor_column,
+    translation_column,
+)
+from kanegen.recursion.inertia import Inertia
+from kanegen.recursion.joint_motion import JointMotion, Step
+from kanegen.recursion.relative_momentum import HALF, RelativeMomentum, second_moments
+from kanegen.recursion.rotors import SpinningRotor, spinning_rotors
+from kanegen.recursion.tree import Derived, Tree
+from kanegen.recursion.vectors import ZERO, add, cross, dot, scale, unit
+from kanegen.symbolic.definitions import Vector
+
+
+def coriolis_matrix(tree: Tree) -> Derived:
+    """Derive the entries of [C], row-major."""
+    assembly = _Assembly(tree)
+    for joint in reversed(tree.joints):
+        tree.about(joint.body, "columns and rows of the Coriolis matrix")
+        assembly.pass_inward(joint)
+    n = len(tree.system.freedoms)
+    return Derived([assembly.entry(i, j) for i in range(n) for j in range(n)])
+
+
+@dataclass(frozen=True)
+class _Carried:
+    """What a body carries, as a frame on the path through its joint sees it.
+
+    Attributes:
+        body: The composite body.
+        columns: The columns of the freedoms that have been passed.
+    """
+
+    body: MovingBody
+    columns: tuple[Column, ...]
+
+
+class _Assembly:
+    """The assembly of [C], joint by joint inward. Lists are by body, 0 for the ground."""
+
+    def __init__(self, tree: Tree) -> None:
+        self._tree = tree
+        self._motions = _motions(tree)
+        self._bodies = [Inertia(), *tree.inertias]
+        self._momenta = [RelativeMomentum() for _ in self._bodies]
+        self._columns: list[list[Column]] = [[] for _ in self._bodies]
+        self._entries: dict[tuple[int, int], list[Expr]] = {}
+        for rotor in spinning_rotors(tree):
+            if rotor.carrier:
+                self._add_rotor(rotor)
+
+    def entry(self, i: int, j: int) -> Expr:
+        """Return an entry of [C], the sum of its terms."""
+        terms = self._entries.get((i, j), [])
+        return self._tree.definitions.define(f"Cm_{i}_{j}", Add(*terms))
+
+    def pass_inward(self, joint: JointMotion) -> None:
+        """Record the entries of the freedoms of a joint, and pass what its body carries to the lower body."""
+        k = joint.body
+        body = MovingBody(self._bodies[k], self._momenta[k], self._motions[k][-1])
+        carried = _Carried(body, tuple(self._columns[k]))
+        if joint.angular_speeds:
+            carried = self._with_angular_speeds(carried, joint)
+        for step, motion in reversed(list(zip(joint.steps, self._motions[k][:-1], strict=True))):
+            carried = self._below_turn(carried, step, motion, on_ground=not joint.lower)
+        self._record_translations(carried, joint)
+        if joint.lower:
+            self._pass_to_lower_body(carried, joint)
+
+    def _record(self, rows: Mapping[int, Expr], columns: Mapping[int, Expr], value: Expr) -> None:
+        """Add the value for two freedoms to the entries of the speeds that move them."""
+        for i, one in rows.items():
+            for j, other in columns.items():
+                self._entries.setdefault((i, j), []).append(one * other * value)
+
+    def _add_rotor(self, rotor: SpinningRotor) -> None:
+        """Add the spin of a rotor to the relative momentum of its carrier, and begin its column."""
+        k, definitions = rotor.carrier, self._tree.definitions
+        self._tree.about(k, "spin of a rotor")
+        half = definitions.define(f"yh_{rotor.motion.number}", HALF * rotor.motion.rate)
+        rows = [cross(scale(half, rotor.momentum), unit(i)) for i in range(3)]
+        turned = tuple(Vector(*(row[i] for row in rows)) for i in range(3))
+        spin = RelativeMomentum(ZERO, (turned[0], turned[1], turned[2]))
+        self._momenta[k] = self._momenta[k].plus(spin, f"{k}", definitions)
+        if rotor.motion.shares:
+            self._columns[k].append(rotor_column(rotor, self._motions[k][-1].omega, definitions))
+
+    def _with_angular_speeds(self, carried: _Carried, joint: JointMotion) -> _Carried:
+        """Record the entries of the components of a relative angular velocity, and begin their columns."""
+        k, body, definitions = joint.body, carried.body, self._tree.definitions
+        second = second_moments(body.inertia, None, f"{k}", definitions)
+        own = tuple(
+            rotation_column(one, f"{k}w{one.axis + 1}", body, second, definitions)
+            for one in joint.angular_speeds
+        )
+        for one in joint.angular_speeds:
+            for col in carried.columns:
+                self._record(one.shares, col.places, col.along(one.axis))
+                self._record(col.places, one.shares, col.across(one.axis, body.motion))
+            for col in own:
+                self._record(one.shares, col.places, col.along(one.axis))
+        momentum = body.momentum.turning(joint.relative_omega, body.inertia, second, f"{k}", definitions)
+        return _Carried(replace(body, momentum=momentum), carried.columns + own)
+
+    def _below_turn(self, carried: _Carried, step: Step, motion: FrameMotion, *, on_ground: bool) -> _Carried:
+        """Record the entries of an angle, begin its column, and pass everything through its turn.
+
+        Args:
+            carried: What the body carries, above the turn.
+            step: The turn.
+            motion: Motion of the frame below the turn.
+            on_ground: Whether no body is further inward. Then columns need not be turned for this angle.
+        """
+        frame, definitions = step.frame, self._tree.definitions
+        inertia = carried.body.inertia.down(step.turn, frame, definitions)
+        momentum = carried.body.momentum.down(step.turn, frame, definitions)
+        columns = tuple(col.down(step.turn, frame, definitions) for col in carried.columns)
+        if not step.moves:
+            return _Carried(MovingBody(inertia, momentum, motion), columns)
+        second = second_moments(inertia, step.axis, frame, definitions)
+        turning = scale(step.rate, unit(step.axis))
+        momentum = momentum.turning(turning, inertia, second, frame, definitions)
+        body = MovingBody(inertia, momentum, motion)
+        if not step.shares:
+            return _Carried(body, columns)
+        seen, seen_in = (carried.columns, carried.body.motion) if on_ground else (columns, motion)
+        for col in seen:
+            self._record(step.shares, col.places, col.along(step.axis))
+            self._record(col.places, step.shares, col.across(step.axis, seen_in))
+        own = rotation_column(step, frame, body, second, definitions)
+        self._record(step.shares, step.shares, own.along(step.axis))
+        return _Carried(body, (*columns, own))
+
+    def _record_translations(self, carried: _Carried, joint: JointMotion) -> None:
+        """Record the entries of the translations of a joint, with each other and those further outward."""
+        omega, mass = self._motions[joint.body][0].omega, carried.body.inertia.mass
+        for one in joint.translations:
+            turning = cross(omega, one.direction)
+            for col in carried.columns:
+                self._record(one.shares, col.places, dot(one.direction, col.coriolis.force))
+                self._record(col.places, one.shares, dot(turning, col.inertial.force))
+            for other in joint.translations:
+                value = mass * dot(one.direction, cross(omega, other.direction))
+                self._record(one.shares, other.shares, value)
+
+    def _pass_to_lower_body(self, carried: _Carried, joint: JointMotion) -> None:
+        """Pass the composite body and its columns to the lower body; begin the columns of translations."""
+        k, j, offset, definitions = joint.body, joint.lower, joint.offset, self._tree.definitions
+        inertia = carried.body.inertia.shifted(offset, f"{k}j", definitions)
+        momentum = carried.body.momentum.shifted(offset, _sliding(joint), inertia, f"{k}j", definitions)
+        body = MovingBody(inertia, momentum, self._motions[j][-1])
+        columns = [col.shifted(offset, f"{j}", definitions) for col in carried.columns]
+        for one in joint.translations:
+            label = f"{k}t{one.axis + 1}" if one.is_coupled else f"{k}s{one.number}"
+            columns.append(translation_column(one, label, body, definitions))
+        self._columns[j] += columns
+        self._bodies[j] = self._bodies[j].plus(inertia, f"{j}", definitions)
+        self._momenta[j] = self._momenta[j].plus(momentum, f"{j}", definitions)
+
+
+def _sliding(joint: JointMotion) -> Vector:
+    """Return the velocity that the translations of a joint cause, in J (m/s)."""
+    total = ZERO
+    for one in joint.moving_translations:
+        total = add(total, scale(one.rate, one.direction))
+    return total
+
+
+def _motions(tree: Tree) -> list[tuple[FrameMotion, ...]]:
+    """Return by body the motion of the frame below each turn of its joint, then of its own; 0 is the ground.
+
+    Velocities are past the first body of a branch: [C] is the same for all observers without acceleration.
+    """
+    still = (FrameMotion(ZERO, ZERO),)
+    found: list[tuple[FrameMotion, ...]] = [still]
+    for joint in tree.joints:
+        k, define = joint.body, tree.definitions.vector
+        tree.about(k, "angular velocity, and velocity past the first body, Eqs. (11), (25)")
+        omega, velocity = found[joint.lower][-1].omega, found[joint.lower][-1].velocity
+        if joint.lower:
+            velocity = add(velocity, add(cross(omega, joint.offset), _sliding(joint)))
+            velocity = define(f"vb_{k}j", velocity)
+        frames = [FrameMotion(omega, velocity)]
+        for step in joint.steps:
+            omega = add(step.turn.up(omega), scale(step.rate, unit(step.axis)))
+            omega = define(f"omega_{joint.above(step)}", omega)
+            velocity = define(f"vb_{joint.above(step)}", step.turn.up(velocity))
+            frames.append(FrameMotion(omega, velocity))
+        if joint.angular_speeds:
+            omega = define(f"omega_{k}", add(omega, joint.relative_omega))
+            frames[-1] = FrameMotion(omega, velocity)
+        found.append(tuple(frames))
+    return found

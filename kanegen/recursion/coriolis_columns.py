@@ -1,0 +1,188 @@
+"""Columns of the Coriolis matrix [C], passed inward joint by joint together with those of [A].
+
+A column begins at its freedom, from the composite body that the freedom moves, and keeps force and moment
+about the current origin. See `coriolis` for what it is for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from sympy import Expr
+
+from kanegen.recursion.inertia import Inertia
+from kanegen.recursion.joint_motion import FreedomMotion, Translation
+from kanegen.recursion.relative_momentum import HALF, RelativeMomentum
+from kanegen.recursion.rotors import SpinningRotor
+from kanegen.recursion.turns import Turn
+from kanegen.recursion.vectors import ZERO, Rows, Wrench, add, column, cross, dot, multiply, scale, unit
+from kanegen.symbolic.definitions import Definitions, Vector
+
+
+@dataclass(frozen=True)
+class FrameMotion:
+    """The motion of a frame on the path through the joint of a body K.
+
+    Attributes:
+        omega: Angular velocity (rad/s).
+        velocity: Velocity of the origin of K past that of the first body of its branch (m/s).
+    """
+
+    omega: Vector
+    velocity: Vector
+
+
+@dataclass(frozen=True)
+class MovingBody:
+    """A composite body as a frame sees it, whose origin is fixed in the body.
+
+    Attributes:
+        inertia: Mass, first moment and inertia about the origin.
+        momentum: Momentum relative to the frame.
+        motion: Motion of the frame.
+    """
+
+    inertia: Inertia
+    momentum: RelativeMomentum
+    motion: FrameMotion
+
+
+@dataclass(frozen=True)
+class Column:
+    """What unit rate and unit acceleration along a freedom require of a composite body.
+
+    Attributes:
+        places: Factors by place in {y}: by how much each entry of {y} moves the freedom.
+        label: Suffix of the names of intermediates.
+        inertial: Force and moment for unit acceleration: the column of [A].
+        coriolis: Force and moment for unit rate: the column of [C], with [dv_P,y/dt] of the freedom.
+        couple: The sum of {v_P} x m [v_P,y], which rows of [C] need beside `inertial`; {v_P} is the velocity
+            of a particle past the origin of the first body, and the couple has no origin.
+    """
+
+    places: Mapping[int, Expr]
+    label: str
+    inertial: Wrench
+    coriolis: Wrench
+    couple: Vector
+
+    def along(self, axis: int) -> Expr:
+        """Return the entry of [C] in this column, in the row of a rotation about a basis vector."""
+        return self.coriolis.moment[axis]
+
+    def across(self, axis: int, motion: FrameMotion) -> Expr:
+        """Return the entry of [C] in the row of this freedom and the column of a rotation.
+
+        Args:
+            axis: The axis of the rotation, a basis vector of a frame in which it does not move.
+            motion: Motion of this frame, whose origin is on the axis.
+        """
+        a = unit(axis)
+        turning = dot(cross(motion.omega, a), self.inertial.moment)
+        passing = dot(cross(motion.velocity, a), self.inertial.force)
+        return self.couple[axis] + turning + passing
+
+    def down(self, turn: Turn, frame: str, definitions: Definitions) -> Column:
+        """Return the column in components of the frame below a turn."""
+        name = f"{self.label}_{frame}"
+        return replace(
+            self,
+            inertial=Wrench(
+                definitions.vector(f"F_{name}", turn.down(self.inertial.force)),
+                definitions.vector(f"M_{name}", turn.down(self.inertial.moment)),
+            ),
+            coriolis=Wrench(
+                definitions.vector(f"FC_{name}", turn.down(self.coriolis.force)),
+                definitions.vector(f"MC_{name}", turn.down(self.coriolis.moment)),
+            ),
+            couple=definitions.vector(f"TC_{name}", turn.down(self.couple)),
+        )
+
+    def shifted(self, offset: Vector, origin: str, definitions: Definitions) -> Column:
+        """Return the column about another origin, from which `offset` leads to the current one."""
+        name = f"{self.label}_{origin}"
+        inertial, coriolis = (
+            add(wrench.moment, cross(offset, wrench.force)) for wrench in (self.inertial, self.coriolis)
+        )
+        return replace(
+            self,
+            inertial=replace(self.inertial, moment=definitions.vector(f"M_{name}", inertial)),
+            coriolis=replace(self.coriolis, moment=definitions.vector(f"MC_{name}", coriolis)),
+        )
+
+
+def rotation_column(
+    one: FreedomMotion, label: str, body: MovingBody, second: Rows, definitions: Definitions
+) -> Column:
+    """Begin the column of a rotation about a basis vector {a} of a frame in which it does not move.
+
+    Args:
+        one: The freedom.
+        label: Suffix of the names of intermediates.
+        body: The composite body that it turns, about a point of the axis, in this frame.
+        second: Second moments [D] of this body.
+        definitions: Definitions that the intermediates are added to.
+    """
+    axis, omega, momentum = unit(one.axis), body.motion.omega, body.momentum
+    force, moment = cross(axis, body.inertia.moment), column(body.inertia.inertia, one.axis)
+    spread = definitions.vector(f"Dw_{label}", multiply(second, omega))
+    rate_force = add(cross(omega, force), cross(axis, momentum.linear))
+    rate_moment = add(momentum.couple(axis), cross(spread, axis))
+    couple = add(momentum.transposed_couple(axis), multiply(second, cross(omega, axis)))
+    couple = add(couple, cross(body.motion.velocity, force))
+    return _named(one, label, Wrench(force, moment), Wrench(rate_force, rate_moment), couple, definitions)
+
+
+def translation_column(one: Translation, label: str, body: MovingBody, definitions: Definitions) -> Column:
+    """Begin the column of a translation along a direction {b} that is fixed in the lower body.
+
+    Args:
+        one: The freedom.
+        label: Suffix of the names of intermediates.
+        body: The composite body that it moves, about the origin of the lower body, in the frame of this.
+        definitions: Definitions that the intermediates are added to.
+    """
+    inertia, omega = body.inertia, body.motion.omega
+    inertial, coriolis = (
+        Wrench(scale(inertia.mass, v), cross(inertia.moment, v))
+        for v in (one.direction, cross(omega, one.direction))
+    )
+    passing = add(body.momentum.linear, cross(omega, inertia.moment))
+    passing = definitions.vector(f"pa_{label}", add(passing, scale(inertia.mass, body.motion.velocity)))
+    return _named(one, label, inertial, coriolis, cross(passing, one.direction), definitions)
+
+
+def rotor_column(rotor: SpinningRotor, omega: Vector, definitions: Definitions) -> Column:
+    """Begin the column of the spin of a rotor with the angular momentum {h} y in its carrier.
+
+    The moment {h} of the column of [A] changes by {omega} x {h}. By Christoffel symbols, one half of this is
+    in the column of [C] and the other half in its row.
+
+    Args:
+        rotor: The rotor.
+        omega: Angular velocity of the carrier, in its frame (rad/s).
+        definitions: Definitions that the intermediates are added to.
+    """
+    label = f"{rotor.carrier}r{rotor.motion.number}"
+    half = definitions.vector(f"TC_{label}", scale(HALF, cross(omega, rotor.momentum)))
+    return Column(rotor.motion.shares, label, Wrench(ZERO, rotor.momentum), Wrench(ZERO, half), half)
+
+
+def _named(
+    one: FreedomMotion,
+    label: str,
+    inertial: Wrench,
+    coriolis: Wrench,
+    couple: Vector,
+    definitions: Definitions,
+) -> Column:
+    """Return a column with a symbol for every component."""
+    vector = definitions.vector
+    return Column(
+        one.shares,
+        label,
+        Wrench(vector(f"F_{label}", inertial.force), vector(f"M_{label}", inertial.moment)),
+        Wrench(vector(f"FC_{label}", coriolis.force), vector(f"MC_{label}", coriolis.moment)),
+        vector(f"TC_{label}", couple),
+    )
