@@ -13,25 +13,26 @@ the recursive derivation instead; both have equal values.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Symbol
+from sympy import Expr, ImmutableMatrix, Rational, Symbol
 
 from kanegen.errors import OptionError, counted
 from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.system import System
-from kanegen.symbolic.closed.form import ClosedForm, close, has_rounded_rotations
-from kanegen.symbolic.closed.named_numbers import NamedNumbers, with_named_numbers
+from kanegen.symbolic.closed.directions import Directions
+from kanegen.symbolic.closed.form import ClosedForm, Simplifier, close
+from kanegen.symbolic.closed.named_numbers import with_named_numbers
 from kanegen.symbolic.definitions import Definition, Definitions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
-from kanegen.symbolic.literal.force_elements import ElementForces
+from kanegen.symbolic.literal.force_elements import Direction, ElementForces
 from kanegen.symbolic.literal.intermediates import Intermediates
 from kanegen.symbolic.literal.motors import MotorEquations
 from kanegen.symbolic.literal.numeric import NumericEquations, numeric
 from kanegen.symbolic.state_symbols import StateSymbols, of_system
-from kanegen.symbolic.symbols import force, torque
+from kanegen.symbolic.symbols import force, parameter, torque
 
 MOST_FREEDOMS = 8
 """Number of freedoms up to which closed forms are made."""
@@ -140,9 +141,18 @@ class Equations:
     @cached_property
     def _elements(self) -> ElementForces:
         """The generalized forces of force elements and loads on points."""
+        return self._element_forces_along(None)
+
+    def _element_forces_along(self, direction: Direction | None) -> ElementForces:
+        """Return the generalized forces of force elements, with the directions of springs by a function."""
         parameters = [parameter.name for parameter in self.system.parameters]
         names = Definitions(parameters, taken=self.symbols.reserved)
-        return ElementForces(self.system, self.symbols, self.bodies, names, self.intermediates)
+        return ElementForces(self.system, self.symbols, self.bodies, names, self.intermediates, direction)
+
+    @property
+    def _start(self) -> dict[Symbol, Expr]:
+        """The default values of the parameters, as exact numbers."""
+        return {parameter(each): Rational(repr(each.value)) for each in self.system.parameters}
 
     @cached_property
     def definitions(self) -> tuple[Definition, ...]:
@@ -153,12 +163,18 @@ class Equations:
         of_bodies = tuple(definition for body in self.bodies for definition in body.definitions)
         return of_bodies + self._elements.definitions
 
-    def closed_form(self) -> ClosedForm:
-        """Return [A] and {f} without intermediates, simplified; terms of force elements stay as they are.
+    def closed_form(self, everywhere: bool = False) -> ClosedForm:
+        """Return [A] and {f} without intermediates, simplified.
+
+        A spring whose ends stay on a line has a direction that jumps where they meet. By default the form has
+        the direction of {x} = {0} and says where that is right, in `conditions`.
 
         Example:
             equations = kg.derive(kg.load("models/double_pendulum.toml"))
             equations.closed_form().A[0, 1]  # l2*m2*(l1*cos(q2) + l2)
+
+        Args:
+            everywhere: Whether the form must hold in every state, with the signs of such lengths in it.
 
         Raises:
             OptionError: If there are more than `MOST_FREEDOMS` freedoms or there is a quaternion, or an entry
@@ -179,13 +195,12 @@ class Equations:
                 "equations.definitions."
             )
         literal = derive(self.system, intermediates=False)
-        named, numbers = literal, NamedNumbers()
-        if has_rounded_rotations(literal.bodies):
-            system, numbers = with_named_numbers(self.system)
-            named = derive(system, intermediates=False)
-        f = total([*(body.forcing for body in named.bodies), named._motors.forcing])
+        system, numbers = with_named_numbers(self.system)
+        named = literal if system is self.system else derive(system, intermediates=False)
         motion = [*literal.y, *self.loads, *self.prescribed[1:, :]]
-        closed = close(named.A, f, literal.bodies, motion, numbers)
+        simplifier = Simplifier(literal.bodies, motion, numbers)
+        directions = Directions(simplifier, named._start, everywhere)
+        f = total([*(body.forcing for body in named.bodies), named._motors.forcing])
         operations = sum(sympy.count_ops(entry) for entry in literal.element_forces)
         if operations > MOST_OPERATIONS or literal.definitions:
             raise OptionError(
@@ -193,7 +208,9 @@ class Equations:
                 "intermediates. Print it with intermediates instead (closed=False), or read equations.A, "
                 "equations.f and equations.definitions."
             )
-        return replace(closed, f=total([closed.f, literal.element_forces]))
+        forces = named._element_forces_along(directions.along).total
+        A, f = close(simplifier, named.A, f, forces, literal.element_forces)
+        return ClosedForm(A, f, tuple(dict.fromkeys(directions.conditions)))
 
     def lambdify(self) -> NumericEquations:
         """Return NumPy functions of [A] and {f} for small tasks; the library of `kg.build` is faster by far.

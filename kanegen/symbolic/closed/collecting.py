@@ -1,164 +1,148 @@
-"""Polynomials as short expressions: common factors are taken out, terms with a common factor are grouped."""
+"""Polynomials as short expressions: common factors are taken out, sums become products, terms are grouped."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 from fractions import Fraction
-from math import gcd, lcm
+from functools import cache
 
-import sympy
 from sympy import Add, Expr, Mul, Pow, S
 
+from kanegen.symbolic.closed.coefficients import constant, content, expression
+from kanegen.symbolic.closed.factoring import factored
 from kanegen.symbolic.closed.polynomials import (
-    LARGEST_DENOMINATOR,
     Monomial,
     Polynomial,
-    expression,
     factor_key,
-    monomial,
+    is_trigonometric,
+    without_common_monomial,
 )
 
-FEWEST_TERMS_OF_A_PRODUCT = 4
-"""Number of terms from which a polynomial may be a product of two sums."""
-
-MOST_TERMS_TO_FACTOR = 16
-"""Number of terms up to which a polynomial is factored: factoring longer ones is slow and seldom succeeds."""
-
-LARGEST_MULTIPLE = 4
-"""Ratio of decimal coefficients up to which their common factor is taken out."""
+MOST_CHOICES = 3
+"""Number of commonest factors that are tried."""
 
 WORTH_NESTING = 0.6
 """Ratio of operations below which a nested form, which is harder to read, is preferred."""
 
 
-def collected(polynomial: Polynomial, motion: Collection[Expr] = ()) -> Expr:
-    """Return a polynomial as an expression: the shortest of three ways to collect terms.
+class Collector:
+    """Writes polynomials as expressions; equal parts of several polynomials are worked out once.
 
     Args:
-        polynomial: The polynomial.
         motion: Speeds, loads and prescribed motion, by whose products terms may be grouped.
     """
-    if not polynomial:
-        return S.Zero
-    content, common, rest = _without_common(polynomial)
-    by_angle = _by_angle(rest)
-    by_motion = _grouped(rest, lambda factor: factor in motion, _coefficient)
-    by_factor = _by_commonest_factor(rest)
-    best = min((by_angle, by_motion), key=_operations)
-    nested_is_worth_it = _operations(by_factor) < WORTH_NESTING * _operations(best)
-    return _product(content, common, by_factor if nested_is_worth_it else best)
+
+    def __init__(self, motion: Collection[Expr] = ()) -> None:
+        self._motion = motion
+        self._nested: dict[frozenset[tuple[Monomial, Fraction]], Expr] = {}
+
+    def collected(self, polynomial: Polynomial) -> Expr:
+        """Return a polynomial as an expression: the shortest of several ways to collect its terms."""
+        return self._collect(polynomial, self._sum)
+
+    def _collect(self, polynomial: Polynomial, inner: Callable[[Polynomial], Expr]) -> Expr:
+        """Take the common factor of all terms out, and write the rest by `inner`."""
+        if not polynomial:
+            return S.Zero
+        common, rest = without_common_monomial(polynomial)
+        size = content(rest.values(), in_product=bool(common))
+        return _product(size, common, inner({term: value / size for term, value in rest.items()}))
+
+    def _sum(self, polynomial: Polynomial) -> Expr:
+        """Write a polynomial without common factor: as a product, or grouped by angles, motion or nested."""
+        if len(polynomial) == 1:
+            return _plain(polynomial)
+        by_angle = self._by_angle(polynomial)
+        by_motion = self._grouped(polynomial, lambda factor: factor in self._motion, self._by_angle)
+        best = min((by_angle, by_motion, *self._as_product(polynomial, self._sum)), key=operations)
+        nested = self._nest(polynomial)
+        return nested if operations(nested) < WORTH_NESTING * operations(best) else best
+
+    def _by_angle(self, polynomial: Polynomial) -> Expr:
+        """Group terms by their product of sines and cosines."""
+        return self._grouped(polynomial, is_trigonometric, self._nest)
+
+    def _grouped(
+        self, polynomial: Polynomial, leads: Callable[[Expr], bool], inner: Callable[[Polynomial], Expr]
+    ) -> Expr:
+        """Group terms by the product of their leading factors.
+
+        Args:
+            polynomial: The polynomial.
+            leads: Whether a factor is a leading one.
+            inner: Writes the coefficient of a product of leading factors, without its common factor.
+        """
+        groups: dict[Monomial, dict[Monomial, Fraction]] = {}
+        for term, coefficient in polynomial.items():
+            part = tuple((factor, power) for factor, power in term if leads(factor))
+            other = tuple((factor, power) for factor, power in term if not leads(factor))
+            groups.setdefault(part, {})[other] = coefficient
+        return Add(
+            *(_product(Fraction(1), part, self._collect(group, inner)) for part, group in groups.items())
+        )
+
+    def _nest(self, polynomial: Polynomial) -> Expr:
+        """Nest a polynomial without common factor, or write it as a product where that is as short."""
+        key = frozenset(polynomial.items())
+        if key not in self._nested:
+            nested = self._by_commonest_factor(polynomial)
+            self._nested[key] = min((*self._as_product(polynomial, self._nest), nested), key=operations)
+        return self._nested[key]
+
+    def _by_commonest_factor(self, polynomial: Polynomial) -> Expr:
+        """Split a polynomial by the factor that most terms have, and write both parts without it.
+
+        A number that several terms have counts as a factor. Of several commonest factors, the one is taken
+        that gives the shortest expression.
+        """
+        count: Counter[Expr | Fraction] = Counter(factor for term in polynomial for factor, _ in term)
+        count.update(abs(value) for value in polynomial.values() if abs(value) != 1)
+        most = max(count.values(), default=1)
+        if most == 1:
+            return _plain(polynomial)
+        commonest = sorted((key for key, terms in count.items() if terms == most), key=_order)[:MOST_CHOICES]
+        return min((self._split(polynomial, chosen) for chosen in commonest), key=operations)
+
+    def _split(self, polynomial: Polynomial, chosen: Expr | Fraction) -> Expr:
+        """Write the terms with a factor or a number, and the others, each without its common factor."""
+        inside = {t: v for t, v in polynomial.items() if abs(v) == chosen or chosen in dict(t)}
+        outside = {term: value for term, value in polynomial.items() if term not in inside}
+        return Add(self._collect(inside, self._nest), self._collect(outside, self._nest))
+
+    def _as_product(self, polynomial: Polynomial, inner: Callable[[Polynomial], Expr]) -> list[Expr]:
+        """Return a polynomial as a product of sums, each written by `inner`; empty where it is none."""
+        found = factored(polynomial)
+        if found is None:
+            return []
+        size, factors = found
+        return [_scaled(size, Mul(*(Pow(inner(factor), power) for factor, power in factors)))]
 
 
-def _operations(expr: Expr) -> int:
-    """Return the number of operations of an expression."""
+def _order(key: Expr | Fraction) -> tuple[int, str]:
+    """Return a key that sorts factors, numbers first."""
+    return (-1, str(key)) if isinstance(key, Fraction) else factor_key(key)
+
+
+@cache
+def operations(expr: Expr) -> int:
+    """Return the number of operations of an expression, by SymPy's count."""
     return int(expr.count_ops())
 
 
-def _by_angle(polynomial: Polynomial) -> Expr:
-    """Group terms by their product of sines and cosines."""
-    return _grouped(polynomial, lambda factor: not factor.is_Symbol, _factored)
+def _plain(polynomial: Polynomial) -> Expr:
+    """Write a polynomial as the sum of its terms."""
+    return Add(*(_product(value, term, S.One) for term, value in polynomial.items()))
 
 
-def _coefficient(polynomial: Polynomial) -> Expr:
-    """Write the coefficient of a product of speeds or loads, grouped by sines and cosines."""
-    content, common, rest = _without_common(polynomial)
-    return _product(content, common, _by_angle(rest))
-
-
-def _grouped(
-    polynomial: Polynomial, leads: Callable[[Expr], bool], inner: Callable[[Polynomial], Expr]
-) -> Expr:
-    """Group terms by the product of their leading factors.
-
-    Args:
-        polynomial: The polynomial.
-        leads: Whether a factor is a leading one.
-        inner: Writes the coefficient of a product of leading factors.
-    """
-    groups: dict[Monomial, dict[Monomial, Fraction]] = {}
-    for term, coefficient in polynomial.items():
-        part = tuple((factor, power) for factor, power in term if leads(factor))
-        other = tuple((factor, power) for factor, power in term if not leads(factor))
-        groups.setdefault(part, {})[other] = coefficient
-    return Add(*(Mul(_powers(part), inner(group)) for part, group in groups.items()))
-
-
-def _factored(polynomial: Polynomial) -> Expr:
-    """Collect the terms of a polynomial, or write it as a product of sums where that is shorter."""
-    plain = _collect(polynomial)
-    short = all(value.denominator <= LARGEST_DENOMINATOR for value in polynomial.values())
-    if not short or not FEWEST_TERMS_OF_A_PRODUCT <= len(polynomial) <= MOST_TERMS_TO_FACTOR:
-        return plain
-    product = sympy.factor(plain)
-    return min(plain, product, key=_operations)
-
-
-def _collect(polynomial: Polynomial) -> Expr:
-    """Take out the common factors of all terms, then nest by the commonest factor."""
-    content, common, rest = _without_common(polynomial)
-    return _product(content, common, _by_commonest_factor(rest))
-
-
-def _by_commonest_factor(polynomial: Polynomial) -> Expr:
-    """Nest a polynomial without a common factor: split it repeatedly by the factor that most terms have."""
-    count = Counter(factor for term in polynomial for factor, _ in term)
-    shared = [factor for factor, terms in count.items() if terms > 1]
-    if not shared:
-        return Add(*(_product(value, term, S.One) for term, value in polynomial.items()))
-    chosen = min(shared, key=lambda factor: (-count[factor], factor_key(factor)))
-    inside = {term: value for term, value in polynomial.items() if chosen in dict(term)}
-    outside = {term: value for term, value in polynomial.items() if term not in inside}
-    return Add(_collect(inside), _collect(outside)) if outside else _collect(inside)
-
-
-def _without_common(polynomial: Polynomial) -> tuple[Fraction, Monomial, Polynomial]:
-    """Return rational content, common monomial and remaining polynomial, whose product is the polynomial."""
-    terms = iter(polynomial)
-    lowest = dict(next(terms))
-    for term in terms:
-        powers = dict(term)
-        lowest = {f: min(power, powers[f]) for f, power in lowest.items() if f in powers}
-    common = monomial(lowest.items())
-    content = _content(polynomial.values())
-    if not common and content.denominator > LARGEST_DENOMINATOR:
-        content = Fraction(1)  # SymPy would multiply it into a sum at once, and round
-    inverse = [(factor, -power) for factor, power in common]
-    rest = {monomial([*term, *inverse]): value / content for term, value in polynomial.items()}
-    return content, common, rest
-
-
-def _content(values: Iterable[Fraction]) -> Fraction:
-    """Return a common factor of coefficients, 1 where none makes them easier to read.
-
-    Of short fractions it is the greatest common divisor, such as 2 for 4 and 6. Of decimal numbers it must
-    leave small multiples, such as 0.0015 for 0.003 and 0.0045.
-    """
-    fractions = list(values)
-    smallest = min(abs(value) for value in fractions)
-    size = Fraction(1)
-    if all(value.denominator <= LARGEST_DENOMINATOR for value in fractions):
-        size = _divisor(fractions)
-    elif all(_is_small(value / smallest) for value in fractions):
-        size = smallest * _divisor([value / smallest for value in fractions])
-    return -size if all(value < 0 for value in fractions) else size
-
-
-def _divisor(values: list[Fraction]) -> Fraction:
-    """Return the greatest common divisor of fractions."""
-    return Fraction(gcd(*(v.numerator for v in values)), lcm(*(v.denominator for v in values)))
-
-
-def _is_small(multiple: Fraction) -> bool:
-    """Return whether a multiple is a short fraction that is easy to read."""
-    return abs(multiple.numerator) <= LARGEST_MULTIPLE and multiple.denominator <= LARGEST_DENOMINATOR
-
-
-def _product(content: Fraction, common: Monomial, rest: Expr) -> Expr:
+def _product(size: Fraction, common: Monomial, rest: Expr) -> Expr:
     """Return the product of a coefficient, a monomial and an expression."""
-    return Mul(expression(content), _powers(common), rest)
+    if not common and rest is S.One:
+        return constant(size)
+    return _scaled(size, Mul(*(Pow(factor, power) for factor, power in common), rest))
 
 
-def _powers(term: Monomial) -> Expr:
-    """Return a monomial as an expression."""
-    return Mul(*(Pow(factor, power) for factor, power in term))
+def _scaled(size: Fraction, expr: Expr) -> Expr:
+    """Return a multiple of an expression; SymPy would multiply a number into a sum at once."""
+    is_multiple_of_sum = expr.is_Add and abs(size) != 1
+    return Mul(expression(size), expr, evaluate=False) if is_multiple_of_sum else Mul(expression(size), expr)

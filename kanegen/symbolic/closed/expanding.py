@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
 
-from sympy import Expr, S, cos, sin
+from sympy import Expr, Pow, Rational, S, cos, sin
 
-from kanegen.symbolic.closed.polynomials import Polynomial, add, fraction, monomial, reduced_product
+from kanegen.symbolic.closed.coefficients import fraction
+from kanegen.symbolic.closed.polynomials import Monomial, Polynomial, add, monomial, reduced_product
 from kanegen.symbolic.literal.dynamics import BodyEquations
 
 ANGLES = 3
 """Number of angles of a joint."""
+
+LARGEST_POWER = 3
+"""Exponent up to which powers of sums are multiplied out."""
 
 
 @dataclass
@@ -23,12 +27,16 @@ class Expander:
     Attributes:
         sums: Sum of the angles of the parallel hinges inward of a hinge, by the angle of this hinge. Sines
             and cosines of such angles are expanded in those of sums, which keeps the number of terms small.
+        inside: Simplifies the operands of functions and roots, which are further factors of polynomials.
+        signs: Factors that are 1 or -1, so that their squares are 1.
         values: Values of the symbols that stand for numbers of the model, without signs their sizes.
         signed: Whether terms have their signs. Without signs none cancel, and every coefficient is the sum of
             the sizes of the terms that are added up in the coefficient with signs.
     """
 
     sums: Mapping[Expr, Expr]
+    inside: Callable[[Expr], Expr]
+    signs: Set[Expr] = frozenset()
     values: Mapping[Expr, Fraction] = field(default_factory=dict)
     signed: bool = True
     _known: dict[Expr, Polynomial] = field(default_factory=dict)
@@ -53,17 +61,43 @@ class Expander:
             return add(self.polynomial(argument) for argument in expr.args)
         if expr.is_Mul:
             return self._product([self.polynomial(argument) for argument in expr.args])
-        if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
-            return self._product([self.polynomial(expr.base)] * int(expr.exp))
+        if expr.is_Pow and expr.exp.is_Rational:
+            return self._power(expr.base, expr.exp)
         if expr.func in (sin, cos) and expr.args[0] in self.sums:
             return self._of_difference(
                 expr.func, self.sums[expr.args[0]] + expr.args[0], self.sums[expr.args[0]]
             )
-        return {((expr, 1),): Fraction(1)}
+        is_factor = not expr.args or expr.func in (sin, cos)
+        return {((expr if is_factor else expr.func(*map(self.inside, expr.args)), 1),): Fraction(1)}
+
+    def _power(self, base: Expr, exponent: Rational) -> Polynomial:
+        """Return a power as a polynomial: multiplied out, or with the base or its root as a factor."""
+        power, is_whole = int(exponent.p), exponent.q == 1
+        if is_whole and (0 < power <= LARGEST_POWER or (power > 0 and not base.is_Add)):
+            return self._product([self.polynomial(base)] * power)
+        terms = self.polynomial(base)
+        if is_whole and len(terms) == 1:
+            ((term, value),) = terms.items()
+            return {monomial((factor, p * power) for factor, p in term): value**power}
+        factor = Pow(self.inside(base), Rational(1, exponent.q))
+        return (
+            {((factor, power),): Fraction(1)}
+            if factor.free_symbols
+            else {((Pow(factor, power), 1),): Fraction(1)}
+        )
 
     def _product(self, factors: Iterable[Polynomial]) -> Polynomial:
-        """Return the product of polynomials without squares of sines."""
-        return reduce(lambda a, b: reduced_product(a, b, signed=self.signed), factors)
+        """Return the product of polynomials without squares of sines and of signs."""
+        product = reduce(lambda a, b: reduced_product(a, b, signed=self.signed), factors)
+        return (
+            add({self._without_squares(term): value} for term, value in product.items())
+            if self.signs
+            else product
+        )
+
+    def _without_squares(self, term: Monomial) -> Monomial:
+        """Return a monomial without even powers of signs."""
+        return monomial((factor, power % 2 if factor in self.signs else power) for factor, power in term)
 
     def _of_difference(self, function: type[Expr], a: Expr, b: Expr) -> Polynomial:
         """Expand sin(a - b) or cos(a - b) by the addition theorems."""

@@ -7,23 +7,24 @@ shortest form; then common factors are collected.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from fractions import Fraction
 
-from sympy import Expr, Float, ImmutableMatrix
+from sympy import Add, Expr, Float, ImmutableMatrix
 
 from kanegen.errors import OptionError
 from kanegen.symbolic.closed.angle_sums import shortest
-from kanegen.symbolic.closed.collecting import collected
+from kanegen.symbolic.closed.coefficients import readable
+from kanegen.symbolic.closed.collecting import Collector
 from kanegen.symbolic.closed.expanding import Expander, parallel_sums
 from kanegen.symbolic.closed.named_numbers import NamedNumbers
 from kanegen.symbolic.closed.polynomials import (
     Monomial,
     Polynomial,
     add,
+    is_trigonometric,
     monomial,
-    readable,
     without_cancelled,
 )
 from kanegen.symbolic.literal.dynamics import BodyEquations
@@ -36,40 +37,46 @@ class ClosedForm:
     Attributes:
         A: (n, n) generalized mass matrix, Eq. (43).
         f: (n, 1) right side, Eq. (44).
+        conditions: Expressions that are positive where the form holds: each belongs to a spring whose ends
+            stay on a line, and whose direction is the one at {x} = {0}. Empty if the form holds everywhere.
     """
 
     A: ImmutableMatrix
     f: ImmutableMatrix
+    conditions: tuple[Expr, ...] = ()
 
 
 def close(
+    simplifier: Simplifier,
     A: ImmutableMatrix,
     f: ImmutableMatrix,
-    bodies: tuple[BodyEquations, ...],
-    motion: Collection[Expr],
-    numbers: NamedNumbers,
-) -> ClosedForm:
-    """Return the closed form of [A] and {f}.
+    element_forces: ImmutableMatrix,
+    fallback: ImmutableMatrix,
+) -> tuple[ImmutableMatrix, ImmutableMatrix]:
+    """Return the closed forms of [A] and {f}.
 
     Args:
+        simplifier: Simplifies the entries.
         A: (n, n) [A] without intermediates.
-        f: (n, 1) {f} without intermediates.
-        bodies: The equations of all bodies.
-        motion: Speeds, loads and prescribed motion, by whose products the terms of an entry may be grouped.
-        numbers: The symbols in [A] and {f} that stand for numbers of the model.
+        f: (n, 1) {f} without intermediates and without force elements.
+        element_forces: (n, 1) what force elements add to {f}.
+        fallback: (n, 1) the same, for entries in which it grows too long when it is multiplied out.
 
     Raises:
         OptionError: If an entry grows too long to be read.
     """
-    simplifier = Simplifier(parallel_sums(bodies), frozenset(motion), has_rounded_rotations(bodies), numbers)
     for entry in (*f, *A):  # an entry that is too long is found before any is simplified
         simplifier.expand(entry)
     n = A.shape[0]
     upper = {(i, j): simplifier.simplify(A[i, j]) for i in range(n) for j in range(i, n)}
     entries = [upper[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
-    return ClosedForm(
-        ImmutableMatrix(n, n, entries), ImmutableMatrix([simplifier.simplify(entry) for entry in f])
-    )
+    right = []
+    for own, added, long in zip(f, element_forces, fallback, strict=True):
+        try:
+            right.append(simplifier.simplify(Add(own, added, evaluate=False)))
+        except OptionError:
+            right.append(simplifier.simplify(own) + long)
+    return ImmutableMatrix(n, n, entries), ImmutableMatrix(right)
 
 
 def has_rounded_rotations(bodies: tuple[BodyEquations, ...]) -> bool:
@@ -81,24 +88,23 @@ class Simplifier:
     """Simplifies expressions that share many parts.
 
     Args:
-        sums: Sum of the angles of parallel hinges inward of a hinge, by its angle; see `Expander.sums`.
-        motion: Speeds, loads and prescribed motion.
-        rounded: Whether coefficients that only rounding keeps from zero are dropped, and those within
-            rounding of a short decimal number are replaced by it.
+        bodies: The equations of all bodies.
+        motion: Speeds, loads and prescribed motion, by whose products the terms of an entry may be grouped.
         numbers: Symbols that stand for numbers of the model.
+
+    Attributes:
+        signs: Factors that are 1 or -1.
     """
 
     def __init__(
-        self,
-        sums: Mapping[Expr, Expr],
-        motion: Collection[Expr],
-        rounded: bool,
-        numbers: NamedNumbers,
+        self, bodies: tuple[BodyEquations, ...], motion: Collection[Expr], numbers: NamedNumbers
     ) -> None:
-        self._expander = Expander(sums, numbers.values)
-        self._sizes = Expander(sums, numbers.sizes, signed=False)
-        self._motion = motion
-        self._rounded = rounded
+        sums = parallel_sums(bodies)
+        self.signs: set[Expr] = set()
+        self._expander = Expander(sums, self.simplify, self.signs, numbers.values)
+        self._sizes = Expander(sums, self.simplify, self.signs, numbers.sizes, signed=False)
+        self._collector = Collector(frozenset(motion))
+        self._rounded = has_rounded_rotations(bodies)
         self._shortest: dict[tuple[tuple[Monomial, Fraction], ...], Polynomial] = {}
 
     def expand(self, expr: Expr) -> Polynomial:
@@ -125,15 +131,16 @@ class Simplifier:
         """
         groups: dict[Monomial, dict[Monomial, Fraction]] = {}
         for term, coefficient in self.expand(expr).items():
-            part = tuple((factor, power) for factor, power in term if not factor.is_Symbol)
-            symbols = tuple((factor, power) for factor, power in term if factor.is_Symbol)
-            groups.setdefault(symbols, {})[part] = readable(coefficient) if self._rounded else coefficient
-        return collected(add(self._times(symbols, group) for symbols, group in groups.items()), self._motion)
+            part = tuple((factor, power) for factor, power in term if is_trigonometric(factor))
+            others = tuple((factor, power) for factor, power in term if not is_trigonometric(factor))
+            groups.setdefault(others, {})[part] = readable(coefficient) if self._rounded else coefficient
+        short = add(self._times(others, group) for others, group in groups.items())
+        return self._collector.collected(short)
 
-    def _times(self, symbols: Monomial, group: Polynomial) -> Polynomial:
-        """Return the product of a monomial of symbols and the shortest form of a trigonometric polynomial."""
+    def _times(self, others: Monomial, group: Polynomial) -> Polynomial:
+        """Return the product of a monomial and the shortest form of a trigonometric polynomial."""
         short = self._shortest_of(group)
-        return {monomial([*symbols, *term]): coefficient for term, coefficient in short.items()}
+        return {monomial([*others, *term]): coefficient for term, coefficient in short.items()}
 
     def _shortest_of(self, polynomial: Polynomial) -> Polynomial:
         """Return the shortest form of a trigonometric polynomial; multiples of one polynomial share it."""

@@ -17,7 +17,7 @@ from kanegen.model.body import Body
 from kanegen.model.joint import IDENTITY
 from kanegen.model.numbers import Matrix, Number, Parameter, is_fixed, map_numbers, value_of
 from kanegen.model.system import System
-from kanegen.symbolic.closed.polynomials import fraction
+from kanegen.symbolic.closed.coefficients import fraction
 from kanegen.symbolic.state_symbols import of_system
 from kanegen.symbolic.symbols import expression, parameter
 
@@ -44,14 +44,22 @@ class NamedNumbers:
 
 
 def with_named_numbers(system: System) -> tuple[System, NamedNumbers]:
-    """Return a system with parameters in place of the numbers of bodies and gravity, and their values.
+    """Return a system with parameters in place of its numbers, and their values.
 
-    Integers stay, so that zeros and ones vanish from products, and so do angles, whose sines are numbers.
+    Integers stay, so that zeros and ones vanish from products. So do angles, whose sines are numbers, frames,
+    and the factors of couplings, which stand in operands of sines. A system in which all numbers stay is
+    returned as it is.
     """
     names = _Names(of_system(system).reserved.union(each.name for each in system.parameters))
     bodies = tuple(_named(body, names) for body in system.bodies)
-    gravity = map_numbers(system.gravity, names.of_number)
-    return replace(system, bodies=bodies, gravity=gravity), NamedNumbers(names.values, names.sizes)
+    parts = {
+        "gravity": map_numbers(system.gravity, names.of_number),
+        "force_elements": tuple(one.map_numbers(names.of_number) for one in system.force_elements),
+        "rotors": tuple(one.map_numbers(names.of_number) for one in system.rotors),
+    }
+    if not names.values:
+        return system, NamedNumbers()
+    return replace(system, bodies=bodies, **parts), NamedNumbers(names.values, names.sizes)
 
 
 class _Names:

@@ -1,18 +1,18 @@
 """Polynomials in sines, cosines, coordinates, speeds, loads and parameters, with exact coefficients.
 
-Every entry of [A] and {f} is such a polynomial. Reduction by sin^2 = 1 - cos^2 makes equal entries identical,
-on which simplification rests.
+Every entry of [A] and {f} is such a polynomial; what force elements add may have other functions as further
+factors, and negative powers. Reduction by sin^2 = 1 - cos^2 makes equal entries identical, on which
+simplification rests.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from functools import cache, reduce
 
 import sympy
-from sympy import Expr, Float, Rational
+from sympy import Expr
 
 from kanegen.errors import OptionError
 
@@ -30,15 +30,6 @@ CANCELLED = Fraction(1, 10**14)
 squares of rounded rotations, such as 0.7071..., do not add up to one exactly. A term is a product of about a
 dozen numbers, each rounded a few times when a file was read: fewer than 90 roundings of 2^-53, or 1e-14."""
 
-READABLE_DIGITS = 12
-"""Number of digits of a decimal number that replaces a coefficient within rounding of it."""
-
-LARGEST_DENOMINATOR = 4
-"""Denominator up to which a number is printed as a fraction, beyond as a decimal number."""
-
-LARGEST_NUMERATOR = 12
-"""Numerator up to which a number is printed as a fraction, beyond as a decimal number."""
-
 
 def monomial(factors: Iterable[tuple[Expr, int]]) -> Monomial:
     """Return the monomial of some factors: sorted, with equal ones joined and powers of zero dropped."""
@@ -52,6 +43,23 @@ def monomial(factors: Iterable[tuple[Expr, int]]) -> Monomial:
 def factor_key(factor: Expr) -> tuple[int, str]:
     """Return a key that sorts factors: symbols by name, then cosines and sines."""
     return (int(not factor.is_Symbol), str(factor))
+
+
+def is_trigonometric(factor: Expr) -> bool:
+    """Return whether a factor is a sine or a cosine."""
+    return factor.func in (sympy.sin, sympy.cos)
+
+
+def without_common_monomial(polynomial: Polynomial) -> tuple[Monomial, Polynomial]:
+    """Return the common monomial of all terms, and the rest."""
+    terms = iter(polynomial)
+    lowest = dict(next(terms))
+    for term in terms:
+        powers = dict(term)
+        lowest = {f: min(power, powers[f]) for f, power in lowest.items() if f in powers}
+    common = monomial(lowest.items())
+    inverse = [(factor, -power) for factor, power in common]
+    return common, {monomial([*term, *inverse]): value for term, value in polynomial.items()}
 
 
 def add(polynomials: Iterable[Polynomial]) -> Polynomial:
@@ -138,24 +146,3 @@ def substitute(polynomial: Polynomial, values: Mapping[Expr, Polynomial]) -> Pol
         replaced = [values[factor] for factor, power in term if factor in values for _ in range(power)]
         parts.append(reduce(reduced_product, replaced, {kept: coefficient}))
     return add(parts)
-
-
-def fraction(number: Expr) -> Fraction:
-    """Return a number as an exact fraction, a float as the shortest decimal number that reads back to it."""
-    if isinstance(number, Float):
-        return Fraction(repr(float(number)))
-    return Fraction(int(number.p), int(number.q))
-
-
-def readable(value: Fraction) -> Fraction:
-    """Return the short decimal number within rounding of `value`, such as 0.5, or else `value` itself."""
-    short = Fraction(f"{float(value):.{READABLE_DIGITS}g}")
-    return short if abs(short - value) <= 4 * Fraction(math.ulp(float(value))) else value
-
-
-def expression(value: Fraction) -> Expr:
-    """Return a coefficient in SymPy: a short fraction, or the nearest binary floating-point number."""
-    is_short = value.denominator <= LARGEST_DENOMINATOR and abs(value.numerator) <= LARGEST_NUMERATOR
-    if value.denominator == 1 or is_short:
-        return Rational(value.numerator, value.denominator)
-    return Float(float(value), precision=53)

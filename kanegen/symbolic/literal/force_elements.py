@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -31,6 +31,9 @@ from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.state_symbols import StateSymbols
 from kanegen.symbolic.symbols import column, expression, point_force, point_moment
 
+Direction = Callable[[ImmutableMatrix], ImmutableMatrix]
+"""Returns the unit vector along a vector, (3, 1)."""
+
 
 @dataclass(frozen=True)
 class _PointKinematics:
@@ -57,6 +60,8 @@ class ElementForces:
         bodies: The equations of its bodies.
         intermediates: Collects the intermediates.
         named: Whether all intermediates are named, or only parts of long expressions.
+        direction: Finds the direction of a spring; None where it is the vector between its ends over the
+            length.
     """
 
     system: System
@@ -64,6 +69,7 @@ class ElementForces:
     bodies: Sequence[BodyEquations]
     intermediates: Definitions
     named: bool
+    direction: Direction | None = None
 
     @property
     def total(self) -> ImmutableMatrix:
@@ -109,9 +115,18 @@ class ElementForces:
                 )
                 way = two.position - one.position
                 partial_velocity = two.partial_velocity - one.partial_velocity
-                length = self._named("length", sympy.sqrt(way.dot(way)))
-                rate = way.dot(two.velocity - one.velocity) / length
-                yield partial_velocity.T * way * (-(stiffness * (length - rest) + damping * rate) / length)
+                pull = stiffness * way
+                if spring.may_be_undefined:
+                    direction = self._direction(way)
+                    rate = direction.dot(two.velocity - one.velocity)
+                    pull += direction * (damping * rate - stiffness * rest)
+                yield -partial_velocity.T * pull
+
+    def _direction(self, way: ImmutableMatrix) -> ImmutableMatrix:
+        """Return the unit vector along the vector between the ends of a spring, (3, 1)."""
+        if self.direction is not None:
+            return self.direction(way)
+        return way / self._named("length", sympy.sqrt(way.dot(way)))
 
     def _point_loads(self) -> Iterator[ImmutableMatrix]:
         """Yield the forces of loads on points: those of elements, then those that are inputs."""

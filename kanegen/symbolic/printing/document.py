@@ -10,9 +10,10 @@ from sympy import ImmutableMatrix, Symbol
 
 from kanegen.errors import counted
 from kanegen.model.system import System
+from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.printing.blocks import body_sections
-from kanegen.symbolic.printing.printers import escaped, latex, latex_names
+from kanegen.symbolic.printing.printers import escaped, latex, latex_names, text
 from kanegen.symbolic.printing.statements import (
     Equation,
     PrintedStatement,
@@ -42,13 +43,12 @@ class Document:
     sections: tuple[Section, ...]
 
 
-def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Document:
+def document(equations: Equations, form: ClosedForm) -> Document:
     """Return a document of [A] and {f}, and of the definitions that they need.
 
     Args:
         equations: The equations to which [A] and {f} belong.
-        A: (n, n) [A], with or without intermediates.
-        f: (n, 1) {f}, with or without intermediates.
+        form: [A] and {f}, with or without intermediates.
     """
     system = equations.system
     n, count = len(equations.y), system.number_of_bodies
@@ -56,7 +56,7 @@ def document(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Do
     return Document(
         f"{system.name}: {bodies}, {freedoms}",
         f"Equations of motion [A]{{ydot}} = {{f}}, with {kinematic_relation(system)}. SI units.",
-        tuple(_sections(equations, A, f)),
+        tuple(_sections(equations, form)),
     )
 
 
@@ -65,7 +65,7 @@ def kinematic_relation(system: System) -> str:
     return "{xdot} = {y}" if system.speeds_are_rates else "{xdot} from {y} by Eqs. (9), (45)"
 
 
-def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> Iterator[Section]:
+def _sections(equations: Equations, form: ClosedForm) -> Iterator[Section]:
     """Yield the sections of the document on [A] and {f}."""
     system, definitions = equations.system, equations.definitions
     names = latex_names(equations)
@@ -81,8 +81,9 @@ def _sections(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> I
         yield from body_sections(system)
     for note, group in groupby(definitions, key=lambda definition: definition.note):
         yield Section(note, "", tuple(equation(each.symbol, each.value, names) for each in group))
-    yield Section("Mass matrix", "[A] of Eq. (43); it is symmetric.", _matrix("A", A, names))
-    yield Section("Forcing", "{f} of Eq. (44).", _matrix("f", f, names))
+    yield from _conditions(form, names)
+    yield Section("Mass matrix", "[A] of Eq. (43); it is symmetric.", _matrix("A", form.A, names))
+    yield Section("Forcing", "{f} of Eq. (44).", _matrix("f", form.f, names))
 
 
 def _state(equations: Equations, names: SymbolLatex) -> Section:
@@ -218,6 +219,17 @@ def _force_elements(system: System) -> Iterator[Section]:
     if system.force_elements:
         words = "; ".join(element.summary for element in system.force_elements)
         yield Section("Force elements", f"{words}.")
+
+
+def _conditions(form: ClosedForm, names: SymbolLatex) -> Iterator[Section]:
+    """Yield the section on the conditions under which a closed form holds, if there are any."""
+    statements = tuple(
+        PrintedStatement(f"{text(one)} > 0", latex(one, names), ("0",), relation=">")
+        for one in form.conditions
+    )
+    if statements:
+        note = "{f} holds where the ends of each spring do not pass through each other, that is where"
+        yield Section("Directions of springs", note, statements)
 
 
 def _matrix(name: str, value: ImmutableMatrix, names: SymbolLatex) -> tuple[Statement, ...]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from sympy import ImmutableMatrix
-
 from kanegen.choices import require_one
 from kanegen.errors import OptionError
 from kanegen.symbolic.closed.form import ClosedForm
@@ -33,29 +31,29 @@ def render(equations: Equations, format: str = "text", closed: bool | None = Non
     """
     require_one("format", format, FORMATS)
     printed = FORMATS[format]
-    form = _closed_form(equations, closed)
+    form = _closed_form(equations, closed, everywhere=format == "python")
     if form is not None:
-        return printed(derive(equations.system, intermediates=False), form.A, form.f)
+        return printed(derive(equations.system, intermediates=False), form)
     named = equations if equations.intermediates else derive(equations.system, intermediates=True)
-    return printed(named, named.A, named.f)
+    return printed(named, ClosedForm(named.A, named.f))
 
 
-def _closed_form(equations: Equations, closed: bool | None) -> ClosedForm | None:
+def _closed_form(equations: Equations, closed: bool | None, everywhere: bool) -> ClosedForm | None:
     """Return the closed form, or None where it is not wanted or not asked for and too long."""
     small = len(equations.x) <= MOST_FREEDOMS_WITHOUT_NAMES
     if closed is False or (closed is None and not small):
         return None
     try:
-        return equations.closed_form()
+        return equations.closed_form(everywhere)
     except OptionError:
         if closed:
             raise
         return None
 
 
-def _text(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+def _text(equations: Equations, form: ClosedForm) -> str:
     """Return the document as plain text."""
-    described = document(equations, A, f)
+    described = document(equations, form)
     parts = [f"{described.title}\n{described.note}"]
     for section in described.sections:
         lines = [f"{section.title}. {section.note}".rstrip()]
@@ -64,9 +62,9 @@ def _text(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _markdown(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+def _markdown(equations: Equations, form: ClosedForm) -> str:
     """Return the document in Markdown."""
-    described = document(equations, A, f)
+    described = document(equations, form)
     parts = [f"# {described.title}", described.note]
     for section in described.sections:
         parts += [f"## {section.title}"] + [section.note] * bool(section.note)
@@ -80,14 +78,14 @@ def _markdown(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> s
 def _markdown_lines(statement: Statement) -> str:
     """Return a statement as the content of a formula, aligned if it has several lines."""
     if len(statement.right) == 1:
-        return f"{statement.left} = {statement.right[0]}"
+        return f"{statement.left} {statement.relation} {statement.right[0]}"
     rows = " \\\\\n".join(_aligned(statement))
     return f"\\begin{{aligned}}\n{rows}\n\\end{{aligned}}"
 
 
-def _latex(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+def _latex(equations: Equations, form: ClosedForm) -> str:
     """Return the document in LaTeX."""
-    described = document(equations, A, f)
+    described = document(equations, form)
     parts = [
         r"\documentclass{article}",
         r"\usepackage{amsmath}",
@@ -108,12 +106,12 @@ def _latex(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
 def _aligned(statement: Statement) -> Iterator[str]:
     """Yield the lines of a statement for an aligned environment of LaTeX."""
     first, *others = statement.right
-    yield f"{statement.left} ={{}}& {first}"
+    yield f"{statement.left} {statement.relation}{{}}& {first}"
     for line in others:
         yield f"& {line}"
 
 
-FORMATS: dict[str, Callable[[Equations, ImmutableMatrix, ImmutableMatrix], str]] = {
+FORMATS: dict[str, Callable[[Equations, ClosedForm], str]] = {
     "text": _text,
     "markdown": _markdown,
     "latex": _latex,

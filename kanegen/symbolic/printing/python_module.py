@@ -10,6 +10,7 @@ from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.model.quoting import python_text
 from kanegen.symbolic import functions
+from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.literal.numeric import needed_definitions
 from kanegen.symbolic.printing.document import kinematic_relation
@@ -26,16 +27,15 @@ TAKEN = frozenset(
 """Names in the module that the symbol of a parameter or of a freedom cannot have."""
 
 
-def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) -> str:
+def python_module(equations: Equations, form: ClosedForm) -> str:
     """Return a module with the functions `mass_matrix`, `forcing` and, where needed, `coordinate_rates`.
 
     Args:
         equations: The equations to which [A] and {f} belong.
-        A: (n, n) [A].
-        f: (n, 1) {f}.
+        form: [A] and {f}, which hold in all states.
     """
     names = _names(equations)
-    functions = ", ".join(sorted({"cos", "sin", *_functions(equations, f)}))
+    functions = ", ".join(sorted({"cos", "sin", *_functions(equations, form.f)}))
     head = [
         _docstring(equations, names),
         f"from math import {functions}",
@@ -44,8 +44,8 @@ def python_module(equations: Equations, A: ImmutableMatrix, f: ImmutableMatrix) 
     ]
     parts = [
         "\n\n".join(head),
-        _mass_matrix(equations, A, names),
-        _forcing(equations, f, names),
+        _mass_matrix(equations, form.A, names),
+        _forcing(equations, form.f, names),
     ]
     if not equations.system.speeds_are_rates:
         parts.append(_coordinate_rates(equations, names))

@@ -21,11 +21,13 @@ class PrintedStatement:
         text: The statement in plain text, one line or several.
         left: Left side in LaTeX.
         right: Lines of the right side in LaTeX.
+        relation: What stands between the sides.
     """
 
     text: str
     left: str
     right: tuple[str, ...]
+    relation: str = "="
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,11 @@ class Equation:
     left: str
     value: Expr
     names: SymbolLatex
+
+    @property
+    def relation(self) -> str:
+        """What stands between the sides."""
+        return "="
 
     @property
     def text(self) -> str:
