@@ -95,13 +95,22 @@ def argument_list(function: Function, not_finite: str) -> list[str]:
             f"@return 0, or the place in x, from 1, of a freedom whose {quantity} is not positive or NaN;"
         )
         lines += textwrap.wrap(status, WIDTH - len(" * "), subsequent_indent="    ")
+        for one in function.row_conditions:
+            before = f"{one.first} + " if one.first else ""
+            status = (
+                f"{not_finite} + {before}i for row i, from 1, of the {one.rows}, whose {one.quantity} is not "
+                "positive or NaN;"
+            )
+            lines += textwrap.wrap(
+                status, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    "
+            )
         lines.append(f"    {' and '.join(function.may_fail)} then {_holds(function)} NaN")
         lines += textwrap.wrap(infinite, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    ")
     if function.may_be_inaccurate:
         names = " and ".join(function.may_be_inaccurate)
         lines += [
             "    -1 and below: minus such a place where nothing failed, but the error may be large, with the",
-            f"    most digits lost at that freedom; {names} is filled all the same",
+            f"    most digits lost at that {_holder(function)}; {names} is filled all the same",
         ]
     return lines
 
@@ -123,6 +132,10 @@ def not_finite(model: ModelDescription) -> str:
 def declarator(array: Array) -> str:
     """Return an array as C declares it, `A[2 * 2]`."""
     return f"{array.name}{_lengths(array)}"
+
+
+def _holder(function: Function) -> str:
+    return "freedom or row" if function.row_conditions else "freedom"
 
 
 def _holds(function: Function) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from kanegen.errors import quoted
 from kanegen.model.coordinates import NOTES
+from kanegen.model.reaction import COMPONENTS
 from kanegen.model.reanchorable import ReanchorableJoint, reanchorable_joints
 from kanegen.model.system import System
 
@@ -48,6 +49,8 @@ class ModelDescription:
         limits: Smallest and largest coordinates, speeds and efforts in the order of the C arrays, infinite
             where there is none; () for a model without limits.
         reanchorable: Joints whose frames can be re-anchored at run time.
+        rows: Names of the rows of outputs that a status can name, such as a moment or a force on a frame, in
+            the order of their places behind that of the status of a result that is not finite.
     """
 
     name: str
@@ -78,6 +81,7 @@ class ModelDescription:
     homogeneous: tuple[tuple[int, ...], ...] = ()
     limits: tuple[tuple[float, ...], ...] = ()
     title: str = ""
+    rows: tuple[str, ...] = ()
 
     @property
     def shown(self) -> str:
@@ -169,7 +173,13 @@ def description(system: System) -> ModelDescription:
         reanchorable=reanchorable_joints(system),
         homogeneous=_homogeneous(system),
         limits=_limits(system),
+        rows=_rows(system),
     )
+
+
+def _rows(system: System) -> tuple[str, ...]:
+    """Return the names of six loads on each frame that is selected."""
+    return tuple(f"{load!r} on frame {quoted(name)}" for name in system.pose_names for load in COMPONENTS)
 
 
 def _limits(system: System) -> tuple[tuple[float, ...], ...]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.program.cut import LONGEST_PART, cut, workspace_size
-from kanegen.program.ir import EVALUATE, Array, Condition, Module, Program
+from kanegen.program.ir import EVALUATE, Array, Condition, Module, Program, RowCondition
 
 PREPARE = "prepare"
 """Name of the function that turns parameters into prepared constants."""
@@ -45,6 +45,11 @@ class Function:
     def conditions(self) -> tuple[Condition, ...]:
         """The conditions under which the outputs in `may_fail` exist, each once."""
         return tuple(dict.fromkeys(array.condition for array in self.outputs if array.name in self.may_fail))
+
+    @property
+    def row_conditions(self) -> tuple[RowCondition, ...]:
+        """The conditions for rows of the outputs, each once."""
+        return tuple(dict.fromkeys(one for array in self.outputs if (one := array.row_condition)))
 
     @property
     def has_batch(self) -> bool:

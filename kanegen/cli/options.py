@@ -47,16 +47,16 @@ Outputs = Annotated[
         "--output",
         metavar="NAME",
         help="Compute this output (repeatable): mass_matrix, forcing, gravity_forces, velocity_forces, "
-        "coriolis_matrix, inverse_dynamics, reaction_loads, forward_dynamics, error_estimate, error_bound, "
-        "regularity, mass_matrix_inverse, kinetic_energy, potential_energy, momentum, "
+        "coriolis_matrix, inverse_dynamics, reaction_loads, forward_dynamics, error_estimate, "
+        "error_bound, regularity, mass_matrix_inverse, kinetic_energy, potential_energy, momentum, "
         "centroidal_momentum_matrix, centroidal_momentum_bias, mass_center, body_poses, frame_velocities, "
-        "frame_accelerations, frame_bias_accelerations, frame_jacobians, coordinate_rates, point_positions, "
-        "point_velocities, point_accelerations, point_jacobians, regressor, prescribed_efforts, "
-        "forcing_derivatives, "
-        "gravity_forces_derivatives, inverse_dynamics_derivatives, forward_dynamics_derivatives, "
-        "coordinate_rates_derivatives, point_positions_derivatives, point_velocities_derivatives, "
-        "point_accelerations_derivatives, kinetic_energy_derivatives, potential_energy_derivatives, "
-        "momentum_derivatives, mass_center_derivatives.",
+        "frame_accelerations, frame_bias_accelerations, frame_jacobians, coordinate_rates, "
+        "point_positions, point_velocities, point_accelerations, point_jacobians, operational_inertia, "
+        "operational_inertia_inverse, operational_bias, regressor, prescribed_efforts, "
+        "forcing_derivatives, gravity_forces_derivatives, inverse_dynamics_derivatives, "
+        "forward_dynamics_derivatives, coordinate_rates_derivatives, point_positions_derivatives, "
+        "point_velocities_derivatives, point_accelerations_derivatives, kinetic_energy_derivatives, "
+        "potential_energy_derivatives, momentum_derivatives, mass_center_derivatives.",
     ),
 ]
 Functions = Annotated[

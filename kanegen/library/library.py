@@ -13,6 +13,7 @@ from kanegen.library.linearization import Linearization
 from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import NativeLibrary
 from kanegen.library.native.status import OnStatus, checked_on_status
+from kanegen.library.operational import OperationalSpace
 from kanegen.library.quantities import Quantities
 from kanegen.library.quantity_derivatives import QuantityDerivatives
 
@@ -48,7 +49,16 @@ def load(
     return Library(NativeLibrary.made(recipe), dict(source.model.parameters), checked_on_status(on_status))
 
 
-class Library(Linearization, Dynamics, Quantities, Frames, Identification, Derivatives, QuantityDerivatives):
+class Library(
+    Linearization,
+    Dynamics,
+    Quantities,
+    Frames,
+    OperationalSpace,
+    Identification,
+    Derivatives,
+    QuantityDerivatives,
+):
     """The functions of a compiled model, with values of its run-time parameters.
 
     A state has coordinates of shape (m,) and generalized speeds of shape (n,), n being the number of freedoms

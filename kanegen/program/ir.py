@@ -121,6 +121,28 @@ REGULAR = Condition("pivot of [A]", "[A] is singular")
 
 
 @dataclass(frozen=True, slots=True)
+class RowCondition:
+    """The condition under which an output exists that has rows: one quantity for each row must be positive.
+
+    A status names a row as it names a freedom. Rows of outputs have places behind that of the status of a
+    result that is not finite, in the order of `ModelDescription.rows`.
+
+    Attributes:
+        quantity: Name of the quantity in a sentence, such as "pivot of J [A]^-1 J^T".
+        failure: Clause on the state where the quantity is not positive.
+        loss: Clause on the state where the quantity is so small that digits are lost.
+        rows: What the rows are, in the plural, such as "moments and forces on the frames".
+        first: Number of rows of other outputs before them.
+    """
+
+    quantity: str
+    failure: str
+    loss: str
+    rows: str
+    first: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Array:
     """An input or output array of a program.
 
@@ -131,6 +153,7 @@ class Array:
         doc: Content of the array in one line, with its equation.
         condition: When an output exists that does not exist in every state.
         of_freedoms: Whether the first index counts the freedoms.
+        row_condition: The condition for each of its rows, if it has rows without which it does not exist.
     """
 
     name: str
@@ -139,6 +162,7 @@ class Array:
     doc: str
     condition: Condition = REGULAR
     of_freedoms: bool = False
+    row_condition: RowCondition | None = None
 
     @property
     def size(self) -> int:

@@ -25,12 +25,12 @@ from kanegen.recursion.inverse_dynamics import Requirement, required_efforts
 from kanegen.recursion.joint_path import joint_path, released
 from kanegen.recursion.kinematics import poses
 from kanegen.recursion.mass_matrix import mass_matrix
-from kanegen.recursion.mass_matrix_inverse import outward, products
+from kanegen.recursion.mass_matrix_inverse import products
 from kanegen.recursion.reduced import Reduced
 from kanegen.recursion.solved_motion import Paths
+from kanegen.recursion.symmetric_factors import factorised, inverse_of_chain
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO
-from kanegen.symbolic.definitions import Definitions
 from kanegen.symbolic.symbols import generalized_force
 
 ARTICULATED_COST = 350
@@ -79,7 +79,7 @@ class Factorisation:
         self.diagonal = [a[i, i] for i in range(n)]
         self._carriers = carriers(tree.system)
         tree.definitions.about("[A] = [L]^T [D] [L], then {ydot}, Eq. (42)")
-        self._factors, pivots = _factorise(a, self._carriers, tree.definitions)
+        self._factors, pivots = factorised(a, self._carriers, tree.definitions)
         self.pivots: Sequence[Expr] = [pivots[i] for i in range(n)]
 
     @property
@@ -128,7 +128,8 @@ class Factorisation:
         if any(len(self._carriers[k]) < number for number, k in enumerate(order)):
             return products(self)
         inverses = {k: self._inverse_pivot(k) for k in order}
-        return outward(self._factors, inverses, order, self.tree.definitions)
+        self.tree.definitions.about("[A]^-1")
+        return inverse_of_chain(self._factors, inverses, order, self.tree.definitions)
 
     def _surplus(self, bias: Requirement) -> list[Expr]:
         """Return {tau} less what is required where all free components are zero, by freedom."""
@@ -173,27 +174,6 @@ class Factorisation:
                 own = components[speed.freedom] - along.alpha[speed.axis]
                 result[speed.freedom] = define(f"{name}_{speed.freedom}", own)
         return result
-
-
-def _factorise(
-    a: dict[tuple[int, int], Expr], carriers: dict[int, list[int]], definitions: Definitions
-) -> tuple[dict[tuple[int, int], Expr], dict[int, Expr]]:
-    """Return the entries of [L] left of its diagonal and those of [D]."""
-    factors: dict[tuple[int, int], Expr] = {}
-    pivots: dict[int, Expr] = {}
-    for k, carrying in carriers.items():
-        pivots[k] = definitions.define(f"D_{k}", a[k, k])
-        inverse = definitions.define(f"D_{k}i", 1 / pivots[k])
-        coupled = [i for i in carrying if a[k, i] != 0]
-        row = {i: definitions.define(f"A_{k}_{i}_", a[k, i]) for i in coupled}
-        for i in coupled:
-            factors[k, i] = definitions.define(f"L_{k}_{i}", row[i] * inverse)
-        for i in coupled:
-            for j in coupled:
-                a[i, j] = definitions.define(
-                    f"A_{i}_{j}_{k}", a[i, j] - factors[k, max(i, j)] * row[min(i, j)]
-                )
-    return factors, pivots
 
 
 def carriers(system: System) -> dict[int, list[int]]:

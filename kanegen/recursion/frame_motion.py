@@ -28,7 +28,7 @@ def frame_jacobians(tree: Tree) -> Derived:
     """Derive the partial velocities of every frame by {y}, Eqs. (15), (32): (6, n), frame after frame."""
     n, seen = len(tree.system.freedoms), poses(tree)
     entries: list[Expr] = []
-    for one in _origins(tree):
+    for one in frame_origins(tree):
         found = partial_velocities(tree, one, seen)
         for columns in (found.angular, found.linear):
             for i in range(3):
@@ -39,7 +39,7 @@ def frame_jacobians(tree: Tree) -> Derived:
 def frame_velocities(tree: Tree) -> Derived:
     """Derive {omega_K} and the velocity of the origin, Eqs. (11), (27), of every frame."""
     omega = angular_velocities(tree)
-    of_origins, origins = velocities(tree, omega), _origins(tree)
+    of_origins, origins = velocities(tree, omega), frame_origins(tree)
     angular = [
         BodyVector(one.body, f"wf_{one.number}", f"angular velocity of frame {one.number}", omega[one.body])
         for one in origins
@@ -60,7 +60,7 @@ def frame_bias_accelerations(tree: Tree) -> Derived:
 def _accelerations(tree: Tree, accelerated: bool) -> Derived:
     """Derive the accelerations of every frame, without gravity."""
     moved = body_motions(tree, accelerated=accelerated, weightless=True)
-    origins = _origins(tree)
+    origins = frame_origins(tree)
     angular = [
         BodyVector(
             one.body,
@@ -80,7 +80,7 @@ def _six_rows(tree: Tree, angular: Sequence[BodyVector], linear: Sequence[BodyVe
     return Derived([entry for pair in pairs for v in pair for entry in v])
 
 
-def _origins(tree: Tree) -> list[Attached]:
+def frame_origins(tree: Tree) -> list[Attached]:
     """Return the origins of the frames that the system selects."""
     return [
         Attached("frame", number, frame.body, fixed_frame(tree, frame.name, frame.body).origin)

@@ -332,6 +332,11 @@ NAMES = (
     ("b_{n}", "right side of the elimination at place n"),
     ("bd_{n}", "b_n over the pivot"),
     ("Ai_{n}_{m}", "entry of [A]^-1"),
+    ("Li_{n}_{ij}", "entry of J [A]^-1 J^T of frame n"),
+    ("Ll_{n}_{i}", "row i of frame n: product of the diagonal entries of [Lambda] and of its inverse"),
+    ("Lm_{n}_{i}", "margin of row i of frame n: positive where [Lambda] keeps enough digits"),
+    ("La_{n}_{i}", "component i of the acceleration of frame n without a load on it"),
+    ("Lb_{n}_{i}", "component i of the operational bias of frame n"),
     ("ydot_{n}", "entry of {ydot}, or the component of the acceleration of the body in its place"),
     ("r_{n}", "component of the acceleration that a body has with the freedom at place n"),
     # Refinement
@@ -359,6 +364,7 @@ NAMES = (
 MARKS = (
     ("_d{n}", "at the end of a name: derivative by element n of what is differentiated by"),
     ("_s", "at the end of a name: the value at the solution {ydot}"),
+    ("_f{n}", "at the end of a name: the same for J [A]^-1 J^T of frame n instead of [A]"),
     ("_u{n}", "at the end of a name: for a unit generalized force at place n alone"),
     ("_l{n}_{i}", "at the end of a name: for unit load i alone, moments before forces, on frame n"),
     ("_", "at the end of a name: another value of the same kind"),

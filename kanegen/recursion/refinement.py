@@ -24,11 +24,12 @@ from kanegen.recursion.body_motion import BodyMotion, body_motions
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.inverse_dynamics import Requirement, required
+from kanegen.recursion.operational import Operational
 from kanegen.recursion.pivot_margins import NO_LIMITS, PivotLimits, PivotMargins
 from kanegen.recursion.rotors import rotor_efforts, spinning_rotors
 from kanegen.recursion.solved_motion import solved_motions
 from kanegen.recursion.solver import Solver
-from kanegen.recursion.tree import Derived
+from kanegen.recursion.tree import Derived, by_place
 from kanegen.recursion.vectors import ZERO, Wrench, add, column, cross, dot, scale
 from kanegen.symbolic.definitions import Vector
 
@@ -43,6 +44,9 @@ class Refinement:
         floor: Acceleration by freedom below which a solution counts as zero (rad/s^2, m/s^2).
         pivots: Losses of pivots beyond which {ydot} is reported as inaccurate.
         unrefined: The same for results that no step refines, such as [A]^-1.
+        amplification: Largest factor by which an operational inertia may multiply the roundoffs of its
+        inverse
+            without being reported as inaccurate; see `operational.Operational`.
     """
 
     steps: int = 0
@@ -50,6 +54,7 @@ class Refinement:
     floor: tuple[float, ...] = ()
     pivots: PivotLimits = NO_LIMITS
     unrefined: PivotLimits = NO_LIMITS
+    amplification: float = 1.0
 
 
 UNREFINED = Refinement()
@@ -92,6 +97,29 @@ class Solution:
         entries = [found[i, j] for i in places for j in places]
         return Derived(entries, self._solver.regular_if_positive, self._unrefined_margins())
 
+    def operational_inertia_inverse(self) -> Derived:
+        """Derive J [A]^-1 J^T of every frame, row-major."""
+        entries = [entry for inverse in self._operational.inverses for row in inverse for entry in row]
+        return Derived(entries, self._solver.regular_if_positive, self._unrefined_margins())
+
+    def operational_inertia(self) -> Derived:
+        """Derive [Lambda], the inverse of J [A]^-1 J^T, of every frame, row-major."""
+        entries = [entry for one in self._operational.inertias for row in one.entries for entry in row]
+        return self._of_inertias(entries)
+
+    def operational_bias(self) -> Derived:
+        """Derive -[Lambda] {a_0} of every frame, with its acceleration {a_0} without a load on it."""
+        biases = self._operational.biases(self._solver.reduced(self._bias), self._motions)
+        return self._of_inertias([entry for bias in biases for entry in bias])
+
+    def _of_inertias(self, entries: Sequence[Expr]) -> Derived:
+        """Return entries that exist, and are accurate, where the operational inertia of every frame is."""
+        inertias, freedoms = self._operational.inertias, self._solver.regular_if_positive
+        pivots = [pivot for one in inertias for pivot in one.pivots]
+        margins = [margin for one in inertias for margin in one.margins]
+        accurate = self._unrefined_margins() or [S.One] * len(freedoms)
+        return Derived(entries, by_place(freedoms, pivots), by_place(accurate, margins))
+
     def error_estimate(self) -> Derived:
         """Derive the absolute change of each entry of {ydot} by the first step of refinement."""
         entries = self._solver.speed_rates(self._correction, "dy", {})
@@ -107,6 +135,11 @@ class Solution:
     def _motions(self) -> Mapping[int, BodyMotion]:
         """Motion of the bodies where all free components are zero."""
         return body_motions(self._tree, accelerated=False, released=self._solver.released)
+
+    @cached_property
+    def _operational(self) -> Operational:
+        """Operational inertias of the frames that the system selects."""
+        return Operational(self._solver, self._refinement.amplification)
 
     @cached_property
     def _bias(self) -> Requirement:

@@ -41,6 +41,19 @@ class Derived:
     accurate_if_positive: Sequence[Expr] = ()
 
 
+def by_place(freedoms: Sequence[Expr], rows: Sequence[Expr], first: int = 0) -> list[Expr]:
+    """Return expressions for freedoms and for rows of outputs in the order of the places of statuses.
+
+    Between the two is the status of results that are not finite.
+
+    Args:
+        freedoms: Expressions by freedom.
+        rows: Expressions by row.
+        first: Number of rows of other outputs before these.
+    """
+    return [*freedoms, S.One, *[S.One] * first, *rows]
+
+
 @dataclass(frozen=True)
 class Tree:
     """A system, prepared for recursions.

@@ -193,7 +193,7 @@ def velocity_rows(
         blocks.append(row[None])
         sizes.append(np.abs(row))
     table = np.reshape(sizes, (-1, len(places)))
-    row_scale, column_scale = _equilibration(table)
+    row_scale, column_scale = equilibration(table)
     scaled = [scale * block * column_scale for scale, block in zip(row_scale, blocks, strict=True)]
     magnitudes = np.linalg.norm(table * row_scale[:, None] * column_scale, axis=0)
     return VelocityRows(np.vstack([np.zeros((len(places), len(places))), *scaled]), magnitudes)
@@ -229,7 +229,7 @@ def inertia_axes(inertia: Floats) -> Floats:
     return np.reshape(found, (-1, 3))
 
 
-def _equilibration(table: Floats) -> tuple[Floats, Floats]:
+def equilibration(table: Floats) -> tuple[Floats, Floats]:
     """Return factors of rows and of columns after which the largest entry of each is about 1."""
     rows, columns = np.ones(table.shape[0]), np.ones(table.shape[1])
     for _ in range(SWEEPS):

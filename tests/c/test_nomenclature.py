@@ -9,7 +9,7 @@ import pytest
 import kanegen as kg
 from kanegen.options import Variant
 from kanegen.program.semantics import FLUSH, RELAXED
-from kanegen.recursion.legend import Entry, entries, legend, shown
+from kanegen.recursion.legend import Entry, entries, expression, legend, shown
 from kanegen.recursion.meanings import FREEDOMS, MARKS, PLACES
 from kanegen.recursion.outputs import available
 from tests.support import systems
@@ -19,6 +19,7 @@ EQUATIONS = ("mass_matrix", "forcing")
 TYPES = "arithmetic_mode|double|float|long double|kanegen_double_double|simd|int"
 LOCAL = re.compile(rf"^    (?:const )?(?:{TYPES}) ([^;\n()=]*?)((?: = [^\n]*)?);$", re.MULTILINE)
 PRINTED = {"t1, t2, ...": r"t\d+_*", "sines, cosines": "sines|cosines"}
+ENDINGS = re.compile(f"_*(?:{'|'.join(expression(pattern).pattern for pattern, _ in MARKS)})$")
 CONTROL = {"i", "rows", "valid", "within_margin", "carries", "found"}
 """Locals of loops and of the status of a batch, which need no explanation."""
 
@@ -65,7 +66,7 @@ def check(source):
     for name in names:
         stem = name
         while not any(regex.fullmatch(stem) for regex in regexes.values()):
-            shorter = re.sub(r"(_+d\d+|_s|_+)$", "", stem)
+            shorter = ENDINGS.sub("", stem)
             assert shorter != stem, f"{name} has no line"
             stem = shorter
         used |= {line for line, regex in regexes.items() if regex.fullmatch(stem)}

@@ -13,7 +13,7 @@ from kanegen.compiler import compile_module
 from kanegen.interop.pinocchio import state_map
 from kanegen.interop.state_map import StateMap
 from kanegen.program.evaluate import evaluate
-from kanegen.recursion.outputs import OF_FRAMES
+from kanegen.recursion.outputs import MOTIONS_OF_FRAMES
 from tests.support.robots import robot_file
 
 pytestmark = pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
@@ -53,10 +53,10 @@ def reading(name: str, floating: bool) -> tuple[kg.System, pin.Model, StateMap]:
 
 def of_kanegen(system: kg.System, given: dict[str, Any]) -> dict[str, Any]:
     """Return every output in a batch of states: {x}, {y}, {ydot} by name, each (B, n)."""
-    module = compile_module(system, OF_FRAMES).module
+    module = compile_module(system, MOTIONS_OF_FRAMES).module
     rows = {name: values.T for name, values in given.items()}
     found = {}
-    for name in OF_FRAMES:
+    for name in MOTIONS_OF_FRAMES:
         entries = evaluate(module.functions[name], rows, np)[name]
         stacked = [np.broadcast_to(entry, (len(given["x"]),)) for entry in entries]
         found[name] = np.stack(stacked, axis=-1)
@@ -71,7 +71,7 @@ def of_pinocchio(model: pin.Model, states: StateMap, x: Any, y: Any, ydot: Any) 
     pin.forwardKinematics(model, unaccelerated, q, v, states.to_vdot(x, y, 0 * ydot))
     pin.computeJointJacobians(model, moving, q)
     pin.updateFramePlacements(model, moving)
-    found: dict[str, list[Any]] = {name: [] for name in OF_FRAMES}
+    found: dict[str, list[Any]] = {name: [] for name in MOTIONS_OF_FRAMES}
     for number, frame in enumerate(model.frames):
         if frame.type == pin.FrameType.BODY:
             place = moving.oMf[number]

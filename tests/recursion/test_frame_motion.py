@@ -11,7 +11,7 @@ import pytest
 import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.program.count import count
-from kanegen.recursion.outputs import OF_FRAMES
+from kanegen.recursion.outputs import MOTIONS_OF_FRAMES
 from kanegen.reference.frames import FrameMotions, frame_motions
 from tests.support import random_trees, systems
 from tests.support.orientation_trees import ANGULAR_VELOCITY, KINDS, close, mixed, tree_of_kind, values
@@ -49,7 +49,7 @@ def by_output(found: FrameMotions) -> dict[str, np.ndarray]:
 
 
 def test_the_outputs_about_frames() -> None:
-    assert OF_FRAMES == ALL
+    assert MOTIONS_OF_FRAMES == ALL
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -144,6 +144,10 @@ class Status:
         failure: Clause on the state where the quantity is not positive, such as "[A] is singular".
         outputs: Arrays of the results.
         force_elements: One line of text for each force element that is undefined in some state.
+        rows: Names of the rows of outputs with a condition for each row, in the order of their places.
+        row_quantity: As `quantity`, for rows.
+        row_failure: As `failure`, for rows.
+        row_loss: Clause on the state where digits are lost at a row.
         homogeneous: For each orientation by homogeneous coordinates, such as a quaternion, the names of these
             coordinates by their places in {x}.
     """
@@ -156,6 +160,10 @@ class Status:
     outputs: tuple[Array, ...]
     force_elements: tuple[str, ...]
     homogeneous: tuple[Mapping[int, str], ...] = ()
+    rows: tuple[str, ...] = ()
+    row_quantity: str = ""
+    row_failure: str = ""
+    row_loss: str = ""
 
     @classmethod
     def of(cls, function: Function, model: ModelDescription) -> Status:
@@ -172,6 +180,10 @@ class Status:
             homogeneous=tuple(
                 {place: model.coordinate_names[place] for place in places} for places in model.homogeneous
             ),
+            rows=model.rows,
+            row_quantity=" or ".join(condition.quantity for condition in function.row_conditions),
+            row_failure=" or ".join(condition.failure for condition in function.row_conditions),
+            row_loss=" or ".join(condition.loss for condition in function.row_conditions),
         )
 
     def of_state(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> StatusReport:
@@ -226,15 +238,21 @@ class Status:
         """Return the kind of a status other than 0."""
         if status < 0:
             return INACCURATE
-        return MISSING if 0 < status <= len(self.freedoms) else NOT_FINITE
+        return NOT_FINITE if status == len(self.freedoms) + 1 else MISSING
 
     def _clause(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> str:
         """Return the sentences on a state, without a capital letter at the beginning."""
+        row = self._row(status)
         if self._kind(status) == MISSING:
-            return (
-                f"the {self.quantity} at {self._freedom(status - 1)} is not positive or is NaN: "
-                f"{self._bad_input(inputs) or self.failure + ' in this state'}."
+            quantity, failure = (
+                (self.row_quantity, self.row_failure) if row else (self.quantity, self.failure)
             )
+            return (
+                f"the {quantity} at {row or self._freedom(status - 1)} is not positive or is NaN: "
+                f"{self._bad_input(inputs) or failure + ' in this state'}."
+            )
+        if status < 0 and row:
+            return f"most digits are lost at {row}: {self.row_loss}; a higher precision helps."
         if status < 0:
             return (
                 f"most digits are lost at {self._freedom(-status - 1)}; an output "
@@ -280,6 +298,11 @@ class Status:
             ", although every input is finite. A force element may be undefined in this state: "
             f"{'; '.join(self.force_elements)}."
         )
+
+    def _row(self, status: int) -> str:
+        """Return the name of the row that a status is about, "" if it is about a freedom."""
+        place = abs(status) - len(self.freedoms) - 2
+        return f"row {self.rows[place]}" if place >= 0 else ""
 
     def _freedom(self, place: int) -> str:
         """Return the name of a freedom, from 0, and of its body."""

@@ -8,7 +8,8 @@ method of `Library`, and one function of `reference` to compare with.
 """
 
 from kanegen.recursion.outputs.inputs import input_arrays
-from kanegen.recursion.outputs.kinematics import OF_FRAMES
+from kanegen.recursion.outputs.kinematics import MOTIONS_OF_FRAMES
+from kanegen.recursion.outputs.operational import OF_FRAMES
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.outputs.selection import (
     accurately_solved,
@@ -27,6 +28,7 @@ __all__ = [
     "DERIVATIVES",
     "EQUATIONS",
     "ERROR_BOUNDS",
+    "MOTIONS_OF_FRAMES",
     "OF_FRAMES",
     "OUTPUTS",
     "Derivative",

@@ -172,11 +172,11 @@ KINEMATICS = (
 )
 """The entries of frames, coordinates and points, in the order of the generated C."""
 
-OF_FRAMES = (
+MOTIONS_OF_FRAMES = (
     "body_poses",
     "frame_velocities",
     "frame_accelerations",
     "frame_bias_accelerations",
     "frame_jacobians",
 )
-"""The outputs with a row for each frame that the system selects."""
+"""The outputs about motion with rows for each frame that the system selects."""

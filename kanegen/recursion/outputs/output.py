@@ -105,11 +105,16 @@ class Subject:
 
     Attributes:
         found: Function that returns these parts of a system.
-        missing: End of the error message for a system without such parts, with the way to add some.
+        missing: End of the error message for a system without such parts, with the way to add some; or a
+            function that returns it.
     """
 
     found: Callable[[System], Sized]
-    missing: str
+    missing: str | Callable[[System], str]
+
+    def message(self, system: System) -> str:
+        """Return the end of the error message for a system without such parts."""
+        return self.missing if isinstance(self.missing, str) else self.missing(system)
 
 
 @dataclass(frozen=True)

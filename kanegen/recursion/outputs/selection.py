@@ -41,7 +41,7 @@ def require_available(system: System, outputs: Iterable[str]) -> None:
     for name in outputs:
         output = OUTPUTS[name]
         if output.subject and not output.is_available(system):
-            raise OptionError(f"output {name!r}: system {system.name!r} {output.subject.missing}")
+            raise OptionError(f"output {name!r}: system {system.name!r} {output.subject.message(system)}")
 
 
 def solving(outputs: Iterable[str]) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.outputs.derivatives import derivatives_of
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.kinematics import KINEMATICS
+from kanegen.recursion.outputs.operational import OPERATIONAL
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import Solution
@@ -278,6 +279,7 @@ _ENTRIES = (
         MASSES,
     ),
     *KINEMATICS,
+    *OPERATIONAL,
     Output(
         "regressor",
         lambda system: Array(
