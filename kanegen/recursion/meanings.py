@@ -53,6 +53,7 @@ NAMES = (
     ("t", "time (s)"),
     ("p_{name}", "a run-time parameter"),
     ("c_{n}", "the prepared constant at place n, counted from 1"),
+    ("pe_{n}", "a number of the model that is an expression of parameters"),
     # Joints
     ("S_{K}_{i}", "sine of theta_K_i"),
     ("C_{K}_{i}", "cosine of theta_K_i"),

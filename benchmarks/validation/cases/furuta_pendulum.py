@@ -67,7 +67,7 @@ def _terms(
 ) -> np.ndarray:
     """Return the (2, 8) terms of (33) and (34), by five products of rates, two torques and gravity."""
     m1, l1, L1, J1, b1, m2, l2, J2, b2 = (values[name] for name in "m1 l1 L1 J1 b1 m2 l2 J2 b2".split())
-    gravity = -values["minus_g"]
+    gravity = values["g"]
     J1_hat, J2_hat = J1 + m1 * l1**2, J2 + m2 * l2**2
     J0_hat = J1_hat + m2 * L1**2
     sine, cosine, double = np.sin(angles[1]), np.cos(angles[1]), np.sin(2 * angles[1])
