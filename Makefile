@@ -53,7 +53,7 @@ scenes: $(VENV)/.bench
 cost-reports: $(VENV)/.tests
 	$(BIN)/python -m benchmarks.cost_reports
 
-# Compute cases that others have published and rewrite docs/validation.md; takes a minute or two.
+# Compute cases that others have published and rewrite docs/validation.md; takes about two minutes.
 validation: $(VENV)/.tests
 	$(BIN)/python -m benchmarks.validation
 

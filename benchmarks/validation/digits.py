@@ -1,9 +1,9 @@
-"""Motions in many digits: Taylor series of the closed form of a system, in ball arithmetic.
+"""Motions in many digits: Taylor series of the equations of motion, in ball arithmetic.
 
-The right sides are SymPy expressions, such as those of `equations.closed_form()`, and share nothing with
-generated C. Coefficients of the series come from the equations, one order after another (Moore, Interval
-Analysis, 1966, chapter 11). Every step starts from midpoints, so that a result is no enclosure: its digits
-are those in which two runs with other steps and orders agree.
+The right sides are the literal equations in SymPy, which share nothing with generated C. Coefficients of the
+series come from them, one order after another (Moore, Interval Analysis, 1966, chapter 11). Every step starts
+from midpoints, so that a result is no enclosure: its digits are those in which two runs with other steps and
+orders agree.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from dataclasses import dataclass
 
 import sympy
 from flint import arb, arb_series, ctx
+
+from kanegen.symbolic.equations import Equations
 
 Rates = Callable[..., Sequence[arb_series]]
 """Function from the series of a state, and from the parameters, to the series of its rates."""
@@ -37,12 +39,14 @@ RUNS = (Run(steps=320, order=40), Run(steps=500, order=32))
 """Two runs whose truncation errors have nothing in common."""
 
 
-def rates(state: Sequence[sympy.Expr], expressions: Sequence[sympy.Expr], parameters: Sequence[str]) -> Rates:
-    """Return a function for the rates of a state, whose arguments are the state and the parameters."""
+def rates(equations: Equations, parameters: Sequence[str]) -> Rates:
+    """Return a function for the rates of a state, whose arguments are {x}, {y} and the named parameters."""
+    state = [*equations.x, *equations.y]
+    right = [*equations.xdot, *equations.A.LUsolve(equations.f)]
+    symbols = {str(symbol): symbol for one in right for symbol in one.free_symbols}
+    arguments = [*state, *(symbols[name] for name in parameters)]
     functions = {"sin": lambda u: u.sin(), "cos": lambda u: u.cos()}
-    symbols = {str(symbol): symbol for one in expressions for symbol in one.free_symbols}
-    arguments = [*state, *(symbols.get(name, sympy.Symbol(name)) for name in parameters)]
-    made: Rates = sympy.lambdify(arguments, list(expressions), modules=[functions, "math"], cse=True)
+    made: Rates = sympy.lambdify(arguments, right, modules=[functions, "math"], cse=True)
     return made
 
 
@@ -91,7 +95,7 @@ def _series(field: Rates, state: list[arb], values: list[arb], order: int) -> li
         ctx.cap = length
         slopes = field(*(arb_series(known, length) for known in coefficients), *values)
         for known, slope in zip(coefficients, slopes, strict=True):
-            known.append(slope[length - 1] / length)
+            known.append(arb_series(slope)[length - 1] / length)
     return coefficients
 
 

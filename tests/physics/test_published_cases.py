@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
+from benchmarks.validation import __main__ as validation
 from benchmarks.validation.case import Case, Row, row
-from benchmarks.validation.cases import CASES
+from benchmarks.validation.cases import CASES, Study
 from benchmarks.validation.document import document
 from tests.support.paths import ROOT
 
@@ -48,6 +50,17 @@ def test_the_document_names_what_fails() -> None:
     text = document([Case("A title, short", "model", "source", "problem", "allowance", rows)])
     assert "[A title, short](#a-title-short) | 2 | 20 | **fails**" in text
     assert re.search(r"\|  \|  \| 2.00 \| 2.10000 \| 1.0e-01 \*\*fails\*\* \| 5.0e-03 \|", text)
+
+
+def test_a_failing_case_fails_the_command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    good = Case("Good", "model", "source", "problem", "allowance", (row("a", "m", "1.0", [1.04]),))
+    bad = Case("Bad", "model", "source", "problem", "allowance", (row("a", "m", "1.0", [1.06]),))
+    monkeypatch.setattr("sys.argv", ["validation", "--docs", str(tmp_path)])
+    studies = {case.title: Study(lambda case=case: case, lambda case=case: case) for case in (good, bad)}
+    monkeypatch.setattr(validation, "CASES", studies)
+    with pytest.raises(SystemExit, match=r"larger than the sources allow: Bad$"):
+        validation.main()
+    assert "[Bad](#bad) | 1 | 1.2 | **fails**" in (tmp_path / "validation.md").read_text(encoding="utf-8")
 
 
 def test_the_document_has_every_case() -> None:

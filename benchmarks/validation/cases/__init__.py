@@ -34,7 +34,7 @@ class Study:
 
 CASES = {
     "plate_pendulum": Study(plate_pendulum.case, partial(plate_pendulum.case, certain=False)),
-    "heavy_top": Study(heavy_top.case, heavy_top.case),
+    "heavy_top": Study(heavy_top.case, partial(heavy_top.case, certain=False)),
     "puma560": Study(puma560.case, puma560.case),
     "furuta_pendulum": Study(furuta_pendulum.case, furuta_pendulum.case),
     "simple_pendulum": Study(simple_pendulum.case, partial(simple_pendulum.case, seconds=50.0)),

@@ -111,8 +111,8 @@ def _digits(found: np.ndarray) -> str:
         lines.append([name, unit, agreed, *errors])
     (one, two) = digits.RUNS
     return (
-        "The digits on which the four simulations do not agree. The closed form of the equations, with "
-        f"exact decimals for all parameters and exact angles, is integrated by Taylor series with {one.bits} "
+        "The digits on which the four simulations do not agree. The literal equations in SymPy, with exact "
+        f"decimals for all parameters and exact angles, are integrated by Taylor series with {one.bits} "
         f"bits, once in {one.steps} steps of order {one.order} and once in {two.steps} steps of order "
         f"{two.order}. All digits shown are the same in both. The last columns are the errors of the "
         "numbers of the source and of generated C.\n\n" + markdown_table(heads, lines, left=2)
@@ -121,17 +121,12 @@ def _digits(found: np.ndarray) -> str:
 
 def _in_many_digits(run: digits.Run) -> list[digits.arb]:
     """Return the six results as exact as a run gives them."""
-    equations = kg.derive(load("plate_pendulum"))
-    form = equations.closed_form()
-    ydot = list(form.A.LUsolve(form.f))
-    speeds = list(equations.y)
-    field = digits.rates([*equations.x, *speeds], [*speeds, *ydot], list(PARAMETERS))
+    field = digits.rates(kg.derive(load("plate_pendulum")), list(PARAMETERS))
     state = digits.motion(field, _start, PARAMETERS, TIME, run)
     with digits.ctx.workprec(run.bits):
-        accelerations = digits.rates([*equations.x, *speeds], ydot, list(PARAMETERS))
-        last = accelerations(*state, *(digits.arb(value) for value in PARAMETERS.values()))
+        *_, first, second = field(*state, *(digits.arb(value) for value in PARAMETERS.values()))
         degrees = 180 / digits.arb.pi()
-        return [state[0] * degrees, state[1] * degrees, *state[2:], *last]
+        return [state[0] * degrees, state[1] * degrees, *state[2:], first, second]
 
 
 def _start() -> list[digits.arb]:

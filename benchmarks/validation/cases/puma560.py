@@ -23,9 +23,18 @@ MASS_MATRIX = """\
 -0.0000 0.0000 0.0000 0.0000 0.0000 0.1941"""
 
 
+CORIOLIS = """\
+-0.1735 -2.0494 -0.1178 -0.0002 -0.0045 0.0001
+0.6274 1.1572 1.9287 -0.0015 -0.0003 -0.0000
+-0.3608 -0.7734 -0.0018 -0.0009 -0.0064 -0.0000
+0.0011 0.0005 -0.0001 0.0002 0.0002 -0.0001
+-0.0002 0.0028 0.0046 -0.0002 -0.0000 -0.0000
+0.0001 0.0000 0.0000 0.0000 0.0000 0.0000"""
+
+
 def case() -> Case:
     """Return the case: torques, inertia and accelerations in the pose qn."""
-    library = build("puma560", "inverse_dynamics", "mass_matrix", "forward_dynamics")
+    library = build("puma560", "inverse_dynamics", "mass_matrix", "forward_dynamics", "coriolis_matrix")
     zero, one, climbing = np.zeros(6), np.ones(6), np.array([1.0, 2.0, 3.0, 1.0, 2.0, 3.0])
     free = {"point_force": np.zeros((1, 3)), "point_moment": np.zeros((1, 3))}
     pressed = {"point_force": -WRENCH, "point_moment": -WRENCH}
@@ -88,6 +97,11 @@ def case() -> Case:
         row(f"row {i + 1} of [A]", "kg m²", text, inertia[i])
         for i, text in enumerate(MASS_MATRIX.splitlines())
     ]
+    coriolis = library.coriolis_matrix(QN, climbing)
+    rows += [
+        row(f"row {i + 1} of the Coriolis matrix, q̇ = (1, 2, 3, 1, 2, 3) rad/s", "kg m²/s", text, coriolis[i])
+        for i, text in enumerate(CORIOLIS.splitlines())
+    ]
     return Case(
         title="The Puma 560 of the Robotics Toolbox",
         model="puma560",
@@ -99,8 +113,8 @@ def case() -> Case:
         problem=(
             "An arm with six joints in the pose qn = (0, π/4, π, 0, π/4, 0), with the reflected inertia of "
             "its motors as `armature` and their viscous and Coulomb friction as drives: `inverse_dynamics`, "
-            "`mass_matrix` and `forward_dynamics` in C. The principal moments of link 3 violate the triangle "
-            "inequality, of which kanegen warns; the numbers are those of the toolbox."
+            "`mass_matrix`, `forward_dynamics` and `coriolis_matrix` in C. The principal moments of link 3 "
+            "violate the triangle inequality, of which kanegen warns; the numbers are those of the toolbox."
         ),
         allowance="Half a unit of the last digit that the toolbox prints, four decimals or six digits.",
         rows=tuple(rows),
