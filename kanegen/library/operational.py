@@ -44,8 +44,9 @@ class OperationalSpace(CompiledModel):
                 by its row. Close to such a state a warning says that digits are lost.
 
         Example:
-            arm = kg.build(system.with_poses(["tool0"]), outputs=("operational_inertia",))
-            (inertia,) = arm.operational_inertia(x)
+            arm = kg.load("models/six_revolute_arm.toml").with_poses(["flange"])
+            library = kg.build(arm, outputs=("operational_inertia",))
+            (inertia,) = library.operational_inertia([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
         """
         return self._run("operational_inertia", (x,), inputs)[0]
 
@@ -103,6 +104,8 @@ class OperationalSpace(CompiledModel):
             StatusError: As `operational_inertia`.
 
         Example:
-            holding = library.operational_bias(x, y, tau)
+            arm = kg.load("models/six_revolute_arm.toml").with_poses(["flange"])
+            library = kg.build(arm, outputs=("operational_bias",))
+            (holding,) = library.operational_bias([0.1, 0.2, 0.3, 0.4, 0.5, 0.6], np.zeros(6))
         """
         return self._run("operational_bias", (x, y, tau, force, torque), inputs)[0]

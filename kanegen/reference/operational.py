@@ -103,8 +103,8 @@ def frame_without_six(system: System) -> tuple[str, int] | None:
         The name of the frame and the number of its directions; None if all frames have six.
 
     Example:
-        >>> frame_without_six(kg.load("models/scara.toml").with_poses(["hand"]))
-        ('hand', 4)
+        >>> frame_without_six(kg.load("models/scara.toml").with_poses(["tool"]))
+        ('tool', 4)
     """
     few = [frame.name for frame in system.pose_frames if _moving_freedoms(system, frame.body) < 6]
     names = few[:1] or system.pose_names
