@@ -20,9 +20,9 @@ one frame and one origin, so that no more columns pass inward than there are ent
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol, Self
+from typing import Protocol, Self, TypeVar
 
 from sympy import Expr, S
 
@@ -280,37 +280,65 @@ def _combine_force(
     return replace(column, force=definitions.vector(f"F_{column.label}_{joint.body}q", force))
 
 
-def merged(columns: Sequence[Column], body: str, frame: str, definitions: Definitions) -> list[Column]:
+class HasPlaces(Protocol):
+    """A column that entries of {y} cause."""
+
+    @property
+    def places(self) -> Mapping[int, Expr]:
+        """Factors by place in {y}."""
+        ...
+
+
+AnyColumn = TypeVar("AnyColumn", bound=HasPlaces)
+
+Parts = Sequence[tuple[Expr, AnyColumn]]
+"""Columns about one origin and in one frame, each with a factor."""
+
+
+def merged(
+    columns: Sequence[AnyColumn], add_up: Callable[[int, Parts[AnyColumn]], AnyColumn]
+) -> list[AnyColumn]:
     """Return columns about one origin, with those of the same entries of {y} added where this leaves fewer.
 
     Args:
         columns: Columns in one frame and about one origin.
-        body: Number of the body at which they have arrived.
-        frame: Suffix of the names of quantities in the frame.
-        definitions: Definitions that the intermediates are added to.
+        add_up: Function that returns the column of an entry of {y}, by its place and what it causes.
     """
-    result: list[Column] = []
+    result: list[AnyColumn] = []
     for group in _groups(columns):
         places = sorted({place for col in group for place in col.places})
         if len(places) >= len(group):
             result += group
-            continue
-        for place in places:
-            force = moment = ZERO
-            for col in group:
-                share = col.places.get(place, S.Zero)
-                force = add(force, scale(share, col.force))
-                moment = add(moment, scale(share, col.whole_moment(definitions)))
-            label = f"{body}y{place}"
-            force = definitions.vector(f"F_{label}_{frame}", force)
-            moment = definitions.vector(f"M_{label}_{frame}", moment)
-            result.append(RotationColumn(place, {place: S.One}, label, force, moment))
+        else:
+            result += [add_up(at, [(col.places.get(at, S.Zero), col) for col in group]) for at in places]
     return result
 
 
-def _groups(columns: Sequence[Column]) -> list[list[Column]]:
+def rotation_sum(
+    place: int, parts: Parts[Column], body: str, frame: str, definitions: Definitions
+) -> RotationColumn:
+    """Return the column of an entry of {y} that moves several freedoms.
+
+    Args:
+        place: Place of the entry in {y}.
+        parts: The columns of the freedoms, each with the factor of the entry in its rate.
+        body: Number of the body at which they have arrived.
+        frame: Suffix of the names of quantities in the frame.
+        definitions: Definitions that the intermediates are added to.
+    """
+    force = moment = ZERO
+    for share, col in parts:
+        force = add(force, scale(share, col.force))
+        moment = add(moment, scale(share, col.whole_moment(definitions)))
+    label = f"{body}y{place}"
+    force = definitions.vector(f"F_{label}_{frame}", force)
+    moment = definitions.vector(f"M_{label}_{frame}", moment)
+    return RotationColumn(place, {place: S.One}, label, force, moment)
+
+
+def _groups(columns: Sequence[AnyColumn]) -> list[list[AnyColumn]]:
     """Return columns in groups that have no entries of {y} in common, in the order of their first columns."""
-    groups: list[list[Column]] = []
+    groups: list[list[AnyColumn]] = []
     for col in columns:
         linked = [
             group for group in groups if any(other.places.keys() & col.places.keys() for other in group)

@@ -15,15 +15,17 @@ origin. All that the motion outward of a joint contributes is twelve numbers, se
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sympy import Add, Expr
 
+from kanegen.recursion.columns import merged, shifted_columns
 from kanegen.recursion.coriolis_columns import (
     Column,
     FrameMotion,
     MovingBody,
+    column_sum,
     rotation_column,
     rotor_column,
     translation_column,
@@ -53,11 +55,18 @@ class _Carried:
 
     Attributes:
         body: The composite body.
-        columns: The columns of the freedoms that have been passed.
+        arriving: The columns of freedoms further outward.
+        own: The columns of the freedoms of the joint that have been passed.
     """
 
     body: MovingBody
-    columns: tuple[Column, ...]
+    arriving: tuple[Column, ...]
+    own: tuple[Column, ...] = ()
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """All columns."""
+        return self.arriving + self.own
 
 
 class _Assembly:
@@ -83,7 +92,7 @@ class _Assembly:
         """Record the entries of the freedoms of a joint, and pass what its body carries to the lower body."""
         k = joint.body
         body = MovingBody(self._bodies[k], self._momenta[k], self._motions[k][-1])
-        carried = _Carried(body, tuple(self._columns[k]))
+        carried = _Carried(body, tuple(self._merged(self._columns[k], f"{k}")))
         if joint.angular_speeds:
             carried = self._with_angular_speeds(carried, joint)
         for step, motion in reversed(list(zip(joint.steps, self._motions[k][:-1], strict=True))):
@@ -110,6 +119,11 @@ class _Assembly:
         if rotor.motion.shares:
             self._columns[k].append(rotor_column(rotor, self._motions[k][-1].omega, definitions))
 
+    def _merged(self, columns: Sequence[Column], body: str) -> list[Column]:
+        """Return columns at a body, with those of the same entries of {y} added where this leaves fewer."""
+        definitions = self._tree.definitions
+        return merged(columns, lambda place, parts: column_sum(place, parts, body, definitions))
+
     def _with_angular_speeds(self, carried: _Carried, joint: JointMotion) -> _Carried:
         """Record the entries of the components of a relative angular velocity, and begin their columns."""
         k, body, definitions = joint.body, carried.body, self._tree.definitions
@@ -119,13 +133,13 @@ class _Assembly:
             for one in joint.angular_speeds
         )
         for one in joint.angular_speeds:
-            for col in carried.columns:
+            for col in carried.arriving:
                 self._record(one.shares, col.places, col.along(one.axis))
                 self._record(col.places, one.shares, col.across(one.axis, body.motion))
             for col in own:
                 self._record(one.shares, col.places, col.along(one.axis))
         momentum = body.momentum.turning(joint.relative_omega, body.inertia, second, f"{k}", definitions)
-        return _Carried(replace(body, momentum=momentum), carried.columns + own)
+        return _Carried(replace(body, momentum=momentum), carried.arriving, own)
 
     def _below_turn(self, carried: _Carried, step: Step, motion: FrameMotion, *, on_ground: bool) -> _Carried:
         """Record the entries of an angle, begin its column, and pass everything through its turn.
@@ -139,22 +153,25 @@ class _Assembly:
         frame, definitions = step.frame, self._tree.definitions
         inertia = carried.body.inertia.down(step.turn, frame, definitions)
         momentum = carried.body.momentum.down(step.turn, frame, definitions)
-        columns = tuple(col.down(step.turn, frame, definitions) for col in carried.columns)
+        arriving, own = (
+            tuple(col.down(step.turn, frame, definitions) for col in columns)
+            for columns in (carried.arriving, carried.own)
+        )
         if not step.moves:
-            return _Carried(MovingBody(inertia, momentum, motion), columns)
+            return _Carried(MovingBody(inertia, momentum, motion), arriving, own)
         second = second_moments(inertia, step.axis, frame, definitions)
         turning = scale(step.rate, unit(step.axis))
         momentum = momentum.turning(turning, inertia, second, frame, definitions)
-        body = MovingBody(inertia, momentum, motion)
+        below = _Carried(MovingBody(inertia, momentum, motion), arriving, own)
         if not step.shares:
-            return _Carried(body, columns)
-        seen, seen_in = (carried.columns, carried.body.motion) if on_ground else (columns, motion)
-        for col in seen:
+            return below
+        seen = carried if on_ground else below
+        for col in seen.columns:
             self._record(step.shares, col.places, col.along(step.axis))
-            self._record(col.places, step.shares, col.across(step.axis, seen_in))
-        own = rotation_column(step, frame, body, second, definitions)
-        self._record(step.shares, step.shares, own.along(step.axis))
-        return _Carried(body, (*columns, own))
+            self._record(col.places, step.shares, col.across(step.axis, seen.body.motion))
+        begun = rotation_column(step, frame, below.body, second, definitions)
+        self._record(step.shares, step.shares, begun.along(step.axis))
+        return replace(below, own=(*own, begun))
 
     def _record_translations(self, carried: _Carried, joint: JointMotion) -> None:
         """Record the entries of the translations of a joint, with each other and those further outward."""
@@ -171,10 +188,13 @@ class _Assembly:
     def _pass_to_lower_body(self, carried: _Carried, joint: JointMotion) -> None:
         """Pass the composite body and its columns to the lower body; begin the columns of translations."""
         k, j, offset, definitions = joint.body, joint.lower, joint.offset, self._tree.definitions
-        inertia = carried.body.inertia.shifted(offset, f"{k}j", definitions)
+        shift = shifted_columns(carried.body.inertia, joint, definitions)
+        matrix = shift.moment_matrix if shift else None
+        inertia = carried.body.inertia.shifted(offset, f"{k}j", definitions, matrix)
         momentum = carried.body.momentum.shifted(offset, _sliding(joint), inertia, f"{k}j", definitions)
         body = MovingBody(inertia, momentum, self._motions[j][-1])
-        columns = [col.shifted(offset, f"{j}", definitions) for col in carried.columns]
+        columns = [col.shifted(offset, f"{j}", None, definitions) for col in carried.arriving]
+        columns += [col.shifted(offset, f"{j}", shift, definitions) for col in carried.own]
         for one in joint.translations:
             label = f"{k}t{one.axis + 1}" if one.is_coupled else f"{k}s{one.number}"
             columns.append(translation_column(one, label, body, definitions))

@@ -7,10 +7,11 @@ about the current origin. See `coriolis` for what it is for.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sympy import Expr
 
+from kanegen.recursion.columns import Parts, RotationColumn, ShiftedColumns, rotation_sum
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import FreedomMotion, Translation
 from kanegen.recursion.relative_momentum import HALF, RelativeMomentum
@@ -53,19 +54,20 @@ class Column:
     """What unit rate and unit acceleration along a freedom require of a composite body.
 
     Attributes:
-        places: Factors by place in {y}: by how much each entry of {y} moves the freedom.
-        label: Suffix of the names of intermediates.
         inertial: Force and moment for unit acceleration: the column of [A].
-        coriolis: Force and moment for unit rate: the column of [C], with [dv_P,y/dt] of the freedom.
-        couple: The sum of {v_P} x m [v_P,y], which rows of [C] need beside `inertial`; {v_P} is the velocity
-            of a particle past the origin of the first body, and the couple has no origin.
+        coriolis: Force and moment for unit rate, with the [dv_P,y/dt] of the freedom: the column of [C].
+        couple: The sum of {v_P} x m [v_P,y], which the row of [C] needs beside `inertial`; {v_P} is the
+            velocity of a particle past the origin of the first body, and the couple is about no origin.
     """
 
-    places: Mapping[int, Expr]
-    label: str
-    inertial: Wrench
+    inertial: RotationColumn
     coriolis: Wrench
     couple: Vector
+
+    @property
+    def places(self) -> Mapping[int, Expr]:
+        """Factors by place in {y}: by how much each entry of {y} moves the freedom."""
+        return self.inertial.places
 
     def along(self, axis: int) -> Expr:
         """Return the entry of [C] in this column, in the row of a rotation about a basis vector."""
@@ -85,31 +87,27 @@ class Column:
 
     def down(self, turn: Turn, frame: str, definitions: Definitions) -> Column:
         """Return the column in components of the frame below a turn."""
-        name = f"{self.label}_{frame}"
-        return replace(
-            self,
-            inertial=Wrench(
-                definitions.vector(f"F_{name}", turn.down(self.inertial.force)),
-                definitions.vector(f"M_{name}", turn.down(self.inertial.moment)),
-            ),
-            coriolis=Wrench(
-                definitions.vector(f"FC_{name}", turn.down(self.coriolis.force)),
-                definitions.vector(f"MC_{name}", turn.down(self.coriolis.moment)),
-            ),
-            couple=definitions.vector(f"TC_{name}", turn.down(self.couple)),
-        )
+        wrench = Wrench(turn.down(self.coriolis.force), turn.down(self.coriolis.moment))
+        inertial, couple = self.inertial.down(turn, frame, definitions), turn.down(self.couple)
+        return _named(inertial, wrench, couple, f"{inertial.label}_{frame}", definitions)
 
-    def shifted(self, offset: Vector, origin: str, definitions: Definitions) -> Column:
-        """Return the column about another origin, from which `offset` leads to the current one."""
-        name = f"{self.label}_{origin}"
-        inertial, coriolis = (
-            add(wrench.moment, cross(offset, wrench.force)) for wrench in (self.inertial, self.coriolis)
-        )
-        return replace(
-            self,
-            inertial=replace(self.inertial, moment=definitions.vector(f"M_{name}", inertial)),
-            coriolis=replace(self.coriolis, moment=definitions.vector(f"MC_{name}", coriolis)),
-        )
+    def shifted(
+        self, offset: Vector, origin: str, shift: ShiftedColumns | None, definitions: Definitions
+    ) -> Column:
+        """Return the column about another origin, from which `offset` leads to the current one.
+
+        Args:
+            offset: The vector from the other origin to this one (m).
+            origin: Number of the body whose origin it is.
+            shift: Moments of the rotations of the joint about that origin, if the freedom is one of them and
+                they are known.
+            definitions: Definitions that the intermediates are added to.
+        """
+        inertial = self.inertial
+        inertial = shift.shift(inertial) if shift else inertial.shifted(offset, origin, definitions)
+        moment = add(self.coriolis.moment, cross(offset, self.coriolis.force))
+        wrench = Wrench(self.coriolis.force, moment)
+        return _named(inertial, wrench, self.couple, f"{inertial.label}_{origin}", definitions)
 
 
 def rotation_column(
@@ -131,7 +129,8 @@ def rotation_column(
     rate_moment = add(momentum.couple(axis), cross(spread, axis))
     couple = add(momentum.transposed_couple(axis), multiply(second, cross(omega, axis)))
     couple = add(couple, cross(body.motion.velocity, force))
-    return _named(one, label, Wrench(force, moment), Wrench(rate_force, rate_moment), couple, definitions)
+    inertial = RotationColumn(one.number, one.shares, label, force, moment)
+    return _named(inertial, Wrench(rate_force, rate_moment), couple, label, definitions)
 
 
 def translation_column(one: Translation, label: str, body: MovingBody, definitions: Definitions) -> Column:
@@ -143,14 +142,15 @@ def translation_column(one: Translation, label: str, body: MovingBody, definitio
         body: The composite body that it moves, about the origin of the lower body, in the frame of this.
         definitions: Definitions that the intermediates are added to.
     """
-    inertia, omega = body.inertia, body.motion.omega
-    inertial, coriolis = (
-        Wrench(scale(inertia.mass, v), cross(inertia.moment, v))
-        for v in (one.direction, cross(omega, one.direction))
-    )
+    inertia, omega, direction = body.inertia, body.motion.omega, one.direction
+    turning = cross(omega, direction)
+    force = definitions.vector(f"F_{label}", scale(inertia.mass, direction))
+    moment = definitions.vector(f"M_{label}", cross(inertia.moment, direction))
+    wrench = Wrench(scale(inertia.mass, turning), cross(inertia.moment, turning))
     passing = add(body.momentum.linear, cross(omega, inertia.moment))
     passing = definitions.vector(f"pa_{label}", add(passing, scale(inertia.mass, body.motion.velocity)))
-    return _named(one, label, inertial, coriolis, cross(passing, one.direction), definitions)
+    inertial = RotationColumn(one.number, one.shares, label, force, moment)
+    return _named(inertial, wrench, cross(passing, direction), label, definitions)
 
 
 def rotor_column(rotor: SpinningRotor, omega: Vector, definitions: Definitions) -> Column:
@@ -166,23 +166,33 @@ def rotor_column(rotor: SpinningRotor, omega: Vector, definitions: Definitions) 
     """
     label = f"{rotor.carrier}r{rotor.motion.number}"
     half = definitions.vector(f"TC_{label}", scale(HALF, cross(omega, rotor.momentum)))
-    return Column(rotor.motion.shares, label, Wrench(ZERO, rotor.momentum), Wrench(ZERO, half), half)
+    inertial = RotationColumn(rotor.motion.number, rotor.motion.shares, label, ZERO, rotor.momentum)
+    return Column(inertial, Wrench(ZERO, half), half)
+
+
+def column_sum(place: int, parts: Parts[Column], body: str, definitions: Definitions) -> Column:
+    """Return the column of an entry of {y} that moves several freedoms, at body `body`.
+
+    Args:
+        place: Place of the entry in {y}.
+        parts: The columns of the freedoms, each with the factor of the entry in its rate.
+        body: Number of the body at which they have arrived.
+        definitions: Definitions that the intermediates are added to.
+    """
+    columns = [(share, col.inertial) for share, col in parts]
+    inertial = rotation_sum(place, columns, body, body, definitions)
+    force = moment = couple = ZERO
+    for share, col in parts:
+        force = add(force, scale(share, col.coriolis.force))
+        moment = add(moment, scale(share, col.coriolis.moment))
+        couple = add(couple, scale(share, col.couple))
+    return _named(inertial, Wrench(force, moment), couple, f"{inertial.label}_{body}", definitions)
 
 
 def _named(
-    one: FreedomMotion,
-    label: str,
-    inertial: Wrench,
-    coriolis: Wrench,
-    couple: Vector,
-    definitions: Definitions,
+    inertial: RotationColumn, coriolis: Wrench, couple: Vector, name: str, definitions: Definitions
 ) -> Column:
     """Return a column with a symbol for every component."""
-    vector = definitions.vector
-    return Column(
-        one.shares,
-        label,
-        Wrench(vector(f"F_{label}", inertial.force), vector(f"M_{label}", inertial.moment)),
-        Wrench(vector(f"FC_{label}", coriolis.force), vector(f"MC_{label}", coriolis.moment)),
-        vector(f"TC_{label}", couple),
-    )
+    force = definitions.vector(f"FC_{name}", coriolis.force)
+    moment = definitions.vector(f"MC_{name}", coriolis.moment)
+    return Column(inertial, Wrench(force, moment), definitions.vector(f"TC_{name}", couple))

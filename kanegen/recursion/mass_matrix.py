@@ -27,6 +27,7 @@ from kanegen.recursion.columns import (
     combine_forces,
     force_basis,
     merged,
+    rotation_sum,
     shifted_columns,
 )
 from kanegen.recursion.fixed_frame_columns import FixedFrameJoint, fixed_frame_joints
@@ -116,10 +117,13 @@ class _Assembly:
 
     def merge_columns(self, k: int) -> None:
         """Add the columns that have arrived at body `k` where the same entries of {y} cause them."""
-        definitions = self.tree.definitions
-        self.moving[k - 1] = merged(self.moving[k - 1], f"{k}", f"{k}", definitions)
-        fixed = merged(self.fixed[k - 1], f"{k}", f"{k}h", definitions)
-        self.fixed[k - 1] = [col for col in fixed if isinstance(col, RotationColumn)]
+        body, definitions = f"{k}", self.tree.definitions
+        self.moving[k - 1] = merged(
+            self.moving[k - 1], lambda place, parts: rotation_sum(place, parts, body, body, definitions)
+        )
+        self.fixed[k - 1] = merged(
+            self.fixed[k - 1], lambda place, parts: rotation_sum(place, parts, body, f"{k}h", definitions)
+        )
 
     def pass_fixed_columns(self, joint: JointMotion) -> None:
         """Record the entries of fixed-frame columns with a joint, and pass them inward with new ones."""
