@@ -31,6 +31,7 @@ from kanegen.recursion.coriolis_columns import (
     translation_column,
 )
 from kanegen.recursion.inertia import Inertia
+from kanegen.recursion.joined_turns import with_joined_turns
 from kanegen.recursion.joint_motion import JointMotion, Step
 from kanegen.recursion.relative_momentum import HALF, RelativeMomentum, second_moments
 from kanegen.recursion.rotors import SpinningRotor, spinning_rotors
@@ -41,6 +42,7 @@ from kanegen.symbolic.definitions import Vector
 
 def coriolis_matrix(tree: Tree) -> Derived:
     """Derive the entries of [C], row-major."""
+    tree = with_joined_turns(tree)
     assembly = _Assembly(tree)
     for joint in reversed(tree.joints):
         tree.about(joint.body, "columns and rows of the Coriolis matrix")
@@ -96,7 +98,7 @@ class _Assembly:
         if joint.angular_speeds:
             carried = self._with_angular_speeds(carried, joint)
         for step, motion in reversed(list(zip(joint.steps, self._motions[k][:-1], strict=True))):
-            carried = self._below_turn(carried, step, motion, on_ground=not joint.lower)
+            carried = self._below_turn(carried, joint, step, motion)
         self._record_translations(carried, joint)
         if joint.lower:
             self._pass_to_lower_body(carried, joint)
@@ -112,9 +114,8 @@ class _Assembly:
         k, definitions = rotor.carrier, self._tree.definitions
         self._tree.about(k, "spin of a rotor")
         half = definitions.define(f"yh_{rotor.motion.number}", HALF * rotor.motion.rate)
-        rows = [cross(scale(half, rotor.momentum), unit(i)) for i in range(3)]
-        turned = tuple(Vector(*(row[i] for row in rows)) for i in range(3))
-        spin = RelativeMomentum(ZERO, (turned[0], turned[1], turned[2]))
+        x, y, z = (cross(unit(i), scale(half, rotor.momentum)) for i in range(3))
+        spin = RelativeMomentum(ZERO, (x, y, z))
         self._momenta[k] = self._momenta[k].plus(spin, f"{k}", definitions)
         if rotor.motion.shares:
             self._columns[k].append(rotor_column(rotor, self._motions[k][-1].omega, definitions))
@@ -141,14 +142,14 @@ class _Assembly:
         momentum = body.momentum.turning(joint.relative_omega, body.inertia, second, f"{k}", definitions)
         return _Carried(replace(body, momentum=momentum), carried.arriving, own)
 
-    def _below_turn(self, carried: _Carried, step: Step, motion: FrameMotion, *, on_ground: bool) -> _Carried:
+    def _below_turn(self, carried: _Carried, joint: JointMotion, step: Step, motion: FrameMotion) -> _Carried:
         """Record the entries of an angle, begin its column, and pass everything through its turn.
 
         Args:
             carried: What the body carries, above the turn.
+            joint: The joint.
             step: The turn.
             motion: Motion of the frame below the turn.
-            on_ground: Whether no body is further inward. Then columns need not be turned for this angle.
         """
         frame, definitions = step.frame, self._tree.definitions
         inertia = carried.body.inertia.down(step.turn, frame, definitions)
@@ -165,11 +166,13 @@ class _Assembly:
         below = _Carried(MovingBody(inertia, momentum, motion), arriving, own)
         if not step.shares:
             return below
-        seen = carried if on_ground else below
+        # The entries are the same in the frames below and above. On the ground columns are turned no further.
+        seen = below if joint.lower else carried
         for col in seen.columns:
             self._record(step.shares, col.places, col.along(step.axis))
             self._record(col.places, step.shares, col.across(step.axis, seen.body.motion))
-        begun = rotation_column(step, frame, below.body, second, definitions)
+        label = f"{joint.body}a{step.angle + 1}"
+        begun = rotation_column(step, label, below.body, second, definitions)
         self._record(step.shares, step.shares, begun.along(step.axis))
         return replace(below, own=(*own, begun))
 
