@@ -8,6 +8,7 @@ from functools import partial
 
 from benchmarks.validation.case import Case
 from benchmarks.validation.cases import (
+    floating_base,
     flyball_governor,
     free_rigid_body,
     furuta_pendulum,
@@ -15,6 +16,7 @@ from benchmarks.validation.cases import (
     plate_pendulum,
     puma560,
     simple_pendulum,
+    simple_tree,
     tumbling_brick,
 )
 
@@ -36,6 +38,8 @@ CASES = {
     "plate_pendulum": Study(plate_pendulum.case, partial(plate_pendulum.case, certain=False)),
     "heavy_top": Study(heavy_top.case, partial(heavy_top.case, certain=False)),
     "puma560": Study(puma560.case, puma560.case),
+    "simple_tree": Study(simple_tree.case, simple_tree.case),
+    "floating_base": Study(floating_base.case, floating_base.case),
     "furuta_pendulum": Study(furuta_pendulum.case, furuta_pendulum.case),
     "simple_pendulum": Study(simple_pendulum.case, partial(simple_pendulum.case, seconds=50.0)),
     "flyball_governor": Study(flyball_governor.case, partial(flyball_governor.case, last=1.0)),

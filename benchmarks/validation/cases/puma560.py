@@ -32,9 +32,28 @@ CORIOLIS = """\
 0.0001 0.0000 0.0000 0.0000 0.0000 0.0000"""
 
 
+OPERATIONAL_INERTIA = """\
+17.2954 -2.7542 -9.6233 -0.0000 0.2795 0.0000
+-2.7542 12.1909 1.2459 -0.3254 -0.0703 -0.9652
+-9.6233 1.2459 13.3348 -0.0000 0.2767 -0.0000
+-0.0000 -0.3254 -0.0000 0.1941 0.0000 0.1941
+0.2795 -0.0703 0.2767 0.0000 0.1713 0.0000
+0.0000 -0.9652 -0.0000 0.1941 0.0000 0.5791"""
+
+LINEAR_FIRST = np.ix_([3, 4, 5, 0, 1, 2], [3, 4, 5, 0, 1, 2])
+"""Rows and columns in the order of the toolbox."""
+
+
 def case() -> Case:
     """Return the case: torques, inertia and accelerations in the pose qn."""
-    library = build("puma560", "inverse_dynamics", "mass_matrix", "forward_dynamics", "coriolis_matrix")
+    library = build(
+        "puma560",
+        "inverse_dynamics",
+        "mass_matrix",
+        "forward_dynamics",
+        "coriolis_matrix",
+        "operational_inertia",
+    )
     zero, one, climbing = np.zeros(6), np.ones(6), np.array([1.0, 2.0, 3.0, 1.0, 2.0, 3.0])
     free = {"point_force": np.zeros((1, 3)), "point_moment": np.zeros((1, 3))}
     pressed = {"point_force": -WRENCH, "point_moment": -WRENCH}
@@ -102,6 +121,11 @@ def case() -> Case:
         row(f"row {i + 1} of the Coriolis matrix, q̇ = (1, 2, 3, 1, 2, 3) rad/s", "kg m²/s", text, coriolis[i])
         for i, text in enumerate(CORIOLIS.splitlines())
     ]
+    felt = library.operational_inertia(QN)[0][LINEAR_FIRST]
+    rows += [
+        row(f"row {i + 1} of the operational inertia of the flange", "kg, kg m, kg m²", text, felt[i])
+        for i, text in enumerate(OPERATIONAL_INERTIA.splitlines())
+    ]
     return Case(
         title="The Puma 560 of the Robotics Toolbox",
         model="puma560",
@@ -113,8 +137,9 @@ def case() -> Case:
         problem=(
             "An arm with six joints in the pose qn = (0, π/4, π, 0, π/4, 0), with the reflected inertia of "
             "its motors as `armature` and their viscous and Coulomb friction as drives: `inverse_dynamics`, "
-            "`mass_matrix`, `forward_dynamics` and `coriolis_matrix` in C. The principal moments of link 3 "
-            "violate the triangle inequality, of which kanegen warns; the numbers are those of the toolbox."
+            "`mass_matrix`, `forward_dynamics`, `coriolis_matrix` and `operational_inertia` in C. The "
+            "principal moments of link 3 violate the triangle inequality, of which kanegen warns; the "
+            "numbers are those of the toolbox."
         ),
         allowance="Half a unit of the last digit that the toolbox prints, four decimals or six digits.",
         rows=tuple(rows),
