@@ -17,7 +17,7 @@ from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.body import Body
 from kanegen.model.coordinates import FREEDOMS, SPEED_KINDS, Freedom
-from kanegen.model.numbers import Number, number, toml_number, value_of
+from kanegen.model.numbers import Number, factor_text, number, toml_number, value_of
 
 Terms = tuple[tuple[str, Number], ...]
 """Names of freedoms, each with its factor."""
@@ -70,7 +70,7 @@ class Coupling:
         Example:
             kg.Coupling("left", {"right": -1.0}, 0.5).equation()  # "left = -1.0 right + 0.5"
         """
-        parts = [f"{toml_number(factor)} {name}" for name, factor in self.pairs]
+        parts = [f"{factor_text(factor)} {name}" for name, factor in self.pairs]
         parts += [str(toml_number(self.offset))] if self.offset != 0 else []
         return f"{self.freedom} = {' + '.join(parts)}"
 

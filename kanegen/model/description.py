@@ -19,7 +19,7 @@ from kanegen.model.force_elements.names import with_names_of_freedoms
 from kanegen.model.frame import Frame
 from kanegen.model.limits import SystemLimits
 from kanegen.model.nodes import TIME
-from kanegen.model.numbers import Number, Parameter, map_numbers, parameters_of, toml_number
+from kanegen.model.numbers import Number, Parameter, factor_text, map_numbers, parameters_of
 from kanegen.model.reaction import Reaction, every_reaction, reaction_rows
 from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 from kanegen.model.system_coordinates import SystemCoordinates
@@ -59,7 +59,7 @@ class SystemDescription(SystemCoordinates):
             for freedom, name in moving
         ]
         lines = [
-            f"armature of {name}: {toml_number(value)} {'kg m^2' if freedom.is_angle else 'kg'}"
+            f"armature of {name}: {factor_text(value)} {'kg m^2' if freedom.is_angle else 'kg'}"
             for name, value, freedom in armature
             if value
         ]
@@ -161,7 +161,7 @@ class SystemDescription(SystemCoordinates):
                 unit = f"{freedom.unit}, sequence {joint.sequence}" if freedom.is_angle else freedom.unit
                 unit = freedom.unit if joint.sequence == NOTES else unit
                 place = f" (joint {joint.name})" if is_named else ""
-                lines.append(f"{body.name}.{FREEDOMS[freedom.index]} = {toml_number(value)} {unit}{place}")
+                lines.append(f"{body.name}.{FREEDOMS[freedom.index]} = {factor_text(value)} {unit}{place}")
             if is_named and not values:
                 lines.append(f"all six freedoms of {body.name} = 0 (joint {joint.name})")
         return tuple(lines)

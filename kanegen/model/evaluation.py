@@ -6,6 +6,7 @@ rounded once, when it becomes a double. So 0.1*3 - 0.3 is what the three doubles
 
 from __future__ import annotations
 
+import math
 import operator
 import sys
 from collections.abc import Callable
@@ -23,6 +24,9 @@ Exact = Any
 
 LARGEST = Fraction(sys.float_info.max)
 """No part of an expression may be larger: it would be infinite in C."""
+
+VANISHING = 2.0**-300
+"""A sine or cosine that is smaller, of an angle in 320 bits, is zero."""
 
 _EXACT: dict[str, Callable[..., Any]] = {
     "+": operator.add,
@@ -53,6 +57,8 @@ class _Undefined:
 def exact_value(root: Node) -> Exact:
     """Return the value of a tree without variables, parameters at their defaults.
 
+    Sines and cosines that vanish but for the rounding of pi are zero.
+
     Raises:
         ModelError: If it has none: a part divides by zero, takes the root or the logarithm of a number that
             has none, or is larger than any double.
@@ -61,6 +67,17 @@ def exact_value(root: Node) -> Exact:
     if isinstance(found, _Undefined):
         raise ModelError(found.reason)
     return found
+
+
+def relative_loss(root: Node, exact: Exact) -> float:
+    """Return by how much a value that is computed in doubles misses `exact`, relative to it.
+
+    It is large where terms nearly cancel. Where `exact` is zero there is no relative error: 0 is returned.
+    """
+    if not exact:
+        return 0.0
+    found = folded(root, lambda leaf: float(_leaf(leaf)), _in_doubles)
+    return float(abs(Fraction(found) / _fraction(exact) - 1)) if math.isfinite(found) else math.inf
 
 
 def is_double(value: Exact) -> bool:
@@ -97,6 +114,22 @@ def _operation(node: Operation | Power, operands: list[Exact]) -> Exact:
     if not isinstance(value, bool) and abs(_fraction(value)) > LARGEST:
         return _without_value(node, "is larger than any double")
     return value
+
+
+def _in_doubles(node: Operation | Power, operands: list[Any]) -> Any:
+    """Return the value of an operation in doubles, as C computes it; NaN where a part has none."""
+    try:
+        match node:
+            case Power(_, exponent):
+                return operands[0] ** exponent
+            case Operation("if" | "and" | "or" as name):
+                return _chosen(name, *operands)
+            case Operation(name) if name in _EXACT:
+                return float(_EXACT[name](*operands))
+            case Operation(name):
+                return getattr(math, name)(*operands) if operands else math.pi
+    except (ArithmeticError, ValueError):
+        return math.nan
 
 
 def _chosen(name: str, condition: Exact, first: Exact, second: Exact = None) -> Exact:
@@ -141,7 +174,8 @@ def _function(name: str, operands: list[Any]) -> Any:
         return Fraction(0)
     if name in ("cos", "exp") and not first:
         return Fraction(1)
-    return getattr(MULTIPRECISION, name)(*operands)
+    value = getattr(MULTIPRECISION, name)(*operands)
+    return Fraction(0) if name in ("sin", "cos") and abs(value) < VANISHING else value
 
 
 def _fraction(value: Exact) -> Fraction:

@@ -172,6 +172,11 @@ class Expression(_Operand):
         """The value rounded once, parameters at their defaults; errors are those of `exact`."""
         return float(self.exact)
 
+    @cached_property
+    def loss(self) -> float:
+        """The relative error of the value if it is computed in doubles, parameters at their defaults."""
+        return evaluation.relative_loss(self.root, self.exact)
+
     @property
     def simplest(self) -> float | Parameter | Expression:
         """The number that the expression is: a double where it is exactly one, a parameter alone, or itself.

@@ -5,11 +5,12 @@ Whoever needs the value of a number asks `value_of`, or `parameters_of` for what
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from kanegen.errors import QUOTED, ModelError, counted, excerpt, quoted
+from kanegen.errors import QUOTED, KanegenWarning, ModelError, counted, excerpt, quoted
 from kanegen.model.evaluation import Exact
 from kanegen.model.expression import Expression, Parameter
 from kanegen.model.finite import finite, listed
@@ -21,6 +22,7 @@ __all__ = [
     "Vector",
     "described",
     "exact_value_of",
+    "factor_text",
     "finite",
     "is_fixed",
     "listed",
@@ -36,6 +38,9 @@ __all__ = [
 Number = float | Parameter | Expression
 """A number of a model: fixed, a run-time parameter, or an expression of numbers and parameters."""
 
+LOST = 1e-12
+"""Relative error of a number in doubles from which it is reported: thousands of rounding errors."""
+
 Vector = tuple[Number, Number, Number]
 """(3,) numbers of a model."""
 
@@ -49,6 +54,9 @@ def number(value: Any, label: str) -> Number:
     Raises:
         ModelError: If it is neither a finite number nor an expression that has a value at the defaults of its
             parameters and depends on nothing else.
+
+    Warns:
+        KanegenWarning: If so many digits are lost in an expression that results are not accurate.
     """
     if isinstance(value, Parameter):
         return value
@@ -65,6 +73,14 @@ def number(value: Any, label: str) -> Number:
         finite(value.value, label)
     except ModelError as error:
         raise ModelError(f"{label}: {error}") from None
+    if value.parameters and value.loss > LOST:
+        warnings.warn(
+            f"{label}: {quoted(str(value))} loses digits, because terms nearly cancel in it: computed in "
+            f"doubles at the default values, it is off by {value.loss:.0e} of itself. Write it in another "
+            "form.",
+            KanegenWarning,
+            stacklevel=3,
+        )
     return value.simplest
 
 
@@ -133,6 +149,11 @@ def with_parameters_changed(value: Number, change: Callable[[Parameter], Number]
         return change(one) if isinstance(one, Parameter) else one
 
     return number(value.map_numbers(changed), "number") if isinstance(value, Expression) else changed(value)
+
+
+def factor_text(value: Number) -> str:
+    """Return a number as people read it before a name or a unit: an expression in brackets."""
+    return f"({value})" if isinstance(value, Expression) else str(toml_number(value))
 
 
 def toml_number(value: Number) -> float | str:

@@ -27,6 +27,7 @@ from kanegen.model.numbers import (
     Number,
     Vector,
     described,
+    factor_text,
     is_fixed,
     map_numbers,
     number,
@@ -91,7 +92,7 @@ class Rotor:
     @property
     def summary(self) -> str:
         """The rotor in one line, as `kanegen info` shows it."""
-        ratio, inertia = toml_number(self.ratio), toml_number(self.inertia)
+        ratio, inertia = factor_text(self.ratio), factor_text(self.inertia)
         where = f" in {self.body}" if self.body else ""
         return f"{self.name}: {inertia} kg m^2{where}, turns {ratio} times {self.freedom}"
 

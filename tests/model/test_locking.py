@@ -254,8 +254,9 @@ def test_what_follows_only_locked_freedoms_is_locked_and_other_couplings_keep_th
     assert _sliders().with_locked({"d": 0.5}).couplings[0].offset in (-0.5, 0.1)
     with pytest.raises(kg.ModelError, match=r"'b' is coupled. Lock the freedoms that it follows"):
         _sliders().with_locked({"b": 0.0})
-    with pytest.raises(kg.ModelError, match=r"'b.s1' follows 'a.s1', and its value .* with a parameter"):
-        _sliders().with_locked({"a": kg.Parameter("at", 0.3)})
+    value = _sliders().with_locked({"a": kg.Parameter("at", 0.3)}).bodies[1].joint.locked[3]
+    assert str(value) == "0.1 + 2 * at"
+    assert value_of(value) == pytest.approx(0.7, rel=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ from kanegen.model.numbers import (
     value_of,
     with_parameters_changed,
 )
-from tests.support.toml_models import read_toml
+from tests.support.toml_models import ROD, read_toml
 
 M, L, ALPHA = kg.Parameter("m", 1.7), kg.Parameter("l", 0.3), kg.Parameter("alpha", 0.4)
 KNOWN: dict[str, Any] = {one.name: one for one in (M, L, ALPHA)}
@@ -159,64 +159,6 @@ def test_what_is_no_number_has_no_arithmetic(other: Any) -> None:
         M * L + other
 
 
-ROD = """
-gravity = [0, 0, "-g"]
-[parameters]
-Iyy = "m*l**2/12"
-g = 9.81
-m = 2.0
-l = 0.5
-alpha = 0.3
-[[body]]
-name = "rod"
-connection = "ground"
-mass = "m"
-mass_center = [0, 0, "-l/2"]
-inertia = ["Iyy", "Iyy", "Iyy*1e-4"]
-joint.free = ["theta1"]
-joint.orientation_angles = ["pi/6", "-alpha", 0]
-joint.position = ["1/12", "l*cos(alpha)", 0]
-points = {tip = [0, 0, "-l"]}
-frames = {hand = {position = [0, 0, "-l"], orientation_angles = ["alpha/2", 0, "pi/2"]}}
-[[body]]
-name = "tip"
-connection = "rod"
-mass = "m/2"
-mass_center = [0, 0, "-l/2"]
-inertia = ["Iyy/2", "Iyy/2", "Iyy*1e-4"]
-joint.free = ["theta1", "s2"]
-joint.locked.theta3 = "-alpha"
-joint.position = [0, 0, "-l"]
-joint.armature.theta1 = "Iyy"
-[[body]]
-name = "follower"
-connection = "rod"
-mass = 0.1
-joint = {free = ["s3"]}
-[[coupling]]
-freedom = "follower.s3"
-terms = {"tip.s2" = "l/2"}
-offset = "-l"
-[[rotor]]
-name = "motor"
-freedom = "tip.theta1"
-axis = [0, "-1/3", 0]
-inertia = "Iyy/1000"
-ratio = "-(2 + 1)"
-[[joint_spring]]
-freedom = "tip.theta1"
-stiffness = "m*g*l"
-rest = "-alpha"
-[[spring]]
-between = ["tip", [0, "l", 0]]
-stiffness = "2*m*g/l"
-rest_length = "l/2"
-[[drive]]
-freedom = "tip.s2"
-effort = "-Iyy*y.tip.s2"
-"""
-
-
 def test_a_file_may_have_expressions_wherever_numbers_stand(tmp_path: Path) -> None:
     system = read_toml(tmp_path, ROD)
     assert [one.name for one in system.parameters] == ["g", "m", "l", "alpha"]
@@ -303,3 +245,19 @@ def test_unused_parameters_are_found_through_names(tmp_path: Path) -> None:
         system = read_toml(tmp_path, text)
     assert value_of(system.bodies[0].mass) == 6.0
     assert toml_number(system.bodies[0].mass) == "2 * (3 * c)"
+
+
+def test_sums_that_cancel_are_reported() -> None:
+    small = kg.Parameter("small", 1e-3)
+    with pytest.warns(kg.KanegenWarning, match=r"y: 'l \* cos\(small\) - l' loses digits, .*off by 9e-11"):
+        number(L * np.cos(small) - L, "y")
+    stable = number(-2 * L * np.sin(small / 2) ** 2, "y")
+    assert value_of(stable) == pytest.approx(-0.3 * (1 - math.cos(1e-3)), rel=1e-9)
+    assert number(np.cos(kg.parse("pi/2")), "y") == 0.0
+
+
+def test_people_read_expressions_in_brackets(tmp_path: Path) -> None:
+    system = read_toml(tmp_path, ROD)
+    assert system.coupling_equations == ("follower.s3 = (l / 2) tip.s2 + -l",)
+    assert "armature of tip.theta1: (m * l**2 / 12) kg m^2" in system.motor_summaries
+    assert system.locked_summaries == ("tip.theta3 = (-alpha) rad",)
