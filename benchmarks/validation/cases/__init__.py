@@ -17,6 +17,7 @@ from benchmarks.validation.cases import (
     puma560,
     simple_pendulum,
     simple_tree,
+    space_station,
     tumbling_brick,
 )
 
@@ -45,5 +46,6 @@ CASES = {
     "flyball_governor": Study(flyball_governor.case, partial(flyball_governor.case, last=1.0)),
     "free_rigid_body": Study(free_rigid_body.case, free_rigid_body.case),
     "tumbling_brick": Study(tumbling_brick.case, tumbling_brick.case),
+    "space_station": Study(space_station.case, space_station.case),
 }
 """Every case by its name."""
