@@ -62,6 +62,8 @@ if TYPE_CHECKING:
     from kanegen.model.force_elements import Spring as Spring
     from kanegen.model.force_elements import parse as parse
     from kanegen.model.frame import Frame as Frame
+    from kanegen.model.identification.base_parameters import BaseParameters as BaseParameters
+    from kanegen.model.identification.base_parameters import base_parameters as base_parameters
     from kanegen.model.identification.inertial_parameters import inertial_parameters as inertial_parameters
     from kanegen.model.joint import Joint as Joint
     from kanegen.model.limits import Limits as Limits
@@ -111,6 +113,7 @@ _MODULES = {
         "parse",
     ),
     "model.frame": ("Frame",),
+    "model.identification.base_parameters": ("BaseParameters", "base_parameters"),
     "model.identification.inertial_parameters": ("inertial_parameters",),
     "model.joint": ("Joint",),
     "model.limits": ("Limits",),

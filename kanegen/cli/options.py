@@ -52,7 +52,7 @@ Outputs = Annotated[
         "centroidal_momentum_matrix, centroidal_momentum_bias, mass_center, body_poses, frame_velocities, "
         "frame_accelerations, frame_bias_accelerations, frame_jacobians, coordinate_rates, "
         "point_positions, point_velocities, point_accelerations, point_jacobians, operational_inertia, "
-        "operational_inertia_inverse, operational_bias, regressor, prescribed_efforts, "
+        "operational_inertia_inverse, operational_bias, regressor, base_regressor, prescribed_efforts, "
         "forcing_derivatives, gravity_forces_derivatives, inverse_dynamics_derivatives, "
         "forward_dynamics_derivatives, coordinate_rates_derivatives, point_positions_derivatives, "
         "point_velocities_derivatives, point_accelerations_derivatives, kinetic_energy_derivatives, "

@@ -38,3 +38,31 @@ class Identification(CompiledModel):
             tau = library.regressor(x, y, ydot) @ kg.inertial_parameters(system)
         """
         return self._run("regressor", (x, y, ydot), inputs)[0]
+
+    def base_regressor(
+        self, x: ArrayLike, y: ArrayLike, ydot: ArrayLike, **inputs: Unpack[NamedInputs]
+    ) -> Floats:
+        """Return the base regressor [Y_b] of [Y]{pi} = [Y_b]{beta}, for the base parameters {beta}.
+
+        Its columns are those of [Y] that are independent over all motions; `kanegen.base_parameters` says
+        which, and which combinations of {pi} the base parameters are (Gautier and Khalil 1990).
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            ydot: (n,) or (B, n) generalized accelerations, rad/s^2 and m/s^2.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (n, b) or (B, n, b), N m and N over kg, kg m and kg m^2.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            base = kg.base_parameters(system)
+            rows = library.base_regressor(x, y, ydot).reshape(-1, len(base))   # of many measured states
+            beta = np.linalg.lstsq(rows, tau.ravel())[0]
+        """
+        return self._run("base_regressor", (x, y, ydot), inputs)[0]

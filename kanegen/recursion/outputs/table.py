@@ -5,6 +5,7 @@ The entries about motion alone stand in `kinematics`, those of derivatives in `d
 
 from __future__ import annotations
 
+from kanegen.model.identification.base_parameters import base_parameters
 from kanegen.model.system import System
 from kanegen.program.ir import Array, Condition
 from kanegen.recursion.centroidal import centroidal_momentum_bias, centroidal_momentum_matrix
@@ -25,7 +26,7 @@ from kanegen.recursion.outputs.operational import OPERATIONAL
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.reactions import reaction_loads
 from kanegen.recursion.refinement import Solution
-from kanegen.recursion.regressor import regressor
+from kanegen.recursion.regressor import base_regressor, regressor
 
 REACTIONS = Subject(
     lambda system: system.reaction_rows,
@@ -291,7 +292,19 @@ _ENTRIES = (
             "origin of its frame (Atkeson, An and Hollerbach 1986)",
         ),
         ("x", "y", "ydot"),
-        Recursion("recursion of forces", regressor),
+        Recursion("partial velocities of the bodies", regressor),
+    ),
+    Output(
+        "base_regressor",
+        lambda system: Array(
+            "base_regressor",
+            (_n(system), len(base_parameters(system))),
+            "N m, N over the units of the parameters",
+            "[Y_b] of [Y]{pi} = [Y_b]{beta} for the base parameters {beta}: the columns of [Y] that are "
+            "independent over all motions (Gautier and Khalil 1990)",
+        ),
+        ("x", "y", "ydot"),
+        Recursion("partial velocities of the bodies", base_regressor),
     ),
     Output(
         "prescribed_efforts",
