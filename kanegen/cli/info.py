@@ -43,12 +43,19 @@ def info(
             "tree.",
         ),
     ] = False,
+    sums: Annotated[
+        bool,
+        typer.Option(
+            "--base-parameters", help="Name the base parameters, as sums over inertial parameters of bodies."
+        ),
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Show the tree of MODEL, its freedoms and parameters, and the number of operations of its outputs.
 
     A section says what the reader left out or changed, which links are fixed in which bodies, which frames
-    are turned, and which limits there are.
+    are turned, and which limits there are. A line counts the base parameters: the combinations of masses,
+    first moments and inertias that forces and motions determine.
 
     The column "prepare" counts operations that depend on parameters alone and run once for each set of
     parameters. The rows "this after ..." count the operations of [A] and {f} together after each pass of the
@@ -74,4 +81,4 @@ def info(
     if as_json:
         typer.echo(json.dumps(summary.as_dict(), indent=2))
     else:
-        show(summary, screen, verbose)
+        show(summary, screen, verbose, sums)

@@ -10,6 +10,7 @@ from kanegen import compiler
 from kanegen import options as variants
 from kanegen.cli.model_facts import ModelFacts, model_facts
 from kanegen.model.coordinates import FREEDOMS, Freedom, selected_freedoms
+from kanegen.model.identification.base_parameters import BaseParameters, base_parameters
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.reaction import Reaction
 from kanegen.model.system import System
@@ -57,6 +58,7 @@ class Summary:
         right_angles: The changes of exact right angles; None if the model misses no right angle.
         facts: Frames, limits and massless bodies, and what the reader left out.
         outputs: Names of the outputs that the system has, also those that are not in `operations`.
+        base: The base parameters.
     """
 
     system: System
@@ -68,6 +70,7 @@ class Summary:
     right_angles: RightAngleChanges | None
     facts: ModelFacts
     outputs: tuple[str, ...]
+    base: BaseParameters
 
     @property
     def uncounted(self) -> tuple[str, ...]:
@@ -86,6 +89,7 @@ class Summary:
             "refinement": self.refinement,
             "passes": [asdict(stage) for stage in self.stages],
             "saved": savings(self.stages),
+            "base_parameters": {"is_proven": self.base.is_proven, "sums": list(self.base.names)},
             "right_angles": self.right_angles.as_dict() if self.right_angles else None,
         }
 
@@ -130,6 +134,7 @@ def summarize(
         right_angles,
         model_facts(system, left_out),
         tuple(possible),
+        base_parameters(system),
     )
 
 

@@ -17,6 +17,7 @@ from kanegen.cli.summary import RightAngleChanges, Summary
 from kanegen.errors import counted
 from kanegen.model.body import Body
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, selected_freedoms
+from kanegen.model.identification.base_parameters import BaseParameters
 from kanegen.model.numbers import Number, toml_number, value_of
 from kanegen.model.system import System
 from kanegen.program.count import PREPARE, kinds
@@ -30,13 +31,14 @@ SYMBOLS = {"mass_matrix": "[A]", "forcing": "{f}", "ydot": "{ydot}"}
 """The letters of the notes by the names of the results that exact right angles change."""
 
 
-def show(summary: Summary, console: Console, verbose: bool = False) -> None:
+def show(summary: Summary, console: Console, verbose: bool = False, sums: bool = False) -> None:
     """Print a summary: the tree, its sections, and the changes of exact right angles.
 
     Args:
         summary: The summary.
         console: Where to print.
         verbose: Whether to name all frames, limits and bodies that a line counts.
+        sums: Whether to print the base parameters as sums of inertial parameters.
     """
     system = summary.system
     bodies = counted(system.number_of_bodies, "body", "bodies")
@@ -65,6 +67,7 @@ def show(summary: Summary, console: Console, verbose: bool = False) -> None:
         console.print(escape(text), soft_wrap=True)
     else:
         console.print(escape(f"refinement of forward_dynamics: {summary.refinement}"))
+    _show_base_parameters(summary.base, console, sums)
     if summary.right_angles:
         _show_right_angles(summary.right_angles, console)
 
@@ -168,6 +171,17 @@ def _costs(summary: Summary) -> Table:
         cells = ("" if kind == PREPARE else str(stage.operations.get(kind, 0)) for kind in columns)
         table.add_row(f"[dim]this after {stage.name}[/]", *cells)
     return table
+
+
+def _show_base_parameters(base: BaseParameters, console: Console, sums: bool) -> None:
+    """Print the number of base parameters, and the sums that they are."""
+    certainty = "" if base.is_proven else ", as random positions show"
+    hint = ":" if sums else " (--base-parameters names them)"
+    count = counted(len(base), "combination is a base parameter", "combinations are base parameters")
+    text = f"of {len(base.parameters)} inertial parameters {count}{certainty}{hint}"
+    console.print(text, soft_wrap=True)
+    for name in base.names if sums else ():
+        console.print(f"  {name}", soft_wrap=True)
 
 
 def _show_right_angles(changes: RightAngleChanges, console: Console) -> None:

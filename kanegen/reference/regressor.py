@@ -21,7 +21,7 @@ from kanegen.reference.matrices import Numbers, apply, skew, transposed
 
 
 def regressor(
-    system: System,
+    system: System | SystemArrays,
     x: ArrayLike,
     y: ArrayLike,
     ydot: ArrayLike,
@@ -46,15 +46,16 @@ def regressor(
         >>> system = kg.load("models/double_pendulum.toml")
         >>> regressor(system, [0.3, 0.4], [1.0, 2.0], [0.0, 0.0]) @ kg.inertial_parameters(system)
     """
-    names, arrays = [body.name for body in system.bodies], arrays_of(system)
+    arrays = arrays_of(system)
     x, y, ydot = coordinates(arrays, x), speeds(arrays, y, "y"), speeds(arrays, ydot, "ydot")
     motion = prescribed_motion(arrays, prescribed, x)
     rates = full_order(arrays, y, motion[..., 1, :])
     accelerations = full_order(arrays, ydot, motion[..., 2, :])
     bodies = kinematics(arrays, x, y, motion)
+    # Those of the bodies come first among the frames.
     columns = [
-        _columns(arrays, arrays.frames[name], body, rates, accelerations)
-        for name, body in zip(names, bodies, strict=True)
+        _columns(arrays, frame, body, rates, accelerations)
+        for frame, body in zip(arrays.frames.values(), bodies, strict=False)
     ]
     rows = gathered(arrays, np.concatenate(columns, axis=-2), free_columns(arrays))
     return transposed(rows)

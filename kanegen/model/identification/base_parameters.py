@@ -27,7 +27,8 @@ class BaseParameters:
     Attributes:
         parameters: (10 N,) names of the inertial parameters, as `inertial_parameter_names` returns them.
         columns: (b,) columns of [Y] that make up [Y_b].
-        matrix: (b, 10 N) combinations [K].
+        matrix: (b, 10 N) combinations [K]; in the columns they are the identity, unless special values of
+            run-time parameters leave fewer combinations than columns.
         is_proven: Whether b is proven to be the least number. Where freedoms are coupled or prescribed, it is
             the number that random positions show.
 
@@ -118,5 +119,8 @@ def _with_general_values(system: System) -> System:
 
 def _in_columns(matrix: Floats, columns: list[int]) -> Floats:
     """Return combinations of other columns that make the same of the inertial parameters as [K] does."""
-    found = np.linalg.lstsq(matrix[:, columns], matrix, rcond=1e-10)[0]
-    return np.where(np.abs(found) < 1e-13 * np.abs(found).max(initial=0.0), 0.0, found)
+    found: Floats = np.linalg.lstsq(matrix[:, columns], matrix, rcond=1e-10)[0].astype(np.float64)
+    found = np.where(np.abs(found) < 1e-13 * np.abs(found).max(initial=0.0), 0.0, found)
+    if len(columns) == len(matrix):
+        found[:, columns] = np.eye(len(columns))
+    return found

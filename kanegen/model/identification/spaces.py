@@ -18,8 +18,8 @@ from kanegen.model.identification.inertial_parameters import UPPER
 from kanegen.model.identification.single_joints import Placement, SingleJoint
 
 SAME = 1e-10
-"""Length below which a vector is zero, in units of those it is made from: far more than the rounding of lengths
-and directions in a model file, far less than a drawing or a calibration distinguishes."""
+"""Length below which a vector is zero, in units of those it is made from: far more than the rounding of
+lengths and directions in a model file, far less than a drawing or a calibration distinguishes."""
 
 
 def parameters_inward(placement: Placement) -> Floats:
