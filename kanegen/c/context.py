@@ -126,12 +126,15 @@ def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:
     coordinates = zip(model.coordinate_names, model.coordinate_units, strict=True)
     points = [name for name, _ in model.points]
     reactions = declarations.reactions(model, outputs)
+    contact_rows = declarations.contacts(model, outputs)
     return {
         "freedoms": [(place, *row) for place, row in enumerate(freedoms)],
         "coordinates": [(place, *row) for place, row in enumerate(coordinates)] * model.has_other_coordinates,
         "frames": declarations.frames(model, outputs),
         "reactions": reactions,
         "about_reactions": _wrapped(_about_reactions(model)) if reactions else [],
+        "contact_rows": contact_rows,
+        "contacts": _listed(model.contacts) if contact_rows else [],
         "loads": _loaded_rows(zip(model.body_names, strict=True), model.loaded),
         "point_loads": _loaded_rows(zip(points, model.load_frames, strict=True), model.loaded_points),
         "force_elements": _listed(model.force_elements),

@@ -14,7 +14,7 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
 from kanegen.program.ir import Array
 from kanegen.program.precision import DOUBLE, DOUBLE_DOUBLE, FLOAT, LONG_DOUBLE
-from kanegen.recursion.outputs import OF_FRAMES
+from kanegen.recursion.outputs import OF_CONTACTS, OF_FRAMES
 
 
 def prototype(model: str, function: Function, formats: Formats) -> list[str]:
@@ -170,6 +170,8 @@ def sizes(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
         rows.append((f"{prefix}_POSES", len(rows_of_frames), "frames with poses"))
     if places := reactions(model, asked):
         rows.append((f"{prefix}_REACTIONS", len(places), "reaction loads"))
+    if places := contacts(model, asked):
+        rows.append((f"{prefix}_CONTACT_ROWS", len(places), "held directions of contacts"))
     if model.prescribed:
         rows.append((f"{prefix}_PRESCRIBED", len(model.prescribed), "p, prescribed freedoms"))
     for function in functions:
@@ -267,3 +269,9 @@ def reactions(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int
     """Return index, name and unit of every reaction load, if the output is computed."""
     asked = "reaction_loads" in outputs
     return [(place, name, unit) for place, (name, unit, _) in enumerate(model.reactions)] if asked else []
+
+
+def contacts(model: ModelDescription, outputs: Sequence[str]) -> list[tuple[int, str, str]]:
+    """Return index, name and unit of every load of contacts, if an output under contacts is computed."""
+    asked = set(OF_CONTACTS).intersection(outputs)
+    return [(place, name, unit) for place, (name, unit) in enumerate(model.contact_rows)] if asked else []

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from kanegen.errors import quoted
 from kanegen.model.coordinates import NOTES
-from kanegen.model.reaction import COMPONENTS
 from kanegen.model.reanchorable import ReanchorableJoint, reanchorable_joints
 from kanegen.model.system import System
 
@@ -45,6 +44,8 @@ class ModelDescription:
         pose_bodies: Names of the bodies in which these frames are fixed, "" for the ground.
         reactions: Name and unit of each load that `reaction_loads` gives, and the frame in which it is a
             component, "" for the load along a locked direction.
+        contacts: One line of text for each contact.
+        contact_rows: Name and unit of each load that `contact_forces` gives.
         prescribed: Name and unit, "rad" or "m", of each prescribed freedom.
         limits: Smallest and largest coordinates, speeds and efforts in the order of the C arrays, infinite
             where there is none; () for a model without limits.
@@ -76,6 +77,8 @@ class ModelDescription:
     poses: tuple[str, ...] = ()
     pose_bodies: tuple[str, ...] = ()
     reactions: tuple[tuple[str, str, str], ...] = ()
+    contacts: tuple[str, ...] = ()
+    contact_rows: tuple[tuple[str, str], ...] = ()
     prescribed: tuple[tuple[str, str], ...] = ()
     reanchorable: tuple[ReanchorableJoint, ...] = ()
     homogeneous: tuple[tuple[int, ...], ...] = ()
@@ -164,6 +167,8 @@ def description(system: System) -> ModelDescription:
             system.bodies[frame.body - 1].name if frame.body else "" for frame in system.pose_frames
         ),
         reactions=tuple((row.name, row.effort, row.frame) for row in system.reaction_rows),
+        contacts=tuple(contact.summary for contact in system.contacts),
+        contact_rows=tuple((row.name, row.effort) for row in system.contact_rows),
         coordinate_names=system.coordinate_names,
         coordinate_units=tuple(coordinate.unit for coordinate in system.coordinates),
         prescribed=tuple(
@@ -173,13 +178,8 @@ def description(system: System) -> ModelDescription:
         reanchorable=reanchorable_joints(system),
         homogeneous=_homogeneous(system),
         limits=_limits(system),
-        rows=_rows(system),
+        rows=(*system.rows_of_frames, *(row.solved for row in system.contact_rows)),
     )
-
-
-def _rows(system: System) -> tuple[str, ...]:
-    """Return the names of six loads on each frame that is selected."""
-    return tuple(f"{load!r} on frame {quoted(name)}" for name in system.pose_names for load in COMPONENTS)
 
 
 def _limits(system: System) -> tuple[tuple[float, ...], ...]:

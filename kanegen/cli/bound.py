@@ -12,6 +12,7 @@ from kanegen.cli.options import (
     AS_WRITTEN,
     DEFAULT_OUTPUTS,
     AsJson,
+    Contacts,
     Coordinates,
     FloatingBase,
     Frames,
@@ -46,6 +47,7 @@ def bound(  # noqa: PLR0913  (an argument for every option)
     output: Outputs = DEFAULT_OUTPUTS,
     frames: Frames = None,
     reactions: Reactions = None,
+    contacts: Contacts = None,
     floating_base: FloatingBase = False,
     joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
@@ -70,7 +72,7 @@ def bound(  # noqa: PLR0913  (an argument for every option)
 
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = with_places(system, points, loads)
-    system = with_selection(system, output, frames, reactions)
+    system = with_selection(system, output, frames, reactions, contacts)
     with progress() as report:
         variant = options.chosen_variant(precision=precision, storage=storage, sincos=sincos)
         source = compiler.generate(system, output, report, tier=variant)

@@ -112,7 +112,17 @@ BUDGET_OPTIONS = (
 )
 """Names of the options that are allowed only with a budget."""
 
-EXCLUDED = ("tier", "without", "storage", "sincos", "output", "frames", "reactions", "reanchoring")
+EXCLUDED = (
+    "tier",
+    "without",
+    "storage",
+    "sincos",
+    "output",
+    "frames",
+    "reactions",
+    "contacts",
+    "reanchoring",
+)
 """Names of the options that a budget excludes, because the budget makes these choices."""
 
 

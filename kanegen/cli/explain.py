@@ -14,6 +14,7 @@ from kanegen.cli.options import (
     AS_WRITTEN,
     DEFAULT_OUTPUTS,
     AsJson,
+    Contacts,
     Coordinates,
     FloatingBase,
     Frames,
@@ -35,11 +36,13 @@ if TYPE_CHECKING:
     from kanegen.studies.explain import CostReport
 
 
-def explain(
+def explain(  # noqa: PLR0913  (an argument for every option)
+    *,
     model: Model,
     output: Outputs = DEFAULT_OUTPUTS,
     frames: Frames = None,
     reactions: Reactions = None,
+    contacts: Contacts = None,
     points: Points = None,
     loads: Loads = None,
     floating_base: FloatingBase = False,
@@ -75,7 +78,7 @@ def explain(
     require_writable(html, markdown)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = with_places(system, points, loads)
-    system = with_selection(system, output, frames, reactions)
+    system = with_selection(system, output, frames, reactions, contacts)
     with progress() as show_stage:
         found = cost_report(system, output, compile_, show_stage)
     if as_json:

@@ -27,6 +27,7 @@ from kanegen.cli.loading import load_system, with_places, with_selection
 from kanegen.cli.options import (
     AS_WRITTEN,
     DEFAULT_OUTPUTS,
+    Contacts,
     Coordinates,
     FloatingBase,
     Frames,
@@ -76,6 +77,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     function: Functions = None,
     frames: Frames = None,
     reactions: Reactions = None,
+    contacts: Contacts = None,
     points: Points = None,
     loads: Loads = None,
     floating_base: FloatingBase = False,
@@ -120,7 +122,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = system if name is None else system.with_name(name)
     system = with_places(system, points, loads)
-    system = with_selection(system, output, frames, reactions)
+    system = with_selection(system, output, frames, reactions, contacts)
     if keeps_budget:
         source = _within_budget(system, context, output_dir, force)
     else:

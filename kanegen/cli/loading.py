@@ -57,9 +57,13 @@ def _locked_values(lock: Sequence[str]) -> dict[str, float | list[float]]:
 
 
 def with_selection(
-    system: System, outputs: Sequence[str], frames: str | None, reactions: str | None
+    system: System,
+    outputs: Sequence[str],
+    frames: str | None,
+    reactions: str | None,
+    contacts: str | None = None,
 ) -> System:
-    """Return the system with the frames of outputs about frames and the rows of `reaction_loads` selected.
+    """Return the system with the frames, the rows of `reaction_loads` and the contacts of outputs selected.
 
     Args:
         system: The tree.
@@ -67,12 +71,14 @@ def with_selection(
         frames: Names of frames and bodies, separated by commas; None keeps the selection of the model.
         reactions: Names of locked directions and frames, separated by commas; None keeps the selection of the
             model.
+        contacts: Names of contacts, points, frames and bodies, separated by commas; None keeps the contacts
+            of the model.
 
     Raises:
         OptionError: If a selection is for an output that is not computed.
-        ModelError: If the system has no frame or direction of such a name.
+        ModelError: If the system has no frame, direction or contact of such a name.
     """
-    from kanegen.recursion.outputs import OF_FRAMES
+    from kanegen.recursion.outputs import OF_CONTACTS, OF_FRAMES
 
     if frames is not None:
         _require_output("--frames", OF_FRAMES, outputs)
@@ -80,6 +86,9 @@ def with_selection(
     if reactions is not None:
         _require_output("--reactions", ("reaction_loads",), outputs)
         system = system.with_reactions(_names(reactions))
+    if contacts is not None:
+        _require_output("--contacts", OF_CONTACTS, outputs)
+        system = system.with_contacts(_names(contacts))
     return system
 
 

@@ -48,15 +48,16 @@ Outputs = Annotated[
         metavar="NAME",
         help="Compute this output (repeatable): mass_matrix, forcing, gravity_forces, velocity_forces, "
         "coriolis_matrix, inverse_dynamics, reaction_loads, forward_dynamics, error_estimate, "
-        "error_bound, regularity, mass_matrix_inverse, kinetic_energy, potential_energy, momentum, "
-        "centroidal_momentum_matrix, centroidal_momentum_bias, mass_center, body_poses, frame_velocities, "
-        "frame_accelerations, frame_bias_accelerations, frame_jacobians, coordinate_rates, "
-        "point_positions, point_velocities, point_accelerations, point_jacobians, operational_inertia, "
-        "operational_inertia_inverse, operational_bias, regressor, base_regressor, prescribed_efforts, "
-        "forcing_derivatives, gravity_forces_derivatives, inverse_dynamics_derivatives, "
-        "forward_dynamics_derivatives, coordinate_rates_derivatives, point_positions_derivatives, "
-        "point_velocities_derivatives, point_accelerations_derivatives, kinetic_energy_derivatives, "
-        "potential_energy_derivatives, momentum_derivatives, mass_center_derivatives.",
+        "error_bound, regularity, mass_matrix_inverse, contact_dynamics, contact_forces, kinetic_energy, "
+        "potential_energy, momentum, centroidal_momentum_matrix, centroidal_momentum_bias, mass_center, "
+        "body_poses, frame_velocities, frame_accelerations, frame_bias_accelerations, frame_jacobians, "
+        "coordinate_rates, point_positions, point_velocities, point_accelerations, point_jacobians, "
+        "operational_inertia, operational_inertia_inverse, operational_bias, regressor, base_regressor, "
+        "prescribed_efforts, forcing_derivatives, gravity_forces_derivatives, "
+        "inverse_dynamics_derivatives, forward_dynamics_derivatives, contact_dynamics_derivatives, "
+        "coordinate_rates_derivatives, point_positions_derivatives, point_velocities_derivatives, "
+        "point_accelerations_derivatives, kinetic_energy_derivatives, potential_energy_derivatives, "
+        "momentum_derivatives, mass_center_derivatives.",
     ),
 ]
 Functions = Annotated[
@@ -93,6 +94,15 @@ Loads = Annotated[
         "--loads",
         metavar="NAMES",
         help="Points, bodies and frames on which a force and a moment are inputs, such as tool,tip.",
+    ),
+]
+Contacts = Annotated[
+    str | None,
+    typer.Option(
+        "--contacts",
+        metavar="NAMES",
+        help="Contacts that hold, instead of those of the model: contacts of the model, points, frames and "
+        "bodies, such as left_foot,toe; a point is held in three directions, a frame in six.",
     ),
 ]
 Reactions = Annotated[

@@ -15,7 +15,8 @@ from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.reaction import Reaction
 from kanegen.model.system import System
 from kanegen.program.passes import Stage, savings
-from kanegen.recursion.outputs import EQUATIONS, available, method_of_program, solving
+from kanegen.recursion.outputs import EQUATIONS, OF_CONTACTS, OUTPUTS, available, method_of_program, solving
+from kanegen.reference.independence import dependent_rows
 from kanegen.reference.regularity import massless_motions
 from kanegen.studies.explain import Exactness
 
@@ -52,6 +53,8 @@ class Summary:
         methods: The algorithm of each output.
         massless: Names of the speeds that move neither mass nor inertia. If there are some, [A] is singular
             in every state, and outputs that solve with it are left out of `operations`.
+        dependent: Names of the held directions of contacts that depend on others in every state. If there are
+            some, outputs that need the loads of contacts are left out of `operations`.
         refinement: The number of steps of iterative refinement in forward dynamics, and its reason; "" if
             there is no forward dynamics.
         stages: Operations of [A] and {f} together after lowering and after every pass.
@@ -65,6 +68,7 @@ class Summary:
     operations: dict[str, dict[str, int]]
     methods: dict[str, str]
     massless: tuple[str, ...]
+    dependent: tuple[str, ...]
     refinement: str
     stages: tuple[Stage, ...]
     right_angles: RightAngleChanges | None
@@ -86,6 +90,7 @@ class Summary:
             "operations": self.operations,
             "methods": self.methods,
             "massless": list(self.massless),
+            "dependent": list(self.dependent),
             "refinement": self.refinement,
             "passes": [asdict(stage) for stage in self.stages],
             "saved": savings(self.stages),
@@ -116,7 +121,9 @@ def summarize(
     """
     variant = variants.chosen_variant(without=without)
     massless = tuple(system.speed_names[motion[0]] for motion in massless_motions(system))
-    possible = [name for name in available(system) if not (massless and solving([name]))]
+    dependent = tuple(group[0].name for group in dependent_rows(system))
+    missing = (*(solving(OUTPUTS) if massless else ()), *(OF_CONTACTS if dependent else ()))
+    possible = [name for name in available(system) if name not in missing]
     names = [name for name in possible if every or not method_of_program(name)]
     alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
@@ -129,6 +136,7 @@ def summarize(
         operations,
         methods,
         massless,
+        dependent,
         refinement,
         together.stages,
         right_angles,
@@ -154,6 +162,7 @@ def _contents(system: System) -> dict[str, Any]:
         "coupled": _directions(system.coupled_names, [one.freedom for one in system.coupled]),
         "couplings": [coupling.as_table() for coupling in system.named_couplings],
         "rotors": [rotor.as_table() for rotor in system.named_rotors],
+        "contacts": [contact.as_table() for contact in system.contacts],
         "speeds": list(system.speed_names),
         "poses": list(system.pose_names),
         "reactions": [_reaction(row) for row in system.reaction_rows],

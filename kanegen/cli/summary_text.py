@@ -68,6 +68,11 @@ def show(summary: Summary, console: Console, verbose: bool = False, sums: bool =
     else:
         console.print(escape(f"refinement of forward_dynamics: {summary.refinement}"))
     _show_base_parameters(summary.base, console, sums)
+    if summary.dependent:
+        text = (
+            "these directions cannot be held, because others hold them in every state or nothing moves them"
+        )
+        console.print(escape(f"{text}: {', '.join(summary.dependent)}"), soft_wrap=True)
     if summary.right_angles:
         _show_right_angles(summary.right_angles, console)
 
@@ -108,6 +113,9 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
         yield "Couplings", ", which take freedoms out of x and y", equations
     if system.motor_summaries:
         yield "Motors", ", with inertia of their own", escape("\n".join(system.motor_summaries))
+    if system.contacts:
+        lines = escape("\n".join(contact.summary for contact in system.contacts))
+        yield "Contacts", ", which contact_dynamics and contact_forces hold", lines
     if system.parameters:
         yield "Parameters", ", with their defaults", _parameters(system)
     if system.force_elements:

@@ -114,6 +114,11 @@ class CompiledModel:
         return tuple(name for name, *_ in self.source.model.reactions)
 
     @property
+    def contact_names(self) -> tuple[str, ...]:
+        """r names of the held directions of contacts, in the order of the loads of `contact_forces`."""
+        return tuple(name for name, _ in self.source.model.contact_rows)
+
+    @property
     def prescribed_names(self) -> tuple[str, ...]:
         """p names of the prescribed freedoms, in the order of the columns of the input `prescribed`."""
         return self.source.model.prescribed_names

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kanegen.c import Source
+from kanegen.library.contacts import Contacts
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
 from kanegen.library.frames import Frames
@@ -52,6 +53,7 @@ def load(
 class Library(
     Linearization,
     Dynamics,
+    Contacts,
     Quantities,
     Frames,
     OperationalSpace,

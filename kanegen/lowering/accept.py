@@ -11,7 +11,8 @@ from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 from kanegen.model.description import require_system
 from kanegen.model.system import System
 from kanegen.options import Variant
-from kanegen.recursion.outputs import available, chosen, require_available, solving
+from kanegen.recursion.outputs import available, chosen, holding, require_available, solving
+from kanegen.reference.independence import require_independent
 from kanegen.reference.range import require_range
 from kanegen.reference.regularity import require_regular
 
@@ -29,7 +30,8 @@ def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular:
         OptionError: If `system` is no `System`, or an output is unknown or requires parts that the system
             lacks.
         ModelError: If numbers of the model leave the range of doubles; the message names the body.
-        SingularError: If an output solves with [A], and [A] is singular in every state; the message names the
+        SingularError: If an output solves with [A], and [A] is singular in every state, or one needs loads of
+            contacts that depend on each other in every state; the message names the
             bodies, the freedoms and the outputs that remain.
     """
     names = chosen(outputs)
@@ -39,6 +41,8 @@ def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular:
     if undefined := solving(names) if regular else ():
         every = available(system)
         require_regular(system, undefined, [name for name in every if not solving([name])])
+    if loaded := holding(names) if regular else ():
+        require_independent(system, loaded)
     return Request(system, names, variant)
 
 

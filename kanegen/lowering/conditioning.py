@@ -32,7 +32,7 @@ from kanegen.program.ir import Program
 from kanegen.program.passes.prune import prune
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.recursion import Methods, derive, methods
-from kanegen.recursion.outputs import OUTPUTS, accurately_solved, prerequisites
+from kanegen.recursion.outputs import OUTPUTS, accurately_solved, prerequisites, refined_solutions
 from kanegen.recursion.pivot_margins import PivotLimits
 from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.reference import equations as reference
@@ -72,6 +72,9 @@ MEASURED_INSTRUCTIONS = 2**17
 LEAST_MEASURED = 8
 """Least number of states in which an error is measured."""
 
+DEPENDENT_ROWS = 2.0**10
+"""Share of a row of constraints alone, in roundoffs, with less than which as pivot it counts as dependent."""
+
 CONTRACTION = 64.0
 """Largest ratio between the error after a step of refinement and the product of the errors before it and of
 the first solution, entry by entry. In 88 000 states of chains with growing masses, in both precisions, the
@@ -100,12 +103,17 @@ def condition(request: Request) -> tuple[Candidate, ...]:
     losses = {way[solved[0]]: largest_losses(system, way[solved[0]]) for way in ways}
     first, *_ = losses.values()
     is_well = is_well_conditioned(system, first)
-    if "forward_dynamics" in solved:
+    refinable = refined_solutions(solved)
+    if refinable:
         candidates = _of_solution(request, ways, losses, is_well)
     else:
         accurate = ways if is_well else ways[:1]
         candidates = tuple(Candidate(way, UNREFINED, str(variant.refinement)) for way in accurate)
-    if solved == ("forward_dynamics",):
+    share = DEPENDENT_ROWS * precisions.precision_named(variant.precision).roundoff
+    candidates = tuple(
+        replace(one, refinement=replace(one.refinement, independent_rows=share)) for one in candidates
+    )
+    if solved == refinable:
         return candidates
     return tuple(_reporting_unrefined(system, one, solved, losses, is_well) for one in candidates)
 
@@ -124,7 +132,9 @@ def _of_solution(
     system, variant = request.system, request.variant
     precision = precisions.precision_named(variant.precision)
     asked = None if variant.refinement == AUTO else int(variant.refinement)
-    found = [losses[way["forward_dynamics"]] for way in ways]
+    output, *_ = refined_solutions(ways[0])
+    solvers = [way[output] for way in ways]
+    found = [losses[solver] for solver in solvers]
     if is_well:
         why = "0 (auto: [A] is well conditioned in every state tried)" if asked is None else str(asked)
         return tuple(
@@ -133,14 +143,14 @@ def _of_solution(
         )
     if asked is not None:
         return tuple(
-            Candidate(way, _measured(system, way, asked, own, precision)[0], str(asked))
-            for way, own in zip(ways, found, strict=True)
+            Candidate(way, _measured(system, solver, asked, own, precision)[0], str(asked))
+            for way, solver, own in zip(ways, solvers, found, strict=True)
         )
-    refinement, lost = _measured(system, ways[0], 0, found[0], precision)
+    refinement, lost = _measured(system, solvers[0], 0, found[0], precision)
     if lost <= LARGEST_UNREFINED_ERROR:
         reason = f"0 (auto: it would repair about {_power_of_ten(lost)} roundoffs)"
         return (Candidate(ways[0], refinement, reason),)
-    refinement, _ = _measured(system, ways[0], 1, found[0], precision)
+    refinement, _ = _measured(system, solvers[0], 1, found[0], precision)
     reason = f"1 (auto: it repairs about {_power_of_ten(lost)} roundoffs)"
     return (Candidate(ways[0], refinement, reason),)
 
@@ -169,19 +179,19 @@ def _reporting_unrefined(
 
 
 def _measured(
-    system: System, way: Methods, steps: int, losses: Losses, precision: Precision
+    system: System, solver: str, steps: int, losses: Losses, precision: Precision
 ) -> tuple[Refinement, float]:
     """Return a refinement that reports what it leaves inaccurate, and the error of its results in roundoffs.
 
     Args:
         system: The tree.
-        way: The algorithm of every output.
+        solver: Name of the solver.
         steps: Number of steps of refinement.
         losses: Losses of the pivots of its solver.
         precision: Arithmetic of the code.
     """
     refinement = refined(system, steps, precision)
-    lost = measured_error(system, way["forward_dynamics"], refinement, losses.states)
+    lost = measured_error(system, solver, refinement, losses.states)
     if steps and lost <= LARGEST_UNREFINED_ERROR:
         return refinement, lost
     return reporting(refinement, losses, accurate=lost <= LARGEST_UNREFINED_ERROR), lost

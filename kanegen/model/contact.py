@@ -100,8 +100,10 @@ class Contact:
 
     def rows(self) -> Iterator[ContactRow]:
         """Yield the held directions, row by row."""
-        for direction in self.held:
-            yield ContactRow(f"{self.name}.{direction}", self, COMPONENTS.index(direction))
+        indices = [COMPONENTS.index(direction) for direction in self.held]
+        whole = {kind for kind in (0, 1) if sum(index // 3 == kind for index in indices) == len(FORCES)}
+        for index in indices:
+            yield ContactRow(f"{self.name}.{COMPONENTS[index]}", self, index, index // 3 in whole)
 
     def map_numbers(self, change: Callable[[Number], Number]) -> Contact:
         """Return the same contact with `change` applied to its damping.
@@ -132,16 +134,35 @@ class ContactRow:
         name: Its name, that of the contact with that of the load, such as "left_foot.force3".
         contact: The contact.
         index: Index of the load in `COMPONENTS`, 0-2 for moments and 3-5 for forces.
+        is_along_body: Whether loads are solved for along axis 1, 2 or 3 of the body, in whose frame they are
+            cheapest, instead of the inertial axis; so where the contact holds along all three.
     """
 
     name: str
     contact: Contact
     index: int
+    is_along_body: bool = False
+
+    @property
+    def is_moment(self) -> bool:
+        """Whether it holds against turning."""
+        return self.index < len(FORCES)
+
+    @property
+    def axis(self) -> int:
+        """Axis of the load, 0 to 2."""
+        return self.index % 3
 
     @property
     def effort(self) -> Literal["N m", "N"]:
         """Unit of the load, of a moment or of a force."""
-        return "N m" if self.index < len(FORCES) else "N"
+        return "N m" if self.is_moment else "N"
+
+    @property
+    def solved(self) -> str:
+        """What is solved for in the place of the row, in words."""
+        axes = "along an axis of its body" if self.is_along_body else "along an inertial axis"
+        return f"{COMPONENTS[self.index]!r} of contact {quoted(self.contact.name)}, {axes}"
 
 
 def checked_contacts(
@@ -182,25 +203,34 @@ def chosen_contacts(
     contacts: Any,
     declared: Sequence[Contact],
     bodies: Sequence[Body],
-    points: Sequence[str],
+    places: tuple[Sequence[str], Sequence[str]],
 ) -> tuple[Contact, ...]:
-    """Return the contacts that a user chooses; see `System.with_contacts`."""
-    by_name = {contact.name: contact for contact in declared}
+    """Return the contacts that a user chooses; see `System.with_contacts`.
+
+    Args:
+        contacts: Contacts or names, one or several.
+        declared: The contacts that the system has.
+        bodies: The bodies.
+        places: Names of the points, and of the frames.
+
+    Raises:
+        ModelError: If there is nothing of a name.
+    """
+    points, frames = places
+    known = {name: Contact(frame=name) for name in frames} | {name: Contact(point=name) for name in points}
+    known |= {contact.name: contact for contact in declared}
     items = (contacts,) if isinstance(contacts, Contact) else chosen(contacts)
     found = []
     for item in (contacts,) if items is None else items:
         if isinstance(item, Contact):
             found.append(item)
-        elif isinstance(item, str):
-            other = Contact(point=item) if item in points else Contact(frame=item)
-            found.append(by_name.get(item, other))
-        elif not isinstance(item, bool) and isinstance(item, int) and 1 <= item <= len(bodies):
+        elif isinstance(item, str) and (item in known or item == GROUND):
+            found.append(known.get(item, Contact(frame=item)))
+        elif isinstance(item, int) and not isinstance(item, bool) and 1 <= item <= len(bodies):
             found.append(Contact(frame=bodies[item - 1].name))
         else:
-            raise ModelError(
-                f"{LABEL}: {quoted(item)} is neither a Contact nor a name of a contact, a point, a frame or "
-                "a body."
-            )
+            hint = did_you_mean(item, known)
+            raise ModelError(f"{LABEL}: there is no contact, point, frame or body {quoted(item)}. {hint}")
     return tuple(found)
 
 

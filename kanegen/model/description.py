@@ -20,7 +20,7 @@ from kanegen.model.frame import Frame
 from kanegen.model.limits import SystemLimits
 from kanegen.model.nodes import TIME
 from kanegen.model.numbers import Number, Parameter, factor_text, map_numbers, parameters_of
-from kanegen.model.reaction import Reaction, every_reaction, reaction_rows
+from kanegen.model.reaction import COMPONENTS, Reaction, every_reaction, reaction_rows
 from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 from kanegen.model.system_coordinates import SystemCoordinates
 
@@ -204,6 +204,11 @@ class SystemDescription(SystemCoordinates):
     def pose_frames(self) -> tuple[Frame, ...]:
         """The frames in the output `body_poses`, in the order of its rows."""
         return tuple(self.frames_by_name.get(name) or self.frame(name) for name in self.pose_names)
+
+    @cached_property
+    def rows_of_frames(self) -> tuple[str, ...]:
+        """Names of six loads on each frame that outputs give, such as "'force3' on frame 'tool'"."""
+        return tuple(f"{load!r} on frame {quoted(name)}" for name in self.pose_names for load in COMPONENTS)
 
     @cached_property
     def reaction_rows(self) -> tuple[Reaction, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from kanegen.model.body import Point
-from kanegen.model.contact import ContactRow
+from kanegen.model.contact import Contact, ContactRow
 from kanegen.model.frame import Frame, frames_by_name, placed, resolved, whereabouts
 from kanegen.model.rotations import apply
 from kanegen.model.system_fields import SystemFields
@@ -120,4 +120,16 @@ class SystemFrames(SystemFields):
         """
         if name in self._points_by_name:
             return self._points_by_name[name]
+        return self._origin(name)
+
+    def held(self, contact: Contact) -> tuple[int, Point]:
+        """Return what a contact holds: number of the body, and the point, in a frame the origin.
+
+        Example:
+            body, point = system.held(system.contacts[0])
+        """
+        return self.place(contact.point) if contact.point else self._origin(contact.frame)
+
+    def _origin(self, name: str) -> tuple[int, Point]:
+        """Return the body of a frame, 0 for the ground, and the origin of the frame as a point."""
         return self.frames_by_name[name].body, Point(name, (0.0, 0.0, 0.0), frame=name)

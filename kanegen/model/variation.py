@@ -250,8 +250,8 @@ class SystemVariations(SystemDescription):
             standing = system.with_contacts(["left_sole_link", "right_sole_link"])
             touching = system.with_contacts(kg.Contact(point="toe", directions=("force3",)))
         """
-        found = chosen_contacts(contacts, self.contacts, self.bodies, self.point_names)
-        return replace(self, contacts=found)
+        places = self.point_names, self.frame_names
+        return replace(self, contacts=chosen_contacts(contacts, self.contacts, self.bodies, places))
 
     def with_speeds(self, speeds: str) -> Self:
         """Return the same system with other generalized speeds at every joint that has three free angles.

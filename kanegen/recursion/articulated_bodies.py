@@ -130,7 +130,7 @@ class ArticulatedBodies:
             bias: What is required where all free components are zero.
             name: Prefix of the names of the components.
         """
-        return self._outward(self._inward(self._joint_efforts(bias), bias.wrenches).over_pivots, name)
+        return self.components(self._inward(self._joint_efforts(bias), bias.wrenches).over_pivots, name)
 
     def reduced(self, bias: Requirement) -> Reduced:
         """Return the right side under {tau}, where `bias` is required at zero components, eliminated."""
@@ -153,6 +153,19 @@ class ArticulatedBodies:
                 wrenches = [wrench if joint.body == one.body else Wrench() for joint in self.tree.joints]
                 result.append(self._inward([S.Zero] * len(self.pivots), wrenches))
         return result
+
+    def reduced_wrenches(self, loads: Mapping[int, Wrench], mark: str) -> Reduced:
+        """Return loads on bodies, about their origins and in their frames by number of the body, eliminated.
+
+        Args:
+            loads: The loads.
+            mark: End of the names of intermediates.
+        """
+        needed = [Wrench() for _ in self.tree.joints]
+        for k, load in loads.items():
+            needed[k - 1] = Wrench(negate(load.force), negate(load.moment))
+        with self.tree.definitions.marking(mark):
+            return self._inward([S.Zero] * len(self.pivots), needed)
 
     def inverse(self) -> Mapping[tuple[int, int], Expr]:
         """Return the entries of [A]^-1 by row and column."""
@@ -225,12 +238,18 @@ class ArticulatedBodies:
             needed = required.get(place, S.Zero) + share * along
             required[place] = self.tree.definitions.define(f"er_{element.freedom}_{place}", needed)
 
-    def _outward(self, alone: Mapping[int, Expr], name: str) -> list[Expr]:
-        """Return the free components, from the value of each component where the others are zero."""
+    def components(self, over_pivots: Mapping[int, Expr], name: str) -> list[Expr]:
+        """Return the free components of the accelerations, outward.
+
+        Args:
+            over_pivots: The eliminated right side over the pivots, by place in {y}: the value of each
+                component where all others are zero.
+            name: Prefix of the names of the components.
+        """
         found: dict[int, Expr] = {}
         accelerations = {0: GROUND_ACCELERATION}
         for place in reversed(self._at_ground):
-            self._solve_shared(place, alone, GROUND_ACCELERATION, found, name)
+            self._solve_shared(place, over_pivots, GROUND_ACCELERATION, found, name)
         for joint in self.tree.joints:
             self.tree.about(joint.body, "accelerations, Eq. (42)")
             a = accelerations[joint.lower]
@@ -242,13 +261,15 @@ class ArticulatedBodies:
                         a = (*a[:i], moved, *a[i + 1 :])
                     case FreeComponent(i, freedom):
                         gains = self._shared_gains[freedom].items()
-                        by_others = alone[freedom] - Add(*(gain * found[place] for place, gain in gains))
+                        by_others = over_pivots[freedom] - Add(
+                            *(gain * found[place] for place, gain in gains)
+                        )
                         total, own = self._eliminations[freedom].solve(by_others, a, self.tree.definitions)
                         own = total if element.is_absolute else own
                         found[freedom] = self.tree.definitions.define(f"{name}_{freedom}", own)
                         a = (*a[:i], total, *a[i + 1 :])
                     case SharedRate(place):
-                        self._solve_shared(place, alone, a, found, name)
+                        self._solve_shared(place, over_pivots, a, found, name)
                     case _:
                         a = element.outward(a, self.tree.definitions)
             accelerations[joint.body] = a

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from kanegen.recursion.body_motion import BodyMotion
 from kanegen.recursion.joint_motion import FreedomMotion, JointMotion
@@ -20,13 +21,28 @@ MATRIX_COST = 15
 """Operations of a rotation matrix times a vector."""
 
 
+class _Kind(NamedTuple):
+    """How comments and names call a kind of point."""
+
+    label: str
+    letter: str
+
+
+_KINDS = {
+    "point": _Kind("point", "P"),
+    "frame": _Kind("the origin of frame", "f"),
+    "contact": _Kind("contact", "c"),
+}
+
+
 @dataclass(frozen=True)
 class Attached:
     """A point that is fixed in body K, or in the ground.
 
     Attributes:
-        kind: "point" for a point of the model, "frame" for the origin of a frame.
-        number: Its row in outputs, from 1.
+        kind: "point" for a point of the model, "frame" for the origin of a frame, "contact" for what a
+            contact holds.
+        number: Its row in outputs, or the place of the contact, from 1.
         body: Number K, 0 for the ground.
         position: Position from O_K, in K (m).
     """
@@ -39,12 +55,12 @@ class Attached:
     @property
     def label(self) -> str:
         """What it is, for comments."""
-        return f"point {self.number}" if self.kind == "point" else f"the origin of frame {self.number}"
+        return f"{_KINDS[self.kind].label} {self.number}"
 
     @property
     def letter(self) -> str:
         """The letter after that of the quantity in the names of its quantities."""
-        return "P" if self.kind == "point" else "f"
+        return _KINDS[self.kind].letter
 
     def arm(self, tree: Tree) -> Vector:
         """Return its position from the origin that the recursions use, in K (m)."""

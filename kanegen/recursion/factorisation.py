@@ -27,10 +27,10 @@ from kanegen.recursion.kinematics import poses
 from kanegen.recursion.mass_matrix import mass_matrix
 from kanegen.recursion.mass_matrix_inverse import products
 from kanegen.recursion.reduced import Reduced
-from kanegen.recursion.solved_motion import Paths
+from kanegen.recursion.solved_motion import Paths, generalized_loads
 from kanegen.recursion.symmetric_factors import factorised, inverse_of_chain
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import ZERO
+from kanegen.recursion.vectors import ZERO, Wrench
 from kanegen.symbolic.symbols import generalized_force
 
 ARTICULATED_COST = 350
@@ -94,13 +94,21 @@ class Factorisation:
             bias: What is required where all free components are zero.
             name: Prefix of the names of the entries.
         """
-        definitions, factors = self.tree.definitions, self._factors
         b = self._remainders(self._surplus(bias))
-        result: dict[int, Expr] = {}
+        return self.components({k: value * self._inverse_pivot(k) for k, value in b.items()}, name)
+
+    def components(self, over_pivots: Mapping[int, Expr], name: str) -> list[Expr]:
+        """Return {ydot} from the innermost freedom outward.
+
+        Args:
+            over_pivots: The eliminated right side over the pivots, by place in {y}.
+            name: Prefix of the names of the entries.
+        """
+        define, result = self.tree.definitions.define, dict[int, Expr]()
         for k in reversed(self._carriers):
-            known = sum(factors.get((k, i), S.Zero) * result[i] for i in self._carriers[k])
-            result[k] = definitions.define(f"{name}_{k}", self._over_pivot(k, b[k]) - known)
-        return [result[i] for i in range(len(b))]
+            known = sum(self._factors.get((k, i), S.Zero) * result[i] for i in self._carriers[k])
+            result[k] = define(f"{name}_{k}", define(f"bd_{k}", over_pivots[k]) - known)
+        return [result[i] for i in range(len(result))]
 
     def reduced(self, bias: Requirement) -> Reduced:
         """Return the right side under {tau}, where `bias` is required at zero components, eliminated."""
@@ -121,6 +129,17 @@ class Factorisation:
             with self.tree.definitions.marking(f"_l{one.number}_{i}"):
                 result.append(self._reduced([velocities.get(k, ZERO)[axis] for k in range(len(self.pivots))]))
         return result
+
+    def reduced_wrenches(self, loads: Mapping[int, Wrench], mark: str) -> Reduced:
+        """Return loads on bodies, about their origins and in their frames by number of the body, eliminated.
+
+        Args:
+            loads: The loads.
+            mark: End of the names of intermediates.
+        """
+        with self.tree.definitions.marking(mark):
+            b = generalized_loads(self.tree, self.paths, loads)
+            return self._reduced([b.get(k, S.Zero) for k in range(len(self.pivots))])
 
     def inverse(self) -> Mapping[tuple[int, int], Expr]:
         """Return the entries of [A]^-1 by row and column."""

@@ -18,16 +18,18 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import sympy
-from sympy import Add, Expr, S
+from sympy import Add, Expr, Rational, S
 
 from kanegen.recursion.body_motion import BodyMotion, body_motions
+from kanegen.recursion.constraints import Constraints
+from kanegen.recursion.contact import HeldContacts
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.inverse_dynamics import Requirement, required
 from kanegen.recursion.operational import Operational
 from kanegen.recursion.pivot_margins import NO_LIMITS, PivotLimits, PivotMargins
 from kanegen.recursion.rotors import rotor_efforts, spinning_rotors
-from kanegen.recursion.solved_motion import solved_motions
+from kanegen.recursion.solved_motion import SolvedMotion, solved_motions
 from kanegen.recursion.solver import Solver
 from kanegen.recursion.tree import Derived, by_place
 from kanegen.recursion.vectors import ZERO, Wrench, add, column, cross, dot, scale
@@ -45,8 +47,10 @@ class Refinement:
         pivots: Losses of pivots beyond which {ydot} is reported as inaccurate.
         unrefined: The same for results that no step refines, such as [A]^-1.
         amplification: Largest factor by which an operational inertia may multiply the roundoffs of its
-        inverse
-            without being reported as inaccurate; see `operational.Operational`.
+            inverse without being reported as inaccurate; see `operational.Operational`.
+        independent_rows: Share of the acceleration of a row of constraints alone, for unit load, that its
+            pivot must keep for the row not to count as dependent on others.
+        accurate_rows: The same for the loads to be accurate.
     """
 
     steps: int = 0
@@ -55,13 +59,15 @@ class Refinement:
     pivots: PivotLimits = NO_LIMITS
     unrefined: PivotLimits = NO_LIMITS
     amplification: float = 1.0
+    independent_rows: float = 2.0**-43
+    accurate_rows: float = 2.0**-13
 
 
 UNREFINED = Refinement()
 
 
 class Solution:
-    """The solution {ydot} with its correction, each derived when it is first needed."""
+    """The solution {ydot}, free or with contacts held, and its corrections, derived when first needed."""
 
     def __init__(self, solver: Solver, refinement: Refinement = UNREFINED) -> None:
         self._solver = solver
@@ -70,26 +76,16 @@ class Solution:
 
     def forward_dynamics(self) -> Derived:
         """Derive the entries of {ydot}, refined."""
-        components, refinement = self._components, self._refinement
-        for step in range(refinement.steps):
-            correction = self._corrected(components) if step else self._correction
-            pairs = zip(components, correction, strict=True)
-            components = [self._define(f"ydot_{i}", old + new) for i, (old, new) in enumerate(pairs)]
-        carried = {k: motion.carried for k, motion in self._motions.items()}
-        entries = self._solver.speed_rates(components, "ydot", carried)
-        return Derived(entries, self._solver.regular_if_positive, self._margins())
+        entries = self._speed_rates(self._free.refined.components)
+        return Derived(entries, self._solver.regular_if_positive, _unless_positive(self._free.margins()))
 
-    def _margins(self) -> Sequence[Expr]:
-        """Return expressions that are positive where {ydot} is accurate, by test and freedom."""
-        refinement, margins = self._refinement, list[Expr]()
-        if refinement.steps:
-            margins += self._size.margins(refinement.limit, refinement.floor)
-        margins += PivotMargins(self._solver).margins(refinement.pivots)
-        return _unless_positive(margins)
+    def contact_dynamics(self) -> Derived:
+        """Derive the entries of {ydot} where all contacts hold, refined."""
+        return self._derived_held(self._speed_rates(self._held.refined.components))
 
-    def _unrefined_margins(self) -> Sequence[Expr]:
-        """Return expressions by freedom that are positive where a result that is not refined is accurate."""
-        return _unless_positive(PivotMargins(self._solver).margins(self._refinement.unrefined))
+    def contact_forces(self) -> Derived:
+        """Derive the loads by which all contacts hold, row by row, refined."""
+        return self._derived_held(self._contacts.named_loads(self._held.refined.loads))
 
     def mass_matrix_inverse(self) -> Derived:
         """Derive the entries of [A]^-1, row-major; both halves hold the same symbols."""
@@ -122,7 +118,7 @@ class Solution:
 
     def error_estimate(self) -> Derived:
         """Derive the absolute change of each entry of {ydot} by the first step of refinement."""
-        entries = self._solver.speed_rates(self._correction, "dy", {})
+        entries = self._solver.speed_rates(self._free.correction.components, "dy", {})
         squares = [self._define(f"de_{i}", entry * entry) for i, entry in enumerate(entries)]
         return Derived([sympy.sqrt(square) for square in squares], self._solver.regular_if_positive)
 
@@ -130,6 +126,25 @@ class Solution:
         """Derive by freedom the ratio of its pivot to its inertia with every other freedom locked."""
         pairs = zip(self._solver.regular_if_positive, self._solver.diagonal, strict=True)
         return Derived([left / whole for left, whole in pairs])
+
+    def _unrefined_margins(self) -> Sequence[Expr]:
+        """Return expressions by freedom that are positive where a result that is not refined is accurate."""
+        return _unless_positive([PivotMargins(self._solver).margins(self._refinement.unrefined)])
+
+    def _derived_held(self, entries: list[Expr]) -> Derived:
+        """Return the entries of an output that exists where the rows of contacts are independent, too."""
+        refinement, rows = self._refinement, self._held.constraints
+        regular, first = self._solver.regular_if_positive, len(self._tree.system.rows_of_frames)
+        accurate = rows.accurate_if_positive(Rational(refinement.accurate_rows))
+        margins = [by_place(test, [S.One] * len(accurate), first) for test in self._held.margins()]
+        margins.append(by_place([S.One] * len(regular), accurate, first))
+        independent = rows.independent_if_positive(Rational(refinement.independent_rows))
+        return Derived(entries, by_place(regular, independent, first), _unless_positive(margins))
+
+    def _speed_rates(self, components: Sequence[Expr]) -> list[Expr]:
+        """Return {ydot} from the free components."""
+        carried = {k: motion.carried for k, motion in self._motions.items()}
+        return self._solver.speed_rates(components, "ydot", carried)
 
     @cached_property
     def _motions(self) -> Mapping[int, BodyMotion]:
@@ -147,38 +162,132 @@ class Solution:
         return required(self._tree, self._motions, accelerated=False)
 
     @cached_property
-    def _components(self) -> list[Expr]:
-        """Free components of the accelerations before refinement."""
-        return self._solver.solve(self._bias, "ydot")
+    def _free(self) -> _Refined:
+        """The solution without constraints."""
+        return _Refined(self._solver, Constraints(self._solver, ()), self._bias, self._refinement)
 
     @cached_property
-    def _correction(self) -> list[Expr]:
-        """First correction of the free components."""
-        return self._corrected(self._components)
+    def _contacts(self) -> HeldContacts:
+        """The contacts of the system."""
+        return HeldContacts(self._solver)
 
     @cached_property
-    def _size(self) -> CorrectionSize:
-        """Size of the unrefined solution and of its first correction."""
-        return CorrectionSize(self._tree, self._solver.pivots, self._components, self._correction)
-
-    def _corrected(self, components: Sequence[Expr]) -> list[Expr]:
-        """Return the correction of a solution."""
-        return self._solver.solve(_with_free_components(self._solver, self._bias, components), "dy")
+    def _held(self) -> _Refined:
+        """The solution where all contacts hold."""
+        constraints = Constraints(self._solver, self._contacts.rows)
+        return _Refined(self._solver, constraints, self._bias, self._refinement)
 
     def _define(self, name: str, value: Expr) -> Expr:
         """Return a symbol for a value."""
         return self._tree.definitions.define(name, value)
 
 
-def _unless_positive(margins: Sequence[Expr]) -> Sequence[Expr]:
-    """Return margins, none if all are positive numbers."""
-    return () if all(margin.is_positive and margin.is_number for margin in margins) else margins
+@dataclass(frozen=True)
+class _Unknowns:
+    """A solution, or the correction of one.
+
+    Attributes:
+        components: Free components of the accelerations, by freedom.
+        loads: Loads of the constraints, by row.
+    """
+
+    components: list[Expr]
+    loads: list[Expr]
 
 
-def _with_free_components(solver: Solver, bias: Requirement, components: Sequence[Expr]) -> Requirement:
-    """Return `bias` plus what is required for the free components."""
+@dataclass(frozen=True, eq=False)
+class _Refined:
+    """The refined solution of [A]{ydot} = {b} with rows of constraints, of which there may be none.
+
+    Attributes:
+        solver: The solver.
+        constraints: The rows of constraints.
+        bias: What is required where all free components are zero.
+        refinement: The refinement.
+    """
+
+    solver: Solver
+    constraints: Constraints
+    bias: Requirement
+    refinement: Refinement
+
+    @cached_property
+    def refined(self) -> _Unknowns:
+        """The solution after all steps of refinement."""
+        found = self._first
+        for step in range(self.refinement.steps):
+            correction = self._corrected(found) if step else self.correction
+            found = _Unknowns(
+                self._sums("ydot", 0, found.components, correction.components),
+                self._sums("cf", 1, found.loads, correction.loads),
+            )
+        return found
+
+    @cached_property
+    def correction(self) -> _Unknowns:
+        """The first correction of the solution."""
+        return self._corrected(self._first)
+
+    def margins(self) -> list[Sequence[Expr]]:
+        """Return expressions by freedom that are positive where {ydot} is accurate, test by test."""
+        refinement, margins = self.refinement, list[Sequence[Expr]]()
+        if refinement.steps:
+            margins.append(self._size.margins(refinement.limit, refinement.floor))
+        margins.append(PivotMargins(self.solver).margins(refinement.pivots))
+        return [test for test in margins if test]
+
+    @cached_property
+    def _first(self) -> _Unknowns:
+        """The solution before any refinement."""
+        return self._solved(self.bias, [row.gap for row in self.constraints.rows], ("ydot", "cf"))
+
+    @cached_property
+    def _size(self) -> CorrectionSize:
+        """Size of the unrefined solution and of its first correction."""
+        found = self._first.components, self.correction.components
+        return CorrectionSize(self.solver.tree, self.solver.pivots, *found)
+
+    def _solved(self, bias: Requirement, gaps: Sequence[Expr], names: tuple[str, str]) -> _Unknowns:
+        """Return the solution for what is required, and missing along rows, at zero components.
+
+        Args:
+            bias: What is required.
+            gaps: Accelerations along the rows.
+            names: Prefixes of the names of the components and of the loads.
+        """
+        of_components, of_loads = names
+        if not self.constraints.rows:
+            return _Unknowns(self.solver.solve(bias, of_components), [])
+        right_side = self.solver.reduced(bias)
+        loads = self.constraints.loads(right_side, gaps, of_loads)
+        components = self.solver.components(self.constraints.added(right_side, loads), of_components)
+        return _Unknowns(components, loads)
+
+    def _corrected(self, found: _Unknowns) -> _Unknowns:
+        """Return the correction of a solution: the solution for what it leaves over."""
+        solved = solved_motions(self.solver.tree, self.solver.paths, found.components)
+        bias = _with_free_components(self.solver, self.bias, found.components, solved)
+        accelerations = {k: motion.acceleration for k, motion in solved.items()}
+        gaps = self.constraints.gaps(accelerations, found.loads)
+        return self._solved(self.constraints.without_loads(bias, found.loads), gaps, ("dy", "dc"))
+
+    def _sums(self, name: str, first: int, old: Sequence[Expr], new: Sequence[Expr]) -> list[Expr]:
+        """Return the sums of two lists, with a symbol for every entry, numbered from `first`."""
+        define, pairs = self.solver.tree.definitions.define, zip(old, new, strict=True)
+        return [define(f"{name}_{i}", one + other) for i, (one, other) in enumerate(pairs, start=first)]
+
+
+def _unless_positive(margins: Sequence[Sequence[Expr]]) -> Sequence[Expr]:
+    """Return the margins of several tests, one after the other, none if all are positive numbers."""
+    every = [margin for test in margins for margin in test]
+    return () if all(margin.is_positive and margin.is_number for margin in every) else every
+
+
+def _with_free_components(
+    solver: Solver, bias: Requirement, components: Sequence[Expr], solved: Mapping[int, SolvedMotion]
+) -> Requirement:
+    """Return `bias` plus what is required for the free components, with which the bodies move as `solved`."""
     tree, total, efforts = solver.tree, [], dict(bias.efforts)
-    solved = solved_motions(tree, solver.paths, components)
     rotors, spinning = spinning_rotors(tree), dict[int, Vector]()
     for rotor in rotors:
         rate = Add(*(share * components[i] for i, share in rotor.motion.shares.items()))

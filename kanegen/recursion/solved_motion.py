@@ -1,4 +1,4 @@
-"""The accelerations of the bodies for a solution: outward along the joints, from its free components."""
+"""Passes along the joints of a solver: accelerations of a solution outward, loads on bodies inward."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from kanegen.recursion.joint_path import (
     GROUND_ACCELERATION,
     ROTATIONS,
     TRANSLATIONS,
+    FrameChange,
     FreeComponent,
     FreeTranslations,
+    OriginChange,
     PathElement,
 )
 from kanegen.recursion.tree import Tree
-from kanegen.recursion.vectors import ZERO
+from kanegen.recursion.vectors import ZERO, Wrench
 from kanegen.symbolic.definitions import Vector
 
 Paths = Mapping[int, tuple[PathElement, ...]]
@@ -66,4 +68,28 @@ def solved_motions(tree: Tree, paths: Paths, components: Sequence[Expr]) -> dict
             Vector(*(replaced.get(i, S.Zero) for i in indices)) for indices in (ROTATIONS, TRANSLATIONS)
         )
         found[joint.body] = SolvedMotion(a, Carried(alpha, linear, to_center))
+    return found
+
+
+def generalized_loads(tree: Tree, paths: Paths, loads: Mapping[int, Wrench]) -> dict[int, Expr]:
+    """Return the generalized forces of loads on bodies, by place in {y}, where they are not zero.
+
+    Args:
+        tree: The tree.
+        paths: Path through the joint of each body, with the free components of the joint one by one.
+        loads: Force, and moment about its origin, on each body, by number of the body, in its frame.
+    """
+    carried = [loads.get(k, Wrench()) for k in range(len(tree.joints) + 1)]
+    found: dict[int, Expr] = {}
+    for joint in reversed(tree.joints):
+        tree.about(joint.body, "loads, passed inward")
+        wrench = carried[joint.body]
+        for element in paths[joint.body]:
+            if isinstance(element, FreeComponent):
+                along = [*wrench.moment, *wrench.force][element.index]
+                for place, share in element.shares.items() if along != 0 else ():
+                    found[place] = found.get(place, S.Zero) + share * along
+            elif isinstance(element, FrameChange | OriginChange):
+                wrench = element.inward(wrench, tree.definitions)
+        carried[joint.lower] = wrench.plus(carried[joint.lower], f"{joint.lower}", tree.definitions)
     return found

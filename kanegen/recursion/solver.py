@@ -13,6 +13,7 @@ from kanegen.recursion.inverse_dynamics import Requirement
 from kanegen.recursion.reduced import Reduced
 from kanegen.recursion.solved_motion import Paths
 from kanegen.recursion.tree import Tree
+from kanegen.recursion.vectors import Wrench
 
 
 class Solver(Protocol):
@@ -52,6 +53,22 @@ class Solver(Protocol):
 
     def reduced_loads(self, one: Attached) -> Sequence[Reduced]:
         """Return unit moments, then unit forces, at a point along the inertial axes, eliminated."""
+
+    def reduced_wrenches(self, loads: Mapping[int, Wrench], mark: str) -> Reduced:
+        """Return loads on bodies, about their origins and in their frames by number of the body, eliminated.
+
+        Args:
+            loads: The loads.
+            mark: End of the names of intermediates.
+        """
+
+    def components(self, over_pivots: Mapping[int, Expr], name: str) -> list[Expr]:
+        """Return the free components from an eliminated right side over the pivots, outward.
+
+        Args:
+            over_pivots: The right side by place in {y}: what each component is if all others are zero.
+            name: Prefix of the names of the components.
+        """
 
     def inverse(self) -> Mapping[tuple[int, int], Expr]:
         """Return the entries of [A]^-1 by row and column."""

@@ -65,7 +65,7 @@ def massless_motions(system: System) -> tuple[Motion, ...]:
     ]
     motions: list[Motion] = []
     columns = list(range(len(order)))
-    while all(motion := _massless_motion(each.of(columns)) for each in rows):
+    while all(motion := dependent_column(each.of(columns)) for each in rows):
         motions.append(tuple(order[columns[i]] for i in motion))
         del columns[motion[0]]
     return tuple(motions)
@@ -95,7 +95,7 @@ def _freedoms_inward(system: System) -> list[int]:
     return sorted(range(len(keys)), key=keys.__getitem__, reverse=True)
 
 
-def _massless_motion(rows: VelocityRows) -> list[int]:
+def dependent_column(rows: VelocityRows) -> list[int]:
     """Return the indices of the first column that depends on columns before it, and of these; empty if none.
 
     The combination of earlier columns that comes closest to column j is R[:j,:j]^-1 R[:j,j], where R is the

@@ -21,8 +21,9 @@ METHODS = [
 
 @pytest.fixture(scope="module")
 def namespace() -> dict[str, object]:
-    """A double pendulum with a point, its library with all outputs, and a state, which the examples use."""
+    """A double pendulum whose tip is held, its library with all outputs, and a state, which examples use."""
     system = kg.load(MODELS / "double_pendulum.toml").with_points({"tip": ("lower", (0.7, 0.0, 0.0))})
+    system = system.with_contacts(kg.Contact(point="tip", directions=("force1", "force2")))
     library = kg.build(system, available(system), flags="-O0")
     x, y, ydot = np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])
     trajectory = kg.simulate(library, x, y, [0.0, 0.1, 0.2], step=0.05)

@@ -137,11 +137,16 @@ def test_what_cannot_be_held_is_refused(before: str, after: str, message: str, t
 @pytest.mark.parametrize(
     ("ask", "message"),
     [
-        (lambda leg: leg.with_contacts("hip"), "contact 'hip': there is no frame or body 'hip'"),
+        (
+            lambda leg: leg.with_contacts("hip"),
+            "contacts: there is no contact, point, frame or body 'hip'. Known are 'thigh'",
+        ),
+        (lambda leg: leg.with_contacts("stanc"), "or body 'stanc'. Did you mean 'stance'"),
+        (lambda leg: leg.with_contacts("floor"), "contact 'floor': 'floor' is fixed to the ground"),
         (lambda leg: leg.with_contacts(["toe", "toe"]), "contact name 'toe' is used twice"),
-        (lambda leg: leg.with_contacts(3), "contacts: 3 is neither a Contact nor a name"),
-        (lambda leg: leg.with_contacts([True]), "contacts: True is neither"),
-        (lambda leg: leg.with_contacts(None), "contacts: None is neither"),
+        (lambda leg: leg.with_contacts(3), "contacts: there is no contact, point, frame or body 3"),
+        (lambda leg: leg.with_contacts([True]), "point, frame or body True"),
+        (lambda leg: leg.with_contacts(None), "point, frame or body None"),
         (lambda leg: kg.Contact("a", point="toe", directions="force4"), "no direction 'force4'"),
     ],
 )

@@ -16,7 +16,7 @@ from kanegen.model.coordinates import FREEDOMS
 from kanegen.reference import equations as reference
 from kanegen.reference.regularity import (
     VelocityRows,
-    _massless_motion,
+    dependent_column,
     inertia_axes,
     massless_motions,
     require_regular,
@@ -248,9 +248,9 @@ def test_the_first_dependent_column_and_those_it_depends_on(seed: int) -> None:
     rng = np.random.default_rng(seed)
     rows = rng.normal(size=(9, 6))
     rows[:, 4] = rows[:, :4] @ np.array([2.0, 0.0, -3.0, 0.5])
-    assert _massless_motion(VelocityRows(rows, np.linalg.norm(rows, axis=0))) == [4, 0, 2, 3]
+    assert dependent_column(VelocityRows(rows, np.linalg.norm(rows, axis=0))) == [4, 0, 2, 3]
     rows[:, 4] += 1e-3 * rng.normal(size=9)
-    assert _massless_motion(VelocityRows(rows, np.linalg.norm(rows, axis=0))) == []
+    assert dependent_column(VelocityRows(rows, np.linalg.norm(rows, axis=0))) == []
 
 
 def test_axes_of_inertia() -> None:

@@ -28,6 +28,7 @@ from kanegen.model.joint import IDENTITY
 from kanegen.model.numbers import Number
 from tests.support import systems
 from tests.support.couplings import random_couplings
+from tests.support.random_contacts import with_contacts
 
 ROTATIONS = ("angle rates", "angular velocity", "quaternion", "two angles", "hinge", "none")
 """Kinds of rotations: of the first three all angles are free, of the others the rest are locked."""
@@ -101,7 +102,7 @@ ENERGIES = (
 
 
 def everything(seed: int, bodies: int = 4) -> kg.System:
-    """Return a random tree with bodies of `ROTATIONS` and `ORIENTATIONS`, force elements and parameters.
+    """Return a random tree of `ROTATIONS` and `ORIENTATIONS`, with force elements, contacts and parameters.
 
     The kinds of rotations and orientations are taken in turn, so that the bodies of successive seeds have
     every pair of them. Trees of odd seeds have couplings.
@@ -114,7 +115,8 @@ def everything(seed: int, bodies: int = 4) -> kg.System:
     system = _acted_on(_with_frames(system, drawing), drawing)
     system = _with_wrench(system, np.random.default_rng([seed, 4]))
     system = with_rotors(system, Drawing(np.random.default_rng([seed, 2]), prefix="rotor"))
-    return random_couplings(system, np.random.default_rng([seed, 3]), 0.3) if seed % 2 else system
+    system = random_couplings(system, np.random.default_rng([seed, 3]), 0.3) if seed % 2 else system
+    return with_contacts(system, np.random.default_rng([seed, 5]))
 
 
 def _body(drawing: Drawing, k: int, turn: int) -> kg.Body:

@@ -29,7 +29,7 @@ from kanegen.errors import (
     excerpt,
 )
 from kanegen.model.arguments import Floats
-from kanegen.program.ir import Array
+from kanegen.program.ir import Array, RowCondition
 
 ON_STATUS = ("warn", "raise", "ignore")
 """What a library may do where a result is missing, not finite or not accurate."""
@@ -145,9 +145,7 @@ class Status:
         outputs: Arrays of the results.
         force_elements: One line of text for each force element that is undefined in some state.
         rows: Names of the rows of outputs with a condition for each row, in the order of their places.
-        row_quantity: As `quantity`, for rows.
-        row_failure: As `failure`, for rows.
-        row_loss: Clause on the state where digits are lost at a row.
+        row_conditions: The conditions for rows of the outputs.
         homogeneous: For each orientation by homogeneous coordinates, such as a quaternion, the names of these
             coordinates by their places in {x}.
     """
@@ -161,9 +159,7 @@ class Status:
     force_elements: tuple[str, ...]
     homogeneous: tuple[Mapping[int, str], ...] = ()
     rows: tuple[str, ...] = ()
-    row_quantity: str = ""
-    row_failure: str = ""
-    row_loss: str = ""
+    row_conditions: tuple[RowCondition, ...] = ()
 
     @classmethod
     def of(cls, function: Function, model: ModelDescription) -> Status:
@@ -181,9 +177,7 @@ class Status:
                 {place: model.coordinate_names[place] for place in places} for places in model.homogeneous
             ),
             rows=model.rows,
-            row_quantity=" or ".join(condition.quantity for condition in function.row_conditions),
-            row_failure=" or ".join(condition.failure for condition in function.row_conditions),
-            row_loss=" or ".join(condition.loss for condition in function.row_conditions),
+            row_conditions=function.row_conditions,
         )
 
     def of_state(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> StatusReport:
@@ -242,17 +236,17 @@ class Status:
 
     def _clause(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> str:
         """Return the sentences on a state, without a capital letter at the beginning."""
-        row = self._row(status)
+        row, condition = self._row(status)
         if self._kind(status) == MISSING:
-            quantity, failure = (
-                (self.row_quantity, self.row_failure) if row else (self.quantity, self.failure)
-            )
+            quantity, failure = self.quantity, self.failure
+            if condition:
+                quantity, failure = condition.quantity, condition.failure
             return (
                 f"the {quantity} at {row or self._freedom(status - 1)} is not positive or is NaN: "
                 f"{self._bad_input(inputs) or failure + ' in this state'}."
             )
-        if status < 0 and row:
-            return f"most digits are lost at {row}: {self.row_loss}; a higher precision helps."
+        if status < 0 and condition:
+            return f"most digits are lost at {row}: {condition.loss}; a higher precision helps."
         if status < 0:
             return (
                 f"most digits are lost at {self._freedom(-status - 1)}; an output "
@@ -299,10 +293,13 @@ class Status:
             f"{'; '.join(self.force_elements)}."
         )
 
-    def _row(self, status: int) -> str:
-        """Return the name of the row that a status is about, "" if it is about a freedom."""
+    def _row(self, status: int) -> tuple[str, RowCondition | None]:
+        """Return the name and the condition of the row that a status is about; "" and None for a freedom."""
         place = abs(status) - len(self.freedoms) - 2
-        return f"row {self.rows[place]}" if place >= 0 else ""
+        if place < 0:
+            return "", None
+        condition = max((one for one in self.row_conditions if one.first <= place), key=lambda one: one.first)
+        return f"row {self.rows[place]}", condition
 
     def _freedom(self, place: int) -> str:
         """Return the name of a freedom, from 0, and of its body."""

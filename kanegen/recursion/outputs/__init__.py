@@ -7,6 +7,7 @@ the C functions (`selection.function_signatures`), the methods of `library.Libra
 method of `Library`, and one function of `reference` to compare with.
 """
 
+from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.inputs import input_arrays
 from kanegen.recursion.outputs.kinematics import MOTIONS_OF_FRAMES
 from kanegen.recursion.outputs.operational import OF_FRAMES
@@ -16,9 +17,11 @@ from kanegen.recursion.outputs.selection import (
     available,
     chosen,
     function_signatures,
+    holding,
     method_of_program,
     output_array,
     prerequisites,
+    refined_solutions,
     require_available,
     solving,
 )
@@ -29,6 +32,7 @@ __all__ = [
     "EQUATIONS",
     "ERROR_BOUNDS",
     "MOTIONS_OF_FRAMES",
+    "OF_CONTACTS",
     "OF_FRAMES",
     "OUTPUTS",
     "Derivative",
@@ -41,10 +45,12 @@ __all__ = [
     "available",
     "chosen",
     "function_signatures",
+    "holding",
     "input_arrays",
     "method_of_program",
     "output_array",
     "prerequisites",
+    "refined_solutions",
     "require_available",
     "solving",
 ]

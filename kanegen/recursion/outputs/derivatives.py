@@ -11,6 +11,7 @@ _DIFFERENTIATED = (
     ("gravity_forces", "the part of {f} that gravity causes", ("x",)),
     ("inverse_dynamics", "[A]{ydot} - {f} for given {ydot}", ("x", "y")),
     ("forward_dynamics", "{ydot} of [A]{ydot} = {f} + {tau}", ("x", "y", "tau")),
+    ("contact_dynamics", "{ydot} where all contacts hold", ("x", "y", "tau")),
     ("coordinate_rates", "{xdot}, Eqs. (9), (45),", ("x", "y")),
     ("point_positions", "{p_P} of each point, Eq. (22),", ("x",)),
     ("point_velocities", "{v_P} of each point, Eq. (27),", ("x", "y")),

@@ -33,10 +33,12 @@ class OfSolution:
         derive: Function that returns the entries.
         is_accurate: Whether the entries are promised to be accurate, or a status says that they are not. The
             solver is then chosen for its accuracy.
+        is_refined: Whether the entries are those of a solution that is refined where that helps.
     """
 
     derive: Callable[[Solution], Derived]
     is_accurate: bool = True
+    is_refined: bool = False
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,9 @@ class Derivative:
         width = max(part.stop for part in columns.values())
         doc = f"derivatives of {self.of} by {places}"
         unit = f"{base.unit} over the units of these"
-        return Array(name, (*base.shape, width), unit, doc, base.condition, base.of_freedoms)
+        return Array(
+            name, (*base.shape, width), unit, doc, base.condition, base.of_freedoms, base.row_condition
+        )
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from kanegen.errors import OptionError
 from kanegen.model.system import System
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
+from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution
 from kanegen.recursion.outputs.table import OUTPUTS
@@ -49,6 +50,11 @@ def solving(outputs: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in outputs if _solves(name))
 
 
+def holding(outputs: Iterable[str]) -> tuple[str, ...]:
+    """Return those of the outputs that need loads of contacts, which dependent contacts have not."""
+    return tuple(name for name in outputs if name in OF_CONTACTS)
+
+
 def _solves(name: str) -> bool:
     """Return whether an output is a solution of [A]{ydot} = {b} or is made from one."""
     derivation = OUTPUTS[name].derivation
@@ -65,6 +71,12 @@ def accurately_solved(outputs: Iterable[str]) -> tuple[str, ...]:
 def _is_accurate(derivation: object) -> bool:
     """Return whether a derivation is from a solver that must be accurate."""
     return isinstance(derivation, OfSolution) and derivation.is_accurate
+
+
+def refined_solutions(outputs: Iterable[str]) -> tuple[str, ...]:
+    """Return those of the outputs that are solutions of [A]{ydot} = {b}, refined where that helps."""
+    found = ((name, OUTPUTS[name].derivation) for name in outputs)
+    return tuple(name for name, one in found if isinstance(one, OfSolution) and one.is_refined)
 
 
 def prerequisites(outputs: Sequence[str]) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ from kanegen.recursion.inverse_dynamics import (
     velocity_forces,
 )
 from kanegen.recursion.mass_matrix import mass_matrix
+from kanegen.recursion.outputs.contacts import HELD
 from kanegen.recursion.outputs.derivatives import derivatives_of
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.kinematics import KINEMATICS
@@ -159,7 +160,7 @@ _ENTRIES = (
             of_freedoms=True,
         ),
         ("x", "y", "tau", *LOADS),
-        OfSolution(Solution.forward_dynamics),
+        OfSolution(Solution.forward_dynamics, is_refined=True),
     ),
     Output(
         "error_estimate",
@@ -211,6 +212,7 @@ _ENTRIES = (
         ("x",),
         OfSolution(Solution.mass_matrix_inverse),
     ),
+    *HELD,
     Output(
         "kinetic_energy",
         lambda system: Array(
