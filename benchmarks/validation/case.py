@@ -27,8 +27,7 @@ class Row:
         expected: Numbers as the source prints them, such as "31.6399".
         found: As many numbers from kanegen.
         allowed: Largest difference that the source allows, in the unit; by default half a unit of the last
-        digit
-            of every number.
+            digit of every number.
     """
 
     quantity: str

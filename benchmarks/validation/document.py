@@ -65,9 +65,10 @@ def _lines(row: Row) -> list[list[str]]:
 
 
 def _number(value: float, limit: float) -> str:
-    """Return a number with two digits more than are allowed to differ."""
+    """Return a number with two digits more than are allowed to differ, or its size where that shows none."""
     digits = max(0, 2 - Decimal(limit).adjusted())
-    return f"{value:.{digits}f}"
+    text = f"{value:.{digits}f}"
+    return f"{value:.1e}" if value and not float(text) else text
 
 
 def _verdict(holds: bool) -> str:

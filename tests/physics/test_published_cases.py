@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import mpmath
 import pytest
 
+import kanegen as kg
 from benchmarks.validation import __main__ as validation
-from benchmarks.validation.case import Case, Row, row
+from benchmarks.validation import digits
+from benchmarks.validation.case import Case, Row, load, row
 from benchmarks.validation.cases import CASES, Study
 from benchmarks.validation.document import document
 from tests.support.paths import ROOT
@@ -38,6 +41,31 @@ def test_half_a_unit_of_the_last_digit_is_allowed() -> None:
 
 def test_a_number_that_is_not_finite_fails() -> None:
     assert not row("a", "m", "1.0", [float("nan")], allowed=1e9).holds
+
+
+def test_taylor_series_have_the_digits_of_elliptic_functions() -> None:
+    """The simple pendulum of A01 for 2 s: sin(phi/2) = k sn(K - sqrt(g/L) t), phi = theta + pi/2."""
+    equations, none = kg.derive(load("simple_pendulum")), dict[str, str]()
+    field = digits.rates(equations, [])
+    runs = (digits.Run(steps=60, order=30), digits.Run(steps=80, order=26))
+    thetas = [digits.motion(field, _horizontal, none, "2", run)[0] for run in runs]
+    with mpmath.workdps(40):
+        k = mpmath.sin(mpmath.pi / 4)
+        sn = mpmath.ellipfun("sn", mpmath.ellipk(k**2) - 2 * mpmath.sqrt(mpmath.mpf(9.81)), m=k**2)
+        theta = 3 * mpmath.pi / 2 - 2 * mpmath.asin(k * sn)
+        text = digits.agreed(*thetas, most=20)
+        assert len(text) == 21
+        assert abs(mpmath.mpf(text) - theta) < mpmath.mpf(10) ** -19 / 2
+
+
+def _horizontal() -> list[digits.arb]:
+    return [digits.arb.pi(), digits.arb(0)]
+
+
+def test_digits_agree_up_to_where_two_runs_differ() -> None:
+    assert digits.agreed(digits.arb("1.23456789"), digits.arb("1.23456712")) == "1.23457"
+    assert digits.agreed(digits.arb("-12.5"), digits.arb("-12.5"), most=4) == "-12.50"
+    assert digits.agreed(digits.arb("1"), digits.arb("9")) == "none"
 
 
 def test_as_many_numbers_are_found_as_expected() -> None:

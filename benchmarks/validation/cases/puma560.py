@@ -121,9 +121,9 @@ def case() -> Case:
         row(f"row {i + 1} of the Coriolis matrix, q̇ = (1, 2, 3, 1, 2, 3) rad/s", "kg m²/s", text, coriolis[i])
         for i, text in enumerate(CORIOLIS.splitlines())
     ]
-    felt = library.operational_inertia(QN)[0][LINEAR_FIRST]
+    operational = library.operational_inertia(QN)[0][LINEAR_FIRST]
     rows += [
-        row(f"row {i + 1} of the operational inertia of the flange", "kg, kg m, kg m²", text, felt[i])
+        row(f"row {i + 1} of the operational inertia of the flange", "kg, kg m, kg m²", text, operational[i])
         for i, text in enumerate(OPERATIONAL_INERTIA.splitlines())
     ]
     return Case(
