@@ -16,6 +16,7 @@ from kanegen.reference.frames import FrameMotions, frame_motions
 from tests.support import random_trees, systems
 from tests.support.orientation_trees import ANGULAR_VELOCITY, KINDS, close, mixed, tree_of_kind, values
 from tests.support.paths import MODELS
+from tests.support.robots import robot_file
 
 ALL = ("body_poses", "frame_velocities", "frame_accelerations", "frame_bias_accelerations", "frame_jacobians")
 
@@ -141,6 +142,21 @@ def cost(system: kg.System, *outputs: str) -> int:
     (program,) = compile_module(system, outputs).module.functions.values()
     counts = count(program)
     return counts["add"] + counts["multiply"]
+
+
+@pytest.mark.filterwarnings("ignore::kanegen.errors.KanegenWarning")
+@pytest.mark.parametrize(
+    ("robot", "frame", "jacobian", "bias"),
+    [
+        ("ur5_robot", "tool0", 154, 256),
+        ("panda", "panda_hand", 169, 266),
+        ("talos_reduced", "gripper_left_fingertip_3_link", 396, 496),
+    ],
+)
+def test_the_frame_of_a_leaf_of_a_robot(robot: str, frame: str, jacobian: int, bias: int) -> None:
+    system = kg.load(robot_file(robot), floating_base=robot.startswith("talos")).with_poses([frame])
+    assert cost(system, "frame_jacobians") <= jacobian
+    assert cost(system, "frame_bias_accelerations") <= bias
 
 
 def test_a_frame_costs_what_its_branch_costs() -> None:
