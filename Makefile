@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports validation truth clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports closed-forms validation truth clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -31,6 +31,10 @@ generated: $(VENV)/.tests
 # Time kanegen and its peers and rewrite docs/benchmarks.md; the first time Pinocchio takes minutes to compile.
 bench: $(VENV)/.bench
 	$(BIN)/python -m benchmarks
+
+# Compare closed forms with those of SymPy's KanesMethod and of textbooks; rewrites docs/closed-forms.md in a minute.
+closed-forms: $(VENV)/.tests
+	$(BIN)/python -m benchmarks.closed_forms
 
 # Generate, compile and run trees of 1 to 256 bodies and rewrite docs/growth.md; takes about an hour.
 growth: $(VENV)/.bench

@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-import sympy
 from sympy import Expr, ImmutableMatrix, Rational, Symbol
 
 from kanegen.errors import OptionError, counted
@@ -36,9 +35,6 @@ from kanegen.symbolic.symbols import force, parameter, torque
 
 MOST_FREEDOMS = 8
 """Number of freedoms up to which closed forms are made."""
-
-MOST_OPERATIONS = 500
-"""Number of operations of force elements that a closed form may hold."""
 
 MOST_FREEDOMS_WITHOUT_NAMES = 6
 """Number of freedoms up to which `derive` writes everything out; beyond, it names intermediates."""
@@ -201,15 +197,14 @@ class Equations:
         simplifier = Simplifier(literal.bodies, motion, numbers)
         directions = Directions(simplifier, named._start, everywhere)
         f = total([*(body.forcing for body in named.bodies), named._motors.forcing])
-        operations = sum(sympy.count_ops(entry) for entry in literal.element_forces)
-        if operations > MOST_OPERATIONS or literal.definitions:
+        forces = named._element_forces_along(directions.along)
+        if forces.definitions:
             raise OptionError(
                 f"system {self.system.name!r}: what its force elements add is too long to be read without "
                 "intermediates. Print it with intermediates instead (closed=False), or read equations.A, "
                 "equations.f and equations.definitions."
             )
-        forces = named._element_forces_along(directions.along).total
-        A, f = close(simplifier, named.A, f, forces, literal.element_forces)
+        A, f = close(simplifier, named.A, f, forces.total, lambda: literal.element_forces)
         return ClosedForm(A, f, tuple(dict.fromkeys(directions.conditions)))
 
     def lambdify(self) -> NumericEquations:

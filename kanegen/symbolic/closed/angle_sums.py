@@ -33,6 +33,22 @@ def shortest(polynomial: Polynomial) -> Polynomial:
     return min(candidates, key=_size)  # of several shortest ones the first
 
 
+def with_double_angles(polynomial: Polynomial) -> Iterator[Polynomial]:
+    """Yield the polynomial with sin 2a / 2 for sin a cos a, if it has such products twice."""
+    changed: dict[Monomial, Fraction] = {}
+    for term, value in polynomial.items():
+        powers = dict(term)
+        angles = (f.args[0] for f in powers if f.func is sin and powers[f] > 0)
+        angle = next((a for a in angles if powers.get(cos(a), 0) > 0), None)
+        if angle is None:
+            changed[term] = value
+            continue
+        rest = monomial([*term, (sin(angle), -1), (cos(angle), -1), (sin(2 * angle), 1)])
+        changed[rest] = changed.get(rest, Fraction(0)) + value / 2
+    if any(changed.get(term) != value and value.numerator % 2 == 0 for term, value in polynomial.items()):
+        yield changed
+
+
 def _merged(polynomial: Polynomial) -> Polynomial:
     """Replace angles by sums and differences of two angles, as long as that leaves fewer terms."""
     angles = sorted({f.args[0] for term in polynomial for f, _ in term}, key=str)

@@ -18,7 +18,7 @@ LARGEST_DENOMINATOR = 4
 LARGEST_NUMERATOR = 9
 """Numerator up to which a number is printed as a fraction, beyond as a decimal number if it is one."""
 
-LONGEST_FRACTION = 6
+LONGEST_FRACTION = 8
 """Number of digits of numerator and denominator together up to which a fraction that is no decimal number,
 such as 1/12, is printed as a fraction."""
 
@@ -106,7 +106,16 @@ def _weight(scale: Fraction, sizes: Iterable[Fraction]) -> tuple[int, int]:
     """Return the number of coefficients to multiply by, and of their characters, with a factor in front."""
     others = [size / scale for size in sizes if size != scale]
     others += [scale] if scale != 1 else []
-    return len(others), sum(digits(value) + (value.denominator != 1) for value in others)
+    return len(others), sum(map(_width, others))
+
+
+def _width(value: Fraction) -> int:
+    """Return the number of characters of a positive coefficient, such as 3 for 100 and for 0.02."""
+    n, d = value.numerator, value.denominator
+    if not _is_decimal(d):
+        return len(f"{n}/{d}")
+    places = max(_power(d, 2), _power(d, 5))
+    return (len(str(n // d)) if n >= d else 0) + (places + 1 if places else 0)
 
 
 def _is_decimal(denominator: int) -> bool:

@@ -19,7 +19,14 @@ from sympy import Add, Expr, ImmutableMatrix, Integer, Mul, Pow, Rational, S
 from kanegen.symbolic import functions
 from kanegen.symbolic.closed.factoring import divided, factored
 from kanegen.symbolic.closed.form import Simplifier
-from kanegen.symbolic.closed.polynomials import Polynomial, add, monomial, multiply, without_common_monomial
+from kanegen.symbolic.closed.polynomials import (
+    Polynomial,
+    add,
+    monomial,
+    multiply,
+    reduced_product,
+    without_common_monomial,
+)
 
 
 @dataclass
@@ -45,7 +52,7 @@ class Directions:
             OptionError: If a polynomial has too many terms.
         """
         components = [self.simplifier.expand(component) for component in way]
-        square = add(multiply(component, component) for component in components)
+        square = add(reduced_product(component, component) for component in components)
         root = square_root(square)
         if root is None:
             return way / sympy.sqrt(self.simplifier.simplify(_plain(square)))

@@ -7,16 +7,16 @@ shortest form; then common factors are collected.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from fractions import Fraction
 
 from sympy import Add, Expr, Float, ImmutableMatrix
 
 from kanegen.errors import OptionError
-from kanegen.symbolic.closed.angle_sums import shortest
+from kanegen.symbolic.closed.angle_sums import shortest, with_double_angles
 from kanegen.symbolic.closed.coefficients import readable
-from kanegen.symbolic.closed.collecting import Collector
+from kanegen.symbolic.closed.collecting import Collector, operations
 from kanegen.symbolic.closed.expanding import Expander, parallel_sums
 from kanegen.symbolic.closed.named_numbers import NamedNumbers
 from kanegen.symbolic.closed.polynomials import (
@@ -28,6 +28,9 @@ from kanegen.symbolic.closed.polynomials import (
     without_cancelled,
 )
 from kanegen.symbolic.literal.dynamics import BodyEquations
+
+MOST_OPERATIONS = 100
+"""Number of operations of force elements that may stand in an entry as they are."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ def close(
     A: ImmutableMatrix,
     f: ImmutableMatrix,
     element_forces: ImmutableMatrix,
-    fallback: ImmutableMatrix,
+    fallback: Callable[[], ImmutableMatrix],
 ) -> tuple[ImmutableMatrix, ImmutableMatrix]:
     """Return the closed forms of [A] and {f}.
 
@@ -60,7 +63,7 @@ def close(
         A: (n, n) [A] without intermediates.
         f: (n, 1) {f} without intermediates and without force elements.
         element_forces: (n, 1) what force elements add to {f}.
-        fallback: (n, 1) the same, for entries in which it grows too long when it is multiplied out.
+        fallback: Returns the same, for entries in which it grows too long when it is multiplied out.
 
     Raises:
         OptionError: If an entry grows too long to be read.
@@ -70,13 +73,26 @@ def close(
     n = A.shape[0]
     upper = {(i, j): simplifier.simplify(A[i, j]) for i in range(n) for j in range(i, n)}
     entries = [upper[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
-    right = []
-    for own, added, long in zip(f, element_forces, fallback, strict=True):
-        try:
-            right.append(simplifier.simplify(Add(own, added, evaluate=False)))
-        except OptionError:
-            right.append(simplifier.simplify(own) + long)
+    right = [
+        _sum(simplifier, f[i], element_forces[i], lambda i=i: fallback()[i])  # type: ignore[misc]
+        for i in range(n)
+    ]
     return ImmutableMatrix(n, n, entries), ImmutableMatrix(right)
+
+
+def _sum(simplifier: Simplifier, own: Expr, added: Expr, fallback: Callable[[], Expr]) -> Expr:
+    """Return the closed form of an entry of {f}; arguments as in `close`."""
+    short = simplifier.simplify(own)
+    if not added:
+        return short
+    try:
+        candidates = short + simplifier.simplify(added), simplifier.simplify(Add(own, added, evaluate=False))
+    except OptionError:
+        long = fallback()
+        if operations(long) > MOST_OPERATIONS:
+            raise
+        return short + long
+    return min(candidates, key=operations)
 
 
 def has_rounded_rotations(bodies: tuple[BodyEquations, ...]) -> bool:
@@ -135,7 +151,8 @@ class Simplifier:
             others = tuple((factor, power) for factor, power in term if not is_trigonometric(factor))
             groups.setdefault(others, {})[part] = readable(coefficient) if self._rounded else coefficient
         short = add(self._times(others, group) for others, group in groups.items())
-        return self._collector.collected(short)
+        forms = [short, *with_double_angles(short)]
+        return min((self._collector.collected(form) for form in forms), key=operations)
 
     def _times(self, others: Monomial, group: Polynomial) -> Polynomial:
         """Return the product of a monomial and the shortest form of a trigonometric polynomial."""

@@ -77,7 +77,8 @@ class _Names:
 
     def of_rotation(self, matrix: Matrix) -> Matrix:
         """Return the parameters of a rotation matrix; integers stay, and so does a matrix with parameters."""
-        if not all(is_fixed(entry) for row in matrix for entry in row):
+        entries = [*chain(*matrix)]
+        if not all(map(is_fixed, entries)) or all(map(_stays, entries)):
             return matrix
         exact = chain(*_nearest_rotation(matrix))
         named: Matrix = map_numbers(matrix, lambda value: self._entry(value, next(exact)))

@@ -12,7 +12,7 @@ from functools import cached_property
 
 from sympy import ImmutableMatrix
 
-from kanegen.symbolic.literal.joint import JointEquations
+from kanegen.symbolic.literal.joint import NOTHING, JointEquations
 from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.literal.outward_property import outward_property
 
@@ -103,6 +103,8 @@ class AngularEquations(JointEquations):
     @outward_property
     def remaining_angular_velocity(self) -> ImmutableMatrix:
         """{omega_t}, (3, 1): angular velocity that prescribed freedoms cause (rad/s)."""
+        if not self.system.prescribed:
+            return NOTHING
         own = self.angle_rate_matrix * self._prescribed(self.symbols.speed, 0)
         if self.lower is not None:
             own += self.relative_rotation * self.lower.remaining_angular_velocity
@@ -111,6 +113,8 @@ class AngularEquations(JointEquations):
     @outward_property
     def remaining_angular_velocity_rate(self) -> ImmutableMatrix:
         """Time derivative of the K components of {omega_t}, (3, 1) (rad/s^2)."""
+        if not self.system.prescribed:
+            return NOTHING
         rate = self.angle_rate_matrix * self._prescribed(self.symbols.acceleration, 0)
         rate += self.angle_rate_matrix_rate * self._prescribed(self.symbols.speed, 0)
         if self.lower is not None:

@@ -25,6 +25,9 @@ from kanegen.symbolic.literal.orientation import (
 from kanegen.symbolic.state_symbols import StateSymbols
 from kanegen.symbolic.symbols import column, expression
 
+NOTHING = ImmutableMatrix.zeros(3, 1)
+"""What prescribed motion causes where nothing is prescribed."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointEquations:

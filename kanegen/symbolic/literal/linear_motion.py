@@ -13,6 +13,7 @@ from functools import cached_property
 from sympy import ImmutableMatrix
 
 from kanegen.symbolic.literal.angular_motion import AngularEquations
+from kanegen.symbolic.literal.joint import NOTHING
 from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.literal.outward_property import outward_property
 from kanegen.symbolic.symbols import column
@@ -95,6 +96,8 @@ class LinearEquations(AngularEquations):
     @outward_property
     def remaining_velocity_of_origin(self) -> ImmutableMatrix:
         """{v_t} of O_K in **J** components, (3, 1): its velocity that prescribed freedoms cause (m/s)."""
+        if not self.system.prescribed:
+            return NOTHING
         own = self.joint_orientation.T * self._prescribed(self.symbols.speed, 3)
         if self.lower is not None:
             lower = self.lower
@@ -105,6 +108,8 @@ class LinearEquations(AngularEquations):
     @outward_property
     def remaining_velocity_of_origin_rate(self) -> ImmutableMatrix:
         """Time derivative of the **J** components of {v_t} of O_K, (3, 1) (m/s^2)."""
+        if not self.system.prescribed:
+            return NOTHING
         rate = self.joint_orientation.T * self._prescribed(self.symbols.acceleration, 3)
         if self.lower is not None:
             lower = self.lower
@@ -117,6 +122,8 @@ class LinearEquations(AngularEquations):
     @cached_property
     def remaining_velocity_of_center_rate(self) -> ImmutableMatrix:
         """Time derivative of the K components of {v_t} of G_K, (3, 1) (m/s^2)."""
+        if not self.system.prescribed:
+            return NOTHING
         rate = self.relative_rotation * self.remaining_velocity_of_origin_rate
         rate += self.relative_rotation_rate * self.remaining_velocity_of_origin
         rate -= skew(column(self.body.mass_center)) * self.remaining_angular_velocity_rate
