@@ -10,7 +10,7 @@ from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.joint import Joint
 from kanegen.model.names import check_label
-from kanegen.model.numbers import Matrix, Number, Vector, map_numbers, number, numbers, toml_number
+from kanegen.model.numbers import Matrix, Number, Vector, map_numbers, numbers, toml_number
 
 
 @dataclass(frozen=True)
@@ -109,8 +109,8 @@ class Body:
             validation.store(
                 self,
                 lower=validation.integer(self.lower, "connection"),
-                mass=validation.mass(number(self.mass, "mass")),
-                inertia=validation.inertia(numbers(self.inertia, (3, 3), "inertia"), self.name),
+                mass=validation.mass(self.mass),
+                inertia=validation.inertia(self.inertia, self.name),
                 mass_center=numbers(self.mass_center, (3,), "mass centre"),
                 joint=validation.instances((self.joint,), Joint, "joint")[0],
                 loads=validation.flags((self.loads,), 1, "loads")[0],

@@ -19,10 +19,11 @@ from kanegen.model.force_elements.names import with_names_of_freedoms
 from kanegen.model.frame import Frame
 from kanegen.model.limits import SystemLimits
 from kanegen.model.nodes import TIME
-from kanegen.model.numbers import Number, Parameter, factor_text, map_numbers, parameters_of
+from kanegen.model.numbers import Parameter, factor_text, parameters_of
 from kanegen.model.reaction import COMPONENTS, Reaction, every_reaction, reaction_rows
 from kanegen.model.rotor import MountedRotor, Rotor, mounted_rotors
 from kanegen.model.system_coordinates import SystemCoordinates
+from kanegen.model.system_numbers import numbers_of
 
 
 @dataclass(frozen=True)
@@ -115,32 +116,13 @@ class SystemDescription(SystemCoordinates):
             ModelError: If two parameters have one name and different values.
         """
         found: dict[str, Parameter] = {}
-
-        def collect(value: Number) -> None:
+        for value in numbers_of(self):
             for one in parameters_of(value):
                 if found.setdefault(one.name, one) != one:
                     raise ModelError(
                         f"parameter {quoted(one.name)} has two values, {quoted(found[one.name].value)} and "
                         f"{quoted(one.value)}. One name, one value."
                     )
-
-        map_numbers(self.gravity, collect)
-        for body in self.bodies:
-            joint = body.joint
-            map_numbers((body.mass, body.inertia, body.mass_center), collect)
-            map_numbers(tuple(point.position for point in body.points), collect)
-            map_numbers((joint.position, joint.orientation, joint.locked, joint.armature), collect)
-        for coupling in self.couplings:
-            map_numbers(tuple(coupling.numbers()), collect)
-        for frame in self.frames:
-            map_numbers((frame.position, frame.orientation), collect)
-        for rotor in self.rotors:
-            map_numbers((rotor.inertia, rotor.ratio), collect)
-        for contact in self.contacts:
-            collect(contact.damping)
-        for element in self.force_elements:
-            for value in element.numbers():
-                collect(value)
         return tuple(found.values())
 
     @property

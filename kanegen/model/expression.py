@@ -7,6 +7,7 @@ differentiates and lowers them through SymPy; the reference evaluates them in Nu
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -36,9 +37,13 @@ from kanegen.model.nodes import (
     postfix,
     rebuilt,
 )
+from kanegen.model.sympy_numbers import from_sympy, in_sympy, is_sympy, to_sympy
 
 _UNDEFINED_SOMEWHERE = frozenset(("/", "sqrt", "tan", "log", "exp", "atan2"))
 """Operators and functions that have no finite value, or no finite slope, for some finite operands."""
+
+NO_DEFAULT = math.nan
+"""Value of a parameter that has no default value yet."""
 
 _EXACT_INTEGER = 2**53
 """Size up to which every integer is a double."""
@@ -55,16 +60,27 @@ class _Operand(Arithmetic["Expression"]):
     def combined(self, operator: str, *operands: object) -> Expression:
         """Return an operation, one of `nodes.Operation`, on numbers.
 
-        Returns `NotImplemented` where an operand is no number, so that Python asks the other operand.
+        Numbers of SymPy are taken exactly; with another expression of SymPy the result is one of SymPy, in
+        which parameters are real symbols. Returns `NotImplemented` where an operand is no number, so that
+        Python asks the other operand.
 
         Raises:
             ModelError: If a number is not finite, or the expression becomes too long.
         """
+        if any(is_sympy(operand) and operand.free_symbols for operand in operands):  # type: ignore[attr-defined]
+            symbols = [_node(operand) if isinstance(operand, _Operand) else operand for operand in operands]
+            return in_sympy(operator, symbols)  # type: ignore[no-any-return]
         nodes = [_node(operand) for operand in operands]
         known = tuple(node for node in nodes if node is not None)
         if len(known) < len(nodes):
             return NotImplemented  # type: ignore[no-any-return]  # as Python's own operators do
         return Expression(check_size(_simplified(Operation(operator, known))))
+
+    def _sympy_(self) -> Any:
+        """Return the number as an expression of SymPy, parameters as real symbols of the same names."""
+        return to_sympy(self.node)
+
+    _op_priority = 20.0  # so that a number of SymPy leaves its operators to this class
 
     def __pow__(self, exponent: Any) -> Expression:
         if not is_plain(exponent) or exponent % 1 != 0:
@@ -82,7 +98,8 @@ class Parameter(_Operand):
 
     Attributes:
         name: A C identifier, unique within a system.
-        value: Default value, in the unit of the quantity that the parameter replaces.
+        value: Default value, in the unit of the quantity that the parameter replaces. Without one, the system
+            gives it: by `defaults`, or by a parameter of the same name.
 
     Raises:
         ModelError: If the name is no C identifier or the value is not finite.
@@ -93,11 +110,17 @@ class Parameter(_Operand):
     """
 
     name: str
-    value: float
+    value: float = NO_DEFAULT
 
     def __post_init__(self) -> None:
         check_identifier(self.name, "parameter name")
-        object.__setattr__(self, "value", finite(self.value, f"parameter {quoted(self.name)}"))
+        if self.value is not NO_DEFAULT:
+            object.__setattr__(self, "value", finite(self.value, f"parameter {quoted(self.name)}"))
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the parameter has no default value, so that a system must give one."""
+        return math.isnan(self.value)
 
     @property
     def node(self) -> Node:
@@ -142,8 +165,11 @@ class Expression(_Operand):
         return tuple(dict.fromkeys(leaf.name for leaf in leaves(self.root) if isinstance(leaf, Variable)))
 
     @classmethod
-    def of(cls, number: float | Fraction | Parameter) -> Expression:
-        """Return a number as an expression.
+    def of(cls, number: Any) -> Expression:
+        """Return a number as an expression; also a fraction, or an expression of SymPy.
+
+        Raises:
+            ModelError: If `number` is none of these, or SymPy's expression has no counterpart.
 
         Example:
             kg.Expression.of(Fraction(1, 12))  # 1 / 12
@@ -169,8 +195,13 @@ class Expression(_Operand):
 
     @cached_property
     def value(self) -> float:
-        """The value rounded once, parameters at their defaults; errors are those of `exact`."""
-        return float(self.exact)
+        """The value rounded once, parameters at their defaults; NaN if one has none. Errors as of `exact`."""
+        return NO_DEFAULT if self.is_open else float(self.exact)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether a parameter of the expression has no default value."""
+        return any(one.is_open for one in self.parameters)
 
     @cached_property
     def loss(self) -> float:
@@ -288,6 +319,8 @@ def _node(operand: object) -> Node | None:
             return operand.node
         case Fraction():
             return _quotient(operand)
+        case _ if is_sympy(operand):
+            return from_sympy(operand, lambda name: Constant(Parameter(name)))
     return constant(operand) if is_plain(operand) else None
 
 

@@ -116,9 +116,7 @@ class Joint:
             if not isinstance(freedom_name, str) or freedom_name:
                 check_label(freedom_name, "freedom name")
         validation.store(self, freedom_names=names)
-        validation.store(
-            self, armature=validation.armature(numbers(self.armature, (6,), "armature"), FREEDOMS)
-        )
+        validation.store(self, armature=validation.armature(self.armature, FREEDOMS))
         self._check_driven()
         check_sequence(self.sequence)
         self._check_coordinates()

@@ -14,6 +14,7 @@ from kanegen.errors import QUOTED, KanegenWarning, ModelError, counted, excerpt,
 from kanegen.model.evaluation import Exact
 from kanegen.model.expression import Expression, Parameter
 from kanegen.model.finite import finite, listed
+from kanegen.model.sympy_numbers import is_sympy
 
 __all__ = [
     "Matrix",
@@ -51,6 +52,8 @@ Matrix = tuple[Vector, Vector, Vector]
 def number(value: Any, label: str) -> Number:
     """Return a number of a model; an expression that is exactly a double becomes this double.
 
+    Symbols of SymPy become parameters without a default value, which the system must give.
+
     Raises:
         ModelError: If it is neither a finite number nor an expression that has a value at the defaults of its
             parameters and depends on nothing else.
@@ -60,8 +63,11 @@ def number(value: Any, label: str) -> Number:
     """
     if isinstance(value, Parameter):
         return value
-    if isinstance(value, Fraction):
-        value = Expression.of(value)
+    if isinstance(value, Fraction) or is_sympy(value):
+        try:
+            value = Expression.of(value)
+        except ModelError as error:
+            raise ModelError(f"{label}: {error}") from None
     if not isinstance(value, Expression):
         return finite(value, label)
     if value.variables:
@@ -69,6 +75,8 @@ def number(value: Any, label: str) -> Number:
             f"{label}: {quoted(str(value))} depends on {quoted(value.variables[0])}, but a number of a model "
             "may depend on parameters only."
         )
+    if value.is_open:
+        return value.simplest
     try:
         finite(value.value, label)
     except ModelError as error:

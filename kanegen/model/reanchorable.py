@@ -12,6 +12,7 @@ from kanegen.model.force_elements.names import referenced_variables
 from kanegen.model.joint import Joint
 from kanegen.model.numbers import Parameter, is_fixed, map_numbers, parameters_of
 from kanegen.model.system import System
+from kanegen.model.system_numbers import numbers_of
 
 
 @dataclass(frozen=True)
@@ -107,16 +108,7 @@ def _obstacle(system: System, body: Body) -> str:
 
 def _are_three_of_its_own(system: System, names: list[str]) -> bool:
     """Return whether three parameters stand in one orientation, and nowhere else in the system."""
-    used = _parameter_names(system.gravity)
-    for body in system.bodies:
-        joint = body.joint
-        used += _parameter_names((body.mass, body.inertia, body.mass_center))
-        used += _parameter_names(tuple(point.position for point in body.points))
-        used += _parameter_names((joint.position, joint.orientation, joint.locked, joint.armature))
-    further = [value for coupling in system.couplings for value in coupling.numbers()]
-    further += [value for rotor in system.rotors for value in (rotor.inertia, rotor.ratio)]
-    further += [value for element in system.force_elements for value in element.numbers()]
-    used += _parameter_names(tuple(further))
+    used = [one.name for value in numbers_of(system) for one in parameters_of(value)]
     return len(names) == len(set(names)) == 3 and all(used.count(name) == 1 for name in names)
 
 

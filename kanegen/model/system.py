@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import InitVar, dataclass, replace
 from typing import Any, Self
 
 from kanegen.errors import ModelError, WriteError, quoted
@@ -11,19 +12,30 @@ from kanegen.files import path_of, write_whole
 from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, rotor_arrays, system_arrays
 from kanegen.model.body import Body
-from kanegen.model.contact import checked_contacts
+from kanegen.model.contact import Contact, checked_contacts
 from kanegen.model.coordinates import NOTES, ORIENTATIONS, SPEEDS
 from kanegen.model.coupling import Coupling, coupled_bodies, with_permanent_names
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.force_elements.names import with_resolved_names
-from kanegen.model.frame import check_points, checked_frames
+from kanegen.model.frame import Frame, check_points, checked_frames
 from kanegen.model.names import check_label
 from kanegen.model.nodes import TIME
 from kanegen.model.numbers import numbers
 from kanegen.model.rotor import Rotor, check_carriers, check_freedoms, permanent_name
 from kanegen.model.saving import system_table, toml_text
 from kanegen.model.system_fields import GRAVITY
+from kanegen.model.system_numbers import with_defaults
 from kanegen.model.variation import SystemVariations
+
+PARTS: Mapping[str, type] = {
+    "bodies": Body,
+    "force_elements": ForceElement,
+    "couplings": Coupling,
+    "frames": Frame,
+    "rotors": Rotor,
+    "contacts": Contact,
+}
+"""Classes of the parts of a system, by the field that holds them."""
 
 
 @dataclass(frozen=True)
@@ -42,25 +54,29 @@ class System(SystemVariations):
         frames: Frames that are fixed in a body or in the ground, beside the bodies' own.
         rotors: Rotors of geared motors, which spin in bodies that carry them.
         contacts: Points and frames that `contact_dynamics` and `contact_forces` hold.
+        defaults: Default values, by name, of parameters that have none, as those have that symbols of SymPy
+            become. They are kept in the parameters of the system.
 
     Raises:
-        ModelError: If the tree, a number or a name is not usable.
+        ModelError: If the tree, a number or a name is not usable, or a parameter has no default value.
 
     Example:
         body = kg.Body("bob", 0, 1.0, ((0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)), (0, 0, -0.5))
         system = kg.System("pendulum", (body,))
     """
 
-    def __post_init__(self) -> None:
+    defaults: InitVar[Mapping[str, float] | None] = None
+
+    def __post_init__(self, defaults: Mapping[str, float] | None) -> None:
         check_label(self.name, "system name")
-        bodies = validation.instances(self.bodies, Body, "bodies")
-        elements = validation.instances(self.force_elements, ForceElement, "force_elements")
-        validation.store(self, bodies=bodies, gravity=numbers(self.gravity, (3,), "gravity"))
+        for name, kind in PARTS.items():
+            validation.store(self, **{name: validation.instances(getattr(self, name), kind, name)})
+        validation.store(self, gravity=numbers(self.gravity, (3,), "gravity"))
+        validation.store(self, **with_defaults(self, defaults))
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
         validation.store(self, frames=checked_frames(self.bodies, self.frames))
-        couplings = validation.instances(self.couplings, Coupling, "couplings")
-        couplings = with_permanent_names(couplings, self.bodies)
+        couplings = with_permanent_names(self.couplings, self.bodies)
         validation.store(self, couplings=couplings, bodies=coupled_bodies(self.bodies, couplings))
         validation.store(self, poses=output_rows.poses(self.frame, self.poses))
         if self.reactions is not None:
@@ -79,7 +95,7 @@ class System(SystemVariations):
         contacts = checked_contacts(self.contacts, self._points_by_name, self.frames_by_name)
         validation.store(self, contacts=contacts)
         bodies_of_frames = {name: frame.body for name, frame in self.frames_by_name.items()}
-        elements = with_resolved_names(elements, self.bodies, bodies_of_frames)
+        elements = with_resolved_names(self.force_elements, self.bodies, bodies_of_frames)
         validation.store(self, force_elements=elements)
         validation.parameter_names(self.parameters, self.number_of_bodies, len(self.points))
         if self.depends_on_time and any(parameter.name == TIME for parameter in self.parameters):
@@ -88,7 +104,7 @@ class System(SystemVariations):
     def _store_rotors(self) -> None:
         """Store the rotors with names that do not change when a freedom is locked, after checks."""
         rotors = []
-        for rotor in validation.instances(self.rotors, Rotor, "rotors"):
+        for rotor in self.rotors:
             driven = self.freedom(rotor.freedom, f"rotor {quoted(rotor.name)}")
             rotors.append(replace(rotor, freedom=permanent_name(driven, self.bodies)))
         validation.store(self, rotors=tuple(rotors))
@@ -96,7 +112,7 @@ class System(SystemVariations):
         check_carriers(self.mounted_rotors, self.bodies, [one.axis for one in rotor_arrays(self)])
 
     @classmethod
-    def from_arrays(
+    def from_arrays(  # noqa: PLR0913, PLR0917 - an array for each quantity
         cls,
         connection: Any,
         mass: Any,
@@ -114,10 +130,12 @@ class System(SystemVariations):
         coordinates: Any = ORIENTATIONS[0],
         prescribed: Any = None,
         armature: Any = None,
+        defaults: Mapping[str, float] | None = None,
     ) -> Self:
         """Return a system from one array for each quantity; body K is row K - 1 and is called `bodyK`.
 
-        Any number may be a `Parameter`, which stays open until run time.
+        Any number may be a `Parameter`, which stays open until run time, an expression of parameters, or an
+        expression of SymPy, whose symbols become parameters.
 
         Args:
             connection: (N,) number of the lower body of each body, 0 for the ground.
@@ -136,6 +154,7 @@ class System(SystemVariations):
             coordinates: One name or (N,) names of `coordinates.ORIENTATIONS`: coordinates of orientations.
             prescribed: (N, 6) flags: freedoms whose motion is an input; default none.
             armature: (N, 6) reflected inertias of motors (kg m^2, kg), see `Joint`; default 0.
+            defaults: Default values, by name, of parameters that have none.
 
         Raises:
             ModelError: If a shape, a number, the tree or the name is not usable.
@@ -159,7 +178,7 @@ class System(SystemVariations):
             prescribed=prescribed,
             armature=armature,
         )
-        return cls(name=name, bodies=bodies, gravity=gravity)
+        return cls(name=name, bodies=bodies, gravity=gravity, defaults=defaults)
 
     def values(self) -> SystemArrays:
         """Return every number of the model as NumPy arrays, parameters at their defaults.

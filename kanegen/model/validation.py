@@ -21,10 +21,12 @@ from kanegen.model.numbers import (
     is_fixed,
     listed,
     map_numbers,
+    number,
     numbers,
     value_of,
 )
 from kanegen.model.rotations import nearest_rotation, rotation_123
+from kanegen.model.sympy_numbers import is_sympy
 
 _T = TypeVar("_T")
 
@@ -108,30 +110,45 @@ def connection(lower: Sequence[int]) -> tuple[int, ...]:
     return tuple(lower)
 
 
-def mass(value: Number) -> Number:
+def _assumed(value: Any, label: str) -> None:
+    """Make sure that a value, as a caller passes it, is not negative by assumptions on symbols of SymPy."""
+    if is_sympy(value) and value.is_extended_negative and value.free_symbols:
+        raise ModelError(f"{label} {value} is negative by the assumptions on its symbols.")
+
+
+def mass(given: Any) -> Number:
     """Return a mass (kg), which must not be negative."""
+    _assumed(given, "mass")
+    value = number(given, "mass")
     if value_of(value) < 0:
         raise ModelError(f"mass {described(value)} kg is negative.")
     return value
 
 
-def armature(values: Sequence[Number], names: Sequence[str]) -> tuple[Number, ...]:
+def armature(given: Any, names: Sequence[str]) -> tuple[Number, ...]:
     """Return reflected inertias (kg m^2, kg) of freedoms with these names; none may be negative."""
-    for name, value in zip(names, values, strict=True):
+    values: tuple[Number, ...] = numbers(given, (len(names),), "armature")
+    for name, one, value in zip(names, listed(given) or (), values, strict=True):
+        _assumed(one, f"armature: that of {name}")
         if value_of(value) < 0:
             raise ModelError(
                 f"armature: that of {name} is {described(value)}. A reflected inertia is not negative."
             )
-    return tuple(values)
+    return values
 
 
-def inertia(value: Matrix, body: str) -> Matrix:
+def inertia(given: Any, body: str) -> Matrix:
     """Return an inertia (kg m^2), which must be symmetric and positive semidefinite.
 
     Warns:
         KanegenWarning: If the principal moments violate the triangle inequality.
     """
+    value: Matrix = numbers(given, (3, 3), "inertia")
+    for i, row in enumerate(listed(given) or ()):
+        _assumed((listed(row) or ())[i], "inertia: the moment")
     matrix = np.array(map_numbers(value, value_of))
+    if np.isnan(matrix).any():
+        return value  # without default values of parameters nothing can be checked
     unit = _power_of_two(float(np.abs(matrix).max()))
     matrix = matrix / unit
     size = float(np.abs(matrix).max())
@@ -193,6 +210,8 @@ def orientation(value: Any, label: str) -> Matrix | Vector:
     if all(is_fixed(entry) for row in matrix for entry in row):
         matrix = plain
     c = np.array(plain)
+    if np.isnan(c).any():
+        return matrix  # without default values of parameters nothing can be checked
     with np.errstate(over="ignore", invalid="ignore"):
         defect = float(np.abs(c @ c.T - np.eye(3)).max())
     if not defect <= ORTHOGONALITY:
@@ -232,11 +251,11 @@ def parameter_names(parameters: Sequence[Parameter], number_of_bodies: int, numb
     """Raise a `ModelError` if a parameter has the name of the symbol of a coordinate, a speed or a load."""
     for parameter in parameters:
         match = _SYMBOL.fullmatch(parameter.name)
-        for kind, parts, number in (
+        for kind, parts, highest in (
             ("body", _OF_BODIES, number_of_bodies),
             ("point", _OF_POINTS, number_of_points),
         ):
-            if match and match[1] in parts and int(match[2]) <= number:
+            if match and match[1] in parts and int(match[2]) <= highest:
                 raise ModelError(
                     f"parameter name {quoted(parameter.name)} already names a coordinate, speed or load of "
                     f"{kind} {match[2]}. Choose another name."

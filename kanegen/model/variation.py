@@ -19,10 +19,11 @@ from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.free_orientations import with_free_orientations
 from kanegen.model.joint import Joint
 from kanegen.model.joint_changes import bodies_with_limits, bodies_with_prescribed
-from kanegen.model.numbers import Number, Parameter, map_numbers, with_parameters_changed
+from kanegen.model.numbers import Number, Parameter, with_parameters_changed
 from kanegen.model.reaction import reaction_rows
 from kanegen.model.right_angles import checked_tolerance
 from kanegen.model.rotor import Rotor
+from kanegen.model.system_numbers import mapped_numbers
 
 
 @dataclass(frozen=True)
@@ -345,14 +346,4 @@ class SystemVariations(SystemDescription):
         Example:
             fixed = system.map_numbers(value_of)  # parameters become numbers
         """
-        bodies = tuple(body.map_numbers(change) for body in self.bodies)
-        return replace(
-            self,
-            bodies=bodies,
-            gravity=map_numbers(self.gravity, change),
-            force_elements=tuple(element.map_numbers(change) for element in self.force_elements),
-            couplings=tuple(coupling.map_numbers(change) for coupling in self.couplings),
-            frames=tuple(frame.map_numbers(change) for frame in self.frames),
-            rotors=tuple(rotor.map_numbers(change) for rotor in self.rotors),
-            contacts=tuple(contact.map_numbers(change) for contact in self.contacts),
-        )
+        return replace(self, **mapped_numbers(self, change))

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, reject
 from hypothesis import strategies as st
 
 import kanegen as kg
@@ -67,7 +67,11 @@ def calculations(draw: st.DrawFn, depth: int = 4) -> tuple[Any, Fraction]:
 def test_arithmetic_is_exact_and_its_text_reads_back(found: tuple[Any, Fraction]) -> None:
     value, exact = found
     if isinstance(value, kg.Expression):
-        assert value.exact == exact
+        try:
+            assert value.exact == exact
+        except kg.ModelError as error:  # a part of it, if not the whole
+            assert "larger than any double" in str(error)
+            reject()
         assert parse_number(str(value), KNOWN).exact == exact
         as_number = number(value, "number")
         assert value_of(as_number) == float(exact)

@@ -88,7 +88,7 @@ def test_parameters_are_collected_once_in_order() -> None:
     assert changed.values().mass.tolist() == [1, 3, 3]
     with pytest.raises(kg.ModelError, match=r"unknown parameter 'mm'. Known are 'm', "):
         system.with_parameters({"mm": 1.0})
-    with pytest.raises(kg.ModelError, match=r"mass -1\.0 kg is negative"):
+    with pytest.raises(kg.ModelError, match=r"mass m = -1\.0 kg is negative"):
         system.with_parameters({"m": -1.0})
     with pytest.raises(kg.ModelError, match=r"parameter 'm' has two values, 2.0 and 5.0"):
         kg.System.from_arrays(**arrays(mass=[m, kg.Parameter("m", 5), 1]))
