@@ -176,6 +176,26 @@ def test_operations_do_not_rise(name: str) -> None:
     assert counts["divide"] == counts["sqrt"] == counts["prepare"] == 0
 
 
+@pytest.mark.parametrize("seed", slow_except(range(6), 1))
+def test_compiled_for_one_state_and_many(seed: int) -> None:
+    """Trees of all kinds in C, in double and single precision, and the parts of {f} beside [C]."""
+    system = random_trees.everything(seed, 3)
+    outputs = ("gravity_forces", "velocity_forces", "coriolis_matrix")
+    states = random_states(system, 16, seed)
+    expected = (
+        reference.gravity_forces(system, states.x),
+        reference.velocity_forces(system, states.x, states.y),
+        reference.coriolis_matrix(system, states.x, states.y),
+    )
+    for precision, room in (("double", 1e-12), ("float", 1e-5)):
+        library = kg.build(system, outputs, precision=precision, on_status="ignore")
+        batch, one = library.evaluate(states.x, states.y), library.evaluate(states.x[5], states.y[5])
+        for name, right in zip(outputs, expected, strict=True):
+            scale = np.abs(right).max(axis=tuple(range(1, right.ndim)), keepdims=True)
+            assert (np.abs(getattr(batch, name) - right) <= room * scale).all(), name
+            assert (np.abs(getattr(one, name) - right[5]) <= room * scale[5]).all(), name
+
+
 def test_hinges_with_turned_frames() -> None:
     """A constant turn about the axis of a hinge, by a number or a parameter, and the hinge are one turn."""
     plain = systems.chain(3, ["theta2"])

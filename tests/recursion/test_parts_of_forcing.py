@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,26 @@ def test_both_parts_agree_with_the_reference(seed: int) -> None:
     }
     for name in PARTS:
         assert np.abs(found[name] - expected[name]).max() <= 1e-13 * np.abs(expected[name]).max(), name
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_gravity_on_hinges_at_right_angles(seed: int) -> None:
+    """Parallel, opposite and vertical axes, with side branches: torques pass on, first moments do not."""
+    rng = np.random.default_rng(seed)
+    bare = systems.random_system(rng, 7, loads=False, locked=False)
+    bodies = []
+    for body in bare.bodies:
+        free = np.zeros(6, dtype=bool)
+        free[int(rng.choice([0, 1, 2, 2, 2, 4]))] = True
+        turned = np.eye(3)[rng.permutation(3)] * rng.choice([-1.0, 1.0], 3)
+        turned *= np.linalg.det(turned)
+        joint = replace(body.joint, free=tuple(map(bool, free)), orientation=turned.tolist())
+        bodies.append(replace(body, joint=joint))
+    system = kg.System("hinges", tuple(bodies), (0.0, 0.0, -9.81))
+    x = rng.uniform(-2, 2, len(system.freedoms))
+    found = values(system, ("gravity_forces",), {"x": x})["gravity_forces"].astype(float)
+    expected = reference.gravity_forces(system, x)
+    assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()
 
 
 def test_without_loads_and_force_elements_they_are_all_of_f() -> None:
