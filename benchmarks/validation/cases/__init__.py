@@ -13,6 +13,7 @@ from benchmarks.validation.cases import (
     free_rigid_body,
     furuta_pendulum,
     heavy_top,
+    hinged_panels,
     plate_pendulum,
     puma560,
     simple_pendulum,
@@ -46,6 +47,7 @@ CASES = {
     "flyball_governor": Study(flyball_governor.case, partial(flyball_governor.case, last=1.0)),
     "free_rigid_body": Study(free_rigid_body.case, free_rigid_body.case),
     "tumbling_brick": Study(tumbling_brick.case, tumbling_brick.case),
+    "hinged_panels": Study(hinged_panels.case, hinged_panels.case),
     "space_station": Study(space_station.case, space_station.case),
 }
 """Every case by its name."""
