@@ -61,8 +61,7 @@ class Identification(CompiledModel):
             OptionError: If the library was built without this output.
 
         Example:
-            base = kg.base_parameters(system)
-            rows = library.base_regressor(x, y, ydot).reshape(-1, len(base))   # of many measured states
-            beta = np.linalg.lstsq(rows, tau.ravel())[0]
+            beta = kg.base_parameters(system).matrix @ kg.inertial_parameters(system)
+            tau = library.base_regressor(x, y, ydot) @ beta
         """
         return self._run("base_regressor", (x, y, ydot), inputs)[0]
