@@ -181,6 +181,31 @@ class QuantityDerivatives(CompiledModel):
         """
         return self._run("momentum_derivatives", (x, y), inputs)[0]
 
+    def centroidal_momentum_bias_derivatives(
+        self, x: ArrayLike, y: ArrayLike, **inputs: Unpack[NamedInputs]
+    ) -> Floats:
+        """Return the derivatives of the bias of the centroidal momentum by {x}, {y} and the parameters.
+
+        Those of [A_G]{y} by {x}, with {ydot} in place of {y}, are the first columns of
+        `momentum_derivatives`; the two together are the derivatives of the rate of the momentum.
+
+        Args:
+            x: (m,) or (B, m) coordinates, rad, m or 1.
+            y: (n,) or (B, n) generalized speeds, rad/s and m/s.
+            inputs: Inputs that only some systems have, as in `forcing`.
+
+        Returns:
+            (6, K) or (B, 6, K): a row for each component, N and N m over the units of the variables.
+
+        Raises:
+            ArrayError: If an argument has the wrong shape or type.
+            OptionError: If the library was built without this output.
+
+        Example:
+            slopes = library.centroidal_momentum_bias_derivatives(x, y)
+        """
+        return self._run("centroidal_momentum_bias_derivatives", (x, y), inputs)[0]
+
     def mass_center_derivatives(self, x: ArrayLike, **inputs: Unpack[NamedInputs]) -> Floats:
         """Return the derivatives of the position {p_C} of the mass centre by {x} and the parameters.
 

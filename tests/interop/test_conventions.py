@@ -225,6 +225,24 @@ def test_energies_and_momentum(pinocchio: InPinocchio, in_mujoco: InMujoco) -> N
     _close(np.concatenate([linear, in_mujoco.data.subtree_angmom[root]]), results["momentum"])
 
 
+def test_momentum_by_speeds_and_regressor(pinocchio: InPinocchio, in_mujoco: InMujoco) -> None:
+    """Both are linear in velocities of a joint, so that columns change with [J]; MuJoCo has angular rows."""
+    mine = robot()
+    model, data, states = pinocchio.model, pinocchio.data, pinocchio.map
+    pin.computeCentroidalMapTimeVariation(model, data, pinocchio.q, pinocchio.v)
+    _close(states.from_columns(mine.x, data.Ag), mine.results["centroidal_momentum_matrix"])
+    still = states.to_vdot(mine.x, mine.y, 0 * mine.ydot)
+    _close(data.Ag @ still + data.dAg @ pinocchio.v, mine.results["centroidal_momentum_bias"])
+    theirs = pin.computeJointTorqueRegressor(model, data, pinocchio.q, pinocchio.v, pinocchio.a)
+    rows = np.stack([states.from_tau(mine.x, column) for column in theirs.T], axis=-1)
+    assert [model.names[k] for k in range(2, model.njoints)] == ["shoulder", "slide"]
+    _close(rows, mine.results["regressor"])
+    matrix = np.zeros((3, in_mujoco.model.nv))
+    mujoco.mj_angmomMat(in_mujoco.model, in_mujoco.data, matrix, in_mujoco.numbers[0])
+    found = in_mujoco.map.from_columns(mine.x, matrix)
+    _close(found, mine.results["centroidal_momentum_matrix"][3:])
+
+
 def test_inertias(pinocchio: InPinocchio, in_mujoco: InMujoco) -> None:
     """About the mass centre, products as entries of the matrix; MuJoCo has principal moments and axes."""
     for k, body in enumerate(robot().system.bodies):

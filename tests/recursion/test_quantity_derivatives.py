@@ -13,6 +13,7 @@ from kanegen.reference.coriolis import gravity_forces
 from kanegen.reference.freedoms import free_columns
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.matrices import skew
+from kanegen.reference.momentum import centroidal_momentum
 from tests.support import moving_bodies
 from tests.support.cases import slow_except
 from tests.support.orientation_trees import KINDS, angle_state, close, tree_of_kind, values
@@ -89,6 +90,8 @@ def quantity(system: kg.System, name: str, given: dict[str, Any]) -> Any:
     x, y = given["x"].astype(kind), given["y"].astype(kind)
     if name == "gravity_forces":
         return gravity_forces(system, x)
+    if name == "centroidal_momentum_bias":
+        return centroidal_momentum(system, x, y).bias
     if name == "coordinate_rates":
         return rates_of(system, x, y)
     if name.startswith("point_"):

@@ -19,6 +19,9 @@ OUTPUTS = (
     "kinetic_energy",
     "potential_energy",
     "momentum",
+    "centroidal_momentum_matrix",
+    "centroidal_momentum_bias",
+    "regressor",
     "mass_center",
     "body_poses",
     "frame_velocities",
@@ -105,8 +108,8 @@ def robot() -> Robot:
     ydot = rng.normal(size=len(system.freedoms))
     library = kg.build(system, outputs=OUTPUTS)
     arguments = {"mass_matrix": (x,), "potential_energy": (x,), "body_poses": (x,), "mass_center": (x,)}
-    arguments |= {"frame_jacobians": (x,)}
-    with_ydot = dict.fromkeys(("inverse_dynamics", "frame_accelerations"), (x, y, ydot))
+    arguments |= {"frame_jacobians": (x,), "centroidal_momentum_matrix": (x,)}
+    with_ydot = dict.fromkeys(("inverse_dynamics", "frame_accelerations", "regressor"), (x, y, ydot))
     results = {
         name: np.asarray(getattr(library, name)(*(arguments | with_ydot).get(name, (x, y))))
         for name in OUTPUTS

@@ -19,6 +19,7 @@ _DIFFERENTIATED = (
     ("kinetic_energy", "the kinetic energy", ("x", "y")),
     ("potential_energy", "the potential energy", ("x",)),
     ("momentum", "linear momentum, then angular momentum about the mass centre,", ("x", "y")),
+    ("centroidal_momentum_bias", "the rate of the momentum for {ydot} = 0", ("x", "y")),
     ("mass_center", "{p_C}", ("x",)),
 )
 """Each output that has derivatives, what it is in a sentence, and the arrays of its variables."""
