@@ -8,6 +8,7 @@ from kanegen.errors import quoted
 from kanegen.model.coordinates import NOTES
 from kanegen.model.reanchorable import ReanchorableJoint, reanchorable_joints
 from kanegen.model.system import System
+from kanegen.model.system_numbers import expression_summaries
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class ModelDescription:
         undefined_somewhere: The same lines of those that are undefined or infinite in some state.
         motors: One line of text for each armature and each rotor.
         couplings: One line of text for each coupling.
+        expressions: One line of text for each quantity that is an expression of parameters.
         locked: One line of text for each freedom that is locked at another value than zero, and for each
             joint whose freedoms are all locked.
         poses: Names of the frames that outputs about frames give, in the order of their rows.
@@ -73,6 +75,7 @@ class ModelDescription:
     undefined_somewhere: tuple[str, ...] = ()
     motors: tuple[str, ...] = ()
     couplings: tuple[str, ...] = ()
+    expressions: tuple[str, ...] = ()
     locked: tuple[str, ...] = ()
     poses: tuple[str, ...] = ()
     pose_bodies: tuple[str, ...] = ()
@@ -161,6 +164,7 @@ def description(system: System) -> ModelDescription:
         undefined_somewhere=tuple(one.summary for one in system.force_elements if one.may_be_undefined),
         motors=system.motor_summaries,
         couplings=system.coupling_equations,
+        expressions=expression_summaries(system),
         locked=system.locked_summaries,
         poses=system.pose_names,
         pose_bodies=tuple(

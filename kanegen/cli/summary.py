@@ -14,6 +14,7 @@ from kanegen.model.identification.base_parameters import BaseParameters, base_pa
 from kanegen.model.numbers import map_numbers, value_of
 from kanegen.model.reaction import Reaction
 from kanegen.model.system import System
+from kanegen.model.system_numbers import expression_summaries
 from kanegen.program.passes import Stage, savings
 from kanegen.recursion.outputs import EQUATIONS, OF_CONTACTS, OUTPUTS, available, method_of_program, solving
 from kanegen.reference.independence import dependent_rows
@@ -167,6 +168,7 @@ def _contents(system: System) -> dict[str, Any]:
         "poses": list(system.pose_names),
         "reactions": [_reaction(row) for row in system.reaction_rows],
         "parameters": {parameter.name: parameter.value for parameter in system.parameters},
+        "expressions": list(expression_summaries(system)),
         "force_elements": [
             {"kind": element.KEY, **element.as_table()} for element in system.named_force_elements
         ],

@@ -20,6 +20,7 @@ from kanegen.model.coordinates import NOTES, ORIENTATIONS, selected_freedoms
 from kanegen.model.identification.base_parameters import BaseParameters
 from kanegen.model.numbers import Number, toml_number, value_of
 from kanegen.model.system import System
+from kanegen.model.system_numbers import expression_summaries
 from kanegen.program.count import PREPARE, kinds
 from kanegen.program.passes import savings
 from kanegen.studies.explain.exactness import STATES
@@ -118,6 +119,9 @@ def _sections(summary: Summary) -> Iterator[tuple[str, str, RenderableType]]:
         yield "Contacts", ", which contact_dynamics and contact_forces hold", lines
     if system.parameters:
         yield "Parameters", ", with their defaults", _parameters(system)
+    if expressions := expression_summaries(system):
+        remark = " of parameters, checked for the defaults: masses and inertias must not become negative"
+        yield "Expressions", remark, escape("\n".join(expressions))
     if system.force_elements:
         yield (
             "Force elements",

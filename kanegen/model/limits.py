@@ -18,6 +18,8 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.coordinates import ANGLES, FREEDOMS
+from kanegen.model.finite import is_plain
+from kanegen.model.numbers import is_fixed, number, toml_number, value_of
 
 KEYS = ("position", "speed", "effort")
 """Keys of the limits of one freedom in a model file and in `System.with_limits`."""
@@ -286,17 +288,23 @@ def _limit(value: Any, label: str) -> float:
     """Return one limit as a float, which may be infinite.
 
     Raises:
-        ModelError: If it is no number.
+        ModelError: If it is no number, or depends on parameters.
     """
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
-        raise ModelError(f"{label}: {quoted(value)} is not a number.")
+    if not is_plain(value):
+        found = number(value, label)
+        if not is_fixed(found):
+            shown = quoted(str(toml_number(found)))
+            raise ModelError(
+                f"{label}: {shown} depends on parameters and is not a number, as a limit must be."
+            )
+        return value_of(found)
     try:
-        number = float(value) + 0.0
+        limit = float(value) + 0.0
     except OverflowError:
-        number = math.inf if value > 0 else -math.inf
-    if math.isnan(number):
+        limit = math.inf if value > 0 else -math.inf
+    if math.isnan(limit):
         raise ModelError(f"{label}: nan is not a number.")
-    return number
+    return limit
 
 
 def _with(values: Six, index: int, value: Any) -> tuple[Any, ...]:

@@ -8,12 +8,14 @@ from typing import Any
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
+from kanegen.model.expression import Expression
 from kanegen.model.numbers import (
     Number,
     Parameter,
     finite,
     map_numbers,
     parameters_of,
+    toml_number,
     with_parameters_changed,
 )
 from kanegen.model.system_fields import SystemFields
@@ -21,22 +23,33 @@ from kanegen.model.system_fields import SystemFields
 
 def numbers_of(system: SystemFields) -> Iterator[Number]:
     """Yield every number of a system, in the order in which its parameters are counted."""
-    yield from _leaves(system.gravity)
-    for body in system.bodies:
-        joint = body.joint
-        yield from _leaves((body.mass, body.inertia, body.mass_center))
-        yield from _leaves(tuple(point.position for point in body.points))
-        yield from _leaves((joint.position, joint.orientation, joint.locked, joint.armature))
+    for _, value in _of_bodies(system):
+        yield from _leaves(value)
     for coupling in system.couplings:
         yield from coupling.numbers()
-    for frame in system.frames:
-        yield from _leaves((frame.position, frame.orientation))
+    for _, value in _of_frames(system):
+        yield from _leaves(value)
     for rotor in system.rotors:
         yield from (rotor.inertia, rotor.ratio)
     for contact in system.contacts:
         yield contact.damping
     for element in system.force_elements:
         yield from element.numbers()
+
+
+def expression_summaries(system: SystemFields) -> tuple[str, ...]:
+    """Return one line for each quantity of bodies, joints and frames that is an expression of parameters.
+
+    Those of couplings, rotors, contacts and force elements stand in the summaries of these.
+
+    Example:
+        expression_summaries(kg.load("models/cart_pole.toml"))[0]  # "gravity = (0.0, 0.0, -g)"
+    """
+    lines = []
+    for label, value in (*_of_bodies(system), *_of_frames(system)):
+        if any(isinstance(one, Expression) and one.parameters for one in _leaves(value)):
+            lines.append(f"{label} = {_shown(value)}")
+    return tuple(lines)
 
 
 def mapped_numbers(system: SystemFields, change: Callable[[Number], Number]) -> dict[str, Any]:
@@ -85,6 +98,31 @@ def with_defaults(system: SystemFields, defaults: Any) -> dict[str, Any]:
         return known[one.name] if one.is_open else one
 
     return mapped_numbers(system, lambda value: with_parameters_changed(value, default))
+
+
+def _of_bodies(system: SystemFields) -> Iterator[tuple[str, Any]]:
+    """Yield gravity and the quantities of bodies and joints, each with a label."""
+    yield "gravity", system.gravity
+    for body in system.bodies:
+        joint = body.joint
+        yield f"{body.name}: mass", body.mass
+        yield f"{body.name}: inertia", body.inertia
+        yield f"{body.name}: mass_center", body.mass_center
+        yield from ((f"{point.name}: position", point.position) for point in body.points)
+        for name in ("position", "orientation", "locked", "armature"):
+            yield f"{body.name}: joint.{name}", getattr(joint, name)
+
+
+def _of_frames(system: SystemFields) -> Iterator[tuple[str, Any]]:
+    """Yield the quantities of frames, each with a label."""
+    for frame in system.frames:
+        yield f"{frame.name}: position", frame.position
+        yield f"{frame.name}: orientation", frame.orientation
+
+
+def _shown(value: Any) -> str:
+    """Return nested tuples of numbers as text."""
+    return f"({', '.join(map(_shown, value))})" if isinstance(value, tuple) else str(toml_number(value))
 
 
 def _leaves(value: Any) -> Iterator[Number]:

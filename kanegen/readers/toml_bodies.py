@@ -143,7 +143,7 @@ def _joint(table: Any, parameters: Parameters, tolerance: float) -> Joint:
         speeds=table.get("speeds", SPEEDS[0]),
         coordinates=table.get("coordinates", ORIENTATIONS[0]),
         prescribed=prescribed,
-        limits=Limits.of(table.get("limits", {})),
+        limits=Limits.of(_limits(table.get("limits", {}), parameters)),
         freedom_names=_freedom_names(table.get("freedom_names", {})),
         armature=_armature(table.get("armature", {}), parameters),
     )
@@ -161,6 +161,13 @@ def _with_type(table: Table) -> Table:
             f'joint type: "{name}" says what is free. Leave out {" and ".join(given)}, or the type.'
         )
     return {**table, "free": list(JOINT_TYPES[name]), "coordinates": ORIENTATIONS[1]}
+
+
+def _limits(table: Any, parameters: Parameters) -> Any:
+    """Return a table of limits with numbers in the place of texts; other mistakes are left to `Limits`."""
+    if isinstance(table, Mapping):
+        return {name: _limits(value, parameters) for name, value in table.items()}
+    return parameters.resolve(table, "limits")
 
 
 def _freedom_names(table: Any) -> tuple[str, ...]:

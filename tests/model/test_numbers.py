@@ -26,6 +26,7 @@ from kanegen.model.numbers import (
     value_of,
     with_parameters_changed,
 )
+from kanegen.model.system_numbers import expression_summaries
 from tests.support.toml_models import ROD, read_toml
 
 M, L, ALPHA = kg.Parameter("m", 1.7), kg.Parameter("l", 0.3), kg.Parameter("alpha", 0.4)
@@ -265,3 +266,25 @@ def test_people_read_expressions_in_brackets(tmp_path: Path) -> None:
     assert system.coupling_equations == ("follower.s3 = (l / 2) tip.s2 + -l",)
     assert "armature of tip.theta1: (m * l**2 / 12) kg m^2" in system.motor_summaries
     assert system.locked_summaries == ("tip.theta3 = (-alpha) rad",)
+
+
+def test_limits_are_numbers_without_parameters(tmp_path: Path) -> None:
+    head = '[parameters]\na = 1.0\n[[body]]\nconnection = 0\nmass = "a"\njoint.free = ["theta1"]\n'
+    limits = 'joint.limits = {theta1 = {position = [%s, inf], speed = "2*pi"}}\n'
+    (body,) = read_toml(tmp_path, head + limits % '"-pi/2"').bodies
+    assert (body.joint.limits.lower[0], body.joint.limits.upper[0]) == (-math.pi / 2, math.inf)
+    assert body.joint.limits.speed[0] == 2 * math.pi
+    with pytest.raises(kg.ReadError, match="lower of theta1: '-a' depends on parameters"):
+        read_toml(tmp_path, head + limits % '"-a"')
+
+
+def test_expressions_are_listed_for_people(tmp_path: Path) -> None:
+    system = read_toml(tmp_path, ROD)
+    listed = expression_summaries(system)
+    assert listed[0] == "gravity = (0.0, 0.0, -g)"
+    assert "rod: mass_center = (0.0, 0.0, -l / 2)" in listed
+    assert "hand: orientation = (alpha / 2, 0.0, pi / 2)" in listed
+    readme = kg.generate(system).files["README.md"]
+    assert all(f"- `{line}`" in readme for line in listed)
+    assert "must not become negative" in readme
+    assert "Expressions of parameters" not in kg.generate(system.map_numbers(value_of)).files["README.md"]
