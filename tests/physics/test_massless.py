@@ -110,6 +110,7 @@ def test_what_solves_is_refused_and_nothing_else() -> None:
     """Every output of the table either refuses, because it solves with [A], or is generated."""
     system = with_masses_of(systems.chain(3, ["theta1", "theta2", "s2"]), lambda k: k < 3)
     system = system.with_points({"tip": (3, (0, 0, 0.1))}).with_prescribed("body2.s2").with_poses(["body3"])
+    system = system.with_contacts(kg.Contact(point="tip", directions="force1"))
     assert massless_motions(system)
     names = available(system)
     assert set(names) == set(OUTPUTS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -17,6 +18,7 @@ from kanegen.lowering.lower import lower
 from kanegen.model.arrays import Floats
 from kanegen.model.numbers import value_of
 from kanegen.options import Variant
+from kanegen.program.constants import MULTIPRECISION
 from kanegen.program.evaluate import evaluate
 from kanegen.program.precision import FLOAT
 from kanegen.recursion import derive, methods
@@ -29,6 +31,7 @@ from tests.support.cases import slow_except
 from tests.support.chains import hinges
 from tests.support.paths import MODELS
 from tests.support.random_contacts import with_contacts
+from tests.support.refinement import rods
 from tests.support.robots import Several, fixed_model, floating_model, places, robot_file
 
 OUTPUTS = ("contact_dynamics", "contact_forces")
@@ -107,6 +110,48 @@ def test_trees_without_rotors(solver: str, seed: int) -> None:
     states = random_states(system, 4, seed)
     (way,) = ways(system, solver)
     check(system, states, computed(system, way, states))
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("solver", ["articulated bodies", "factorisation"])
+def test_prescribed_motion(solver: str, seed: int) -> None:
+    """What is held does not accelerate, whatever prescribed freedoms do."""
+    rng = np.random.default_rng(seed)
+    system = systems.random_system(rng, bodies=4, loads=True)
+    system = with_contacts(system.with_prescribed(system.freedom_names[seed::5]), rng)
+    states = random_states(system, 4, seed)
+    assert np.abs(states.prescribed[:, 2]).min() > 0
+    (way,) = ways(system, solver)
+    check(system, states, computed(system, way, states))
+
+
+def test_an_ill_conditioned_tree_is_refined() -> None:
+    """Against the same program in 320 bits: one step repairs accelerations and loads."""
+    system = rods(8.0, 6).with_points({"tip": (6, (0.1, 0.2, -0.5))})
+    system = system.with_contacts(kg.Contact(point="tip", directions=("force1", "force2")))
+    compiled = compile_module(system, OUTPUTS)
+    assert compiled.refinement.startswith("1 (auto")
+    states = random_states(system, 3)
+    states = replace(states, x=states.x / 128)  # chains lose most where they are nearly straight
+    (way, *_) = ways(system)
+    program = lower(derive(system, way), OUTPUTS)
+    inputs = array_inputs(system, program, states) | {"tau": list(forces_of(states).T)}
+    errors = []
+    for refinement in (UNREFINED, Refinement(steps=1)):
+        found = np.concatenate(computed(system, way, states, refinement), axis=1)
+        worst = 0.0
+        for b in range(3):
+            exact = evaluate(
+                program,
+                {name: [MULTIPRECISION.mpf(float(row[b])) for row in rows] for name, rows in inputs.items()},
+                MULTIPRECISION,
+                MULTIPRECISION.mpf,
+            )
+            right = np.array([float(value) for values in exact.values() for value in values])
+            worst = max(worst, np.abs(found[b] - right).max() / np.abs(right).max())
+        errors.append(worst)
+    assert errors[0] > 1e-12
+    assert errors[1] < 1e-13
 
 
 @pytest.mark.parametrize("solver", ["articulated bodies", "factorisation"])
