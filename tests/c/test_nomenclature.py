@@ -148,5 +148,28 @@ def test_names_of_couplings(solver):
     check(kg.generate(system, outputs, tier=Variant(solver=solver, refinement=1)))
 
 
+@pytest.mark.parametrize("refinement", [0, 1])
+@pytest.mark.parametrize("solver", ["factorisation", "articulated bodies"])
+def test_names_of_contacts(solver, refinement):
+    """A floating body with a leg, held with its orientation, at a point, and in some directions."""
+    floating = [False, True, False, True, True, True]
+    system = systems.random_system(
+        np.random.default_rng(3),
+        4,
+        connection=(0, 1, 2, 1),
+        free=[floating, *systems.flags(3, ["theta2"])],
+    )
+    contacts = [
+        kg.Contact("foot", frame="body3", damping=kg.Parameter("mu", 0.1)),
+        kg.Contact("some", frame="body4", directions=("moment2", "force1", "force3"), damping=0.2),
+    ]
+    outputs = ("forward_dynamics", "contact_dynamics", "contact_forces", "error_estimate")
+    check(
+        kg.generate(
+            system.with_contacts(contacts), outputs, tier=Variant(solver=solver, refinement=refinement)
+        )
+    )
+
+
 def test_a_name_that_nobody_explains():
     assert legend(["hc_2a3_x", "omega_3", "omega_3_x_d4"]).unknown == ("omega_3",)
