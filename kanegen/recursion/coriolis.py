@@ -114,7 +114,7 @@ class _Assembly:
         k, definitions = rotor.carrier, self._tree.definitions
         self._tree.about(k, "spin of a rotor")
         half = definitions.define(f"yh_{rotor.motion.number}", HALF * rotor.motion.rate)
-        x, y, z = (cross(unit(i), scale(half, rotor.momentum)) for i in range(3))
+        x, y, z = (cross(scale(half, rotor.momentum), unit(i)) for i in range(3))
         spin = RelativeMomentum(ZERO, (x, y, z))
         self._momenta[k] = self._momenta[k].plus(spin, f"{k}", definitions)
         if rotor.motion.shares:

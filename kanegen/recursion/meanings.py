@@ -147,7 +147,9 @@ NAMES = (
     # Coriolis matrix
     ("vb_{P}_{x}", "velocity of the origin of body K past that of the first body of its branch (m/s)"),
     ("pr_{P}_{x}", "momentum of body K and all that it carries relative to P (kg m/s)"),
-    ("Kr_{P}_{x}_{y}", "moments of this momentum, the sum of m {u}{r}^T, row by row (kg m^2/s)"),
+    ("Qr_{P}_{x}_{y}", "rate of inertia relative to P, with half the angular momentum (kg m^2/s)"),
+    ("pd_{P}_{x}", "product of offset and momentum, part of the shift of Qr_P (kg m^2/s)"),
+    ("vh_{P}_{x}", "product of rate of offset and first moment, part of the shift of Qr_P (kg m^2/s)"),
     ("Dc_{P}_{xx}", "second moment of mass of body K and all that it carries (kg m^2)"),
     ("Dd_{P}", "difference of two diagonal entries of Ic_P"),
     ("Dw_{L}_{x}", "second moments times angular velocity, where L begins (kg m^2/s)"),
@@ -398,7 +400,7 @@ MARKS = (
 TURNED = ("Ic_{P}", "Ic_{K}r{P}", "SI_{P}", "SM_{P}")
 """Symmetric matrices that pass turns."""
 
-TURNED_WHOLE = ("Kr_{P}",)
+TURNED_WHOLE = ("Qr_{P}",)
 """Other matrices that pass turns, in names that end with row and column."""
 
 TURN_STEPS = (

@@ -1,20 +1,21 @@
-"""The momentum of a composite body as its frame sees it: twelve numbers that change its second moments.
+"""The momentum of a composite body as its frame sees it: twelve numbers that change its inertia.
 
 A composite body K is a set of particles at {r} from the origin of K. Relative to the frame of K they have the
-velocities {u}, which only the joints outward of K cause. Then {p} is the sum of m {u}, and [K] that of
-m {u}{r}^T. The skew part of [K] is half the angular momentum relative to the frame, its symmetric part half
-the rate of the second moments [D], the sum of m {r}{r}^T.
+velocities {u}, which only the joints outward of K cause. Then {p} is the sum of m {u}, and [Q] that of
+m ({u} . {r}) [1] - m {u}{r}^T. [Q] + [Q]^T is the rate of the inertia [I] relative to the frame, and the skew
+part of [Q] half the angular momentum. As in [I], a turn about an axis leaves the entry of this axis as it is.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sympy import Expr, Rational, S
 
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.turns import Turn
-from kanegen.recursion.vectors import ZERO, Rows, add, cross, scale
+from kanegen.recursion.vectors import ZERO, Rows, add, cross, scale, subtract
 from kanegen.symbolic.definitions import AXES, Definitions, Vector
 
 HALF = Rational(1, 2)
@@ -22,19 +23,19 @@ HALF = Rational(1, 2)
 
 @dataclass(frozen=True)
 class RelativeMomentum:
-    """Momentum {p} and its moments [K], relative to a frame and in its components.
+    """Momentum {p} and rate of inertia [Q], relative to a frame and in its components.
 
     Attributes:
         linear: {p} (kg m/s).
-        moments: [K], row by row (kg m^2/s).
+        rate: [Q], row by row (kg m^2/s).
     """
 
     linear: Vector = ZERO
-    moments: Rows = (ZERO, ZERO, ZERO)
+    rate: Rows = (ZERO, ZERO, ZERO)
 
     def plus(self, other: RelativeMomentum, name: str, definitions: Definitions) -> RelativeMomentum:
         """Return the sum for two bodies with one frame and origin."""
-        rows = tuple(add(a, b) for a, b in zip(self.moments, other.moments, strict=True))
+        rows = tuple(add(a, b) for a, b in zip(self.rate, other.rate, strict=True))
         return _named(add(self.linear, other.linear), rows, name, definitions)
 
     def turning(
@@ -49,53 +50,56 @@ class RelativeMomentum:
             name: Suffix of the names of intermediates.
             definitions: Definitions that the intermediates are added to.
         """
-        columns = [cross(omega, column) for column in second]
+        columns = [cross(omega, column) for column in second]  # [omega~][D] has no trace
         rows = tuple(
-            add(row, Vector(*(column[i] for column in columns))) for i, row in enumerate(self.moments)
+            subtract(row, Vector(*(column[i] for column in columns))) for i, row in enumerate(self.rate)
         )
         return _named(add(self.linear, cross(omega, body.moment)), rows, name, definitions)
 
     def down(self, turn: Turn, name: str, definitions: Definitions) -> RelativeMomentum:
         """Return the same in components of the frame below a turn that stands still."""
-        rows = turn.down_matrix(definitions, f"Kr_{name}", self.moments)
+        rows = turn.down_matrix(definitions, f"Qr_{name}", self.rate)
         return _named(turn.down(self.linear), rows, name, definitions)
 
     def shifted(
         self, d: Vector, velocity: Vector, body: Inertia, name: str, definitions: Definitions
     ) -> RelativeMomentum:
-        """Return the momentum relative to a frame with another origin: [K] + {p}{d}^T + {d'}{H}^T.
+        """Return the momentum relative to a frame with another origin, with {r} + {d} and {u} + {d'}.
 
         Args:
-            d: Vector from the other origin to this one (m).
+            d: Vector {d} from the other origin to this one (m).
             velocity: Its rate {d'} in that frame (m/s).
-            body: The composite body about the other origin, with the first moment {H}.
+            body: The composite body about the other origin.
             name: Suffix of the names of intermediates.
             definitions: Definitions that the intermediates are added to.
         """
-        rows = tuple(
-            add(add(row, scale(self.linear[i], d)), scale(velocity[i], body.moment))
-            for i, row in enumerate(self.moments)
-        )
+        rows = _with_product(self.rate, self.linear, d, f"pd_{name}", definitions)
+        rows = _with_product(rows, velocity, body.moment, f"vh_{name}", definitions)
         return _named(add(self.linear, scale(body.mass, velocity)), rows, name, definitions)
 
-    def couple(self, axis: Vector) -> Vector:
-        """Return tr[K] {a} - [K]{a}: the sum of {r} x ({a} x m {u})."""
-        return self._couple(axis, self.moments)
+    def column(self, axis: int) -> Vector:
+        """Return column `axis` of [Q]: for the basis vector {a} the sum of {r} x ({a} x m {u})."""
+        return Vector(*(row[axis] for row in self.rate))
 
-    def transposed_couple(self, axis: Vector) -> Vector:
-        """Return tr[K] {a} - [K]^T {a}: the sum of m {u} x ({a} x {r})."""
-        columns = tuple(Vector(*(row[j] for row in self.moments)) for j in range(3))
-        return self._couple(axis, columns)
+    def row(self, axis: int) -> Vector:
+        """Return row `axis` of [Q]: for the basis vector {a} the sum of m {u} x ({a} x {r})."""
+        return self.rate[axis]
 
-    def _couple(self, axis: Vector, rows: tuple[Vector, ...]) -> Vector:
-        """Return the product of the trace of a matrix, less the matrix, and a vector; zeros do not cancel."""
-        diagonal = [rows[i][i] for i in range(3)]
-        components = []
-        for i in range(3):
-            j, k = (i + 1) % 3, (i + 2) % 3
-            others = diagonal[j] + diagonal[k]
-            components.append(others * axis[i] - rows[i][j] * axis[j] - rows[i][k] * axis[k])
-        return Vector(*components)
+
+def _with_product(
+    rows: Sequence[Vector], a: Vector, b: Vector, name: str, definitions: Definitions
+) -> tuple[Vector, ...]:
+    """Return a matrix plus {a} . {b} [1] - {a}{b}^T."""
+    products = definitions.vector(name, Vector(*(a[i] * b[i] for i in range(3))))
+    found = []
+    for i, row in enumerate(rows):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        entries = list(row)
+        entries[i] += products[j] + products[k]
+        entries[j] -= a[i] * b[j]
+        entries[k] -= a[i] * b[k]
+        found.append(Vector(*entries))
+    return tuple(found)
 
 
 def second_moments(body: Inertia, axis: int | None, name: str, definitions: Definitions) -> Rows:
@@ -126,5 +130,5 @@ def second_moments(body: Inertia, axis: int | None, name: str, definitions: Defi
 
 def _named(linear: Vector, rows: tuple[Vector, ...], name: str, definitions: Definitions) -> RelativeMomentum:
     """Return a momentum with a symbol for every entry."""
-    x, y, z = (definitions.vector(f"Kr_{name}_{axis}", row) for axis, row in zip(AXES, rows, strict=True))
+    x, y, z = (definitions.vector(f"Qr_{name}_{axis}", row) for axis, row in zip(AXES, rows, strict=True))
     return RelativeMomentum(definitions.vector(f"pr_{name}", linear), (x, y, z))
