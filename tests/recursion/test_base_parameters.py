@@ -260,6 +260,14 @@ def test_the_cost_of_the_columns_alone() -> None:
     assert base < 0.9 * whole
 
 
+def test_what_is_no_system_is_refused() -> None:
+    for function in (kg.base_parameters, kg.inertial_parameters):
+        with pytest.raises(kg.OptionError, match=r"^'panda.urdf' is no System\. Make one with kg\.load"):
+            function("panda.urdf")  # type: ignore[arg-type]
+        with pytest.raises(kg.OptionError, match="is no System"):
+            function([])  # type: ignore[arg-type]
+
+
 def test_info_names_the_sums() -> None:
     sums = "mx_1 + m_2", "my_1", "Izz_1 + m_2", "mx_2", "my_2", "Izz_2"
     count = "of 20 inertial parameters 6 combinations are base parameters"

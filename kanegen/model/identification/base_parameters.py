@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from kanegen.model.arrays import Floats
+from kanegen.model.description import require_system
 from kanegen.model.identification.combinations import combinations, in_si, sampled_combinations
 from kanegen.model.identification.inertial_parameters import inertial_parameter_names
 from kanegen.model.identification.single_joints import geometry_of
@@ -60,7 +61,6 @@ class BaseParameters:
         return text
 
 
-@lru_cache(maxsize=16)
 def base_parameters(system: System) -> BaseParameters:
     """Return the base parameters of a system, which follow from the geometry of its joints and from gravity.
 
@@ -70,11 +70,21 @@ def base_parameters(system: System) -> BaseParameters:
     Args:
         system: The tree; no mass or inertia of it matters.
 
+    Raises:
+        OptionError: If `system` is no `System`.
+
     Example:
         base = kg.base_parameters(system)
         beta = base.matrix @ kg.inertial_parameters(system)
         tau = kg.build(system, "base_regressor").base_regressor(x, y, ydot) @ beta
     """
+    require_system(system)
+    return _of_system(system)
+
+
+@lru_cache(maxsize=16)
+def _of_system(system: System) -> BaseParameters:
+    """Return the base parameters of a system; those of the last systems are kept."""
     bare = _without_inertias(system)
     found = _found(bare)
     if bare.parameters:

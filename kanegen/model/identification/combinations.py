@@ -85,8 +85,7 @@ def combinations(geometry: Geometry) -> Combinations:
 def sampled_combinations(geometry: Geometry, enough: Combinations) -> Combinations:
     """Return fewer combinations than are `enough`, where random positions show that they suffice."""
     forms = sampled_forms(geometry, enough.columns)
-    order = sorted(range(len(enough.columns)), key=lambda i: PREFERRED.index(enough.columns[i] % WIDTH))
-    kept, combined = reduced(forms, order)
+    kept, combined = reduced(forms, range(len(enough.columns)))  # those of inner bodies are preferred
     return _with_identity(tuple(enough.columns[i] for i in kept), combined @ enough.matrix)
 
 

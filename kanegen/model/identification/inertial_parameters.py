@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from kanegen.model.arrays import Floats
+from kanegen.model.description import require_system
 from kanegen.model.system import System
 
 INERTIAL_PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
@@ -41,12 +42,16 @@ def inertial_parameters(system: System) -> Floats:
     Returns:
         (10 N,), kg, kg m and kg m^2.
 
+    Raises:
+        OptionError: If `system` is no `System`.
+
     Example:
         system = kg.load("models/double_pendulum.toml")
         pi = kg.inertial_parameters(system)
         library = kg.build(system, "regressor")
         tau = library.regressor(x, y, ydot) @ pi
     """
+    require_system(system)
     arrays, found = system.values(), []
     for k, body in enumerate(system.bodies):
         frame = arrays.frames[body.name]
