@@ -83,9 +83,9 @@ def number(value: Any, label: str) -> Number:
         raise ModelError(f"{label}: {error}") from None
     if value.parameters and value.loss > LOST:
         warnings.warn(
-            f"{label}: {quoted(str(value))} loses digits, because terms nearly cancel in it: computed in "
-            f"doubles at the default values, it is off by {value.loss:.0e} of itself. Write it in another "
-            "form.",
+            f"{label}: {quoted(str(value))} loses digits: computed in doubles at the default values, it is "
+            f"off by {value.loss:.0e} of itself, because terms nearly cancel in it or leave the range of "
+            "doubles. Write it in another form.",
             KanegenWarning,
             stacklevel=3,
         )

@@ -6,6 +6,7 @@ import copy
 import math
 import operator
 import pickle
+import warnings
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -74,7 +75,8 @@ def test_arithmetic_is_exact_and_its_text_reads_back(found: tuple[Any, Fraction]
             assert "larger than any double" in str(error)
             reject()
         assert parse_number(str(value), KNOWN).exact == exact
-        as_number = number(value, "number")
+        with warnings.catch_warnings(action="ignore"):  # where terms cancel
+            as_number = number(value, "number")
         assert value_of(as_number) == float(exact)
         assert exact_value_of(as_number) == exact
         if not value.parameters:
@@ -254,7 +256,7 @@ def test_unused_parameters_are_found_through_names(tmp_path: Path) -> None:
 
 def test_sums_that_cancel_are_reported() -> None:
     small = kg.Parameter("small", 1e-3)
-    with pytest.warns(kg.KanegenWarning, match=r"y: 'l \* cos\(small\) - l' loses digits, .*off by 9e-11"):
+    with pytest.warns(kg.KanegenWarning, match=r"y: 'l \* cos\(small\) - l' loses digits: .*off by 9e-11"):
         number(L * np.cos(small) - L, "y")
     stable = number(-2 * L * np.sin(small / 2) ** 2, "y")
     assert value_of(stable) == pytest.approx(-0.3 * (1 - math.cos(1e-3)), rel=1e-9)
