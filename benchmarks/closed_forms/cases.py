@@ -77,7 +77,7 @@ class Case:
 CASES = (
     Case("babyboot", "babyboot"),
     Case("spherical_pendulum", "spherical pendulum"),
-    Case("furuta_pendulum", "Furuta pendulum"),
+    Case("furuta_pendulum", "Furuta pendulum", folder=""),
     Case("gantry_crane", "gantry crane", folder=""),
     Case("quarter_car", "quarter car", folder=""),
     Case("double_pendulum", "double pendulum", folder=""),
@@ -85,7 +85,7 @@ CASES = (
     Case("euler_top", "top, angles 3-1-3"),
     Case("gyrostat", "gyrostat"),
     Case("bead_on_hoop", "bead on a hoop"),
-    Case("cart_two_poles", "cart with two poles"),
+    Case("cart_two_poles", "cart with two poles", folder=""),
 )
 
 

@@ -55,7 +55,7 @@ def _row(result: Result) -> str:
 def _examples() -> list[str]:
     """Return the closed forms of two models as they are printed."""
     parts = ["", "## What they look like", ""]
-    for name in ("textbook/furuta_pendulum", "quarter_car"):
+    for name in ("furuta_pendulum", "quarter_car"):
         printed = render(kg.derive(kg.load(MODELS / f"{name}.toml")))
         start = printed.index("Directions" if "Directions" in printed else "Mass matrix")
         parts += [

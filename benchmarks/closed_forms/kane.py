@@ -136,13 +136,13 @@ def spherical_pendulum() -> tuple[Scene, Matrix, Matrix]:
 
 def furuta_pendulum() -> tuple[Scene, Matrix, Matrix]:
     """An arm about the vertical with a pendulum about it."""
-    g, m1, m2, l1, l2, L1, J1, J2 = reals("g m1 m2 l1 l2 L1 J1 J2")
-    s = Scene(["theta1", "theta2"])
+    arm_inertia, arm_length, mass, length, J = reals("arm_inertia arm_length mass length inertia")
+    s = Scene(["arm_angle", "pendulum"])
     A = s.turned(s.N, s.q[0], s.u[0], s.N.z)
     B = s.turned(A, s.q[1], s.u[1], A.x)
-    s.body(s.point(s.O, l1 * A.x, A), A, m1, (0, J1, J1), m1 * g * s.N.z)
-    hinge = s.point(s.O, L1 * A.x, A)
-    s.body(s.point(hinge, l2 * B.z, B), B, m2, (J2, J2, 0), m2 * g * s.N.z)
+    s.body(s.O, A, 0, (0, arm_inertia, arm_inertia))
+    hinge = s.point(s.O, arm_length * A.x, A)
+    s.body(s.point(hinge, length * B.z, B), B, mass, (J, J, 0), -mass * NINE_EIGHT_ONE * s.N.z)
     return s, *s.derived()
 
 
@@ -208,15 +208,15 @@ def bead_on_hoop() -> tuple[Scene, Matrix, Matrix]:
 
 def cart_two_poles() -> tuple[Scene, Matrix, Matrix]:
     """A cart on a rail with two poles."""
-    g, M, push = reals("g M F_1_1")
-    s = Scene(["theta1", "theta2", "x"])
+    (M,) = reals("M")
+    s = Scene(["q1", "q2", "position"])
     cart = s.O.locatenew("cart", s.q[2] * s.N.x)
     cart.set_vel(s.N, s.u[2] * s.N.x)
-    s.mass(cart, M, push * s.N.x)
+    s.mass(cart, M)
     for i in (1, 2):
-        m, length, J = reals(f"m{i} l{i} J{i}")
+        m, length, J = reals(f"m{i} l{i} I{i}")
         A = s.turned(s.N, s.q[i - 1], s.u[i - 1], s.N.y)
-        s.body(s.point(cart, length * A.z, A), A, m, (J, J, 0), m * g * s.N.z)
+        s.body(s.point(cart, length * A.z, A), A, m, (J, J, 0), -m * NINE_EIGHT_ONE * s.N.z)
     return s, *s.derived()
 
 

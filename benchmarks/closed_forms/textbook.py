@@ -43,15 +43,16 @@ def spherical_pendulum() -> Form:
 def furuta_pendulum() -> Form:
     """Cazzolato and Prime, On the dynamics of the Furuta pendulum (2011), the form for slender bodies.
 
-    The pendulum turns about the axis of the arm the other way round, which changes the sign of the coupling.
+    The pendulum turns about the axis of the arm the other way round, which changes the sign of the coupling,
+    and stands upright where its angle is zero.
     """
-    g, m1, m2, l1, l2, L1, J1, J2 = reals("g m1 m2 l1 l2 L1 J1 J2")
-    q, u, v = reals("theta2 theta1_dot theta2_dot")
-    arm, pendulum = J1 + m1 * l1**2 + m2 * L1**2, J2 + m2 * l2**2
-    coupling = -m2 * L1 * l2 * cos(q)
+    arm_inertia, R, m, length, J = reals("arm_inertia arm_length mass length inertia")
+    q, u, v = reals("pendulum arm_angle_dot pendulum_dot")
+    arm, pendulum = arm_inertia + m * R**2, J + m * length**2
+    coupling = -m * R * length * cos(q)
     return [[arm + pendulum * sin(q) ** 2, coupling], [coupling, pendulum]], [
-        -m2 * L1 * l2 * sin(q) * v**2 - 2 * u * v * pendulum * sin(q) * cos(q),
-        u**2 * pendulum * sin(q) * cos(q) - g * m2 * l2 * sin(q),
+        -m * R * length * sin(q) * v**2 - 2 * u * v * pendulum * sin(q) * cos(q),
+        u**2 * pendulum * sin(q) * cos(q) + NINE_EIGHT_ONE * m * length * sin(q),
     ]
 
 
@@ -133,16 +134,16 @@ def bead_on_hoop() -> Form:
 
 
 def cart_two_poles() -> Form:
-    """Wieland, Evolving neural network controllers for unstable systems (1991), with angles from below."""
-    g, M, m1, m2, l1, l2, J1, J2, push = reals("g M m1 m2 l1 l2 J1 J2 F_1_1")
-    q1, q2, u1, u2 = reals("theta1 theta2 theta1_dot theta2_dot")
-    a, b = m1 * l1, m2 * l2
+    """Wieland, Evolving neural network controllers for unstable systems (1991), without friction."""
+    M, m1, m2, l1, l2, I1, I2 = reals("M m1 m2 l1 l2 I1 I2")
+    q1, q2, u1, u2 = reals("q1 q2 q1_dot q2_dot")
+    a, b, g = m1 * l1, m2 * l2, NINE_EIGHT_ONE
     A = [
-        [J1 + m1 * l1**2, 0, a * cos(q1)],
-        [0, J2 + m2 * l2**2, b * cos(q2)],
+        [I1 + m1 * l1**2, 0, a * cos(q1)],
+        [0, I2 + m2 * l2**2, b * cos(q2)],
         [a * cos(q1), b * cos(q2), M + m1 + m2],
     ]
-    return A, [-a * g * sin(q1), -b * g * sin(q2), push + a * u1**2 * sin(q1) + b * u2**2 * sin(q2)]
+    return A, [a * g * sin(q1), b * g * sin(q2), a * u1**2 * sin(q1) + b * u2**2 * sin(q2)]
 
 
 def quarter_car() -> Form:

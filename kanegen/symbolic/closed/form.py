@@ -73,22 +73,21 @@ def close(
     n = A.shape[0]
     upper = {(i, j): simplifier.simplify(A[i, j]) for i in range(n) for j in range(i, n)}
     entries = [upper[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
-    right = [
-        _sum(simplifier, f[i], element_forces[i], lambda i=i: fallback()[i])  # type: ignore[misc]
-        for i in range(n)
-    ]
+    right = [_sum(simplifier, *entry, fallback) for entry in zip(range(n), f, element_forces, strict=True)]
     return ImmutableMatrix(n, n, entries), ImmutableMatrix(right)
 
 
-def _sum(simplifier: Simplifier, own: Expr, added: Expr, fallback: Callable[[], Expr]) -> Expr:
-    """Return the closed form of an entry of {f}; arguments as in `close`."""
+def _sum(
+    simplifier: Simplifier, i: int, own: Expr, added: Expr, fallback: Callable[[], ImmutableMatrix]
+) -> Expr:
+    """Return the closed form of entry `i` of {f}; arguments as in `close`."""
     short = simplifier.simplify(own)
     if not added:
         return short
     try:
         candidates = short + simplifier.simplify(added), simplifier.simplify(Add(own, added, evaluate=False))
     except OptionError:
-        long = fallback()
+        long = fallback()[i]
         if operations(long) > MOST_OPERATIONS:
             raise
         return short + long
