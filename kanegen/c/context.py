@@ -115,9 +115,23 @@ def _status(model: ModelDescription, functions: Sequence[Function], is_finite_as
     return {
         "may_fail": [f"`{name}_{f.name}`" for f in functions if f.may_fail],
         "may_be_inaccurate": [f"`{name}_{f.name}`" for f in functions if f.may_be_inaccurate],
-        "conditions": list(dict.fromkeys(c for function in functions for c in function.conditions)),
+        "quantity": " or ".join(dict.fromkeys(c.quantity for f in functions for c in f.conditions)),
+        "failure": " or ".join(dict.fromkeys(c.failure for f in functions for c in f.conditions)),
+        "rows": _statuses_of_rows(model, functions),
         "status": _wrapped(_about_status(model, is_finite_assumed)),
     }
+
+
+def _statuses_of_rows(model: ModelDescription, functions: Sequence[Function]) -> list[str]:
+    """Return a sentence on the statuses that name a row of an output, for each kind of rows."""
+    found: list[str] = []
+    for condition in dict.fromkeys(c for f in functions for c in f.row_conditions):
+        names = [f"`{model.name}_{f.name}`" for f in functions if condition in f.row_conditions]
+        status = f"{declarations.not_finite(model)} + " + f"{condition.first} + " * bool(condition.first)
+        found.append(
+            f"{' and '.join(names)} return {status}i for row i, from 1, of the {condition.rows}, whose {condition.quantity} is not positive or is NaN: {condition.failure}."
+        )
+    return found
 
 
 def _tables(model: ModelDescription, outputs: Sequence[str]) -> Context:

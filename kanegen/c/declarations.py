@@ -90,9 +90,9 @@ def argument_list(function: Function, not_finite: str) -> list[str]:
     if not function.may_fail:
         lines += textwrap.wrap(f"@return 0, or {infinite}", WIDTH - len(" * "), subsequent_indent="    ")
     else:
-        quantity = " or ".join(condition.quantity for condition in function.conditions)
         status = (
-            f"@return 0, or the place in x, from 1, of a freedom whose {quantity} is not positive or NaN;"
+            "@return 0, or the place in x, from 1, of a freedom whose "
+            f"{function.quantity} is not positive or NaN;"
         )
         lines += textwrap.wrap(status, WIDTH - len(" * "), subsequent_indent="    ")
         for one in function.row_conditions:
@@ -108,9 +108,10 @@ def argument_list(function: Function, not_finite: str) -> list[str]:
         lines += textwrap.wrap(infinite, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    ")
     if function.may_be_inaccurate:
         names = " and ".join(function.may_be_inaccurate)
+        filled = f"most digits lost at that {_holder(function)}; {names} is filled all the same"
         lines += [
             "    -1 and below: minus such a place where nothing failed, but the error may be large, with the",
-            f"    most digits lost at that {_holder(function)}; {names} is filled all the same",
+            *textwrap.wrap(filled, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    "),
         ]
     return lines
 

@@ -47,6 +47,16 @@ class Function:
         return tuple(dict.fromkeys(array.condition for array in self.outputs if array.name in self.may_fail))
 
     @property
+    def quantity(self) -> str:
+        """Name of the quantity that is positive where the outputs in `may_fail` exist."""
+        return " or ".join(dict.fromkeys(condition.quantity for condition in self.conditions))
+
+    @property
+    def failure(self) -> str:
+        """Clause on the state where the quantity is not positive."""
+        return " or ".join(dict.fromkeys(condition.failure for condition in self.conditions))
+
+    @property
     def row_conditions(self) -> tuple[RowCondition, ...]:
         """The conditions for rows of the outputs, each once."""
         return tuple(dict.fromkeys(one for array in self.outputs if (one := array.row_condition)))

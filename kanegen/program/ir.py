@@ -110,14 +110,19 @@ class Condition:
     Attributes:
         quantity: Name of the quantity in a sentence, such as "pivot of [A]".
         failure: Clause on the state where the quantity is not positive, such as "[A] is singular".
+        remedy: Clause on what helps where the quantity is so small that most digits are lost.
     """
 
     quantity: str
     failure: str
+    remedy: str = 'an output "error_estimate" says how many, refinement or a higher precision helps'
 
 
 REGULAR = Condition("pivot of [A]", "[A] is singular")
 """The condition of every output that solves [A]{ydot} = {f}: the pivots of [A] are positive."""
+
+INVERTIBLE = Condition(REGULAR.quantity, REGULAR.failure, "a higher precision helps")
+"""The same for an output that is not refined, such as [A]^-1."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -145,14 +145,12 @@ class ArticulatedBodies:
     def reduced_loads(self, one: Attached) -> list[Reduced]:
         """Return unit moments, then unit forces, at a point along the inertial axes, eliminated."""
         directions, arm = poses(self.tree)[one.body].columns, one.arm(self.tree)
-        needed = [Wrench(moment=negate(v)) for v in directions]
-        needed += [Wrench(negate(v), negate(cross(arm, v))) for v in directions]
-        result: list[Reduced] = []
-        for i, wrench in enumerate(needed, start=1):
-            with self.tree.definitions.marking(f"_l{one.number}_{i}"):
-                wrenches = [wrench if joint.body == one.body else Wrench() for joint in self.tree.joints]
-                result.append(self._inward([S.Zero] * len(self.pivots), wrenches))
-        return result
+        loads = [Wrench(moment=v) for v in directions]
+        loads += [Wrench(v, cross(arm, v)) for v in directions]
+        return [
+            self.reduced_wrenches({one.body: load} if one.body else {}, f"_l{one.number}_{i}")
+            for i, load in enumerate(loads, start=1)
+        ]
 
     def reduced_wrenches(self, loads: Mapping[int, Wrench], mark: str) -> Reduced:
         """Return loads on bodies, about their origins and in their frames by number of the body, eliminated.

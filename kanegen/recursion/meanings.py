@@ -342,6 +342,10 @@ NAMES = (
     ("Ai_{n}_{m}", "entry of [A]^-1"),
     ("Li_{n}_{ij}", "entry of J [A]^-1 J^T of frame n"),
     ("Ll_{n}_{i}", "row i of frame n: product of the diagonal entries of [Lambda] and of its inverse"),
+    (
+        "Le_{n}_{i}",
+        "pivot D_i of row i of frame n, less what it has by rounding: positive where [Lambda] exists",
+    ),
     ("Lm_{n}_{i}", "margin of row i of frame n: positive where [Lambda] keeps enough digits"),
     ("La_{n}_{i}", "component i of the acceleration of frame n without a load on it"),
     ("Lb_{n}_{i}", "component i of the operational bias of frame n"),

@@ -44,14 +44,14 @@ class FrameInertia:
 
     Attributes:
         entries: Entries of [Lambda], row by row.
-        pivots: By row what its inverse has left where the rows below have taken their share; positive where
-            [Lambda] exists.
-        margins: By row a quantity that is positive where [Lambda] is accurate.
+        independent: By row the pivot of its inverse, less what it has by rounding. The pivot is what the row
+            has left where the rows below it are held. Positive where [Lambda] exists.
+        accurate: By row a quantity that is positive where [Lambda] is accurate.
     """
 
     entries: Sequence[Sequence[Expr]]
-    pivots: Sequence[Expr]
-    margins: Sequence[Expr]
+    independent: Sequence[Expr]
+    accurate: Sequence[Expr]
 
 
 class Operational:
@@ -59,13 +59,14 @@ class Operational:
 
     Args:
         solver: The factorised [A].
+        rounding: Share of a diagonal entry of J [A]^-1 J^T that its pivot has by rounding alone.
         amplification: Largest product of a diagonal entry of [Lambda] and that of its inverse with which
-        [Lambda]
-            counts as accurate; roundoffs of its inverse grow by about this product.
+            [Lambda] counts as accurate; roundoffs of its inverse grow by about this product.
     """
 
-    def __init__(self, solver: Solver, amplification: float) -> None:
-        self._solver, self._tree, self._share = solver, solver.tree, 1 / Rational(amplification)
+    def __init__(self, solver: Solver, rounding: float, amplification: float) -> None:
+        self._solver, self._tree = solver, solver.tree
+        self._rounding, self._amplification = Rational(rounding), Rational(amplification)
         self._frames = frame_origins(solver.tree)
 
     @cached_property
@@ -103,12 +104,14 @@ class Operational:
             factors, pivots = factorised(entries, order, definitions)
             reciprocals = {i: definitions.define(f"D_{i}i", 1 / pivot) for i, pivot in pivots.items()}
             found = inverse_of_chain(factors, reciprocals, ROWS, definitions)
-        margins = []
+        independent, accurate = [], []
         for i in ROWS:
-            loss = definitions.define(f"Ll_{number}_{i}", found[i, i] * inverse[i][i])
-            margins.append(definitions.define(f"Lm_{number}_{i}", 1 - self._share * loss))
-        rows = [[found[i, j] for j in ROWS] for i in ROWS]
-        return FrameInertia(rows, [pivots[i] for i in ROWS], margins)
+            whole, pivot = inverse[i][i], pivots[i]
+            left = pivot if pivot == whole else pivot - self._rounding * whole
+            independent.append(definitions.define(f"Le_{number}_{i}", left))
+            loss = definitions.define(f"Ll_{number}_{i}", found[i, i] * whole)
+            accurate.append(definitions.define(f"Lm_{number}_{i}", self._amplification - loss))
+        return FrameInertia([[found[i, j] for j in ROWS] for i in ROWS], independent, accurate)
 
     def biases(self, side: Reduced, motions: Mapping[int, BodyMotion]) -> list[list[Expr]]:
         """Return the entries of -[Lambda] {a_0} of each frame.

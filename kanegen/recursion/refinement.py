@@ -111,10 +111,10 @@ class Solution:
     def _of_inertias(self, entries: Sequence[Expr]) -> Derived:
         """Return entries that exist, and are accurate, where the operational inertia of every frame is."""
         inertias, freedoms = self._operational.inertias, self._solver.regular_if_positive
-        pivots = [pivot for one in inertias for pivot in one.pivots]
-        margins = [margin for one in inertias for margin in one.margins]
+        independent = [left for one in inertias for left in one.independent]
+        margins = [margin for one in inertias for margin in one.accurate]
         accurate = self._unrefined_margins() or [S.One] * len(freedoms)
-        return Derived(entries, by_place(freedoms, pivots), by_place(accurate, margins))
+        return Derived(entries, by_place(freedoms, independent), by_place(accurate, margins))
 
     def error_estimate(self) -> Derived:
         """Derive the absolute change of each entry of {ydot} by the first step of refinement."""
@@ -154,7 +154,8 @@ class Solution:
     @cached_property
     def _operational(self) -> Operational:
         """Operational inertias of the frames that the system selects."""
-        return Operational(self._solver, self._refinement.amplification)
+        refinement = self._refinement
+        return Operational(self._solver, refinement.independent_rows, refinement.amplification)
 
     @cached_property
     def _bias(self) -> Requirement:

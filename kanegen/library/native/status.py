@@ -146,6 +146,7 @@ class Status:
         force_elements: One line of text for each force element that is undefined in some state.
         rows: Names of the rows of outputs with a condition for each row, in the order of their places.
         row_conditions: The conditions for rows of the outputs.
+        remedy: Clause on what helps where most digits are lost at a freedom.
         homogeneous: For each orientation by homogeneous coordinates, such as a quaternion, the names of these
             coordinates by their places in {x}.
     """
@@ -157,6 +158,7 @@ class Status:
     failure: str
     outputs: tuple[Array, ...]
     force_elements: tuple[str, ...]
+    remedy: str = ""
     homogeneous: tuple[Mapping[int, str], ...] = ()
     rows: tuple[str, ...] = ()
     row_conditions: tuple[RowCondition, ...] = ()
@@ -169,8 +171,9 @@ class Status:
             name=function.name,
             freedoms=tuple(f"{name}, {speed}" if speed else name for name, speed in pairs),
             bodies=model.freedom_bodies,
-            quantity=" or ".join(condition.quantity for condition in function.conditions),
-            failure=" or ".join(condition.failure for condition in function.conditions),
+            quantity=function.quantity,
+            failure=function.failure,
+            remedy=next((condition.remedy for condition in function.conditions), ""),
             outputs=function.outputs,
             force_elements=() if function.name == PREPARE else model.undefined_somewhere,
             homogeneous=tuple(
@@ -248,10 +251,7 @@ class Status:
         if status < 0 and condition:
             return f"most digits are lost at {row}: {condition.loss}; a higher precision helps."
         if status < 0:
-            return (
-                f"most digits are lost at {self._freedom(-status - 1)}; an output "
-                '"error_estimate" says how many, refinement or a higher precision helps.'
-            )
+            return f"most digits are lost at {self._freedom(-status - 1)}; {self.remedy}."
         return self._not_finite(inputs, results)
 
     def _not_finite(self, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> str:

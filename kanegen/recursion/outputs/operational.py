@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kanegen.errors import quoted
 from kanegen.model.system import System
-from kanegen.program.ir import Array, RowCondition
+from kanegen.program.ir import INVERTIBLE, Array, RowCondition
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.kinematics import MOTIONS_OF_FRAMES
 from kanegen.recursion.outputs.output import OfSolution, Output, Subject
@@ -13,7 +13,7 @@ from kanegen.reference.operational import frame_without_six
 
 SIX_DIRECTIONS = RowCondition(
     "pivot of J [A]^-1 J^T",
-    "the frame cannot accelerate in this direction independently of the directions before it",
+    "the frame cannot accelerate in this direction where it is held in those after it",
     "the frame is near a state in which it cannot accelerate in six independent directions",
     "six moments and forces on each frame",
 )
@@ -42,7 +42,7 @@ ANGULAR_FIRST = "angular rows, then those of its origin, inertial components"
 
 def _matrices(system: System, name: str, unit: str, doc: str, condition: RowCondition | None = None) -> Array:
     """Return the array of an output with a matrix of six rows for each frame."""
-    return Array(name, (len(system.pose_names), 6, 6), unit, doc, row_condition=condition)
+    return Array(name, (len(system.pose_names), 6, 6), unit, doc, INVERTIBLE, row_condition=condition)
 
 
 OPERATIONAL = (
@@ -80,6 +80,7 @@ OPERATIONAL = (
             "N m, N",
             "for each frame the wrench that keeps it from accelerating, {w} of [Lambda]{a} + {bias} = {w} "
             f"for {{a}} = {{0}}, under {{tau}}, loads, gravity and {{y}}: {ANGULAR_FIRST}",
+            condition=INVERTIBLE,
             row_condition=SIX_DIRECTIONS,
         ),
         ("x", "y", "tau", *LOADS),

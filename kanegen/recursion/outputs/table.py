@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from kanegen.model.identification.base_parameters import base_parameters
 from kanegen.model.system import System
-from kanegen.program.ir import Array, Condition
+from kanegen.program.ir import INVERTIBLE, Array, Condition
 from kanegen.recursion.centroidal import centroidal_momentum_bias, centroidal_momentum_matrix
 from kanegen.recursion.coriolis import coriolis_matrix
 from kanegen.recursion.energy_and_momentum import kinetic_energy, mass_center, momentum, potential_energy
@@ -207,6 +207,7 @@ _ENTRIES = (
             (_n(system),) * 2,
             "1/(kg m^2), 1/(kg m), 1/kg",
             "[A]^-1, what unit generalized forces add to {ydot}, column by column",
+            INVERTIBLE,
             of_freedoms=True,
         ),
         ("x",),
