@@ -129,7 +129,8 @@ def _statuses_of_rows(model: ModelDescription, functions: Sequence[Function]) ->
         names = [f"`{model.name}_{f.name}`" for f in functions if condition in f.row_conditions]
         status = f"{declarations.not_finite(model)} + " + f"{condition.first} + " * bool(condition.first)
         found.append(
-            f"{' and '.join(names)} return {status}i for row i, from 1, of the {condition.rows}, whose {condition.quantity} is not positive or is NaN: {condition.failure}."
+            f"{' and '.join(names)} return {status}i for row i, from 1, of the {condition.rows}, whose "
+            f"{condition.quantity} is not positive or is NaN: {condition.failure}."
         )
     return found
 
