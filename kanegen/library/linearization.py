@@ -15,6 +15,7 @@ from kanegen.library.dynamics import Dynamics
 from kanegen.library.quantities import Quantities
 from kanegen.library.quantity_derivatives import QuantityDerivatives
 from kanegen.linear import LinearModel
+from kanegen.linear.names import inputs_of, state_names
 from kanegen.model.arguments import NamedInputs, floats
 from kanegen.model.values_by_name import in_order
 from kanegen.recursion.outputs import OUTPUTS
@@ -130,29 +131,6 @@ class Linearization(Dynamics, Quantities, Derivatives, QuantityDerivatives):
             rate_map=rates.map,
             rate_map_rate=rates.map_rate,
         )
-
-
-def state_names(coordinates: Iterable[str], speeds: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of the states of a linear model: "x.<coordinate>", then "y.<speed>"."""
-    return (*(f"x.{name}" for name in coordinates), *(f"y.{name}" for name in speeds))
-
-
-def inputs_of(freedoms: Sequence[str], asked: Iterable[str] | str | None) -> list[int]:
-    """Return the places of the freedoms on which a control acts.
-
-    Raises:
-        OptionError: If there is no freedom of a name, or one is named twice.
-    """
-    if asked is None:
-        return list(range(len(freedoms)))
-    places = []
-    for name in chosen(asked) or ():
-        if name not in freedoms:
-            raise OptionError(f"inputs: there is no freedom {quoted(name)}. {did_you_mean(name, freedoms)}")
-        places.append(freedoms.index(name))
-    if len(set(places)) < len(places):
-        raise OptionError("inputs: a freedom is named twice. Name each once.")
-    return places
 
 
 def outputs_of(library: Quantities, asked: Iterable[str] | str) -> tuple[str, ...]:

@@ -154,6 +154,7 @@ def _shape(vector: np.ndarray, names: Sequence[str]) -> dict[str, complex]:
     if vector[largest] == 0:
         return dict.fromkeys(names, 0j)
     scaled = vector / vector[largest]
+    scaled[largest] = 1
     tiny = 64 * np.finfo(np.float64).eps
     real, imaginary = (np.where(np.abs(part) <= tiny, 0.0, part) for part in (scaled.real, scaled.imag))
     return {name: complex(a, b) for name, a, b in zip(names, real, imaginary, strict=True)}

@@ -12,7 +12,7 @@ the recursive derivation instead; both have equal values.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,6 +25,11 @@ from kanegen.symbolic.closed.directions import Directions
 from kanegen.symbolic.closed.form import ClosedForm, Simplifier, close
 from kanegen.symbolic.closed.named_numbers import with_named_numbers
 from kanegen.symbolic.definitions import Definition, Definitions
+from kanegen.symbolic.linear.linearization import linear_model
+from kanegen.symbolic.linear.outputs import Quantity, of_points
+from kanegen.symbolic.linear.state import State, Values
+from kanegen.symbolic.linear.symbolic_model import SymbolicLinearModel
+from kanegen.symbolic.literal import energies
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.force_elements import Direction, ElementForces
 from kanegen.symbolic.literal.intermediates import Intermediates
@@ -129,6 +134,70 @@ class Equations:
         """The part of {F_y} from force elements and loads on points, (n, 1)."""
         return self._elements.total
 
+    @cached_property
+    def kinetic_energy(self) -> Expr:
+        """T, the kinetic energy of bodies and motors (J), from velocities by Eqs. (11), (27)."""
+        return energies.kinetic_energy(self.bodies, self._motors)
+
+    @cached_property
+    def potential_energy(self) -> Expr:
+        """V, the potential energy of gravity, Eq. (23), and of springs and potentials (J).
+
+        That of gravity is zero where all mass centres are at the inertial origin.
+        """
+        return energies.gravity_energy(self.system, self.bodies) + self._elements.stored_energy
+
+    @cached_property
+    def generalized_momenta(self) -> ImmutableMatrix:
+        """{p} = [A]{y}, (n, 1): derivatives of T by the speeds (kg m^2/s, kg m/s).
+
+        Prescribed motions add terms without {y} to the derivatives of T, which [A]{y} leaves out.
+        """
+        return ImmutableMatrix(self.A * self.y)
+
+    @cached_property
+    def mass_center(self) -> ImmutableMatrix:
+        """{p_C}, (3, 1): the mass centre of all bodies, inertial components (m)."""
+        return energies.mass_center(self.bodies)
+
+    @cached_property
+    def momentum(self) -> ImmutableMatrix:
+        """(6, 1) linear momentum (kg m/s), then angular momentum about the mass centre (kg m^2/s).
+
+        Components are inertial.
+        """
+        angular = energies.angular_momentum(self.bodies, self._motors, self.mass_center)
+        return ImmutableMatrix.vstack(energies.linear_momentum(self.bodies), angular)
+
+    def point_position(self, name: str) -> ImmutableMatrix:
+        """Return {p_P} of a point or frame, Eq. (22), (3, 1), inertial components (m).
+
+        Example:
+            equations.point_position("tip")[2]
+        """
+        return self._elements.point(name)[0]
+
+    def point_velocity(self, name: str) -> ImmutableMatrix:
+        """Return {v_P} of a point or frame, Eq. (27), (3, 1), inertial components (m/s).
+
+        Example:
+            equations.point_velocity("tip")[2]
+        """
+        return self._elements.point(name)[1]
+
+    @property
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Outputs of the table that have an expression here, by name."""
+        points = self.system.point_names
+        return {
+            "point_positions": lambda: of_points(points, self.point_position),
+            "point_velocities": lambda: of_points(points, self.point_velocity),
+            "kinetic_energy": lambda: self.kinetic_energy,
+            "potential_energy": lambda: self.potential_energy,
+            "momentum": lambda: self.momentum,
+            "mass_center": lambda: self.mass_center,
+        }
+
     @property
     def _motors(self) -> MotorEquations:
         """The inertia of motors."""
@@ -150,11 +219,12 @@ class Equations:
         """The default values of the parameters, as exact numbers."""
         return {parameter(each): Rational(repr(each.value)) for each in self.system.parameters}
 
-    @cached_property
+    @property
     def definitions(self) -> tuple[Definition, ...]:
         """The definitions of all intermediates in order of evaluation.
 
-        If `intermediates` is False, only parts of long expressions of force elements have names.
+        If `intermediates` is False, only parts of long expressions of force elements have names. Energies and
+        points that were asked for may add some at the end.
         """
         of_bodies = tuple(definition for body in self.bodies for definition in body.definitions)
         return of_bodies + self._elements.definitions
@@ -206,6 +276,47 @@ class Equations:
             )
         A, f = close(simplifier, named.A, f, forces.total, lambda: literal.element_forces)
         return ClosedForm(A, f, tuple(dict.fromkeys(directions.conditions)))
+
+    def linearize(
+        self,
+        x: Values = None,
+        y: Values = None,
+        tau: Values = None,
+        *,
+        inputs: Iterable[str] | str | None = None,
+        outputs: Iterable[str] | str = (),
+        prescribed: Values = None,
+    ) -> SymbolicLinearModel:
+        """Return the linear model of small deviations from a state, in symbols.
+
+        Values of the state are numbers, SymPy expressions or symbols, all in order or some by name. A float
+        counts as the shortest decimal number that reads back to it, and one that is nearest to a multiple of
+        pi/2 as that multiple where it is an angle. Prescribed motions are held at their values, loads are
+        zero, and the time is the symbol t.
+
+        Args:
+            x: (m,) coordinates (rad, m, 1); those that are not given are neutral, see
+                `System.neutral_coordinates`.
+            y: (n,) generalized speeds (rad/s, m/s); those that are not given are 0.
+            tau: (n,) generalized forces (N m, N); those that are not given are 0.
+            inputs: Names of the freedoms on which a control acts; by default all of them.
+            outputs: Names of outputs such as "point_positions" or "kinetic_energy", or of single states such
+                as "x.pole".
+            prescribed: (p,) values of prescribed freedoms, or (3 p,) with their rates and second derivatives;
+                those that are not given are 0.
+
+        Raises:
+            ArrayError: If there is another number of values than of names.
+            OptionError: If a name does not exist, or something is undefined in the state.
+            SingularError: If [A] is singular in the state.
+
+        Example:
+            model = kg.derive(system).linearize({"pole": sympy.pi}, inputs=["cart_position"])
+            model.A
+        """
+        system, numbers = with_named_numbers(self.system)
+        state = State.of(self.system, x, y, tau, prescribed)
+        return linear_model(derive(system, intermediates=True), state, numbers.values, inputs, outputs)
 
     def lambdify(self) -> NumericEquations:
         """Return NumPy functions of [A] and {f} for small tasks; the library of `kg.build` is faster by far.

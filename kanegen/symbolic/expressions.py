@@ -146,6 +146,15 @@ class ExpressionTranslator:
             (value,) = self._defined(expression, parts, [parts.root], {})
             return value
 
+    def written_out(self, expression: Expression) -> Expr:
+        """Return an expression in SymPy, with no part of it defined apart."""
+        with self._named(expression):
+            parts = _Parts(self._leaf, expression)
+            value = parts.root
+            for symbol, part in reversed([*parts.values.items()]):
+                value = value.xreplace({symbol: part})
+            return _checked(value, expression)
+
     def gradient(self, energy: Expression) -> dict[Place, Expr]:
         """Return the derivatives of an energy by its coordinates, also locked ones, by place (body, kind).
 

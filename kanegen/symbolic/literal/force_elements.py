@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import sympy
-from sympy import Expr, ImmutableMatrix, S
+from sympy import Add, Expr, ImmutableMatrix, S
 
 from kanegen.model.body import Point
 from kanegen.model.coordinates import Freedom
@@ -71,23 +71,50 @@ class ElementForces:
     named: bool
     direction: Direction | None = None
 
-    @property
+    @cached_property
     def total(self) -> ImmutableMatrix:
         """The generalized forces, (n, 1); zeros where there are no elements and no loads on points."""
-        return self._derived[0]
+        self.intermediates.about("Force elements and loads on points")
+        none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
+        return total([none, *self._joint_forces(), *self._spring_forces(), *self._point_loads()])
 
     @property
     def definitions(self) -> tuple[Definition, ...]:
-        """The definitions of the symbols in `total` that the bodies do not define."""
-        return self._derived[1]
+        """The definitions of the symbols in `total`, and in what else was asked for."""
+        _ = self.total
+        return self.intermediates.listed()
 
     @cached_property
-    def _derived(self) -> tuple[ImmutableMatrix, tuple[Definition, ...]]:
-        """The generalized forces, and the definitions of their intermediates."""
-        self.intermediates.about("Force elements and loads on points")
-        none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
-        forces = total([none, *self._joint_forces(), *self._spring_forces(), *self._point_loads()])
-        return forces, self.intermediates.listed()
+    def stored_energy(self) -> Expr:
+        """The energy that springs and potentials store (J); all other elements store none."""
+        _ = self.total  # first, so that intermediates have the names that the forces give them
+        return Add(*self._energies())
+
+    def _energies(self) -> Iterator[Expr]:
+        """Yield the energy of each element that stores some."""
+        for element in self.system.force_elements:
+            match element:
+                case JointSpring(name, stiffness, rest):
+                    stretch = self._translator.coordinate(name) - expression(rest)
+                    yield expression(stiffness) * stretch**2 / 2
+                case Spring():
+                    yield expression(element.stiffness) * self._squared_stretch(element) / 2
+                case Potential(energy):
+                    yield self._translator.written_out(energy)
+
+    def _squared_stretch(self, spring: Spring) -> Expr:
+        """Return the square of what a spring is longer than at rest (m^2)."""
+        one, two = map(self._kinematics, spring.between)
+        way = two.position - one.position
+        if not spring.may_be_undefined:
+            return way.dot(way)
+        return (self._named("length", sympy.sqrt(way.dot(way))) - expression(spring.rest_length)) ** 2
+
+    def point(self, name: str) -> tuple[ImmutableMatrix, ImmutableMatrix]:
+        """Return position (m) and velocity (m/s) of a point, (3, 1) each, inertial components."""
+        _ = self.total  # first, as above
+        kinematics = self._kinematics(name)
+        return kinematics.position, kinematics.velocity
 
     def _joint_forces(self) -> Iterator[ImmutableMatrix]:
         """Yield the forces of elements that act on freedoms; on locked freedoms they are zero."""

@@ -54,6 +54,28 @@ class MotorEquations:
         return total([ImmutableMatrix.zeros(self._n, 1), *self._accelerated(), *self._required()])
 
     @property
+    def kinetic_energy(self) -> Expr:
+        """Kinetic energy of motors beside that of rotors that stand still in their carriers (J).
+
+        A reflected inertia J has J y^2 / 2, and a rotor {h}^T {omega_C} y beside that.
+        """
+        reflected = [inertia * self._speed(one) ** 2 / 2 for one, inertia in self._inertias()]
+        return Add(*reflected, *(self.bodies[k - 1].angular_velocity.dot(spin) for k, spin in self.spins))
+
+    def _speed(self, freedom: Freedom) -> Expr:
+        """Return the speed against which a reflected inertia acts: a rate, or a component of omega_hat."""
+        if freedom in self.system.places:
+            speed = self.system.speed_of(freedom)
+            return self.symbols.speed(speed.body, speed.index)
+        return self._motions.speed(freedom)
+
+    @property
+    def spins(self) -> Iterator[tuple[int, ImmutableMatrix]]:
+        """Number of the carrier of each rotor, and the angular momentum {h} y of its spin, (3, 1), there."""
+        for one, _, momentum in self._spinning():
+            yield one.body, momentum * self._motions.speed(one.freedom)
+
+    @property
     def _n(self) -> int:
         """The number of free freedoms."""
         return len(self.system.freedoms)

@@ -1,0 +1,109 @@
+"""A symbolic linear model as text, LaTeX or Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from sympy import Expr, ImmutableMatrix
+
+from kanegen.choices import require_one
+from kanegen.symbolic.linear.symbolic_model import MATRICES, SymbolicLinearModel
+from kanegen.symbolic.printing import printers
+
+
+def render_linear_model(model: SymbolicLinearModel, format_: str = "text") -> str:
+    """Return a symbolic linear model in one of the `LINEAR_FORMATS`, with a newline at the end.
+
+    Raises:
+        OptionError: If there is no such format.
+
+    Example:
+        print(render_linear_model(kg.derive(system).linearize(), "latex"))
+    """
+    require_one("format", format_, LINEAR_FORMATS)
+    return LINEAR_FORMATS[format_](model)
+
+
+def _text(model: SymbolicLinearModel) -> str:
+    """Return a line for each entry that is not zero."""
+    state = [*zip(model.state_names, (*model.x, *model.y), strict=True), *_efforts(model)]
+    about = ", ".join(_equation(name, value) for name, value in state if value != 0) or "zero"
+    lines = [f"{model.name}: small deviations, d/dt xi = A xi + B u, about {about}"]
+    if not model.is_equilibrium:
+        rates = zip(model.state_names, (*model.xdot, *model.ydot), strict=True)
+        moving = ", ".join(_equation(f"d/dt {name}", value) for name, value in rates if value != 0)
+        lines.append(f"  not at rest: {moving}")
+    for name in MATRICES:
+        lines += [
+            f"  {_equation(f'{name}[{row}, {column}]', value)}"
+            for row, column, value in _entries(model, name)
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _latex(model: SymbolicLinearModel) -> str:
+    """Return the matrices that are not empty as LaTeX, for the package amsmath."""
+    parts = [f"% {model.name}: states {', '.join(model.state_names)}; inputs {', '.join(model.input_names)}"]
+    for name in MATRICES:
+        matrix: ImmutableMatrix = getattr(model, name)
+        if len(matrix):
+            rows = (" & ".join(printers.latex(one, {}) for one in row) for row in matrix.tolist())
+            body = " \\\\\n".join(rows)
+            parts.append(f"\\[ {name} = \\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}} \\]")
+    return "\n".join(parts) + "\n"
+
+
+def _python(model: SymbolicLinearModel) -> str:
+    """Return a Python module with a function of the symbols that returns the matrices."""
+    symbols = ", ".join(symbol.name for symbol in model.symbols)
+    lines = [f'"""Linear model of {model.name!r}: d/dt xi = A xi + B u, eta = C xi + D u."""', ""]
+    lines += ["from math import *", "", "import numpy as np", ""]
+    lines += [
+        f"{name} = {list(getattr(model, name))!r}" for name in ("state_names", "input_names", "output_names")
+    ]
+    lines += ["", "", f"def matrices({symbols}):", '    """Return A, B, C and D."""']
+    for name in MATRICES:
+        matrix: ImmutableMatrix = getattr(model, name)
+        lines.append(f"    {name} = np.zeros({matrix.shape!r})")
+        lines += [
+            f"    {name}[{i}, {j}] = {printers.python(matrix[i, j])}"
+            for i in range(matrix.shape[0])
+            for j in range(matrix.shape[1])
+            if matrix[i, j] != 0
+        ]
+    return "\n".join([*lines, f"    return {', '.join(MATRICES)}"]) + "\n"
+
+
+def _efforts(model: SymbolicLinearModel) -> Iterator[tuple[str, Expr]]:
+    """Yield name and value of each generalized force in the state."""
+    speeds = model.state_names[len(model.x) :]
+    return zip((f"tau.{name.partition('.')[2]}" for name in speeds), model.tau, strict=True)
+
+
+def _entries(model: SymbolicLinearModel, name: str) -> Iterator[tuple[str, str, Expr]]:
+    """Yield names of row and column, and the entry, for each entry of a matrix that is not zero."""
+    sides: dict[str, tuple[Sequence[str], Sequence[str]]] = {
+        "A": (model.state_names, model.state_names),
+        "B": (model.state_names, model.input_names),
+        "C": (model.output_names, model.state_names),
+        "D": (model.output_names, model.input_names),
+    }
+    rows, columns = sides[name]
+    matrix: ImmutableMatrix = getattr(model, name)
+    for i, row in enumerate(rows):
+        for j, column in enumerate(columns):
+            if matrix[i, j] != 0:
+                yield row, column, matrix[i, j]
+
+
+def _equation(name: str, value: Expr) -> str:
+    """Return a name with its value."""
+    return f"{name} = {printers.text(value)}"
+
+
+LINEAR_FORMATS: dict[str, Callable[[SymbolicLinearModel], str]] = {
+    "text": _text,
+    "latex": _latex,
+    "python": _python,
+}
+"""Functions that print a symbolic linear model, by name of format."""
