@@ -17,8 +17,9 @@ from kanegen.reference import equations
 from kanegen.reference.states import random_states
 from tests.support import prescribed_trees, random_trees, systems
 from tests.support.cases import slow_except
-from tests.support.couplings import random_couplings
+from tests.support.couplings import random_couplings, released
 from tests.support.orientation_trees import KINDS, tree_of_kind
+from tests.support.pinocchio_tree import PinocchioTree
 from tests.support.programs import values
 from tests.support.random_trees import Drawing, with_motors, with_rotors
 from tests.support.robots import FIXED_ROBOTS, fixed_model, places, robot_file
@@ -156,6 +157,39 @@ def test_robots_against_pinocchio(name: str) -> None:
             assert np.abs(one - theirs).max() <= 1e-12 * size, output
             assert np.abs(many - theirs).max() <= 1e-12 * size, output
             assert np.abs(floats - theirs).max() <= 1e-5 * size, output
+
+
+@pytest.mark.parametrize("seed", slow_except(range(12), 0, 1))
+def test_random_trees_against_pinocchio(seed: int) -> None:
+    """Slides, hinges and three angles in one joint, which are joints in a row there."""
+    rng = np.random.default_rng(seed)
+    system = systems.random_system(rng, 5, loads=False, armature=rng.uniform(0, 1, (5, 6)))
+    _agrees_with_joints_in_a_row(system, seed)
+
+
+@pytest.mark.filterwarnings("ignore::kanegen.KanegenWarning")
+@pytest.mark.parametrize("name", slow_except(("solo12", "hyq_no_sensors", "talos_reduced"), "solo12"))
+def test_floating_robots_against_pinocchio(name: str) -> None:
+    _agrees_with_joints_in_a_row(kg.load(robot_file(name), floating_base=True), 4)
+
+
+@pytest.mark.filterwarnings("ignore::kanegen.KanegenWarning")
+def test_panda_with_both_fingers_free() -> None:
+    """Without its coupling it has nine freedoms: values, and operations of [C], gravity and motion alone."""
+    system = released(kg.load(robot_file("panda")))
+    _agrees_with_joints_in_a_row(system, 6)
+    for output, most in (("coriolis_matrix", 1637), ("gravity_forces", 101), ("velocity_forces", 668)):
+        counts = compile_module(system, (output,)).operations
+        assert counts["add"] + counts["multiply"] + counts["divide"] <= most, output
+
+
+def _agrees_with_joints_in_a_row(system: kg.System, seed: int) -> None:
+    """Check [C] and the forces of gravity by a model of Pinocchio whose joints have one freedom each."""
+    theirs, (x, y) = PinocchioTree(system), np.random.default_rng(seed).normal(size=(2, len(system.freedoms)))
+    close(found(system, {"x": x, "y": y}), theirs.coriolis_matrix(x, y), 1e-12)
+    gravity = values(system, ("gravity_forces",), {"x": x})["gravity_forces"]
+    expected = theirs.gravity_forces(x)
+    assert np.abs(gravity - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
 COUNTS = {

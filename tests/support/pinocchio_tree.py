@@ -84,6 +84,17 @@ class PinocchioTree:
         result: Floats = -pin.rnea(self.model, self.data, q, v, np.zeros_like(v), external)[self.columns]
         return result
 
+    def gravity_forces(self, x: Any) -> Floats:
+        """(n,) part of {f} that gravity causes."""
+        gravity: Floats = -pin.computeGeneralizedGravity(self.model, self.data, self._in_their_order(x))
+        return gravity[self.columns]
+
+    def coriolis_matrix(self, x: Any, y: Any) -> Floats:
+        """(n, n) [C]; the speeds must be rates."""
+        q, v = self._in_their_order(x), self._in_their_order(y)
+        found: Floats = pin.computeCoriolisMatrix(self.model, self.data, q, v)
+        return found[np.ix_(self.columns, self.columns)]
+
     def _in_their_order(self, values: Floats) -> Floats:
         result = np.empty_like(values)
         result[self.columns] = values
