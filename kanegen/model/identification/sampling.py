@@ -1,24 +1,28 @@
 """Which combinations of inertial parameters count, from random positions, where motions depend on each other.
 
-A coupling lets joints of several branches move together, and of prescribed motion the equations hold no row.
-The entries of [A] and the generalized weights of a random position are linear forms of the inertial
-parameters; so are, where motion is prescribed, the derivatives of the entries between prescribed freedoms by
-the free coordinates, which are their centrifugal forces. Forms of enough positions span all forms, with
+A coupling lets joints of several branches move together, and for prescribed freedoms the equations hold no
+row. The entries of [A] and the generalized weights of a random position are linear forms of the inertial
+parameters: the pairing of any motion of the bodies, or of one along gravity, with a motion by free rates.
+Where motion is prescribed, so are the derivatives, along a motion by free rates, of the pairing of two
+prescribed motions: their centrifugal forces. Random motions in random positions span all such forms, with
 probability one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kanegen.model.arrays import Floats
 from kanegen.model.coordinates import Freedom
-from kanegen.model.identification.single_joints import Geometry, Placement, SingleJoint
+from kanegen.model.identification.single_joints import Element, Geometry, Placement, SingleJoint
 from kanegen.model.identification.spaces import SAME, commuted, energy_forms, motions_outward, span
 from kanegen.model.rotations import turn
+
+MOTIONS = 32
+"""Number of random motions in each position."""
 
 CONFIRMATIONS = 3
 """Number of positions in a row that must add nothing before the forms are taken for complete."""
@@ -34,125 +38,128 @@ def sampled_forms(geometry: Geometry, columns: Sequence[int]) -> Floats:
     Returns:
         (r, c) forms.
     """
-    rng, sampler = np.random.default_rng(0), _Sampler(geometry)
+    rng, rates = np.random.default_rng(0), _Rates(geometry)
     found, unchanged = np.zeros((0, len(columns))), 0
     while unchanged < CONFIRMATIONS:
-        rows = sampler.forms(rng)[:, columns]
+        rows = _forms(geometry, rates, rng)[:, columns]
         sizes = np.linalg.norm(rows, axis=1)
-        kept = sizes > SAME * sizes.max(initial=0.0)
-        more = span(np.concatenate([found, rows[kept] / sizes[kept, None]]))
-        unchanged = unchanged + 1 if len(more) == len(found) else 0
-        found = more
+        kept = sizes > SAME * sizes.max()  # others are rounding errors of zero
+        rows = rows[kept] / sizes[kept, None]
+        for _ in range(2):  # the second time removes what rounding leaves
+            rows = rows - rows @ found.T @ found
+        new = span(rows)
+        found, unchanged = np.concatenate([found, new]), 0 if len(new) else unchanged + 1
+    return found
+
+
+class _Rates:
+    """The rates of all single joints as linear functions of those of the independent freedoms."""
+
+    def __init__(self, geometry: Geometry) -> None:
+        self.geometry = geometry
+        joints = [one for chain in geometry.chains for one in chain if isinstance(one, SingleJoint)]
+        self.places = {one.freedom: place for place, one in enumerate(joints)}
+        arrays = geometry.arrays
+        coupled = {one.freedom for one in arrays.coupled}
+        independent = [freedom for freedom in self.places if freedom not in coupled]
+        is_free = np.array([bool(arrays.free[one.body - 1, one.index]) for one in independent])
+        every = np.zeros((len(independent), len(joints)))
+        every[range(len(independent)), [self.places[freedom] for freedom in independent]] = 1.0
+        for one in arrays.coupled:
+            for other, factor in one.terms:
+                share = factor * self._unit(other) / self._unit(one.freedom)
+                every[:, self.places[one.freedom]] += share * every[:, self.places[other]]
+        self.every, self.free, self.prescribed = every, every[is_free], every[~is_free]
+
+    def _unit(self, freedom: Freedom) -> float:
+        """Return the unit of a coordinate: 1 rad, or that of lengths."""
+        return 1.0 if freedom.is_angle else self.geometry.length
+
+    def position(self, rng: np.random.Generator) -> Floats:
+        """Return (M,) random values of all single joints, in rad and in the unit of lengths."""
+        value = rng.uniform(-2.0, 2.0, len(self.places))
+        for one in self.geometry.arrays.coupled:
+            terms = (factor * self._unit(other) * value[self.places[other]] for other, factor in one.terms)
+            value[self.places[one.freedom]] = (one.offset + sum(terms)) / self._unit(one.freedom)
+        return value
+
+
+def _random(rates: Floats, rng: np.random.Generator) -> Floats:
+    """Return (`MOTIONS`, M) random sums of rates."""
+    found: Floats = rng.normal(size=(MOTIONS, len(rates))) @ rates
     return found
 
 
 @dataclass(frozen=True)
-class _Moving:
-    """A freedom that moves, as a linear function of the independent ones.
+class _Field:
+    """Random motions, seen by one body after the other: (`MOTIONS`, 6) by rates of the single joints.
 
     Attributes:
-        place: Row among all moving freedoms.
-        is_angle: Whether it is an angle.
+        rates: (`MOTIONS`, M) the rates.
+        motion: The motion of the body that has been reached.
+        along: (`MOTIONS`, M) rates along which the position changes; None where it does not.
+        change: Derivative of the motion by this change.
     """
 
-    place: int
-    is_angle: bool
+    rates: Floats
+    motion: Floats
+    along: Floats | None
+    change: Floats
+
+    @classmethod
+    def starting(cls, rates: Floats, motion: Floats, along: Floats | None = None) -> _Field:
+        """Return motions as the ground sees them."""
+        return cls(rates, motion, along, np.zeros_like(motion))
+
+    def outward(self, placement: Placement) -> _Field:
+        """Return the motions as the upper frame of a placement sees them, if it is fixed to the lower one."""
+        motion = motions_outward(self.motion, placement)
+        return replace(self, motion=motion, change=motions_outward(self.change, placement))
+
+    def with_joint(self, joint: SingleJoint, place: int, value: float) -> _Field:
+        """Return the motions above a single joint with rates at `place`, at a value of its coordinate."""
+        seen = self.outward(_moved(joint, value))
+        change = seen.change
+        if seen.along is not None:
+            change = change + seen.along[:, place, None] * commuted(joint.motion, seen.motion)
+        own = seen.rates[:, place, None] * joint.motion
+        return replace(seen, motion=seen.motion + own, change=change)
 
 
-class _Sampler:
-    """Forms of inertial parameters in random positions of a system."""
+def _forms(geometry: Geometry, rates: _Rates, rng: np.random.Generator) -> Floats:
+    """Return the forms of random motions in one random position, a row each, in the frames that users see."""
+    position = rates.position(rng)
+    still = np.zeros((MOTIONS, 6))
+    weight = rng.normal(size=(MOTIONS, 1)) * geometry.weight
+    fields = [
+        _Field.starting(_random(rates.every, rng), weight),
+        _Field.starting(_random(rates.free, rng), still),
+    ]
+    if len(rates.prescribed):
+        along = _random(rates.free, rng)
+        fields += [_Field.starting(_random(rates.prescribed, rng), still, along) for _ in range(2)]
+    reached, forms = [fields], []
+    for lower, chain, frame in zip(geometry.connection, geometry.chains, geometry.frames, strict=True):
+        reached.append([_through(chain, field, rates, position) for field in reached[lower]])
+        any_motion, free, *prescribed = (field.outward(frame) for field in reached[-1])
+        own = [energy_forms(any_motion.motion, free.motion)]
+        if prescribed:
+            one, other = prescribed
+            own.append(energy_forms(one.change, other.motion) + energy_forms(one.motion, other.change))
+        forms.append(np.concatenate(own))
+    found: Floats = np.concatenate(forms, axis=1)
+    return found
 
-    def __init__(self, geometry: Geometry) -> None:
-        self.geometry, self.arrays, self.length = geometry, geometry.arrays, geometry.length
-        joints = [one for chain in geometry.chains for one in chain if isinstance(one, SingleJoint)]
-        self.moving = {one.freedom: _Moving(i, one.is_hinge) for i, one in enumerate(joints)}
-        coupled = {one.freedom for one in self.arrays.coupled}
-        independent = [freedom for freedom in self.moving if freedom not in coupled]
-        self.free = [self._is_free(freedom) for freedom in independent]
-        self.rates = self._rates(independent)
 
-    def _is_free(self, freedom: Freedom) -> bool:
-        """Return whether a freedom is free, not prescribed."""
-        return bool(self.arrays.free[freedom.body - 1, freedom.index])
-
-    def _unit(self, freedom: Freedom) -> float:
-        """Return the unit of a coordinate: 1 rad, or that of lengths."""
-        return 1.0 if freedom.is_angle else self.length
-
-    def _rates(self, independent: Sequence[Freedom]) -> Floats:
-        """Return (M, r) rates of all moving freedoms by those of the independent ones."""
-        rates = np.zeros((len(self.moving), len(independent)))
-        for i, freedom in enumerate(independent):
-            rates[self.moving[freedom].place, i] = 1.0
-        for one in self.arrays.coupled:
-            for other, factor in one.terms:
-                share = factor * self._unit(other) / self._unit(one.freedom)
-                rates[self.moving[one.freedom].place] += share * rates[self.moving[other].place]
-        return rates
-
-    def _position(self, rng: np.random.Generator) -> Floats:
-        """Return (M,) values of all moving freedoms in a random position, in rad and the unit of lengths."""
-        value = rng.uniform(-2.0, 2.0, len(self.moving))
-        for one in self.arrays.coupled:
-            terms = (f * self._unit(other) * value[self.moving[other].place] for other, f in one.terms)
-            value[self.moving[one.freedom].place] = (one.offset + sum(terms)) / self._unit(one.freedom)
-        return value
-
-    def forms(self, rng: np.random.Generator) -> Floats:
-        """Return the forms in one random position, a row each, in the frames that users see."""
-        position = self._position(rng)
-        blocks = [self._of_body(*motions) for motions in self._motions(position)]
-        found: Floats = np.concatenate(blocks, axis=1)
-        return found
-
-    def _of_body(self, path: Sequence[int], motions: Floats, weight: Floats) -> Floats:
-        """Return the forms of one body, (r, 10).
-
-        Args:
-            path: Rows of the moving freedoms that carry it, outward.
-            motions: (M, 6) its motions by unit rates of the moving freedoms.
-            weight: (6,) motion of the ground along gravity, as the body sees it.
-        """
-        reduced = self.rates.T @ motions
-        free = [i for i, flag in enumerate(self.free) if flag]
-        driven = [i for i, flag in enumerate(self.free) if not flag]
-        rows = []
-        for i in free:
-            rows += [energy_forms(reduced, reduced[i]), energy_forms(weight[None], reduced[i])]
-            if driven:
-                changes = self.rates.T[driven] @ self._changes(path, motions, self.rates[:, i])
-                for place, j in enumerate(driven):
-                    one, other = reduced[driven], reduced[j]
-                    rows.append(energy_forms(changes, other) + energy_forms(one, changes[place]))
-        return np.concatenate(rows)
-
-    def _changes(self, path: Sequence[int], motions: Floats, rates: Floats) -> Floats:
-        """Return (M, 6) derivatives of the motions of a body along some rates of the moving freedoms."""
-        changes = np.zeros_like(motions)
-        for place, outer in enumerate(path):
-            inner = list(path[:place])
-            changes[inner] += rates[outer] * commuted(motions[outer], motions[inner])
-        return changes
-
-    def _motions(self, position: Floats) -> Iterator[tuple[list[int], Floats, Floats]]:
-        """Yield for each body the arguments of `_of_body`."""
-        ground = np.zeros((len(self.moving) + 1, 6))
-        ground[-1] = self.geometry.weight
-        found: list[tuple[list[int], Floats]] = [([], ground)]
-        of_bodies = zip(self.geometry.connection, self.geometry.chains, self.geometry.frames, strict=True)
-        for lower, chain, frame in of_bodies:
-            path, motions = list(found[lower][0]), found[lower][1]
-            for one in chain:
-                if isinstance(one, Placement):
-                    motions = motions_outward(motions, one)
-                else:
-                    place = self.moving[one.freedom].place
-                    motions = motions_outward(motions, _moved(one, position[place]))
-                    motions[place] = one.motion
-                    path.append(place)
-            found.append((path, motions))
-            seen = motions_outward(motions, frame)
-            yield path, seen[:-1], seen[-1]
+def _through(chain: Sequence[Element], field: _Field, rates: _Rates, position: Floats) -> _Field:
+    """Return motions above the placements and single joints of a chain."""
+    for one in chain:
+        if isinstance(one, Placement):
+            field = field.outward(one)
+        else:
+            place = rates.places[one.freedom]
+            field = field.with_joint(one, place, position[place])
+    return field
 
 
 def _moved(joint: SingleJoint, value: float) -> Placement:

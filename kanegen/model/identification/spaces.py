@@ -97,16 +97,20 @@ def commuted(motion: Floats, others: Floats) -> Floats:
     return found
 
 
-def energy_forms(motions: Floats, motion: Floats) -> Floats:
-    """Return the (r, 10) linear forms of inertial parameters that pair (r, 6) motions with another one.
+def energy_forms(motions: Floats, others: Floats) -> Floats:
+    """Return the (r, 10) linear forms of inertial parameters that pair (r, 6) motions with others.
 
     A form has the value {v}^T {P} + {omega}^T {L}, with linear and angular momentum by the other motion.
+
+    Args:
+        motions: (r, 6) motions.
+        others: (r, 6) others, one for each, or (6,) one for all.
     """
     omega, v = motions[:, :3], motions[:, 3:]
-    w, velocity = motion[:3], motion[3:]
+    w, velocity = others[..., :3], others[..., 3:]
     first = np.cross(v, w) + np.cross(velocity, omega)
-    second = [omega[:, i] * w[j] + (omega[:, j] * w[i] if i != j else 0.0) for i, j in UPPER]
-    found: Floats = np.column_stack([v @ velocity, first, *second])
+    second = [omega[:, i] * w[..., j] + (omega[:, j] * w[..., i] if i != j else 0.0) for i, j in UPPER]
+    found: Floats = np.column_stack([(v * velocity).sum(axis=1), first, *second])
     return found
 
 
