@@ -13,8 +13,9 @@ from kanegen.recursion.articulated_bodies import ArticulatedBodies
 from kanegen.recursion.outputs.output import OfSolution, Recursion
 from kanegen.recursion.outputs.table import OUTPUTS
 from kanegen.recursion.pivot_margins import PivotMargins
-from kanegen.recursion.refinement import UNREFINED, Refinement, Solution
+from kanegen.recursion.refinement import UNREFINED, Refinement
 from kanegen.recursion.rotors import articulated_bodies_take
+from kanegen.recursion.solution import Solution
 from kanegen.recursion.solver import Solver
 from kanegen.recursion.tree import Derived, Tree, tree, with_own_inertias
 from kanegen.symbolic.definitions import Definition

@@ -1,4 +1,4 @@
-"""The solution {ydot} of [A]{ydot} = {b}: found by a solver, refined step by step, with its error.
+"""The solution {ydot} of [A]{ydot} = {b} with rows of constraints: found by a solver, refined step by step.
 
 The residual of a solution is {tau} less the generalized forces that inverse dynamics gives for it; the solver
 maps the residual to a correction (Higham 2002, chapter 12). Nothing is computed in a higher precision:
@@ -17,21 +17,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import sympy
-from sympy import Add, Expr, Rational, S
+from sympy import Add, Expr, S
 
-from kanegen.recursion.body_motion import BodyMotion, body_motions
 from kanegen.recursion.constraints import Constraints
-from kanegen.recursion.contact import HeldContacts
 from kanegen.recursion.correction_size import CorrectionSize
 from kanegen.recursion.inertia import Inertia
-from kanegen.recursion.inverse_dynamics import Requirement, required
-from kanegen.recursion.operational import Operational
+from kanegen.recursion.inverse_dynamics import Requirement
 from kanegen.recursion.pivot_margins import NO_LIMITS, PivotLimits, PivotMargins
 from kanegen.recursion.rotors import rotor_efforts, spinning_rotors
 from kanegen.recursion.solved_motion import SolvedMotion, solved_motions
 from kanegen.recursion.solver import Solver
-from kanegen.recursion.tree import Derived, by_place
 from kanegen.recursion.vectors import ZERO, Wrench, add, column, cross, dot, scale
 from kanegen.symbolic.definitions import Vector
 
@@ -66,125 +61,8 @@ class Refinement:
 UNREFINED = Refinement()
 
 
-class Solution:
-    """The solution {ydot}, free or with contacts held, and its corrections, derived when first needed."""
-
-    def __init__(self, solver: Solver, refinement: Refinement = UNREFINED) -> None:
-        self._solver = solver
-        self._tree = solver.tree
-        self._refinement = refinement
-
-    def forward_dynamics(self) -> Derived:
-        """Derive the entries of {ydot}, refined."""
-        entries = self._speed_rates(self._free.refined.components)
-        return Derived(entries, self._solver.regular_if_positive, _unless_positive(self._free.margins()))
-
-    def contact_dynamics(self) -> Derived:
-        """Derive the entries of {ydot} where all contacts hold, refined."""
-        return self._derived_held(self._speed_rates(self._held.refined.components))
-
-    def contact_forces(self) -> Derived:
-        """Derive the loads by which all contacts hold, row by row, refined."""
-        return self._derived_held(self._contacts.named_loads(self._held.refined.loads))
-
-    def mass_matrix_inverse(self) -> Derived:
-        """Derive the entries of [A]^-1, row-major; both halves hold the same symbols."""
-        found, places = self._solver.inverse(), range(len(self._solver.pivots))
-        entries = [found[i, j] for i in places for j in places]
-        return Derived(entries, self._solver.regular_if_positive, self._unrefined_margins())
-
-    def operational_inertia_inverse(self) -> Derived:
-        """Derive J [A]^-1 J^T of every frame, row-major."""
-        entries = [entry for inverse in self._operational.inverses for row in inverse for entry in row]
-        return Derived(entries, self._solver.regular_if_positive, self._unrefined_margins())
-
-    def operational_inertia(self) -> Derived:
-        """Derive [Lambda], the inverse of J [A]^-1 J^T, of every frame, row-major."""
-        entries = [entry for one in self._operational.inertias for row in one.entries for entry in row]
-        return self._of_inertias(entries)
-
-    def operational_bias(self) -> Derived:
-        """Derive -[Lambda] {a_0} of every frame, with its acceleration {a_0} without a load on it."""
-        biases = self._operational.biases(self._solver.reduced(self._bias), self._motions)
-        return self._of_inertias([entry for bias in biases for entry in bias])
-
-    def _of_inertias(self, entries: Sequence[Expr]) -> Derived:
-        """Return entries that exist, and are accurate, where the operational inertia of every frame is."""
-        inertias, freedoms = self._operational.inertias, self._solver.regular_if_positive
-        independent = [left for one in inertias for left in one.independent]
-        margins = [margin for one in inertias for margin in one.accurate]
-        accurate = self._unrefined_margins() or [S.One] * len(freedoms)
-        return Derived(entries, by_place(freedoms, independent), by_place(accurate, margins))
-
-    def error_estimate(self) -> Derived:
-        """Derive the absolute change of each entry of {ydot} by the first step of refinement."""
-        entries = self._solver.speed_rates(self._free.correction.components, "dy", {})
-        squares = [self._define(f"de_{i}", entry * entry) for i, entry in enumerate(entries)]
-        return Derived([sympy.sqrt(square) for square in squares], self._solver.regular_if_positive)
-
-    def regularity(self) -> Derived:
-        """Derive by freedom the ratio of its pivot to its inertia with every other freedom locked."""
-        pairs = zip(self._solver.regular_if_positive, self._solver.diagonal, strict=True)
-        return Derived([left / whole for left, whole in pairs])
-
-    def _unrefined_margins(self) -> Sequence[Expr]:
-        """Return expressions by freedom that are positive where a result that is not refined is accurate."""
-        return _unless_positive([PivotMargins(self._solver).margins(self._refinement.unrefined)])
-
-    def _derived_held(self, entries: list[Expr]) -> Derived:
-        """Return the entries of an output that exists where the rows of contacts are independent, too."""
-        refinement, rows = self._refinement, self._held.constraints
-        regular, first = self._solver.regular_if_positive, len(self._tree.system.rows_of_frames)
-        accurate = rows.accurate_if_positive(Rational(refinement.accurate_rows))
-        margins = [by_place(test, [S.One] * len(accurate), first) for test in self._held.margins()]
-        margins.append(by_place([S.One] * len(regular), accurate, first))
-        independent = rows.independent_if_positive(Rational(refinement.independent_rows))
-        return Derived(entries, by_place(regular, independent, first), _unless_positive(margins))
-
-    def _speed_rates(self, components: Sequence[Expr]) -> list[Expr]:
-        """Return {ydot} from the free components."""
-        carried = {k: motion.carried for k, motion in self._motions.items()}
-        return self._solver.speed_rates(components, "ydot", carried)
-
-    @cached_property
-    def _motions(self) -> Mapping[int, BodyMotion]:
-        """Motion of the bodies where all free components are zero."""
-        return body_motions(self._tree, accelerated=False, released=self._solver.released)
-
-    @cached_property
-    def _operational(self) -> Operational:
-        """Operational inertias of the frames that the system selects."""
-        refinement = self._refinement
-        return Operational(self._solver, refinement.independent_rows, refinement.amplification)
-
-    @cached_property
-    def _bias(self) -> Requirement:
-        """What is required where all free components are zero."""
-        return required(self._tree, self._motions, accelerated=False)
-
-    @cached_property
-    def _free(self) -> _Refined:
-        """The solution without constraints."""
-        return _Refined(self._solver, Constraints(self._solver, ()), self._bias, self._refinement)
-
-    @cached_property
-    def _contacts(self) -> HeldContacts:
-        """The contacts of the system."""
-        return HeldContacts(self._solver)
-
-    @cached_property
-    def _held(self) -> _Refined:
-        """The solution where all contacts hold."""
-        constraints = Constraints(self._solver, self._contacts.rows)
-        return _Refined(self._solver, constraints, self._bias, self._refinement)
-
-    def _define(self, name: str, value: Expr) -> Expr:
-        """Return a symbol for a value."""
-        return self._tree.definitions.define(name, value)
-
-
 @dataclass(frozen=True)
-class _Unknowns:
+class Unknowns:
     """A solution, or the correction of one.
 
     Attributes:
@@ -197,7 +75,7 @@ class _Unknowns:
 
 
 @dataclass(frozen=True, eq=False)
-class _Refined:
+class RefinedSolution:
     """The refined solution of [A]{ydot} = {b} with rows of constraints, of which there may be none.
 
     Attributes:
@@ -213,19 +91,19 @@ class _Refined:
     refinement: Refinement
 
     @cached_property
-    def refined(self) -> _Unknowns:
+    def refined(self) -> Unknowns:
         """The solution after all steps of refinement."""
         found = self._first
         for step in range(self.refinement.steps):
             correction = self._corrected(found) if step else self.correction
-            found = _Unknowns(
+            found = Unknowns(
                 self._sums("ydot", 0, found.components, correction.components),
                 self._sums("cf", 1, found.loads, correction.loads),
             )
         return found
 
     @cached_property
-    def correction(self) -> _Unknowns:
+    def correction(self) -> Unknowns:
         """The first correction of the solution."""
         return self._corrected(self._first)
 
@@ -238,7 +116,7 @@ class _Refined:
         return [test for test in margins if test]
 
     @cached_property
-    def _first(self) -> _Unknowns:
+    def _first(self) -> Unknowns:
         """The solution before any refinement."""
         return self._solved(self.bias, [row.gap for row in self.constraints.rows], ("ydot", "cf"))
 
@@ -248,7 +126,7 @@ class _Refined:
         found = self._first.components, self.correction.components
         return CorrectionSize(self.solver.tree, self.solver.pivots, *found)
 
-    def _solved(self, bias: Requirement, gaps: Sequence[Expr], names: tuple[str, str]) -> _Unknowns:
+    def _solved(self, bias: Requirement, gaps: Sequence[Expr], names: tuple[str, str]) -> Unknowns:
         """Return the solution for what is required, and missing along rows, at zero components.
 
         Args:
@@ -258,13 +136,13 @@ class _Refined:
         """
         of_components, of_loads = names
         if not self.constraints.rows:
-            return _Unknowns(self.solver.solve(bias, of_components), [])
+            return Unknowns(self.solver.solve(bias, of_components), [])
         right_side = self.solver.reduced(bias)
         loads = self.constraints.loads(right_side, gaps, of_loads)
         components = self.solver.components(self.constraints.added(right_side, loads), of_components)
-        return _Unknowns(components, loads)
+        return Unknowns(components, loads)
 
-    def _corrected(self, found: _Unknowns) -> _Unknowns:
+    def _corrected(self, found: Unknowns) -> Unknowns:
         """Return the correction of a solution: the solution for what it leaves over."""
         solved = solved_motions(self.solver.tree, self.solver.paths, found.components)
         bias = _with_free_components(self.solver, self.bias, found.components, solved)
@@ -278,7 +156,7 @@ class _Refined:
         return [define(f"{name}_{i}", one + other) for i, (one, other) in enumerate(pairs, start=first)]
 
 
-def _unless_positive(margins: Sequence[Sequence[Expr]]) -> Sequence[Expr]:
+def unless_positive(margins: Sequence[Sequence[Expr]]) -> Sequence[Expr]:
     """Return the margins of several tests, one after the other, none if all are positive numbers."""
     every = [margin for test in margins for margin in test]
     return () if all(margin.is_positive and margin.is_number for margin in every) else every

@@ -6,7 +6,7 @@ from kanegen.model.system import System
 from kanegen.program.ir import Array, RowCondition
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.output import OfSolution, Output, Subject
-from kanegen.recursion.refinement import Solution
+from kanegen.recursion.solution import Solution
 
 CONTACTS = Subject(
     lambda system: system.contacts,

@@ -8,7 +8,7 @@ from kanegen.program.ir import INVERTIBLE, Array, RowCondition
 from kanegen.recursion.outputs.inputs import LOADS
 from kanegen.recursion.outputs.kinematics import MOTIONS_OF_FRAMES
 from kanegen.recursion.outputs.output import OfSolution, Output, Subject
-from kanegen.recursion.refinement import Solution
+from kanegen.recursion.solution import Solution
 from kanegen.reference.operational import frame_without_six
 
 SIX_DIRECTIONS = RowCondition(

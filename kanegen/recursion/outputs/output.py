@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT
 from kanegen.model.system import System
 from kanegen.program.ir import PARAMETERS, Array
-from kanegen.recursion.refinement import Solution
+from kanegen.recursion.solution import Solution
 from kanegen.recursion.tree import Derived, Tree
 
 

@@ -26,8 +26,8 @@ from kanegen.recursion.outputs.kinematics import KINEMATICS
 from kanegen.recursion.outputs.operational import OPERATIONAL
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
 from kanegen.recursion.reactions import reaction_loads
-from kanegen.recursion.refinement import Solution
 from kanegen.recursion.regressor import base_regressor, regressor
+from kanegen.recursion.solution import Solution
 
 REACTIONS = Subject(
     lambda system: system.reaction_rows,
