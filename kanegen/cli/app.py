@@ -16,6 +16,7 @@ from kanegen.cli.equations import equations
 from kanegen.cli.explain import explain
 from kanegen.cli.generate import generate
 from kanegen.cli.info import info
+from kanegen.cli.linearize import linearize
 from kanegen.cli.terminal import fail, notices, show_warnings
 from kanegen.cli.tradeoff import tradeoff
 from kanegen.cli.verify import verify
@@ -27,6 +28,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     check,
     bound,
     equations,
+    linearize,
     info,
     explain,
     bench,

@@ -76,7 +76,7 @@ class Linearization(Dynamics, Quantities, Derivatives, QuantityDerivatives):
         """Return the linear model of small deviations from one state.
 
         Its matrices are the derivatives in C, without differences. Loads, prescribed motions and the time
-        are held at the values that are passed here.
+        are held at the values that are passed here, by default 0.
 
         Args:
             x: (m,) coordinates, rad, m or 1, or some by name; the others are neutral, see
@@ -109,6 +109,10 @@ class Linearization(Dynamics, Quantities, Derivatives, QuantityDerivatives):
             if needed not in self.outputs:
                 raise self._absent(needed)
         columns = inputs_of(self.freedom_names, inputs)
+        if self.prescribed_names and "prescribed" in self.further_inputs:
+            further.setdefault("prescribed", np.zeros((3, len(self.prescribed_names))))
+        if "t" in self.further_inputs:
+            further.setdefault("t", 0.0)
         state = _State(self, x, y, tau)
         point = state.x, state.y
         ydot = np.array(self.forward_dynamics(*point, state.tau, force, torque, **further), np.float64)

@@ -10,7 +10,8 @@ from typing import Any
 import sympy
 from sympy import Expr, Integer, Rational, S
 
-from kanegen.symbolic import functions
+from kanegen.model.expression import Expression, Parameter
+from kanegen.symbolic import functions, symbols
 from kanegen.symbolic.closed.coefficients import expression, fraction
 
 DIGITS = 40
@@ -35,9 +36,10 @@ def exact_value(value: Any, is_angle: bool = False) -> Expr:
     """Return a value of a state in SymPy.
 
     A float is the shortest decimal number that reads back to it; an angle that is the float nearest to a
-    multiple of a quarter turn is that multiple, so that `math.pi` is pi. SymPy's own expressions stay.
+    multiple of a quarter turn is that multiple, so that `math.pi` is pi. Expressions of SymPy and of
+    parameters stay.
     """
-    found = sympy.sympify(value)
+    found = symbols.expression(value) if isinstance(value, Parameter | Expression) else sympy.sympify(value)
     if is_angle and found.is_Float:
         turns = round(float(found) / (math.pi / 2))
         if turns and float(found) == turns * (math.pi / 2):
