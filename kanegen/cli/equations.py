@@ -28,6 +28,14 @@ def equations(
         str,
         typer.Option("--format", metavar="FORMAT", help="Form of the text: text, markdown, latex, python."),
     ] = "text",
+    symbolic: Annotated[
+        bool,
+        typer.Option(
+            "--symbolic",
+            help="Print symbols in place of numbers: m_K, r_K_i, q_K_i and I_K_ij of body K, and gravity g. "
+            "Zeros stay zero.",
+        ),
+    ] = False,
     floating_base: FloatingBase = False,
     joint_dynamics: JointDynamics = False,
     right_angles: RightAngles = AS_WRITTEN,
@@ -43,6 +51,8 @@ def equations(
 
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = with_places(system, points, loads)
+    if symbolic:
+        system = system.symbolic()
     with progress() as report:
         derived = compiler.derive(system, progress=report)
         report("printing")

@@ -23,6 +23,7 @@ from kanegen.model.numbers import Number, Parameter, with_parameters_changed
 from kanegen.model.reaction import reaction_rows
 from kanegen.model.right_angles import checked_tolerance
 from kanegen.model.rotor import Rotor
+from kanegen.model.symbolic import with_symbols
 from kanegen.model.system_numbers import mapped_numbers
 
 
@@ -339,6 +340,24 @@ class SystemVariations(SystemDescription):
             )
 
         return self.map_numbers(change)
+
+    def symbolic(self, keep_zeros: bool = True) -> Self:
+        """Return the same system with symbols for the numbers of its bodies, as the notes have them.
+
+        The symbols are parameters: masses `m_K`, mass centres `r_K_i`, joint positions `q_K_i` and entries of
+        inertia `I_K_ij` of body K, and gravity, `g`, or `g_1` to `g_3` where it is along no axis. Their
+        default values are the numbers. Parameters and expressions of parameters stay as they are, and so do
+        constant orientations [C_K], locked values, points, frames, motors, couplings and force elements. A
+        name that is taken gets an underscore at its end.
+
+        Args:
+            keep_zeros: Whether zeros stay zero, so that the equations show what vanishes in this tree. If
+                not, every body is general, as in the notes, but for joints at the inertial origin.
+
+        Example:
+            kg.derive(kg.load("models/furuta_pendulum.toml").symbolic()).closed_form().A
+        """
+        return replace(self, **with_symbols(self, keep_zeros))
 
     def map_numbers(self, change: Callable[[Number], Number]) -> Self:
         """Return the same system with `change` applied to every number.
