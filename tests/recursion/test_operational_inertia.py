@@ -10,9 +10,11 @@ import pytest
 import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.errors import KanegenWarning, OptionError, SingularError
+from kanegen.lowering.conditioning import LARGEST_ACCEPTED_ERROR
 from kanegen.lowering.losses import array_inputs
 from kanegen.lowering.lower import lower
 from kanegen.model.arrays import Floats
+from kanegen.program.constants import MULTIPRECISION
 from kanegen.program.evaluate import evaluate
 from kanegen.recursion import derive, methods
 from kanegen.recursion.rotors import articulated_bodies_take
@@ -20,10 +22,11 @@ from kanegen.reference.equations import mass_matrix
 from kanegen.reference.frames import frame_motions
 from kanegen.reference.operational import OperationalInertia, frame_without_six, operational_inertia
 from kanegen.reference.states import States, random_states
-from tests.support import random_trees, systems
+from tests.support import prescribed_trees, random_trees, systems
 from tests.support.cases import slow_except
 from tests.support.chains import bushes
 from tests.support.robots import robot_file
+from tests.support.rod_on_light_links import ROUNDOFF, X, rod_on_light_links
 
 INVERSE, INERTIA, BIAS = "operational_inertia_inverse", "operational_inertia", "operational_bias"
 
@@ -172,16 +175,79 @@ def test_a_wrench_accelerates_the_frame(library: kg.Library) -> None:
     assert together.operational_bias == pytest.approx(bias[:, None], rel=1e-9)
 
 
-def test_single_precision(arm: kg.System) -> None:
-    library = kg.build(arm, (INVERSE,), tier="single")
-    x = np.random.default_rng(2).uniform(-2, 2, (20, 6))
-    right = operational_inertia(arm, ["tool0"], x, 0 * x, 0 * x).inverse
-    found = library.operational_inertia_inverse(x)
-    assert found.dtype == np.float32
-    assert (
-        np.abs(scaled(found - right, root(right))).max()
-        <= 1e-5 * condition(arm, random_states(arm, 20)).max()
-    )
+def test_batches_of_trees_with_parameters() -> None:
+    """Compiled code, with other values of the parameters, in a batch and in single precision."""
+    system = next(tree for tree in map(random_trees.everything, range(9), [3] * 9) if movable(tree))
+    system = system.with_poses(movable(system)[-2:])
+    changed = random_trees.other_parameters(system, 1)
+    model = system.with_parameters(changed)
+    states = random_states(model, 9)
+    tau = np.random.default_rng(1).normal(size=states.y.shape)
+    right, k = expected(model, states, tau), len(system.pose_names)
+    lost = condition(model, states)[:, None] * np.linalg.cond(scaled(right.inverse, root(right.inverse)))
+    given = {"force": states.force, "torque": states.torque, **states.inputs}
+    given = {name: value for name, value in given.items() if value is not None}
+    state = {name: value for name, value in given.items() if name in ("prescribed", "t")}
+    for tier, roundoff in (("strict", 1e-14), ("single", 1e-6)):
+        library = kg.build(system, (INVERSE, INERTIA, BIAS), tier=tier, on_status="ignore")
+        library = library.with_parameters(changed)
+        found = library.operational_inertia(states.x, **state)
+        assert found.shape == (9, k, 6, 6)
+        good = roundoff * lost < 0.1  # others have a status in single precision
+        error = np.abs(scaled(found - right.inertia, root(right.inertia))).max(axis=(-1, -2))
+        assert (error[good] <= (roundoff * lost)[good]).all()
+        bias = library.operational_bias(states.x, states.y, tau, **given)
+        size = root(right.inertia)
+        error, largest = (np.abs(v / size).max(axis=-1) for v in (bias - right.bias, right.bias))
+        assert good.any()
+        assert (error[good] <= (10 * roundoff * lost * largest)[good]).all()
+        mobility = library.operational_inertia_inverse(states.x, **state)
+        error = np.abs(scaled(mobility - right.inverse, root(right.inverse))).max(axis=(-1, -2))
+        assert (error <= roundoff * condition(model, states)[:, None]).all()
+
+
+@pytest.mark.parametrize("kind", prescribed_trees.KINDS)
+def test_prescribed_motion(kind: str) -> None:
+    trees = (prescribed_trees.tree(kind, seed) for seed in range(8))
+    system, names = next((tree, names) for tree in trees if (names := movable(tree)))
+    for solver in solvers(system):
+        check(system.with_poses(names[:2]), solver, 2)
+
+
+@pytest.mark.parametrize("name", ["ur5", "rod on light links"])
+def test_no_large_error_is_silent(name: str, arm: kg.System) -> None:
+    """Near singular poses, and where [A] itself is ill-conditioned: reported, or accurate to 1e-12."""
+    rng = np.random.default_rng(4)
+    if name == "ur5":
+        system, x = arm, rng.uniform(-2, 2, (60, 6))
+        x[:, 4] = 10.0 ** rng.uniform(-6, 0, 60)
+    else:
+        system = rod_on_light_links()
+        system, x = system.with_poses([system.bodies[-1].name]), np.array(X) + 0.3 * rng.normal(size=(60, 6))
+    library = kg.build(system, (INERTIA,), on_status="ignore")
+    found, reported = library.operational_inertia(x)[:, 0], np.zeros(len(x), dtype=bool)
+    for i, one in enumerate(x):
+        library.with_on_status(lambda report, i=i: reported.__setitem__(i, True)).operational_inertia(one)
+    exact = in_wide_precision(system, INERTIA, x)
+    errors = np.abs(scaled(found - exact, root(exact))).max(axis=(-1, -2)) / ROUNDOFF
+    assert reported.sum() > 0
+    assert (errors[~reported] <= LARGEST_ACCEPTED_ERROR).all()
+    if name == "ur5":
+        assert np.nanmax(errors[reported]) > LARGEST_ACCEPTED_ERROR
+        assert not reported[x[:, 4] > 0.1].all()
+
+
+def in_wide_precision(system: kg.System, output: str, x: Floats) -> Floats:
+    """Return the (B, 6, 6) values for one frame by the articulated bodies in 320 bits."""
+    (way,) = methods(system, (output,), "articulated bodies")
+    program, number = lower(derive(system, way), (output,)), MULTIPRECISION.mpf
+    rows = []
+    for one in x:
+        elements = {array.name: [number(0)] * array.size for array in program.inputs}
+        elements["x"] = [number(float(value)) for value in one]
+        (entries,) = evaluate(program, elements, MULTIPRECISION, number).values()
+        rows.append([float(value) for value in entries])
+    return np.array(rows).reshape(-1, 6, 6)
 
 
 def test_a_stretched_arm_has_a_status(library: kg.Library) -> None:
