@@ -19,7 +19,7 @@ from kanegen.cli.options import (
     RightAngles,
     require_plot,
 )
-from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
+from kanegen.cli.terminal import FAILED, print_plain, print_table, progress, screen
 from kanegen.errors import counted
 from kanegen.files import require_writable, write_all
 
@@ -91,9 +91,7 @@ def _show(comparison: Comparison, options: BenchOptions) -> None:
         soft_wrap=True,
     )
     for quantity in QUANTITIES:
-        screen.print(
-            text_table(table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXT_COLUMNS)
-        )
+        print_table(table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXT_COLUMNS)
     overheads = [f"{title} {table.ns(value)} ns" for title, value in table.overheads(comparison).items()]
     if overheads:
         screen.print(f"A call from Python takes beyond the C: {', '.join(overheads)}.", soft_wrap=True)

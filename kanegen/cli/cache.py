@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from kanegen.cli.options import AsJson
-from kanegen.cli.terminal import print_plain, screen, text_table
+from kanegen.cli.terminal import print_plain, print_table
 
 _MINUTE, _HOUR, _DAY = 60.0, 3600.0, 24 * 3600.0
 """Seconds of a minute, an hour and a day."""
@@ -44,7 +44,7 @@ def list_entries(as_json: AsJson = False) -> None:
         return
     if found:
         lines = [[entry.name, f"{entry.size / _MEGABYTE:.3f}", _age(now - entry.last_use)] for entry in found]
-        screen.print(text_table(["file", "MB", "last use"], lines))
+        print_table(["file", "MB", "last use"], lines)
     size = sum(entry.size for entry in found) / _MEGABYTE
     print_plain(f"{len(found)} entries, {size:.1f} MB of at most {limit:g} MB, in {cache.folder()}")
 

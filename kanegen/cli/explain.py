@@ -28,7 +28,7 @@ from kanegen.cli.options import (
     RightAngles,
     Speeds,
 )
-from kanegen.cli.terminal import progress, screen, text_table
+from kanegen.cli.terminal import print_table, progress, screen
 from kanegen.errors import OptionError
 from kanegen.files import require_writable, write_all
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from kanegen.studies.explain import CostReport
 
 
-def explain(  # noqa: PLR0913  (an argument for every option)
+def explain(
     *,
     model: Model,
     output: Outputs = DEFAULT_OUTPUTS,
@@ -104,9 +104,9 @@ def _show(report: CostReport) -> None:
         soft_wrap=True,
     )
     screen.print("[bold]What the scene does without[/], one after the other")
-    screen.print(text_table(tables.heads(report), tables.rows(report)))
+    print_table(tables.heads(report), tables.rows(report))
     screen.print("[bold]Where the operations go[/]")
-    screen.print(text_table(["body", "operations"], tables.bodies(report)))
+    print_table(["body", "operations"], tables.bodies(report))
     if alone := tables.outputs(report):
         screen.print("[bold]Each output by itself[/]")
-        screen.print(text_table(["output", "operations"], alone))
+        print_table(["output", "operations"], alone)

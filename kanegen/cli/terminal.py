@@ -29,14 +29,18 @@ screen = Console(highlight=False)
 
 
 @contextmanager
-def progress() -> Iterator[Callable[[str], None]]:
+def progress(is_long: bool = False) -> Iterator[Callable[[str], None]]:
     """Yield a function that shows the name of the current stage on a terminal, and nothing elsewhere.
 
     The work of a command begins here, after its input is accepted, so warnings are shown before.
+
+    Args:
+        is_long: Whether the work takes minutes. Then each stage is a line where there is no terminal, so that
+            a log shows how far the work is.
     """
     notices.release()
     if not errors.is_terminal:
-        yield lambda stage: None
+        yield (lambda stage: errors.print(escape(stage))) if is_long else (lambda stage: None)
         return
     with errors.status("starting") as status:
         yield lambda stage: status.update(escape(stage))
@@ -47,8 +51,36 @@ def print_plain(text: str) -> None:
     screen.print(escape(text), soft_wrap=True)
 
 
-def text_table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> Table:
-    """Build a table whose first `left` columns are aligned to the left, the others, numbers, to the right.
+def print_table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> None:
+    """Print a table whose first `left` columns are aligned to the left, the others, numbers, to the right.
+
+    A terminal wraps cells to its width. Elsewhere every row is one line, which other programs can read.
+    """
+    if screen.is_terminal:
+        screen.print(_wrapped_table(head, rows, left))
+        return
+    for line in plain_table(head, rows, left):
+        print_plain(line)
+    print_plain("")
+
+
+def plain_table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
+    """Return the lines of a table: its head, a rule, and a line for each row, two spaces between columns."""
+    widths = [max(map(len, cells)) for cells in zip(head, *rows, strict=True)]
+
+    def line(cells: Sequence[str]) -> str:
+        """Return the cells of a row, padded to the widths of the columns."""
+        padded = [
+            cell.ljust(width) if place < left else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(cells, widths, strict=True))
+        ]
+        return "  ".join(padded).rstrip()
+
+    return [line(head), "  ".join("-" * width for width in widths), *map(line, rows)]
+
+
+def _wrapped_table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> Table:
+    """Build a table for a terminal.
 
     No column becomes narrower than its longest word, so that lines break between words only.
     """

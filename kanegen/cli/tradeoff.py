@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,7 +23,7 @@ from kanegen.cli.options import (
     RightAngles,
     require_plot,
 )
-from kanegen.cli.terminal import FAILED, print_plain, progress, screen, text_table
+from kanegen.cli.terminal import FAILED, print_plain, print_table, progress, screen
 from kanegen.errors import counted
 from kanegen.extras import require
 from kanegen.files import make_folder, require_writable, write_all
@@ -35,10 +35,17 @@ if TYPE_CHECKING:
 
 def tradeoff(
     model: Model,
-    states: Annotated[int, typer.Option(min=1, help="Number of random states of each sample.")] = 256,
+    quick: Annotated[
+        bool,
+        typer.Option("--quick", help="Measure only the usual winners, in fewer states: about a minute."),
+    ] = False,
+    states: Annotated[
+        int | None, typer.Option(min=1, help="Number of random states of each sample (256; quick 64).")
+    ] = None,
     search: Annotated[
-        int, typer.Option(min=0, help="Number of states tried in the search for the largest error.")
-    ] = 64,
+        int | None,
+        typer.Option(min=0, help="States tried in the search for the largest error (64; quick 0)."),
+    ] = None,
     rounds: Annotated[
         int, typer.Option(min=1, help="Number of rounds; in each, every variant is timed once.")
     ] = 7,
@@ -68,6 +75,7 @@ def tradeoff(
 ) -> None:
     """Measure the speed and the accuracy of every variant of the C for MODEL.
 
+    The first lines say in words which variant to take and what it loses, measured from the default.
     Errors are measured against certified truth, in random states and in hard ones; variants are timed in
     turns. The variants that no other beats in both speed and accuracy form the Pareto front, which is
     measured again in fresh states. The exit status is 1 if a variant computes something wrong. Loads are
@@ -77,19 +85,28 @@ def tradeoff(
     for package in NEEDS:
         require(package, EXTRA)
     from kanegen.measure.timing import OBJECTIVES
-    from kanegen.studies.tradeoff.outcome import StudyOptions
+    from kanegen.studies.tradeoff.outcome import QUICK_OPTIONS, StudyOptions
     from kanegen.studies.tradeoff.simulation import with_simulations
     from kanegen.studies.tradeoff.study import study
+    from kanegen.studies.tradeoff.variants import QUICK, candidates
 
     system = load_system(model, floating_base, right_angles, lock=lock, joint_dynamics=joint_dynamics)
     files = _Files.chosen(output_dir, json_, plot, simulation)
-    with progress() as show_stage:
-        options = StudyOptions(
-            states=states, search=search, rounds=rounds, seconds=seconds, seed=seed, quantile=quantile
+    with progress(is_long=True) as show_stage:
+        usual = QUICK_OPTIONS if quick else StudyOptions()
+        options = replace(
+            usual,
+            states=usual.states if states is None else states,
+            search=usual.search if search is None else search,
+            rounds=rounds,
+            seconds=seconds,
+            seed=seed,
+            quantile=quantile,
         )
         for name in objective or ():
             require_one("objective", name, OBJECTIVES)
-        found = study(system, options, show_stage)
+        chosen = candidates(QUICK)[0] if quick else None
+        found = study(system, options, show_stage, variants=chosen)
         if simulation:
             found = with_simulations(system, found, show_stage)
     files.write(found)
@@ -136,28 +153,37 @@ class _Files:
 
 
 def _show(found: Study, objectives: Sequence[str]) -> None:
-    """Print the tables and statements of a study."""
+    """Print what to take, then the tables and the other statements of a study."""
     from kanegen.studies.tradeoff import report, tables
+    from kanegen.studies.tradeoff.recommendation import recommendations
 
+    for line in recommendations(found, objectives):
+        print_plain(line)
     terms = found.options
     screen.print(
-        f"[bold]{escape(found.model)}[/]: {counted(found.n, 'freedom')}, "
+        f"\n[bold]{escape(found.model)}[/]: {counted(found.n, 'freedom')}, "
         f"{counted(len(found.results), 'variant')}, "
         f"{terms.states} random states, {terms.rounds} x {terms.seconds:g} s\n",
         soft_wrap=True,
     )
     for objective in objectives:
         title = tables.TITLES[objective]
-        screen.print(f"[bold]All variants[/], {title}")
-        screen.print(text_table(tables.SHORT, tables.short_rows(found, objective)))
-        screen.print(f"[bold]Pareto front[/], {title}, measured again in fresh states and processes")
-        screen.print(text_table(tables.FRESH, tables.fresh_rows(found, objective)))
+        _show_table(f"All variants, {title}", tables.SHORT, tables.short_rows(found, objective))
+        others = tables.short_rows(found, objective, reformulated=True)
+        if others:
+            _show_table(f"Variants {tables.REFORMULATED}, {title}", tables.SHORT, others)
+        again = f"Pareto front, {title}, measured again in fresh states and processes"
+        _show_table(again, tables.FRESH, tables.fresh_rows(found, objective))
     if found.runs:
         screen.print(f"[bold]Simulation[/] of {found.duration:.3g} s: the least work for an error")
-        screen.print(
-            text_table(tables.SIMULATION, tables.simulation_rows(found), tables.SIMULATION_TEXT_COLUMNS)
-        )
+        print_table(tables.SIMULATION, tables.simulation_rows(found), tables.SIMULATION_TEXT_COLUMNS)
     lines = [f"Refused: {refusal.label}: {refusal.reason}" for refusal in found.refusals]
     lines += [f"Note: {note}." for note in found.notes]
     for line in (*lines, *report.statements(found)):
         print_plain(line)
+
+
+def _show_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table below its title."""
+    screen.print(f"[bold]{escape(title)}[/]", soft_wrap=True)
+    print_table(head, rows)

@@ -112,7 +112,7 @@ class System(SystemVariations):
         check_carriers(self.mounted_rotors, self.bodies, [one.axis for one in rotor_arrays(self)])
 
     @classmethod
-    def from_arrays(  # noqa: PLR0913, PLR0917 - an array for each quantity
+    def from_arrays(
         cls,
         connection: Any,
         mass: Any,

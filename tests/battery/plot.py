@@ -88,7 +88,7 @@ def svg(results: Results) -> str:
     """
     mpl = module("matplotlib")
     with mpl.rc_context(_STYLE):
-        figure = module("matplotlib.figure").Figure(figsize=(10, 6.8), layout="constrained")
+        figure = module("matplotlib.figure").Figure(figsize=(10, 8), layout="constrained")
         places = figure.subplots(2, -(-len(PANELS) // 2)).ravel()
         for place, (number, panel) in zip(places, PANELS.items(), strict=True):
             _draw(place, results[number], panel)
@@ -118,7 +118,7 @@ def _draw(place: Any, rows: Sequence[Row], panel: Panel) -> None:
     place.set_title(panel.title)
     place.set_xlabel(panel.across)
     place.set_ylabel(panel.up)
-    place.legend(fontsize=6)
+    place.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
 
 
 def _at(row: Row, place: float) -> list[Point]:

@@ -21,6 +21,9 @@ _STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9, "te
 _BAR = 0.8
 """Width of all bars of a model together, as a share of the distance between models."""
 
+_ROOM_FOR_LABELS = 8.0
+"""Factor by which the axis of times goes on above the tallest bar, for the label above it."""
+
 
 @dataclass(frozen=True)
 class Series:
@@ -97,9 +100,9 @@ def _panel(panel: Any, comparisons: Sequence[Comparison], quantity: str) -> None
         )
         standards = [comparison.best(comparison.standard, quantity) for comparison in comparisons]
         shares = [_share(entry, standards[round(place)]) for place, entry in timed.items()]
-        panel.bar_label(bars, shares, fontsize=6, padding=1)
+        panel.bar_label(bars, shares, fontsize=6, padding=2, rotation=90)
     panel.set_yscale("log")
-    panel.set_ylim(bottom=1)
+    panel.set_ylim(bottom=1, top=_ROOM_FOR_LABELS * panel.get_ylim()[1])
     panel.set_ylabel(f"{TITLES[quantity]}, ns")
     panel.set_xticks(
         range(len(comparisons)), [f"{comparison.model}\nn = {comparison.n}" for comparison in comparisons]

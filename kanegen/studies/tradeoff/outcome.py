@@ -41,6 +41,10 @@ class StudyOptions:
     quantile: str = "max"
 
 
+QUICK_OPTIONS = StudyOptions(states=64, hard=8, search=0)
+"""The options of a quick study, whose variants are those of `variants.QUICK`."""
+
+
 @dataclass(frozen=True)
 class VariantResult:
     """A variant with its measurements.
@@ -167,8 +171,17 @@ class Study:
         return QUANTILES[self.options.quantile]
 
     def points(self, objective: str) -> list[Point[VariantResult]]:
-        """Return time and error of every timed variant."""
-        found = (result.point(objective, self.share) for result in self.results)
+        """Return time and error of every timed variant with the coordinates and speeds of the model."""
+        return self._points(objective, reformulated=False)
+
+    def reformulated_points(self, objective: str) -> list[Point[VariantResult]]:
+        """Return time and error of every timed variant with other coordinates or speeds."""
+        return self._points(objective, reformulated=True)
+
+    def _points(self, objective: str, *, reformulated: bool) -> list[Point[VariantResult]]:
+        """Return time and error of the timed variants whose arrays are, or are not, those of the model."""
+        chosen = (one for one in self.results if one.candidate.changes_system is reformulated)
+        found = (result.point(objective, self.share) for result in chosen)
         return [point for point in found if point is not None]
 
     def verdict(self, objective: str) -> str:

@@ -22,6 +22,7 @@ from kanegen.studies.markdown import markdown_table
 from kanegen.studies.tradeoff import tables
 from kanegen.studies.tradeoff.outcome import ConfirmedVariant, Study, VariantResult
 from kanegen.studies.tradeoff.pareto_front import TIE
+from kanegen.studies.tradeoff.recommendation import recommendations
 from kanegen.studies.tradeoff.tables import TITLES
 
 _RANKED_BY = {
@@ -78,7 +79,7 @@ def markdown(study: Study) -> str:
         f"# Speed against accuracy: {quoting.markdown(study.model)}",
         f"{counted(study.n, 'freedom')}, {counted(len(study.results), 'variant')}, "
         f"{len(study.refusals)} refused.",
-        "\n".join(f"- {line}" for line in statements(study)),
+        "\n".join(f"- {line}" for line in (*recommendations(study), *statements(study))),
         "![Work and precision](tradeoff.svg)",
         "## How",
         _method(study),
@@ -90,6 +91,11 @@ def markdown(study: Study) -> str:
             f"## All variants, {TITLES[objective]}",
             markdown_table(tables.head(study), tables.rows(study, objective)),
         ]
+        if others := tables.rows(study, objective, reformulated=True):
+            parts += [
+                f"## Variants {tables.REFORMULATED}, {TITLES[objective]}",
+                markdown_table(tables.head(study), others),
+            ]
     if study.runs:
         parts += [
             "## Simulation",
@@ -137,6 +143,7 @@ def json_record(study: Study) -> str:
         "notes": list(study.notes),
         "terms": asdict(study.options),
         "domain": study.domain.as_dict(),
+        "recommendations": recommendations(study),
         "statements": statements(study),
         "variants": [_variant_record(result) for result in study.results],
         "refused": [asdict(refusal) for refusal in study.refusals],

@@ -153,9 +153,7 @@ def _participants(study: Study) -> list[tuple[Candidate, float]]:
         if result.candidate == default and result.times is not None:
             best.setdefault(default, result.times[LATENCY].median)
     return [
-        (candidate, time)
-        for candidate, time in best.items()
-        if not candidate.changes_system and candidate.variant.storage != "double-double"
+        (candidate, time) for candidate, time in best.items() if candidate.variant.storage != "double-double"
     ]
 
 

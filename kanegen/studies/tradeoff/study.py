@@ -123,12 +123,17 @@ class _Measuring:
     def confirm(
         self, results: Mapping[CompiledVariant, VariantResult], objective: str
     ) -> tuple[ConfirmedVariant, ...]:
-        """Return the Pareto front of one objective, measured again in fresh states and timed again."""
+        """Return the Pareto front of one objective, measured again in fresh states and timed again.
+
+        Variants with other coordinates or speeds have other arrays and are on no front.
+        """
         share, options = QUANTILES[self._options.quantile], self._options
         points = [
             Point(one, point.time, point.error)
             for one, result in results.items()
-            if result.same_as is None and (point := result.point(objective, share)) is not None
+            if result.same_as is None
+            and not one.candidate.changes_system
+            and (point := result.point(objective, share)) is not None
         ]
         best = [point.item for point in pareto_front(points)]
         sample = self._domain.sample(options.states, (options.seed, VALIDATE))

@@ -8,6 +8,9 @@ from kanegen.measure.timing import BATCH, LATENCY
 from kanegen.measure.truth.measurement import Measurement
 from kanegen.studies.tradeoff.outcome import ConfirmedVariant, Study, VariantResult
 
+REFORMULATED = "with other coordinates or speeds, whose arrays hold other numbers"
+"""What stands apart from the other variants, in words."""
+
 TITLES = {LATENCY: "one state a call", BATCH: "batches"}
 """The objectives in words."""
 
@@ -46,14 +49,21 @@ def hard_kinds(study: Study) -> list[str]:
     return list(study.results[0].hard) if study.results else []
 
 
-def rows(study: Study, objective: str) -> list[list[str]]:
-    """Return a row for each variant, the fastest first and those that are not timed last."""
-    return [_row(study, result, objective) for result in _by_time(study, objective)]
+def rows(study: Study, objective: str, *, reformulated: bool = False) -> list[list[str]]:
+    """Return a row for each variant, the fastest first and those that are not timed last.
+
+    Args:
+        study: The study.
+        objective: The way to call the library.
+        reformulated: Whether to return the variants with other coordinates or speeds, or those with the
+            coordinates and speeds of the model.
+    """
+    return [_row(study, result, objective) for result in _by_time(study, objective, reformulated)]
 
 
-def short_rows(study: Study, objective: str) -> list[list[str]]:
+def short_rows(study: Study, objective: str, *, reformulated: bool = False) -> list[list[str]]:
     """Return the rows of `rows` with the columns `SHORT` only, for a terminal."""
-    return [_short_row(study, result, objective) for result in _by_time(study, objective)]
+    return [_short_row(study, result, objective) for result in _by_time(study, objective, reformulated)]
 
 
 def fresh_rows(study: Study, objective: str) -> list[list[str]]:
@@ -84,13 +94,14 @@ def two_digits(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.2g}"
 
 
-def _by_time(study: Study, objective: str) -> list[VariantResult]:
-    """Return the results of a study, the fastest first and those that are not timed last."""
+def _by_time(study: Study, objective: str, reformulated: bool) -> list[VariantResult]:
+    """Return results of a study, the fastest first and those that are not timed last."""
 
     def time(result: VariantResult) -> float:
         return math.inf if result.times is None else result.times[objective].median
 
-    return sorted(study.results, key=time)
+    chosen = [one for one in study.results if one.candidate.changes_system is reformulated]
+    return sorted(chosen, key=time)
 
 
 def _row(study: Study, result: VariantResult, objective: str) -> list[str]:

@@ -73,6 +73,21 @@ _FAST: Changes = {**_PLAIN, "semantics": RELAXED, **NATIVE}
 BASELINES: tuple[Changes, ...] = (_PLAIN, _FAST, {**_FAST, "precision": "float"})
 """The variants from which single changes start: strict, fast, and fast in single precision."""
 
+QUICK: tuple[Changes, ...] = (
+    {},
+    *({**_PLAIN, **changes} for changes in (NATIVE, {"semantics": RELAXED, **NATIVE})),
+    *(
+        {"solver": "factorisation", "refinement": refined, "semantics": semantics, **NATIVE}
+        for refined, semantics in ((0, ()), (0, REORDERED), (1, RELAXED))
+    ),
+    {**_FAST, "precision": "float"},
+    {**_FAST, "sincos": "polynomial-9"},
+    {**_FAST, "precision": "float", "sincos": "polynomial-5"},
+    {**_FAST, "speeds": "angular_velocity"},
+    {**_PLAIN, "precision": "double-double"},
+)
+"""The few variants of a quick study: the default, and the usual winners and losers of full studies."""
+
 SYSTEM_CHOICES = ("speeds", "coordinates")
 """The choices that change the system: its generalized speeds and the coordinates of its orientations."""
 
@@ -121,7 +136,7 @@ class Candidate:
     @property
     def changes_system(self) -> bool:
         """Whether its arrays hold other speeds or coordinates than those of the system."""
-        return bool(self.speeds or self.coordinates)
+        return self.speeds is not None or self.coordinates is not None
 
     def of(self, system: System) -> System:
         """Return the system with the speeds and coordinates of this candidate."""
