@@ -8,6 +8,7 @@ from kanegen.c import Source
 from kanegen.library.contacts import Contacts
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
+from kanegen.library.equation_terms import EquationTerms
 from kanegen.library.frames import Frames
 from kanegen.library.identification import Identification
 from kanegen.library.linearization import Linearization
@@ -53,6 +54,7 @@ def load(
 class Library(
     Linearization,
     Dynamics,
+    EquationTerms,
     Contacts,
     Quantities,
     Frames,

@@ -13,18 +13,15 @@ can cost less than turning every column through the joint and shifting it.
 translations begin as equal forces along the basis vectors of its lower body's frame. On their way inward they
 carry that frame along, so that another force which began in it need not be turned again: it stays the same
 combination of the three, and of only two for the column of an angle about a basis vector.
-
-Where couplings let one entry of {y} move several freedoms, `merged` adds their columns as soon as they have
-one frame and one origin, so that no more columns pass inward than there are entries of {y}.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol, Self, TypeVar
+from typing import Protocol, Self
 
-from sympy import Expr, S
+from sympy import Expr
 
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import JointMotion
@@ -278,74 +275,6 @@ def _combine_force(
     for freedom, share in column.shares.items():
         force = add(force, scale(share, forces[freedom]))
     return replace(column, force=definitions.vector(f"F_{column.label}_{joint.body}q", force))
-
-
-class HasPlaces(Protocol):
-    """A column that entries of {y} cause."""
-
-    @property
-    def places(self) -> Mapping[int, Expr]:
-        """Factors by place in {y}."""
-        ...
-
-
-AnyColumn = TypeVar("AnyColumn", bound=HasPlaces)
-
-Parts = Sequence[tuple[Expr, AnyColumn]]
-"""Columns about one origin and in one frame, each with a factor."""
-
-
-def merged(
-    columns: Sequence[AnyColumn], add_up: Callable[[int, Parts[AnyColumn]], AnyColumn]
-) -> list[AnyColumn]:
-    """Return columns about one origin, with those of the same entries of {y} added where this leaves fewer.
-
-    Args:
-        columns: Columns in one frame and about one origin.
-        add_up: Function that returns the column of an entry of {y}, by its place and what it causes.
-    """
-    result: list[AnyColumn] = []
-    for group in _groups(columns):
-        places = sorted({place for col in group for place in col.places})
-        if len(places) >= len(group):
-            result += group
-        else:
-            result += [add_up(at, [(col.places.get(at, S.Zero), col) for col in group]) for at in places]
-    return result
-
-
-def rotation_sum(
-    place: int, parts: Parts[Column], body: str, frame: str, definitions: Definitions
-) -> RotationColumn:
-    """Return the column of an entry of {y} that moves several freedoms.
-
-    Args:
-        place: Place of the entry in {y}.
-        parts: The columns of the freedoms, each with the factor of the entry in its rate.
-        body: Number of the body at which they have arrived.
-        frame: Suffix of the names of quantities in the frame.
-        definitions: Definitions that the intermediates are added to.
-    """
-    force = moment = ZERO
-    for share, col in parts:
-        force = add(force, scale(share, col.force))
-        moment = add(moment, scale(share, col.whole_moment(definitions)))
-    label = f"{body}y{place}"
-    force = definitions.vector(f"F_{label}_{frame}", force)
-    moment = definitions.vector(f"M_{label}_{frame}", moment)
-    return RotationColumn(place, {place: S.One}, label, force, moment)
-
-
-def _groups(columns: Sequence[AnyColumn]) -> list[list[AnyColumn]]:
-    """Return columns in groups that have no entries of {y} in common, in the order of their first columns."""
-    groups: list[list[AnyColumn]] = []
-    for col in columns:
-        linked = [
-            group for group in groups if any(other.places.keys() & col.places.keys() for other in group)
-        ]
-        groups = [group for group in groups if group not in linked]
-        groups.append([*(other for group in linked for other in group), col])
-    return groups
 
 
 def _combination_cost(shares: int) -> int:

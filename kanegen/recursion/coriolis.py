@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 from sympy import Add, Expr
 
-from kanegen.recursion.columns import merged, shifted_columns
+from kanegen.recursion.columns import shifted_columns
 from kanegen.recursion.coriolis_columns import (
     Column,
     FrameMotion,
@@ -33,6 +33,7 @@ from kanegen.recursion.coriolis_columns import (
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joined_turns import with_joined_turns
 from kanegen.recursion.joint_motion import JointMotion, Step
+from kanegen.recursion.merged_columns import merged
 from kanegen.recursion.relative_momentum import HALF, RelativeMomentum, second_moments
 from kanegen.recursion.rotors import SpinningRotor, spinning_rotors
 from kanegen.recursion.tree import Derived, Tree

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 from sympy import Expr
 
-from kanegen.recursion.columns import Parts, RotationColumn, ShiftedColumns, rotation_sum
+from kanegen.recursion.columns import RotationColumn, ShiftedColumns
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import FreedomMotion, Translation
+from kanegen.recursion.merged_columns import Parts, rotation_sum
 from kanegen.recursion.relative_momentum import HALF, RelativeMomentum
 from kanegen.recursion.rotors import SpinningRotor
 from kanegen.recursion.turns import Turn

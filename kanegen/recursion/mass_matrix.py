@@ -26,13 +26,12 @@ from kanegen.recursion.columns import (
     TranslationColumn,
     combine_forces,
     force_basis,
-    merged,
-    rotation_sum,
     shifted_columns,
 )
 from kanegen.recursion.fixed_frame_columns import FixedFrameJoint, fixed_frame_joints
 from kanegen.recursion.inertia import Inertia
 from kanegen.recursion.joint_motion import NO_FREEDOM, FreedomMotion, JointMotion, Step
+from kanegen.recursion.merged_columns import merged, rotation_sum
 from kanegen.recursion.rotors import SpinningRotor, spinning_rotors
 from kanegen.recursion.tree import Derived, Tree
 from kanegen.recursion.vectors import ZERO, column, cross, dot, scale, unit
