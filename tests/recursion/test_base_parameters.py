@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -140,6 +141,74 @@ def test_published_numbers() -> None:
     arm = panda.with_locked({"panda_finger_joint1": 0.0})
     assert len(kg.base_parameters(arm)) == 43
     assert len(kg.base_parameters(replace(arm, gravity=(9.81, 0.0, 0.0)))) == 45
+
+
+PANDA = """
+Izz_1 + Iyy_2
+mx_2
+my_2 - mz_3 - 0.316 m_34567
+Ixx_2 - Iyy_2 + Iyy_3 + 0.632 mz_3 + 0.099856 m_3 + 0.10666225 m_4567
+Ixy_2
+Ixz_2
+Iyz_2
+Izz_2 + Iyy_3 + 0.632 mz_3 + 0.099856 m_3 + 0.10666225 m_4567
+mx_3 + 0.0825 m_4567
+my_3 - mz_4
+Ixx_3 - Iyy_3 + Iyy_4 - 0.00680625 m_4
+Ixy_3 + 0.0825 mz_4
+Ixz_3
+Iyz_3
+Izz_3 + Iyy_4 + 0.00680625 m_4 + 0.0136125 m_567
+mx_4 - 0.0825 m_567
+my_4 + mz_5 + 0.384 m_567
+Ixx_4 - Iyy_4 + Iyy_5 + 0.768 mz_5 + 0.14064975 m_567
+Ixy_4 + 0.0825 mz_5 + 0.03168 m_567
+Ixz_4
+Iyz_4
+Izz_4 + Iyy_5 + 0.768 mz_5 + 0.15426225 m_567
+mx_5
+my_5 - mz_6
+Ixx_5 - Iyy_5 + Iyy_6 + 0.007744 m_7
+Ixy_5
+Ixz_5
+Iyz_5
+Izz_5 + Iyy_6 + 0.007744 m_7
+mx_6 + 0.088 m_7
+my_6 - mz_7
+Ixx_6 - Iyy_6 + Iyy_7 - 0.007744 m_7
+Ixy_6 + 0.088 mz_7
+Ixz_6
+Iyz_6
+Izz_6 + Iyy_7 + 0.007744 m_7
+mx_7
+my_7
+Ixx_7 - Iyy_7
+Ixy_7
+Ixz_7
+Iyz_7
+Izz_7
+"""
+"""The 43 coefficients of Panda without friction, from the code beside Gaz and others (2019), with first
+moments and inertias about the origin; m_567 is m_5 + m_6 + m_7."""
+
+
+def published(line: str, names: tuple[str, ...]) -> np.ndarray:
+    """Return a line of `PANDA` as a row of factors of the inertial parameters."""
+    row = np.zeros(len(names))
+    for sign, factor, name, numbers in re.findall(r"([+-]?) ?([\d.]+ )?([mI]\w*)_(\d+)", line):
+        for number in numbers:
+            row[names.index(f"{name}_{number}")] += float(f"{sign}{factor or 1}")
+    return row
+
+
+def test_combinations_of_panda_as_published() -> None:
+    """All of them, column by column: the link frames of the file are those of the publication."""
+    with pytest.warns(kg.KanegenWarning):
+        panda = kg.load(robot_file("panda"))
+    base = kg.base_parameters(panda.with_locked({"panda_finger_joint1": 0.0}))
+    links = slice(0, 70)  # the fingers are fixed to the last link
+    expected = [published(line, base.parameters[links]) for line in PANDA.strip().splitlines()]
+    assert base.matrix[:, links] == pytest.approx(np.array(expected), abs=1e-12)
 
 
 def test_regrouped_parameters_of_puma_560() -> None:
