@@ -190,6 +190,28 @@ def test_forcing_is_minus_the_bias(pinocchio: InPinocchio, in_mujoco: InMujoco) 
     _close(found, mine.results["forcing"])
 
 
+def test_gravity_forces(pinocchio: InPinocchio, in_mujoco: InMujoco) -> None:
+    mine = robot()
+    theirs = pin.computeGeneralizedGravity(pinocchio.model, pinocchio.data, pinocchio.q)
+    _close(pinocchio.map.from_tau(mine.x, -theirs), mine.results["gravity_forces"])
+    in_mujoco.data.qvel[:] = 0
+    mujoco.mj_forward(in_mujoco.model, in_mujoco.data)
+    found = in_mujoco.map.from_tau(mine.x, -in_mujoco.data.qfrc_bias)
+    _close(found, mine.results["gravity_forces"])
+
+
+def test_coriolis_matrix(pinocchio: InPinocchio) -> None:
+    """[C] = [J]^T (C' [J] + M [Jdot]) with Pinocchio's C': both are the same sum over particles."""
+    mine, model, data = robot(), pinocchio.model, pinocchio.data
+    jacobian = pinocchio.map.jacobian(mine.x)
+    rate = np.zeros_like(jacobian)
+    rate[:3] = -np.cross(pinocchio.v[3:6], jacobian[:3], axisb=0, axisc=0)  # translations, in turning axes
+    _close(rate @ mine.y, pinocchio.map.drift(mine.x, mine.y))
+    m = np.array(pin.crba(model, data, pinocchio.q))
+    theirs = pin.computeCoriolisMatrix(model, data, pinocchio.q, pinocchio.v)
+    _close(jacobian.T @ (theirs @ jacobian + m @ rate), mine.results["coriolis_matrix"])
+
+
 def test_inverse_dynamics(pinocchio: InPinocchio, in_mujoco: InMujoco) -> None:
     mine = robot()
     tau = pin.rnea(pinocchio.model, pinocchio.data, pinocchio.q, pinocchio.v, pinocchio.a)

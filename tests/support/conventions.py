@@ -15,6 +15,8 @@ from kanegen.model.arrays import Floats
 OUTPUTS = (
     "mass_matrix",
     "forcing",
+    "gravity_forces",
+    "coriolis_matrix",
     "inverse_dynamics",
     "kinetic_energy",
     "potential_energy",
@@ -108,7 +110,7 @@ def robot() -> Robot:
     ydot = rng.normal(size=len(system.freedoms))
     library = kg.build(system, outputs=OUTPUTS)
     arguments = {"mass_matrix": (x,), "potential_energy": (x,), "body_poses": (x,), "mass_center": (x,)}
-    arguments |= {"frame_jacobians": (x,), "centroidal_momentum_matrix": (x,)}
+    arguments |= {"frame_jacobians": (x,), "centroidal_momentum_matrix": (x,), "gravity_forces": (x,)}
     with_ydot = dict.fromkeys(("inverse_dynamics", "frame_accelerations", "regressor"), (x, y, ydot))
     results = {
         name: np.asarray(getattr(library, name)(*(arguments | with_ydot).get(name, (x, y))))
