@@ -39,8 +39,8 @@ def info(
         bool,
         typer.Option(
             "--all",
-            help="Also count the operations of derivatives and error bounds, which takes minutes for a large "
-            "tree.",
+            help="Also count the operations of derivatives, error bounds and operational inertias of all "
+            "bodies, which takes minutes for a large tree.",
         ),
     ] = False,
     sums: Annotated[

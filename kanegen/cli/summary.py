@@ -16,7 +16,7 @@ from kanegen.model.reaction import Reaction
 from kanegen.model.system import System
 from kanegen.model.system_numbers import expression_summaries
 from kanegen.program.passes import Stage, savings
-from kanegen.recursion.outputs import EQUATIONS, OF_CONTACTS, OUTPUTS, available, method_of_program, solving
+from kanegen.recursion.outputs import EQUATIONS, OF_CONTACTS, OUTPUTS, available, solving, takes_long
 from kanegen.reference.independence import dependent_rows
 from kanegen.reference.regularity import massless_motions
 from kanegen.studies.explain import Exactness
@@ -116,8 +116,8 @@ def summarize(
         progress: Function that receives the name of each stage.
         without: Names of the optimiser passes to leave out.
         right_angles: The changes of exact right angles, to be part of the summary.
-        every: Whether to count derivatives and error bounds, too; deriving those of a large tree takes
-            minutes.
+        every: Whether to count derivatives, error bounds and operational inertias of all bodies, too;
+            deriving those of a large tree takes minutes.
         left_out: Warnings of the reader of the model.
     """
     variant = variants.chosen_variant(without=without)
@@ -125,7 +125,7 @@ def summarize(
     dependent = tuple(group[0].name for group in dependent_rows(system))
     missing = (*(solving(OUTPUTS) if massless else ()), *(OF_CONTACTS if dependent else ()))
     possible = [name for name in available(system) if name not in missing]
-    names = [name for name in possible if every or not method_of_program(name)]
+    names = [name for name in possible if every or not takes_long(system, name)]
     alone = {name: compiler.compile_module(system, (name,), progress, variant) for name in names}
     together = compiler.compile_module(system, EQUATIONS, progress, variant)
     operations = {name: compiled.operations for name, compiled in alone.items()}

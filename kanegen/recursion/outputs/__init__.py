@@ -24,6 +24,7 @@ from kanegen.recursion.outputs.selection import (
     refined_solutions,
     require_available,
     solving,
+    takes_long,
 )
 from kanegen.recursion.outputs.table import DERIVATIVES, EQUATIONS, ERROR_BOUNDS, OUTPUTS
 
@@ -53,4 +54,5 @@ __all__ = [
     "refined_solutions",
     "require_available",
     "solving",
+    "takes_long",
 ]

@@ -90,5 +90,8 @@ OPERATIONAL = (
 )
 """The entries about operational inertia, in the order of the generated C."""
 
-OF_FRAMES = (*MOTIONS_OF_FRAMES, *(output.name for output in OPERATIONAL))
+OPERATIONAL_NAMES = tuple(output.name for output in OPERATIONAL)
+"""The names of these outputs."""
+
+OF_FRAMES = (*MOTIONS_OF_FRAMES, *OPERATIONAL_NAMES)
 """The outputs with rows for each frame that the system selects."""

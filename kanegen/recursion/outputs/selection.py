@@ -12,6 +12,7 @@ from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
+from kanegen.recursion.outputs.operational import OPERATIONAL_NAMES
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution
 from kanegen.recursion.outputs.table import OUTPUTS
 
@@ -90,6 +91,15 @@ def prerequisites(outputs: Sequence[str]) -> tuple[str, ...]:
         if not isinstance(derivation, ErrorBound):
             found += derivation.needs if isinstance(derivation, Derivative) else (name,)
     return tuple(dict.fromkeys(found))
+
+
+def takes_long(system: System, name: str) -> bool:
+    """Return whether deriving an output of a large tree takes long, some seconds or minutes.
+
+    So it is for outputs that are made from programs, and for operational inertias where they are those of all
+    bodies, because a user usually chooses one or two frames.
+    """
+    return bool(method_of_program(name)) or (system.poses is None and name in OPERATIONAL_NAMES)
 
 
 def method_of_program(name: str) -> str:
