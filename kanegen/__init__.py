@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from kanegen.compiler import build as build
     from kanegen.compiler import compare as compare
     from kanegen.compiler import derive as derive
+    from kanegen.compiler import equilibria as equilibria
     from kanegen.compiler import generate as generate
     from kanegen.compiler import linearize as linearize
     from kanegen.errors import ArrayError as ArrayError
@@ -77,7 +78,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "c.source": ("Source",),
-    "compiler": ("bound", "build", "compare", "derive", "generate", "linearize"),
+    "compiler": ("bound", "build", "compare", "derive", "equilibria", "generate", "linearize"),
     "errors": (
         "ArrayError",
         "BudgetError",

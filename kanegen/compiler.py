@@ -38,6 +38,8 @@ from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
 from kanegen.choices import chosen, flag, several
 from kanegen.errors import OptionError, quoted
+from kanegen.library.equilibria import OUTPUTS as EQUILIBRIUM_OUTPUTS
+from kanegen.library.equilibria import Equilibria, find_equilibria
 from kanegen.library.linearization import outputs_needed
 from kanegen.library.native.status import OnStatus
 from kanegen.linear import LinearModel
@@ -57,6 +59,7 @@ from kanegen.program.precision import precision_named
 from kanegen.program.split import split
 from kanegen.recursion.outputs import EQUATIONS, ERROR_BOUNDS, function_signatures, method_of_program
 from kanegen.reference.range import require_range
+from kanegen.reference.states import random_states
 
 
 def compile_module(
@@ -233,6 +236,44 @@ def linearize(
     asked = chosen(outputs) or ()
     library = build(system, outputs_needed(system.speeds_are_rates, asked))
     return library.linearize(x, y, tau, inputs=inputs, outputs=asked, **further)
+
+
+def equilibria(
+    system: System,
+    speeds: Mapping[str, float] | None = None,
+    tau: Mapping[str, float] | None = None,
+    *,
+    starts: int = 200,
+    seed: int = 0,
+    **further: Unpack[NamedInputs],
+) -> Equilibria:
+    """Search for states of rest, or for steady motions with given constant speeds.
+
+    Zeros of {f} + {tau} are found from the neutral position and from random states at once, by the
+    derivatives in C. The search is not proven to find all. Of a continuous family, such as the places of a
+    cart that slides freely, it returns one state and names the free direction.
+
+    Args:
+        system: The tree.
+        speeds: Constant speeds by name of the coordinate that turns or moves (rad/s, m/s), such as
+            `{"spin": 100.0}`; all others are 0. Forces must not depend on these coordinates.
+        tau: Constant generalized forces by name of the freedom (N m, N).
+        starts: Number of random states from which the search begins.
+        seed: Seed of these states.
+        further: Inputs that only some systems have, held at these values, by default 0.
+
+    Raises:
+        OptionError: If a name does not exist, or a motion with these speeds is not steady.
+        SingularError: If [A] is singular in every state.
+        BuildError: As `build`.
+
+    Example:
+        for one in kg.equilibria(kg.load("models/double_pendulum.toml")):
+            print(one)
+    """
+    library = build(system, EQUILIBRIUM_OUTPUTS, on_status="ignore")
+    sample = random_states(system, starts, seed).x
+    return find_equilibria(library, sample, speeds, tau, **further)
 
 
 def compare(

@@ -13,6 +13,7 @@ from kanegen.cli.bench import bench
 from kanegen.cli.bound import bound
 from kanegen.cli.check import check
 from kanegen.cli.equations import equations
+from kanegen.cli.equilibria import equilibria
 from kanegen.cli.explain import explain
 from kanegen.cli.generate import generate
 from kanegen.cli.info import info
@@ -29,6 +30,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     bound,
     equations,
     linearize,
+    equilibria,
     info,
     explain,
     bench,

@@ -53,11 +53,11 @@ class Derivation(Protocol):
 
     @property
     def A(self) -> ImmutableMatrix:
-        """(n, n) generalized mass matrix."""
+        """(n, n) generalized mass matrix [A]."""
 
     @property
     def f(self) -> ImmutableMatrix:
-        """(n, 1) right side."""
+        """(n, 1) right side {f} of the equations."""
 
     @property
     def quantities(self) -> Mapping[str, Quantity]:
