@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+import kanegen as kg
 from kanegen.cli.summary import summarize
 from kanegen.cli.summary_text import show
 from kanegen.options import quiet
@@ -189,6 +190,18 @@ def test_info_as_json() -> None:
             ("generate", PENDULUM, "-o", "x", "--output", "reaction_loads", "--reactions", "lower.theta3"),
             "'lower.theta3' is free",
         ),
+        (
+            ("generate", PENDULUM, "-o", "x", "--output", "contact_forces", "--contacts", "lowr"),
+            "contacts: there is no contact, point, frame or body 'lowr'. Did you mean 'lower'?",
+        ),
+        (
+            ("generate", PENDULUM, "-o", "x", "--output", "contact_forces", "--contacts", "lower"),
+            "contacts: 'lower.moment1' cannot be held, because in every state no freedom moves 'lower' that",
+        ),
+        (
+            ("generate", PENDULUM, "-o", "x", "--contacts", "lower"),
+            "--contacts: only with --output contact_d",
+        ),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(arguments: tuple[str, ...], message: str) -> None:
@@ -220,6 +233,24 @@ def test_poses_and_reactions_are_selected(tmp_path: Path) -> None:
     assert "double body_poses[1 * 4 * 3]" in header
     rest = json.loads(kanegen("explain", PENDULUM, *outputs, *about, "--json").stdout)["steps"][-1]["total"]
     assert rest < json.loads(kanegen("explain", PENDULUM, *outputs, "--json").stdout)["steps"][-1]["total"]
+
+
+def test_contacts_are_selected(tmp_path: Path) -> None:
+    """A contact of the model keeps its directions, and its rows stand in the header."""
+    model = tmp_path / "held.toml"
+    system = kg.load(PENDULUM).with_points({"tip": ("lower", (0.7, 0, 0)), "middle": ("lower", (0.3, 0, 0))})
+    held = [kg.Contact(name, point=name, directions=("force1",)) for name in ("middle", "tip")]
+    system.with_contacts(held).save(model)
+    outputs = ("--output", "contact_dynamics", "--output", "contact_forces")
+    kanegen("generate", str(model), "-o", str(tmp_path / "c"), *outputs, "--contacts", "tip")
+    header = (tmp_path / "c" / "double_pendulum.h").read_text()
+    assert "tip: holds point tip by force1\n" in header
+    assert "0  tip.force1  N\n" in header
+    assert "middle.force1" not in header
+    assert "double contact_force[1]" in header
+    told = kanegen("info", str(model)).stdout
+    assert "middle: holds point middle by force1" in told
+    assert json.loads(kanegen("info", str(model), "--json").stdout)["operations"]["contact_forces"]
 
 
 def test_unknown_command_and_missing_folder_get_usage() -> None:

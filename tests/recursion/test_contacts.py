@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 
+import mpmath
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -30,6 +31,7 @@ from tests.support import random_trees, systems
 from tests.support.cases import slow_except
 from tests.support.chains import hinges
 from tests.support.paths import MODELS
+from tests.support.programs import values
 from tests.support.random_contacts import with_contacts
 from tests.support.refinement import rods
 from tests.support.robots import Several, fixed_model, floating_model, places, robot_file
@@ -300,6 +302,21 @@ def test_nearly_dependent_rows_have_a_status(pendulum: kg.Library) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         pendulum.contact_forces([0.3, 0.1], [0.0, 0.0])
+
+
+def test_proven_bounds_hold() -> None:
+    """Errors against the same program in many digits stay below bounds for the whole box."""
+    system = leg().map_numbers(value_of)
+    box = {"x": {"q1": [-0.2, 0.2], "q2": [1.2, 1.4]}, "y": {"angles": [-1.0, 1.0]}}
+    bounds = kg.bound(kg.generate(system, OUTPUTS), box).outputs
+    rng = np.random.default_rng(6)
+    for _ in range(5):
+        inputs = {"x": rng.uniform((-0.2, 1.2), (0.2, 1.4)), "y": rng.uniform(-1, 1, 2), "tau": np.zeros(2)}
+        rounded, exact = (values(system, OUTPUTS, inputs, number) for number in (float, mpmath.mpf))
+        for output, array in zip(OUTPUTS, exact, strict=True):
+            error = np.abs(rounded[array] - exact[array].astype(float))
+            assert (error <= bounds[output]).all()
+            assert (bounds[output] < 1e-10).all()
 
 
 def test_damping_gives_way_and_finds_loads_of_dependent_rows() -> None:
