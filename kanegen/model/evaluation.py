@@ -16,7 +16,7 @@ from typing import Any
 
 from kanegen.errors import ModelError, quoted
 from kanegen.model.expression_text import text_of
-from kanegen.model.nodes import PI, Leaf, Node, Operation, Power, Variable, folded
+from kanegen.model.nodes import COMPARISONS, PI, Leaf, Node, Operation, Power, Variable, folded
 from kanegen.program.constants import MULTIPRECISION, as_fraction
 
 Exact = Any
@@ -26,7 +26,10 @@ LARGEST = Fraction(sys.float_info.max)
 """No part of an expression may be larger: it would be infinite in C."""
 
 VANISHING = 2.0**-300
-"""A sine or cosine that is smaller, of an angle in 320 bits, is zero."""
+"""A sine or cosine that is smaller, or a relative difference, in 320 bits, is zero."""
+
+_COMPARING = (*COMPARISONS, "sign")
+"""Operations whose value jumps where numbers are equal."""
 
 _EXACT: dict[str, Callable[..., Any]] = {
     "+": operator.add,
@@ -150,11 +153,25 @@ def _computed(node: Operation | Power, operands: list[Exact]) -> Exact:
     """
     if isinstance(node, Power):
         return operands[0] ** node.exponent
-    if node.operator in _EXACT:
-        if any(not isinstance(one, Fraction | bool) for one in operands):
-            operands = [one if isinstance(one, bool) else multiprecise(one) for one in operands]
+    if node.operator not in _EXACT:
+        return _function(node.operator, [multiprecise(one) for one in operands])
+    if all(isinstance(one, Fraction | bool) for one in operands):
         return _EXACT[node.operator](*operands)
-    return _function(node.operator, [multiprecise(one) for one in operands])
+    operands = [multiprecise(one) for one in operands]
+    if node.operator in ("+", "-", *_COMPARING) and _are_equal(node.operator, operands):
+        if node.operator in _COMPARING:
+            raise ArithmeticError("compares numbers that differ in no digit, though they need not be equal,")
+        return Fraction(0)
+    return _EXACT[node.operator](*operands)
+
+
+def _are_equal(name: str, operands: list[Any]) -> bool:
+    """Return whether two numbers, or one and zero, are equal up to the rounding of 320 bits."""
+    first, second = operands if len(operands) == 2 else (operands[0], MULTIPRECISION.mpf(0))
+    if name == "+":
+        second = -second
+    largest = max(abs(first), abs(second)) if len(operands) == 2 else 1
+    return bool(abs(first - second) <= VANISHING * largest)
 
 
 def _function(name: str, operands: list[Any]) -> Any:

@@ -13,7 +13,7 @@ from typing import Any
 from kanegen.errors import QUOTED, KanegenWarning, ModelError, counted, excerpt, quoted
 from kanegen.model.evaluation import Exact
 from kanegen.model.expression import Expression, Parameter
-from kanegen.model.finite import finite, listed
+from kanegen.model.finite import finite, is_plain, listed
 from kanegen.model.sympy_numbers import is_sympy
 
 __all__ = [
@@ -63,6 +63,8 @@ def number(value: Any, label: str) -> Number:
     """
     if isinstance(value, Parameter):
         return value
+    if is_plain(value):
+        return finite(value, label)
     if isinstance(value, Fraction) or is_sympy(value):
         try:
             value = Expression.of(value)

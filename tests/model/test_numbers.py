@@ -94,6 +94,9 @@ def test_known_numbers_fold_exactly_and_fractions_stay() -> None:
     assert number(M * 1 + 0, "n") is M
     assert value_of(number(parse_number("0.1*3 - 0.3", {}), "n")) == float(3 * Fraction(0.1) - Fraction(0.3))
     assert value_of(number(parse_number("sin(pi/6)", {}), "n")) == 0.5
+    third = number(parse_number("min(1/3, 1/2) if 2 < 3 and not 3 < 2 else max(7, 1/3)", {}), "n")
+    assert exact_value_of(third) == Fraction(1, 3)
+    assert value_of(number(parse_number("sqrt(2) + sqrt(2) - max(1/3, -1/3)", {}), "n")) == 2.495093791412857
 
 
 @pytest.mark.parametrize(
@@ -151,6 +154,11 @@ def test_parameters_of_numbers() -> None:
         (lambda: number(np.log(L - L), "mass"), "takes the logarithm of a number that is not positive"),
         (lambda: number(np.exp(1e6 * M), "mass"), "is larger than any double"),
         (lambda: number((M * 1e200) * (M * 1e200), "mass"), "is larger than any double"),
+        (
+            lambda: number(kg.parse("1 if sin(1)**2 + cos(1)**2 > 1 else 2"), "mass"),
+            r"mass: .* compares numbers that differ in no digit",
+        ),
+        (lambda: number(kg.parse("1/(sin(1)**2 + cos(1)**2 - 1)"), "mass"), "divides by zero at the default"),
         (lambda: number(kg.parse("2*x.arm.s1"), "mass"), "depends on 'x.arm.s1', but .* on parameters only"),
         (lambda: sum([M] * 300), "more than 200 operations inside each other"),
     ],
@@ -290,3 +298,8 @@ def test_expressions_are_listed_for_people(tmp_path: Path) -> None:
     assert all(f"- `{line}`" in readme for line in listed)
     assert "must not become negative" in readme
     assert "Expressions of parameters" not in kg.generate(system.map_numbers(value_of)).files["README.md"]
+
+
+def test_what_is_zero_in_every_digit_is_zero() -> None:
+    assert number(kg.parse("sin(1)**2 + cos(1)**2 - 1"), "n") == 0.0
+    assert number(kg.parse("sign(sin(1)**2 + cos(1)**2 - 1) + max(sqrt(2), sqrt(2))*0"), "n") == 0.0
