@@ -61,6 +61,10 @@ ELEMENTS: Mapping[str, Sequence[Any]] = {
     ],
     "a condition": [kg.Drive("q", kg.parse("0.7*x.q if x.r + 0.5*x.q > 0.1 else min(y.q, 0.2)"))],
     "angles": [kg.Drive("q", kg.parse("2.5*sin(x.q)**2 + 2.5*cos(x.q)**2 + tan(x.q) - 3*sin(2*x.q)"))],
+    "numbers in angles": [kg.Drive("q", kg.parse("2.5*sin(0.3*x.q + 0.7) + cos(1.5 - 0.25*y.r)*sin(-0.1)"))],
+    "numbers in roots": [
+        kg.Drive("q", kg.parse("sqrt(4*x.q**2 + 0.36) + sqrt(0.04)*abs(-2.5*x.r) + x.q/sqrt(2.25)"))
+    ],
     "quotients": [kg.Drive("r", kg.parse("0.3/(x.r - 1.9) + x.q/(1 + x.q**2) + (x.r + 2.5)**5"))],
     "a potential": [kg.Potential(kg.parse("k*(x.r - 0.1)**2/2 + 0.2*cos(x.q)*x.r", [K]))],
     "a load on a point": [kg.PointLoad("tip", force=(kg.parse("-0.6*y.r"), 0.1, 0), moment=(0, 0, 2.5))],

@@ -72,6 +72,7 @@ def test_a_number_of_the_model_prints_as_it_was_read(value: float) -> None:
         ("2 3.2", False, "1"),
         ("2 3.2", True, "2"),
         ("-2 -2", False, "-2"),
+        ("5 5 2", False, "5"),
         ("4 6", False, "1"),
         ("2 6.4 5.12 2000", True, "2"),
         ("0.24 0.506", True, "1"),

@@ -63,37 +63,39 @@ class Expander:
             return self._product([self.polynomial(argument) for argument in expr.args])
         if expr.is_Pow and expr.exp.is_Rational:
             return self._power(expr.base, expr.exp)
-        if expr.func in (sin, cos) and expr.args[0] in self.sums:
-            return self._of_difference(
-                expr.func, self.sums[expr.args[0]] + expr.args[0], self.sums[expr.args[0]]
-            )
-        is_factor = not expr.args or expr.func in (sin, cos)
-        return {((expr if is_factor else expr.func(*map(self.inside, expr.args)), 1),): Fraction(1)}
+        if expr.func in (sin, cos):
+            return self._of_angle(expr.func, expr.args[0])
+        simple = expr.func(*map(self.inside, expr.args)) if expr.args else expr
+        return _factor(simple) if simple.func is expr.func else self.polynomial(simple)
+
+    def _of_angle(self, function: type[Expr], angle: Expr) -> Polynomial:
+        """Return the sine or cosine of an angle as a polynomial."""
+        if angle in self.sums:
+            return self._of_difference(function, self.sums[angle] + angle, self.sums[angle])
+        simple = function(self.inside(angle) if angle.free_symbols & self.values.keys() else angle)
+        return _factor(simple) if simple.func is function else self.polynomial(simple)
 
     def _power(self, base: Expr, exponent: Rational) -> Polynomial:
         """Return a power as a polynomial: multiplied out, or with the base or its root as a factor."""
-        power, is_whole = int(exponent.p), exponent.q == 1
-        if is_whole and (0 < power <= LARGEST_POWER or (power > 0 and not base.is_Add)):
-            return self._product([self.polynomial(base)] * power)
-        terms = self.polynomial(base)
-        if is_whole and len(terms) == 1:
-            ((term, value),) = terms.items()
-            return {monomial((factor, p * power) for factor, p in term): value**power}
-        factor = Pow(self.inside(base), Rational(1, exponent.q))
-        return (
-            {((factor, power),): Fraction(1)}
-            if factor.free_symbols
-            else {((Pow(factor, power), 1),): Fraction(1)}
-        )
+        power = int(exponent.p)
+        if exponent.q == 1:
+            if 0 < power <= LARGEST_POWER or (power > 0 and not base.is_Add):
+                return self._product([self.polynomial(base)] * power)
+            terms = self.polynomial(base)
+            if len(terms) == 1:
+                ((term, value),) = terms.items()
+                return {monomial((factor, p * power) for factor, p in term): value**power}
+        root = Pow(self.inside(base), Rational(1, exponent.q))
+        if root.is_Mul:  # SymPy takes numbers out of roots
+            return self._product([self.polynomial(Pow(factor, power)) for factor in root.args])
+        return {((root, power),): Fraction(1)} if root.free_symbols else _factor(Pow(root, power))
 
     def _product(self, factors: Iterable[Polynomial]) -> Polynomial:
         """Return the product of polynomials without squares of sines and of signs."""
         product = reduce(lambda a, b: reduced_product(a, b, signed=self.signed), factors)
-        return (
-            add({self._without_squares(term): value} for term, value in product.items())
-            if self.signs
-            else product
-        )
+        if not self.signs:
+            return product
+        return add({self._without_squares(term): value} for term, value in product.items())
 
     def _without_squares(self, term: Monomial) -> Monomial:
         """Return a monomial without even powers of signs."""
@@ -106,6 +108,11 @@ class Expander:
             monomial([(function(a), 1), (cos(b), 1)]): Fraction(1),
             monomial([(other(a), 1), (sin(b), 1)]): Fraction(sign if self.signed else 1),
         }
+
+
+def _factor(expr: Expr) -> Polynomial:
+    """Return the polynomial of one factor, or of a number."""
+    return {(): fraction(expr)} if expr.is_Number else {((expr, 1),): Fraction(1)}
 
 
 def parallel_sums(bodies: tuple[BodyEquations, ...]) -> dict[Expr, Expr]:
