@@ -25,6 +25,7 @@ from kanegen.symbolic.closed.directions import Directions
 from kanegen.symbolic.closed.form import ClosedForm, Simplifier, close
 from kanegen.symbolic.closed.named_numbers import with_named_numbers
 from kanegen.symbolic.definitions import Definition, Definitions
+from kanegen.symbolic.integrals import IntegralOfMotion, Integrals
 from kanegen.symbolic.linear.linearization import linear_model
 from kanegen.symbolic.linear.outputs import Quantity, of_points
 from kanegen.symbolic.linear.state import State, Values
@@ -145,7 +146,12 @@ class Equations:
 
         That of gravity is zero where all mass centres are at the inertial origin.
         """
-        return energies.gravity_energy(self.system, self.bodies) + self._elements.stored_energy
+        return self.gravity_energy + self._elements.stored_energy
+
+    @cached_property
+    def gravity_energy(self) -> Expr:
+        """The part of V from gravity, minus the sum of m g . p_G over the bodies (J)."""
+        return energies.gravity_energy(self.system, self.bodies)
 
     @cached_property
     def generalized_momenta(self) -> ImmutableMatrix:
@@ -166,8 +172,19 @@ class Equations:
 
         Components are inertial.
         """
-        angular = energies.angular_momentum(self.bodies, self._motors, self.mass_center)
+        angular = self.angular_momentum(self.mass_center)
         return ImmutableMatrix.vstack(energies.linear_momentum(self.bodies), angular)
+
+    def angular_momentum(self, about: ImmutableMatrix) -> ImmutableMatrix:
+        """Return the angular momentum of all bodies about a point, (3, 1) (kg m^2/s).
+
+        Args:
+            about: (3, 1) position of the point from the inertial origin, inertial components (m).
+
+        Example:
+            equations.angular_momentum(sympy.zeros(3, 1))[2]
+        """
+        return energies.angular_momentum(self.bodies, self._motors, about)
 
     def point_position(self, name: str) -> ImmutableMatrix:
         """Return {p_P} of a point or frame, Eq. (22), (3, 1), inertial components (m).
@@ -317,6 +334,31 @@ class Equations:
         system, numbers = with_named_numbers(self.system)
         state = State.of(self.system, x, y, tau, prescribed)
         return linear_model(derive(system, intermediates=True), state, numbers.values, inputs, outputs)
+
+    def integrals_of_motion(self) -> tuple[IntegralOfMotion, ...]:
+        """Return what stays constant in every motion without efforts and loads: energy and momenta.
+
+        These are the energy, generalized momenta of ignorable coordinates, and momenta in space, as far as
+        they are proven from the structure and from derivatives that are zero. A motion may have others.
+
+        Raises:
+            OptionError: If there are more than `MOST_FREEDOMS` freedoms.
+
+        Example:
+            for one in kg.derive(kg.load("models/spinning_top.toml")).integrals_of_motion():
+                print(one.name, one.expression, one.reason)
+        """
+        if len(self.y) > MOST_FREEDOMS:
+            raise OptionError(
+                f"system {self.system.name!r} has {len(self.y)} freedoms; integrals of motion are written "
+                f"for at most {MOST_FREEDOMS}."
+            )
+        literal = derive(self.system, intermediates=False)
+        system, numbers = with_named_numbers(self.system)
+        simplifier = Simplifier(literal.bodies, [*literal.y, *self.prescribed[1:, :]], numbers)
+        readable = len(self.x) == len(self.y)  # without quaternions
+        named = derive(system, intermediates=False) if readable else literal
+        return Integrals(self.system, named, simplifier, readable).found()
 
     def lambdify(self) -> NumericEquations:
         """Return NumPy functions of [A] and {f} for small tasks; the library of `kg.build` is faster by far.
