@@ -71,7 +71,7 @@ class Constraints:
         self._definitions: Definitions = solver.tree.definitions
         self._sides = [solver.reduced_wrenches(row.loads, f"_c{i}") for i, row in enumerate(rows, start=1)]
         if rows:
-            self._definitions.about("loads of constraints")
+            self._definitions.about("loads of the held directions")
         self._diagonal: list[Expr] = []
         self._pivots: list[Expr] = []
         self._factors: dict[tuple[int, int], Expr] = {}
@@ -111,7 +111,7 @@ class Constraints:
         """
         define, count = self._definitions.define, len(self.rows)
         if count:
-            self._definitions.about("loads of constraints")
+            self._definitions.about("loads of the held directions")
         right: list[Expr] = []
         for i, (side, gap) in enumerate(zip(self._sides, gaps, strict=True)):
             known = Add(*(self._factors.get((i, j), S.Zero) * right[j] for j in range(i)))
