@@ -54,6 +54,19 @@ def test_prescribed_motion_is_part_of_the_bias(kind: str) -> None:
         agrees(system, prescribed_trees.state(system, seed))
 
 
+def test_rotors_that_prescribed_motion_drives() -> None:
+    """Their spin accelerates, on the ground and in a body that turns."""
+    system = systems.chain(2).with_prescribed(["body2.theta3"])
+    rotors = [
+        kg.Rotor(name, "body2.theta3", (0.3, -0.2, 0.9), 0.01, 20.0, body)
+        for name, body in (("low", "ground"), ("high", "body1"))
+    ]
+    rng = np.random.default_rng(1)
+    given = {"x": rng.normal(size=1), "y": rng.normal(size=1), "prescribed": rng.normal(size=(3, 1))}
+    for mounted in (rotors, rotors[:1], rotors[1:]):
+        agrees(system.with_rotors(*mounted), given)
+
+
 def test_parameters_of_the_call() -> None:
     system = random_trees.everything(4)
     library = kg.build(system, OUTPUTS).with_parameters(changed := random_trees.other_parameters(system, 1))
