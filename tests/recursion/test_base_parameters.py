@@ -128,6 +128,34 @@ def test_special_geometries(free: tuple[str, ...]) -> None:
                 agrees(replace(system, bodies=bodies))
 
 
+def joined(*joints: tuple[int, str], **more: Any) -> kg.System:
+    """Return a tree with a body for each joint: the number of its lower body and the name of its freedom."""
+    count, names = len(joints), [name for _, name in joints]
+    return systems.random_system(
+        np.random.default_rng(5), count, connection=[lower for lower, _ in joints],
+        free=np.array([[name == freedom for freedom in FREEDOMS] for name in names]),
+        orientations=False, locked=False, loads=False, gravity=(0.0, 0.0, -9.81), **more,
+    )  # fmt: skip
+
+
+def test_a_first_moment_that_only_a_mean_shows() -> None:
+    """A slide along the axis of a hinge changes Ixx + Iyy of what it carries, and thereby shows its mz."""
+    system = joined((0, "theta1"), (1, "theta3"), (2, "s3"))
+    bodies = (replace(body, joint=replace(body.joint, position=(0, 0, 0))) for body in system.bodies)
+    base = agrees(replace(system, bodies=tuple(bodies)))
+    assert {"m_3", "mx_3", "my_3", "mz_3"} <= {base.parameters[column] for column in base.columns}
+
+
+@pytest.mark.parametrize("factor", [1.0, -0.4, 2.5])
+def test_couplings_leave_fewer(factor: float) -> None:
+    """Two slides of a hand along one axis that follow each other, and hinges in different branches."""
+    fingers = joined((0, "theta1"), (1, "theta3"), (2, "s2"), (2, "s2"))
+    coupled = fingers.with_couplings(kg.Coupling("body4.s2", {"body3.s2": factor}, 0.1))
+    assert len(agrees(coupled)) < len(agrees(fingers))
+    legs = joined((0, "theta1"), (1, "theta1"), (0, "theta1"), (3, "theta1"))
+    agrees(legs.with_couplings(kg.Coupling("body3.theta1", {"body1.theta1": factor})))
+
+
 def test_published_numbers() -> None:
     """Puma 560 has 36 (Mayeda, Yoshida and Osuka 1990), an arm like Panda's 43 (Gaz et al. 2019).
 
