@@ -19,9 +19,10 @@ intermediates, see [equations.md](equations.md#closed-forms). This page compares
 random states. `python -m benchmarks.closed_forms` writes the page.
 
 An operation is what SymPy's `count_ops` counts: every addition, subtraction, multiplication, division, power,
-change of sign and call of a function. [A] counts on and above its diagonal. Where a textbook names a part,
-such as an inertia about a hinge, the part counts written out. Times are CPU times, the smallest of {rounds}
-rounds in one process, each with an empty cache of SymPy {sympy}; those of kanegen include the model file.
+change of sign and call of a function; numbers cost nothing. [A] counts on and above its diagonal. Where a
+textbook names a part, such as an inertia about a hinge, the part counts written out. Times are CPU times, the
+smallest of {rounds} rounds in one process, each with an empty cache of SymPy {sympy}; those of kanegen
+include the model file.
 
 """
 

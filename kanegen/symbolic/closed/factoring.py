@@ -101,9 +101,7 @@ def _irreducible_factors(element: PolyElement) -> dict[PolyElement, int]:
                 parts[powers[i]] += element.ring({place: value})
             common = parts[0].gcd(parts[1])
             factors = {} if common.is_ground else _irreducible_factors(common)
-            own = element.exquo(common).monic()
-            factors[own] = factors.get(own, 0) + 1
-            return factors
+            return factors | {element.exquo(common).monic(): 1}
     return {factor.monic(): power for factor, power in element.factor_list()[1]}
 
 
