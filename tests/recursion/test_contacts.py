@@ -348,6 +348,25 @@ def test_float() -> None:
     check(system, states, (found[0].astype(float), found[1].astype(float)), 1e-5, tau)
 
 
+@pytest.mark.parametrize("precision", ["double", "float"])
+def test_c_of_a_robot(precision: str) -> None:
+    """A batch is what single states are, and as accurate as the arithmetic and the condition admit."""
+    system, *_ = robot("solo12")
+    library = kg.build(system, OUTPUTS, tier=Variant(precision), flags="-O1", on_status="ignore")
+    states = random_states(system, 6).rounded(FLOAT)
+    tau = forces_of(states).astype(np.float32).astype(float)
+    found = library.contact_dynamics(states.x, states.y, tau), library.contact_forces(states.x, states.y, tau)
+    for i in range(6):
+        alone = library.evaluate(x=states.x[i], y=states.y[i], tau=tau[i])
+        assert np.array_equal(alone.contact_dynamics, found[0][i], equal_nan=True)
+        assert np.array_equal(alone.contact_forces, found[1][i], equal_nan=True)
+    exist = np.isfinite(found[0]).all(axis=1)
+    assert exist.sum() >= 5  # in single precision four feet may hold what three hold already
+    kept = tuple(values[exist].astype(float) for values in found)
+    roundoffs = ROUNDOFFS if precision == "double" else ROUNDOFFS * 2**29
+    check(system, states.chosen(exist), (kept[0], kept[1]), roundoffs, tau[exist])
+
+
 def test_derivatives() -> None:
     """Against differences of fourth order, whose error is about 1e-10."""
     system = leg()
