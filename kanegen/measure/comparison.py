@@ -8,6 +8,8 @@ the reference (`reference.magnitudes`), and D = diag(S_A)^(1/2), which takes the
 - componentwise error: the largest |E_i| / S_i. An entry never exceeds its S_i, and an entry that is small
   because large terms cancel has no relative accuracy in any program, so errors are relative to the terms.
 - bound on the componentwise error: see `reference.magnitudes.rounding_bound`.
+- bound on the normwise error: it follows in every state, as this bound times ||D^-1 S|| over the norm by
+  which the error is divided, which is the cancellation of the terms.
 """
 
 from __future__ import annotations
@@ -43,8 +45,10 @@ from kanegen.reference.states import States, joined, random_states
 __all__ = ["Accuracy", "ComparedLibrary", "Evaluation", "Report", "compare"]
 
 BOUND_REASON = (
-    "The bound is 8 ({count}) 2^-{digits} for N bodies, relative to the magnitudes of an entry's terms: "
-    "rounding grows at most linearly along the tree, and the constants are calibrated."
+    "The bound on componentwise errors is 8 ({count}) 2^-{digits} for N bodies, relative to the magnitudes "
+    "of an entry's terms: rounding grows at most linearly along the tree, and the constants are calibrated. "
+    "Normwise errors are relative to the norm of the output itself, which is small where terms cancel. Their "
+    "bound is the same times the norm of the terms over that of the output, in the state of the largest one."
 )
 """Sentence in which a report says where its bound comes from."""
 
@@ -66,6 +70,7 @@ class ReferenceErrors(Errors):
     """Errors of one output against the reference in B states.
 
     Attributes:
+        normwise_bound: (B,) bounds on the normwise errors, which follow from that on componentwise errors.
         cancellation: (B,) norm of the terms' magnitudes over the norm of their sum.
         finite: (B,) flags of the states with a finite result.
         undefined: (B,) flags of the states in which neither the library nor the reference is finite.
@@ -74,6 +79,7 @@ class ReferenceErrors(Errors):
         reference: (B,) this entry as the reference computed it.
     """
 
+    normwise_bound: Floats
     cancellation: Floats
     finite: Flags
     undefined: Flags
@@ -183,7 +189,8 @@ def reference_errors(
         truth: (B, ...) results of the reference.
         size: (B, ...) magnitudes of the terms of `truth`.
         scale: (B, ...) factors that take the units away.
-        limit: Norm of a `truth` that is nothing but rounding, relative to the norm of `size`.
+        limit: Bound on componentwise errors. A `truth` whose norm is no larger, relative to the norm of
+            `size`, is nothing but rounding.
 
     Raises:
         ArrayError: If `value` has another shape than `truth`.
@@ -201,6 +208,7 @@ def reference_errors(
     return ReferenceErrors(
         normwise=quotient(scaled_norm(difference, scale), compared),
         componentwise=ratio[rows, entry],
+        normwise_bound=quotient(limit * size_norm, compared),
         cancellation=quotient(size_norm, norm),
         finite=np.all(finite, axis=1),
         undefined=~np.all(np.isfinite(value), axis=1) & ~np.all(np.isfinite(truth), axis=1),
@@ -293,6 +301,7 @@ def _accuracy(
     """
     random, every = np.flatnonzero(kept[:states]), np.flatnonzero(kept)
     worst = int(every[errors.componentwise[every].argmax()])
+    largest = int(every[errors.normwise[every].argmax()])
     names = system.speed_names
     shape = (len(names),) * (2 if output == "mass_matrix" else 1)
     entry = [names[i] for i in np.unravel_index(int(errors.entry[worst]), shape)]
@@ -300,6 +309,7 @@ def _accuracy(
         output=output,
         normwise=float(errors.normwise[every].max()),
         normwise_median=float(np.median(errors.normwise[random])),
+        normwise_bound=float(errors.normwise_bound[largest]),
         componentwise=float(errors.componentwise[every].max()),
         componentwise_median=float(np.median(errors.componentwise[random])),
         cancellation=float(errors.cancellation[random].max()),

@@ -182,6 +182,41 @@ def test_the_worst_state_can_be_computed_again() -> None:
     assert json.loads(json.dumps(report.as_dict()))["accuracies"][1]["worst"]["x"] == list(forcing.x)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_each_error_stands_beside_its_own_bound(seed: int) -> None:
+    """An error by a share s of the terms is s componentwise, and s times the cancellation normwise."""
+    system = systems.random_system(np.random.default_rng(seed), 3, free=np.ones((3, 6), bool))
+    share = 0.9 * rounding_bound(3)
+
+    class Shifted(Library):
+        def forcing(self, x: Numbers, y: Numbers, *loads: Any, **named: Any) -> Numbers:
+            arrays = self.system.values()
+            maxima = path_maxima(arrays, kinematics(arrays, x, y), y)
+            shift = share * forcing_magnitude(arrays, maxima, named.get("force"), named.get("torque"))
+            return super().forcing(x, y, *loads, **named) + shift
+
+    report = compare(system, Shifted(system), states=40)
+    matrix, forcing = report.accuracies
+    assert report.passed
+    assert forcing.componentwise == pytest.approx(share, rel=0.1)
+    assert 0.8 * forcing.normwise_bound < forcing.normwise <= forcing.normwise_bound
+    assert forcing.normwise > forcing.bound < forcing.normwise_bound
+    assert matrix.normwise <= matrix.normwise_bound
+    head, *rows = (line.split() for line in report.table().splitlines())
+    assert head == ["output", "error", "max", "median", "bound"]
+    kinds = [row[-5:] for row in rows]
+    assert kinds[2] == [
+        "componentwise",
+        *(f"{v:.1e}" for v in (forcing.componentwise, forcing.componentwise_median, forcing.bound)),
+        "ok",
+    ]
+    assert kinds[3] == [
+        "normwise",
+        *(f"{v:.1e}" for v in (forcing.normwise, forcing.normwise_median, forcing.normwise_bound)),
+        "ok",
+    ]
+
+
 def test_normwise_error_is_relative_and_has_no_units() -> None:
     for size in (1e-3, 1.0, 1e4):
         system = systems.random_system(np.random.default_rng(3), 3, free=np.ones((3, 6), bool), size=size)
