@@ -28,6 +28,7 @@ from tests.support.cases import slow_except
 from tests.support.chains import bushes, gimbals, hinges
 from tests.support.robots import robot_file
 from tests.support.rod_on_light_links import ROUNDOFF, X, rod_on_light_links
+from tests.support.status_search import TREES
 
 NAME = "mass_matrix_inverse"
 
@@ -196,6 +197,22 @@ def test_no_large_error_is_silent(solver: str, together: bool) -> None:
     errors = np.array([error_in_wide_precision(system, *one) for one in zip(x, found, strict=True)])
     assert errors.max() > LARGEST_ACCEPTED_ERROR * ROUNDOFF  # the test can fail
     assert (errors[~reported] <= LARGEST_ACCEPTED_ERROR * ROUNDOFF).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_search_for_large_errors_without_a_status(seed: int) -> None:
+    """Arms, elbows, wrists and chains with masses of many sizes, straight and bent."""
+    rng = np.random.default_rng(seed)
+    system = TREES[seed % len(TREES)](rng, rng.choice([3.0, 6.0]))
+    n = len(system.freedoms)
+    x = rng.uniform(-3, 3, (40, n)) * rng.choice([1.0, 0.1, 0.01], (40, n))
+    for solver in ("cheapest", "factorisation"):
+        library = kg.build(system, (NAME,), tier=Variant(solver=solver), on_status="ignore")
+        pairs = zip(x, library.mass_matrix_inverse(x), statuses(library, x), strict=True)
+        silent = [(one, found) for one, found, reported in pairs if not reported]
+        errors = [error_in_wide_precision(system, *pair) for pair in silent]
+        assert max(errors, default=0.0) <= LARGEST_ACCEPTED_ERROR * ROUNDOFF
 
 
 def statuses(library: kg.Library, x: Floats) -> NDArray[np.bool_]:
