@@ -252,7 +252,7 @@ def operations(system: kg.System) -> int:
     [
         ("ur5_robot", False, 360),
         ("panda", False, 890),
-        pytest.param("talos_reduced", True, 17700, marks=pytest.mark.slow),
+        pytest.param("talos_reduced", True, 17665, marks=pytest.mark.slow),
     ],
 )
 def test_operations_with_those_of_the_mass_matrix(robot: str, floating: bool, limit: int) -> None:

@@ -295,9 +295,9 @@ def test_six_parallel_hinges_are_refused() -> None:
 @pytest.mark.parametrize(
     ("robot", "frame", "limit"),
     [
-        ("ur5_robot", "tool0", 1060),
-        ("panda", "panda_hand", 1580),
-        pytest.param("talos_reduced", "gripper_left_fingertip_3_link", 10500, marks=pytest.mark.slow),
+        ("ur5_robot", "tool0", 1055),
+        ("panda", "panda_hand", 1570),
+        pytest.param("talos_reduced", "gripper_left_fingertip_3_link", 6425, marks=pytest.mark.slow),
     ],
 )
 def test_operations_with_those_of_the_mass_matrix(robot: str, frame: str, limit: int) -> None:
