@@ -28,6 +28,24 @@ def equations(
         str,
         typer.Option("--format", metavar="FORMAT", help="Form of the text: text, markdown, latex, python."),
     ] = "text",
+    only: Annotated[
+        str | None,
+        typer.Option(
+            "--only",
+            metavar="PART",
+            help="Print nothing else: blocks (3 x 3 blocks, by the numbers of the notes), definitions (named "
+            "intermediates, [A] and {f} in them), closed (the closed form).",
+        ),
+    ] = None,
+    body: Annotated[
+        str | None,
+        typer.Option(
+            "--body",
+            metavar="BODY",
+            help="Print the equations of one body, by its name or number: its blocks, its definitions, and "
+            "the rows of [A] and {f} of its freedoms.",
+        ),
+    ] = None,
     symbolic: Annotated[
         bool,
         typer.Option(
@@ -45,7 +63,7 @@ def equations(
     points: Points = None,
     loads: Loads = None,
 ) -> None:
-    """Print the equations of motion of MODEL: in closed form for a small tree, else by named definitions."""
+    """Print the equations of motion of MODEL: closed forms of a small tree, else blocks and definitions."""
     from kanegen import compiler
     from kanegen.symbolic.printing import render
 
@@ -56,5 +74,5 @@ def equations(
     with progress() as report:
         derived = compiler.derive(system, progress=report)
         report("printing")
-        text = render(derived, format_)
+        text = render(derived, format_, only=only, body=body)
     typer.echo(text, nl=False)

@@ -58,14 +58,16 @@ QUANTITIES = {
         "joint_{K}", r"[C_{{{K}}}]_{{{I}}}", "constant orientation of the joint frame", Index.ENTRY
     ),
     "relative_rotation": Quantity(
-        "R_{J}_{K}", r"{{}}^{{{J}}}R_{{{K},{I}}}", "rotation from the lower body, Eq. (4)", Index.ENTRY
+        "R_{J}_{K}", r"[{{}}^{{{J}}}R_{{{K}}}]_{{{I}}}", "rotation from the lower body, Eq. (4)", Index.ENTRY
     ),
-    "rotation": Quantity("R_{K}", r"R_{{{K},{I}}}", "rotation from the inertial frame, Eq. (5)", Index.ENTRY),
+    "rotation": Quantity(
+        "R_{K}", r"[R_{{{K}}}]_{{{I}}}", "rotation from the inertial frame, Eq. (5)", Index.ENTRY
+    ),
     "angle_rate_matrix": Quantity(
-        "P_{K}", r"\hat{{P}}_{{{K},{I}}}", "angle-rate matrix, Eq. (17)", Index.ENTRY
+        "P_{K}", r"[\hat{{P}}_{{{K}}}]_{{{I}}}", "angle-rate matrix, Eq. (17)", Index.ENTRY
     ),
     "angle_rate_matrix_rate": Quantity(
-        "Pdot_{K}", r"\dot{{\hat{{P}}}}_{{{K},{I}}}", "its time derivative, Eq. (20)", Index.ENTRY
+        "Pdot_{K}", r"[\dot{{\hat{{P}}}}_{{{K}}}]_{{{I}}}", "its time derivative, Eq. (20)", Index.ENTRY
     ),
     "offset": Quantity("d_{K}", r"d_{{{K},{I}}}", "from O_J to O_K in J, Eq. (22)", Index.COMPONENT),
     "offset_rate": Quantity(
@@ -133,13 +135,13 @@ QUANTITIES = {
     ),
     "net_force": Quantity(
         "Fnet_{K}",
-        r"F^{{*}}_{{{K},{I}}}",
+        r"{{F'}}_{{\mathrm{{net}},{K},{I}}}",
         "force less mass times the acceleration without {ydot}, Eq. (39)",
         Index.COMPONENT,
     ),
     "net_torque": Quantity(
         "Mnet_{K}",
-        r"M^{{*}}_{{{K},{I}}}",
+        r"{{M'}}_{{\mathrm{{net}},{K},{I}}}",
         "torque less the inertia torque without {ydot}, Eqs. (40), (41)",
         Index.COMPONENT,
     ),

@@ -7,34 +7,25 @@ from enum import Enum
 
 
 class Kind(Enum):
-    """The kinds of factors by text and LaTeX, with {K} for the body and {J} for its lower body."""
+    """The kinds of factors by text, with {K} for the body and {J} for its lower body."""
 
-    ROTATION = "[^{J}R_{K}]", r"[{{}}^{{{J}}}R_{{{K}}}]"
-    ROTATION_FROM_GROUND = "[R_{K}]", r"[R_{{{K}}}]"
-    ANGLE_RATE_MATRIX = "[P̂_{K}]", r"[\hat{{P}}_{{{K}}}]"
-    ANGLE_RATE_MATRIX_RATE = "[Ṗ̂_{K}]", r"[\dot{{\hat{{P}}}}_{{{K}}}]"
-    RELATIVE_OMEGA_TILDE_T = "[^{J}ω̃'_{K}]^T", r"[{{}}^{{{J}}}\tilde{{\omega}}'_{{{K}}}]^T"
-    OMEGA_TILDE_T = "[ω̃'_{K}]^T", r"[\tilde{{\omega}}'_{{{K}}}]^T"
-    OMEGA_TILDE = "[ω̃'_{K}]", r"[\tilde{{\omega}}'_{{{K}}}]"
-    OFFSET_TILDE = "([q̃'_{K}]+[s̃'_{K}])", r"([\tilde{{q}}'_{{{K}}}]+[\tilde{{s}}'_{{{K}}}])"
-    OFFSET_RATE_TILDE = "[ṡ̃'_{K}]", r"[\dot{{\tilde{{s}}}}'_{{{K}}}]"
-    MASS_CENTER_TILDE = "[r̃'_{K}]", r"[\tilde{{r}}'_{{{K}}}]"
-    IDENTITY = "[I]", "[I]"
-    JOINT_ORIENTATION_T = "[C_{K}]^T", r"[C_{{{K}}}]^T"
-    JOINT_POSITION = "{{q'_{K}}}", r"\lbrace q'_{{{K}}}\rbrace "
-    TRANSLATION = "{{s'_{K}}}", r"\lbrace s'_{{{K}}}\rbrace "
-    TRANSLATION_RATE = "{{ṡ'_{K}}}", r"\lbrace \dot{{s}}'_{{{K}}}\rbrace "
-    MASS_CENTER = "{{r'_{K}}}", r"\lbrace r'_{{{K}}}\rbrace "
-
-    @property
-    def text(self) -> str:
-        """The template in plain text."""
-        return str(self.value[0])
-
-    @property
-    def latex(self) -> str:
-        """The template in LaTeX."""
-        return str(self.value[1])
+    ROTATION = "[^{J}R_{K}]"
+    ROTATION_FROM_GROUND = "[R_{K}]"
+    ANGLE_RATE_MATRIX = "[P̂_{K}]"
+    ANGLE_RATE_MATRIX_RATE = "[Ṗ̂_{K}]"
+    RELATIVE_OMEGA = "{{ω̂'_{K}}}"
+    RELATIVE_OMEGA_TILDE_T = "[^{J}ω̃'_{K}]^T"
+    OMEGA_TILDE_T = "[ω̃'_{K}]^T"
+    OMEGA_TILDE = "[ω̃'_{K}]"
+    OFFSET_TILDE = "([q̃'_{K}]+[s̃'_{K}])"
+    OFFSET_RATE_TILDE = "[ṡ̃'_{K}]"
+    MASS_CENTER_TILDE = "[r̃'_{K}]"
+    IDENTITY = "[I]"
+    JOINT_ORIENTATION_T = "[C_{K}]^T"
+    JOINT_POSITION = "{{q'_{K}}}"
+    TRANSLATION = "{{s'_{K}}}"
+    TRANSLATION_RATE = "{{ṡ'_{K}}}"
+    MASS_CENTER = "{{r'_{K}}}"
 
 
 @dataclass(frozen=True)
@@ -53,11 +44,7 @@ class Factor:
 
     def text(self) -> str:
         """Return the factor in plain text, such as `[^1R_2]`."""
-        return self.kind.text.format(K=self.body, J=self.lower)
-
-    def latex(self) -> str:
-        """Return the factor in LaTeX, such as `[{}^{1}R_{2}]`."""
-        return self.kind.latex.format(K=self.body, J=self.lower)
+        return str(self.kind.value.format(K=self.body, J=self.lower))
 
 
 @dataclass(frozen=True)
@@ -74,12 +61,6 @@ class Product:
         """Return the factors side by side in plain text, a sum in parentheses."""
         return "".join(f"({f.text()})" if isinstance(f, Sum) else f.text() for f in self.factors)
 
-    def latex(self) -> str:
-        """Return the factors side by side in LaTeX, a sum in parentheses."""
-        return "".join(
-            rf"\left({f.latex()}\right)" if isinstance(f, Sum) else f.latex() for f in self.factors
-        )
-
 
 @dataclass(frozen=True)
 class Row:
@@ -95,23 +76,13 @@ class Row:
 
     def text(self) -> str:
         """Return the blocks in brackets in plain text; a half of zeros is one block."""
-        return f"[{', '.join(self._parts('text'))}]"
-
-    def latex(self) -> str:
-        """Return the blocks in brackets in LaTeX; a half of zeros is one block."""
-        return rf"\left[{', '.join(self._parts('latex'))}\right]"
-
-    def _parts(self, form: str) -> list[str]:
-        """Return the printed blocks; `form` is "text" or "latex"."""
-        halves = (self.blocks[: self.bodies], self.blocks[self.bodies :])
         parts: list[str] = []
-        for half in halves:
+        for half in (self.blocks[: self.bodies], self.blocks[self.bodies :]):
             if half and not any(half):
-                width = 3 * self.bodies
-                parts.append(f"[0]_{{3x{width}}}" if form == "text" else rf"[0]_{{3\times {width}}}")
+                parts.append(f"[0]_{{3x{3 * self.bodies}}}")
             else:
-                parts += ["[0]" if block is None else getattr(block, form)() for block in half]
-        return parts
+                parts += ["[0]" if block is None else block.text() for block in half]
+        return f"[{', '.join(parts)}]"
 
 
 @dataclass(frozen=True)
@@ -126,24 +97,12 @@ class Sum:
 
     def text(self) -> str:
         """Return the terms in one line of plain text."""
-        return self._joined([term.text() for _, term in self.terms])
+        return " ".join(self.lines())
 
-    def latex(self) -> str:
-        """Return the terms in one line of LaTeX."""
-        return self._joined([term.latex() for _, term in self.terms])
-
-    def lines(self, form: str = "text") -> list[str]:
-        """Return a line for each term with its sign, + omitted in the first; `form` is "text" or "latex"."""
-        printed = [f"{'+' if sign > 0 else '-'} {getattr(term, form)()}" for sign, term in self.terms]
+    def lines(self) -> list[str]:
+        """Return a line of plain text for each term with its sign, + omitted in the first."""
+        printed = [f"{'+' if sign > 0 else '-'} {term.text()}" for sign, term in self.terms]
         return [printed[0].removeprefix("+ "), *printed[1:]] if printed else ["0"]
-
-    def _joined(self, terms: list[str]) -> str:
-        """Return printed terms with their signs in one line."""
-        if not terms:
-            return "0"
-        signs = ["" if sign > 0 else "-" for sign, _ in self.terms[:1]]
-        signs += [" + " if sign > 0 else " - " for sign, _ in self.terms[1:]]
-        return "".join(sign + term for sign, term in zip(signs, terms, strict=True))
 
 
 Term = Factor | Product | Row | Sum

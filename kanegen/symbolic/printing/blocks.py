@@ -3,8 +3,9 @@
     Blocks(system).partial_angular_velocity(3).text()
     # [[^2R_3][^1R_2][P̂_1], [^2R_3][P̂_2], [P̂_3], [0], ...]
 
-A block without a free freedom is [0]. For a joint frame that is turned, [s̃'_K] is made of the J components
-[C_K]^T {s'_K}, and [C_K]^T replaces [I].
+A block without a free freedom is [0]. Coupled freedoms have blocks as if they were free; their columns, times
+their factors, add to those of the freedoms that they follow. For a joint frame that is turned, [s̃'_K] is made
+of the J components [C_K]^T {s'_K}, and [C_K]^T replaces [I].
 """
 
 from __future__ import annotations
@@ -15,10 +16,6 @@ from dataclasses import dataclass
 from kanegen.model.joint import IDENTITY
 from kanegen.model.system import System
 from kanegen.symbolic.printing.block_terms import Factor, Kind, Product, Row, Sum, Term, product, times, total
-from kanegen.symbolic.printing.statements import PrintedStatement, Section
-
-MOST_BODIES_IN_BLOCKS = 16
-"""Number of bodies up to which rows of blocks, two for each body, help a reader."""
 
 GROUND = 0
 """Number of the ground among the lower bodies."""
@@ -44,11 +41,31 @@ class Blocks:
 
     system: System
 
+    def angular_velocity(self, k: int) -> Sum:
+        """Return {omega'_K}, the angular velocity of K in K components, Eq. (11)."""
+        j = self.lower(k)
+        own = self._factor(Kind.RELATIVE_OMEGA, k) if self.turns(k) else NOTHING
+        below = NOTHING if j == GROUND else self.angular_velocity(j)
+        return total(product(self._rotation(k), below), own) if below.terms else total(own)
+
+    def relative_partial_angular_velocity(self, k: int, kind: Kind = Kind.ANGLE_RATE_MATRIX) -> Sum:
+        """Return [omega_hat'_K,y1], which is zero but for block K, Eq. (16), or its time derivative."""
+        if not self.turns_freely(k):
+            return NOTHING
+        if self.has_angular_velocity_speeds(k):
+            kind = Kind.IDENTITY
+        return self._unit_row(self._factor(kind, k), k, half=0)
+
+    def relative_partial_velocity(self, k: int) -> Sum:
+        """Return [^Jv'_OK,y], the partial velocities of O_K in J, Eqs. (29), (30)."""
+        unit = self._in_lower_components(k, Kind.IDENTITY)
+        return self._unit_row(unit, k, half=1) if self.slides_freely(k) else NOTHING
+
     def position_of_origin(self, k: int) -> Sum:
         """Return {p'_OK}, the position of O_K in K components, Eq. (22)."""
-        j = self._lower(k)
+        j = self.lower(k)
         below = NOTHING if j == GROUND else self.position_of_origin(j)
-        return total(product(self._rotation(k), total(below, self._offset(k))))
+        return total(product(self._rotation(k), total(below, self.offset(k))))
 
     def position_of_center(self, k: int) -> Sum:
         """Return {p'_GK}, the position of G_K in K components, Eq. (23)."""
@@ -56,11 +73,11 @@ class Blocks:
 
     def velocity_of_origin(self, k: int) -> Sum:
         """Return {v'_OK}, the velocity of O_K in J components, Eq. (25)."""
-        j = self._lower(k)
-        rate = total(self._in_lower_components(k, Kind.TRANSLATION_RATE)) if self._slides(k) else NOTHING
+        j = self.lower(k)
+        rate = self.translation_rate(k) if self.slides(k) else NOTHING
         if j == GROUND:
             return rate
-        return total(self._carried(j), rate, self._swung(j, self._offset(k)))
+        return total(self._carried(j), rate, self._swung(j, self.offset(k)))
 
     def velocity_of_center(self, k: int) -> Sum:
         """Return {v'_GK}, the velocity of G_K in K components, Eq. (27)."""
@@ -70,17 +87,18 @@ class Blocks:
         """Return [omega'_K,y1], the partial angular velocities in N blocks, Eq. (15)."""
         blocks: list[Term | None] = [None] * self.system.number_of_bodies
         prefix: tuple[Factor, ...] = ()
-        for body in self._path(k):
-            if self._turns_freely(body):
+        for body in self.path(k):
+            if self.turns_freely(body):
                 blocks[body - 1] = self._turned_rates(prefix, body)
             prefix = (*prefix, self._rotation(body))
         return Row(tuple(blocks), len(blocks))
 
     def partial_angular_velocity_rate(self, k: int) -> Sum:
         """Return the time derivative of [omega'_K,y1], Eq. (20)."""
-        changes = self._turns_freely(k) and not self._has_angular_velocity_speeds(k)
-        own = self._unit_row(self._factor(Kind.ANGLE_RATE_MATRIX_RATE, k), k, half=0) if changes else NOTHING
-        j = self._lower(k)
+        own = NOTHING
+        if not self.has_angular_velocity_speeds(k):
+            own = self.relative_partial_angular_velocity(k, Kind.ANGLE_RATE_MATRIX_RATE)
+        j = self.lower(k)
         if j == GROUND:
             return total(own)
         carried = times((self._rotation(k),), self.partial_angular_velocity_rate(j))
@@ -88,9 +106,8 @@ class Blocks:
 
     def partial_velocity_of_origin(self, k: int) -> Sum:
         """Return [v'_OK,y], the partial velocities of O_K in J components, in 2N blocks, Eqs. (28)-(30)."""
-        unit = self._in_lower_components(k, Kind.IDENTITY)
-        own = self._unit_row(unit, k, half=1) if self._slides_freely(k) else NOTHING
-        j = self._lower(k)
+        own = self.relative_partial_velocity(k)
+        j = self.lower(k)
         if j == GROUND:
             return _both_halves(total(own))
         carried = times((self._rotation(j),), self.partial_velocity_of_origin(j))
@@ -105,13 +122,13 @@ class Blocks:
 
     def partial_velocity_of_origin_rate(self, k: int) -> Sum:
         """Return the time derivative of [v'_OK,y] in J components, Eq. (35)."""
-        j = self._lower(k)
+        j = self.lower(k)
         if j == GROUND:
             return NOTHING
         carried = times((self._rotation(j),), self.partial_velocity_of_origin_rate(j))
         turned = self._turning(j, self.partial_velocity_of_origin(j))
         sliding = NOTHING
-        if self._slides(k):
+        if self.slides(k):
             sliding = times((self._factor(Kind.OFFSET_RATE_TILDE, k),), self._angular_row(j), sign=-1)
         rate = self.partial_angular_velocity_rate(j)
         swung = times((self._factor(Kind.OFFSET_TILDE, k),), rate, sign=-1)
@@ -127,22 +144,22 @@ class Blocks:
 
     def _factor(self, kind: Kind, k: int) -> Factor:
         """Return the factor of a kind for body k."""
-        return Factor(kind, k, self._lower(k))
+        return Factor(kind, k, self.lower(k))
 
     def _rotation(self, k: int) -> Factor:
         """Return [^J R_K], or [R_K] for a body on the ground."""
-        return self._factor(Kind.ROTATION_FROM_GROUND if self._lower(k) == GROUND else Kind.ROTATION, k)
+        return self._factor(Kind.ROTATION_FROM_GROUND if self.lower(k) == GROUND else Kind.ROTATION, k)
 
     def _turning(self, k: int, terms: Sum) -> Sum:
         """Return the product of the time derivative of [^J R_K], Eq. (7), and `terms`."""
-        if not self._turns(k):
+        if not self.turns(k):
             return NOTHING
-        omega = Kind.OMEGA_TILDE_T if self._lower(k) == GROUND else Kind.RELATIVE_OMEGA_TILDE_T
+        omega = Kind.OMEGA_TILDE_T if self.lower(k) == GROUND else Kind.RELATIVE_OMEGA_TILDE_T
         return times((self._factor(omega, k), self._rotation(k)), terms)
 
     def _turned_rates(self, prefix: tuple[Factor, ...], k: int) -> Term:
         """Return rotations times [P_K], which is the identity for speeds of an angular velocity."""
-        if self._has_angular_velocity_speeds(k):
+        if self.has_angular_velocity_speeds(k):
             return product(*prefix) if prefix else self._factor(Kind.IDENTITY, k)
         return product(*prefix, self._factor(Kind.ANGLE_RATE_MATRIX, k))
 
@@ -153,11 +170,15 @@ class Blocks:
         back = self._factor(Kind.JOINT_ORIENTATION_T, k)
         return back if kind is Kind.IDENTITY else product(back, self._factor(kind, k))
 
-    def _offset(self, k: int) -> Sum:
+    def translation_rate(self, k: int) -> Sum:
+        """Return {sdot'_K} in J components, the second term of Eq. (25)."""
+        return total(self._in_lower_components(k, Kind.TRANSLATION_RATE))
+
+    def offset(self, k: int) -> Sum:
         """Return {q'_K} + {s'_K}, without a zero {q'_K} on the ground: the notes define q'_1 = 0."""
         joint = self.system.bodies[k - 1].joint
         translation = total(self._in_lower_components(k, Kind.TRANSLATION))
-        if self._lower(k) == GROUND and not any(joint.position):
+        if self.lower(k) == GROUND and not any(joint.position):
             return translation
         return total(self._factor(Kind.JOINT_POSITION, k), translation)
 
@@ -168,7 +189,7 @@ class Blocks:
 
     def _swung(self, k: int, arm: Term) -> Sum:
         """Return the cross product of the angular velocity of K and an arm, no term if K never turns."""
-        if not any(self._turns(body) for body in self._path(k)):
+        if not any(self.turns(body) for body in self.path(k)):
             return NOTHING
         return total(product(self._factor(Kind.OMEGA_TILDE, k), arm))
 
@@ -184,35 +205,40 @@ class Blocks:
         blocks[count * half + k - 1] = block
         return total(Row(tuple(blocks), count))
 
-    def _lower(self, k: int) -> int:
-        """Return the number of the lower body of body k."""
+    def lower(self, k: int) -> int:
+        """Return the number of the lower body of body k, 0 for the ground."""
         return self.system.connection[k - 1]
 
-    def _path(self, k: int) -> Iterator[int]:
+    def path(self, k: int) -> Iterator[int]:
         """Yield body k, its lower body, and so on to the ground."""
         while k != GROUND:
             yield k
-            k = self._lower(k)
+            k = self.lower(k)
 
-    def _turns(self, k: int) -> bool:
+    def turns(self, k: int) -> bool:
         """Return whether any angle of body k moves, free or prescribed."""
         return any(self.system.bodies[k - 1].joint.moving[:FIRST_TRANSLATION])
 
-    def _turns_freely(self, k: int) -> bool:
-        """Return whether any angle of body k is free."""
-        return any(self.system.bodies[k - 1].joint.free[:FIRST_TRANSLATION])
+    def turns_freely(self, k: int) -> bool:
+        """Return whether any angle of body k is free or coupled."""
+        return any(self._with_columns(k)[:FIRST_TRANSLATION])
 
-    def _has_angular_velocity_speeds(self, k: int) -> bool:
+    def has_angular_velocity_speeds(self, k: int) -> bool:
         """Return whether the speeds of body k are its relative angular velocity."""
         return not self.system.bodies[k - 1].joint.speeds_are_rates
 
-    def _slides(self, k: int) -> bool:
+    def slides(self, k: int) -> bool:
         """Return whether any translation of body k moves, free or prescribed."""
         return any(self.system.bodies[k - 1].joint.moving[FIRST_TRANSLATION:])
 
-    def _slides_freely(self, k: int) -> bool:
-        """Return whether any translation of body k is free."""
-        return any(self.system.bodies[k - 1].joint.free[FIRST_TRANSLATION:])
+    def slides_freely(self, k: int) -> bool:
+        """Return whether any translation of body k is free or coupled."""
+        return any(self._with_columns(k)[FIRST_TRANSLATION:])
+
+    def _with_columns(self, k: int) -> list[bool]:
+        """Return which freedoms of body k have columns: free ones, and coupled ones, which add to others."""
+        joint = self.system.bodies[k - 1].joint
+        return [*map(any, zip(joint.free, joint.coupled, strict=True))]
 
 
 def _both_halves(terms: Sum) -> Sum:
@@ -227,39 +253,3 @@ def _continued(term: Term) -> Term:
     if not isinstance(row, Row) or len(row.blocks) > row.bodies:
         return term
     return product(*factors[:-1], Row(row.blocks + (None,) * row.bodies, row.bodies))
-
-
-def body_sections(system: System) -> Iterator[Section]:
-    """Yield a section for each body in blocks, unless there are too many bodies."""
-    if system.number_of_bodies > MOST_BODIES_IN_BLOCKS:
-        return
-    blocks = Blocks(system)
-    for k, body in enumerate(system.bodies, start=1):
-        statements = (*_one_line_statements(blocks, k), *_many_line_statements(blocks, k))
-        yield Section(f"Body {k} ({body.name}) in blocks", "Blocks are 3 x 3.", statements)
-
-
-def _one_line_statements(blocks: Blocks, k: int) -> Iterator[PrintedStatement]:
-    """Yield the equations of body k that take one line each."""
-    columns: list[tuple[str, str, Term]] = [
-        ("{p'_G%d}", r"\lbrace p'_{G_{%d}} \rbrace", blocks.position_of_center(k)),
-        ("{v'_O%d}", r"\lbrace v'_{O_{%d}} \rbrace", blocks.velocity_of_origin(k)),
-        ("{v'_G%d}", r"\lbrace v'_{G_{%d}} \rbrace", blocks.velocity_of_center(k)),
-        ("[ω'_%d,y1]", r"[\omega'_{%d,y_1}]", blocks.partial_angular_velocity(k)),
-    ]
-    for plain, formula, value in columns:
-        yield PrintedStatement(f"{plain % k} = {value.text()}", formula % k, (value.latex(),))
-
-
-def _many_line_statements(blocks: Blocks, k: int) -> Iterator[PrintedStatement]:
-    """Yield the equations of body k that take a line for each of their terms."""
-    rows: list[tuple[str, str, Sum]] = [
-        ("[ω̇'_%d,y1]", r"[\dot{\omega}'_{%d,y_1}]", blocks.partial_angular_velocity_rate(k)),
-        ("[v'_O%d,y]", r"[v'_{O_{%d},y}]", blocks.partial_velocity_of_origin(k)),
-        ("[v̇'_O%d,y]", r"[\dot{v}'_{O_{%d},y}]", blocks.partial_velocity_of_origin_rate(k)),
-        ("[v'_G%d,y]", r"[v'_{G_{%d},y}]", blocks.partial_velocity_of_center(k)),
-        ("[v̇'_G%d,y]", r"[\dot{v}'_{G_{%d},y}]", blocks.partial_velocity_of_center_rate(k)),
-    ]
-    for plain, formula, terms in rows:
-        text_lines = "\n    ".join([f"{plain % k} =", *terms.lines()])
-        yield PrintedStatement(text_lines, formula % k, tuple(terms.lines("latex")))

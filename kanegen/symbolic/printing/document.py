@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from itertools import accumulate, groupby
+from dataclasses import dataclass, replace
+from itertools import groupby
 
 from sympy import ImmutableMatrix, Symbol
 
@@ -12,10 +12,19 @@ from kanegen.errors import counted
 from kanegen.model.system import System
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import Equations
-from kanegen.symbolic.printing.blocks import body_sections
-from kanegen.symbolic.printing.printers import escaped, latex, latex_names, text
+from kanegen.symbolic.printing.block_rows import BodyRows, system_rows
+from kanegen.symbolic.printing.printers import (
+    LINE,
+    escaped,
+    latex,
+    latex_matrix,
+    latex_names,
+    matrix_width,
+    text,
+)
 from kanegen.symbolic.printing.statements import (
     Equation,
+    Part,
     PrintedStatement,
     Section,
     Statement,
@@ -24,8 +33,8 @@ from kanegen.symbolic.printing.statements import (
 )
 from kanegen.symbolic.symbols import expression, parameter
 
-SHORT_MATRIX = 600
-"""Number of characters of LaTeX up to which a matrix is printed whole; a longer one is printed by entries."""
+MOST_ENTRIES = 36
+"""Number of entries up to which a matrix may be printed whole; a longer one is printed by entries."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +52,30 @@ class Document:
     sections: tuple[Section, ...]
 
 
-def document(equations: Equations, form: ClosedForm) -> Document:
+@dataclass(frozen=True)
+class Extent:
+    """What of a document is wanted.
+
+    Attributes:
+        parts: Parts of the document.
+        body: Number of the body that it is about, from 1; 0 for all bodies and the system.
+    """
+
+    parts: frozenset[Part] = frozenset(Part)
+    body: int = 0
+
+    def has(self, section: Section) -> bool:
+        """Return whether a section is wanted."""
+        return section.part in self.parts and self.body in (0, section.body)
+
+
+def document(equations: Equations, form: ClosedForm, extent: Extent) -> Document:
     """Return a document of [A] and {f}, and of the definitions that they need.
 
     Args:
         equations: The equations to which [A] and {f} belong.
         form: [A] and {f}, with or without intermediates.
+        extent: What of it is wanted.
     """
     system = equations.system
     n, count = len(equations.y), system.number_of_bodies
@@ -56,7 +83,7 @@ def document(equations: Equations, form: ClosedForm) -> Document:
     return Document(
         f"{system.name}: {bodies}, {freedoms}",
         f"Equations of motion [A]{{ydot}} = {{f}}, with {kinematic_relation(system)}. SI units.",
-        tuple(_sections(equations, form)),
+        tuple(section for section in _sections(equations, form, extent) if extent.has(section)),
     )
 
 
@@ -65,10 +92,22 @@ def kinematic_relation(system: System) -> str:
     return "{xdot} = {y}" if system.speeds_are_rates else "{xdot} from {y} by Eqs. (9), (45)"
 
 
-def _sections(equations: Equations, form: ClosedForm) -> Iterator[Section]:
-    """Yield the sections of the document on [A] and {f}."""
-    system, definitions = equations.system, equations.definitions
+def _sections(equations: Equations, form: ClosedForm, extent: Extent) -> Iterator[Section]:
+    """Yield the sections of the document on [A] and {f}; those that take time only if they are wanted."""
     names = latex_names(equations)
+    if extent.body == 0:
+        yield from _about(equations, names)
+    if Part.BLOCKS in extent.parts and equations.intermediates:
+        yield from _blocks(equations, names)
+    if Part.DEFINITIONS in extent.parts:
+        yield from _definitions(equations, names)
+    if Part.RESULT in extent.parts:
+        yield from _result(equations, form, extent.body, names)
+
+
+def _about(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
+    """Yield the sections on the system: what its symbols mean, and what acts on it."""
+    system = equations.system
     yield _state(equations, names)
     yield from _prescribed(equations, names)
     yield from _coordinate_rates(equations, names)
@@ -77,13 +116,59 @@ def _sections(equations: Equations, form: ClosedForm) -> Iterator[Section]:
     yield from _couplings(system)
     yield from _motors(system)
     yield from _force_elements(system)
-    if definitions:
-        yield from body_sections(system)
-    for note, group in groupby(definitions, key=lambda definition: definition.note):
-        yield Section(note, "", tuple(equation(each.symbol, each.value, names) for each in group))
-    yield from _conditions(form, names)
-    yield Section("Mass matrix", "[A] of Eq. (43); it is symmetric.", _matrix("A", form.A, names))
-    yield Section("Forcing", "{f} of Eq. (44).", _matrix("f", form.f, names))
+
+
+def _blocks(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
+    """Yield a section of blocks for each body, and one for the system."""
+    system = equations.system
+    for k, body in enumerate(system.bodies, start=1):
+        rows = tuple(BodyRows(equations, k, names).rows())
+        title = f"Body {k} ({body.name}) in blocks"
+        note = "Blocks are 3 x 3."
+        if equations.bodies[k - 1].sines:
+            note += " S_K_i and C_K_i are sine and cosine of angle i of body K."
+        yield Section(title, note, rows, part=Part.BLOCKS, body=k)
+    note = (
+        "{y_1} are the speeds of all angles, {y_2} those of all translations; columns of locked freedoms "
+        "drop out. {F'_K} and {M'_K} are the load on body K, m_K[R_K]{g} is its weight."
+    )
+    if system.couplings:
+        note += " Columns of coupled freedoms, times their factors, add to those of the freedoms they follow."
+    if system.prescribed:
+        note += " {ω'_t,K} and {v'_t,GK} are the velocities that prescribed freedoms cause."
+    if system.force_elements or any(point.loads for _, point in system.points):
+        note += " {F_y,e} comes from force elements and loads on points."
+    if system.motor_summaries:
+        note += " [A_m] and {f_m} come from motors."
+    yield Section("All bodies in blocks", note, tuple(system_rows(equations)), part=Part.BLOCKS)
+
+
+def _definitions(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
+    """Yield the sections on named intermediates, those of each body in order of evaluation."""
+    of_bodies = [(body.number, body.definitions) for body in equations.bodies]
+    count = sum(len(definitions) for _, definitions in of_bodies)
+    for number, definitions in (*of_bodies, (0, equations.definitions[count:])):
+        for note, group in groupby(definitions, key=lambda definition: definition.note):
+            statements = tuple(equation(each.symbol, each.value, names) for each in group)
+            yield Section(note, "", statements, part=Part.DEFINITIONS, body=number)
+
+
+def _result(equations: Equations, form: ClosedForm, body: int, names: SymbolLatex) -> Iterator[Section]:
+    """Yield the sections on [A] and {f}; of one body the rows that belong to its freedoms."""
+    freedoms = equations.system.freedoms
+    rows = [place for place, freedom in enumerate(freedoms) if body in (0, freedom.body)]
+    if body and not rows:
+        yield Section("Mass matrix", f"Body {body} has no free freedom.", part=Part.RESULT, body=body)
+        return
+    yield from (replace(each, body=body) for each in _conditions(form, names))
+    symmetric = "[A] of Eq. (43); it is symmetric."
+    of_body = f"Rows of [A], Eq. (43), and of {{f}}, Eq. (44), for the freedoms of body {body}."
+    entries = tuple(_entries("A", form.A, names, rows, symmetric=not body))
+    statements = entries if body else _matrix("A", form.A, names, entries)
+    yield Section("Mass matrix", of_body if body else symmetric, statements, part=Part.RESULT, body=body)
+    entries = tuple(_entries("f", form.f, names, rows))
+    statements = entries if body else _matrix("f", form.f, names, entries)
+    yield Section("Forcing", "{f} of Eq. (44).", statements, part=Part.RESULT, body=body)
 
 
 def _state(equations: Equations, names: SymbolLatex) -> Section:
@@ -229,27 +314,28 @@ def _conditions(form: ClosedForm, names: SymbolLatex) -> Iterator[Section]:
     )
     if statements:
         note = "{f} holds where the ends of each spring do not pass through each other, that is where"
-        yield Section("Directions of springs", note, statements)
+        yield Section("Directions of springs", note, statements, part=Part.RESULT)
 
 
-def _matrix(name: str, value: ImmutableMatrix, names: SymbolLatex) -> tuple[Statement, ...]:
-    """Return the statements about [A] or {f}: one where the matrix is short in LaTeX, else one an entry."""
-    entries = tuple(_entries(name, value, names))
-    lengths = accumulate(len(line) for entry in entries for line in entry.right)
-    if any(length > SHORT_MATRIX for length in lengths):  # stops printing a long matrix early
+def _matrix(
+    name: str, value: ImmutableMatrix, names: SymbolLatex, entries: tuple[Equation, ...]
+) -> tuple[Statement, ...]:
+    """Return the statements about [A] or {f}: one where it fits a line of LaTeX, else one an entry."""
+    if len(value) > MOST_ENTRIES or matrix_width(value, names) > LINE:
         return entries
     plain = "\n".join(entry.text for entry in entries) or f"{name} = 0"
-    return (PrintedStatement(plain, name, (latex(value, names),)),)
+    return (PrintedStatement(plain, name, (latex_matrix(value, names),)),)
 
 
-def _entries(name: str, value: ImmutableMatrix, names: SymbolLatex) -> Iterator[Equation]:
-    """Yield entries that are not zero, of a symmetric matrix those on and above the diagonal."""
-    rows, columns = value.shape
-    is_column = columns == 1
-    for i in range(rows):
-        for j in range(0 if is_column else i, columns):
+def _entries(
+    name: str, value: ImmutableMatrix, names: SymbolLatex, wanted: Iterable[int], symmetric: bool = False
+) -> Iterator[Equation]:
+    """Yield the entries in some rows that are not zero, of a symmetric matrix those from the diagonal on."""
+    columns = value.shape[1]
+    for i in wanted:
+        for j in range(i if symmetric else 0, columns):
             if value[i, j]:
-                index = f"{i + 1}" if is_column else f"{i + 1},{j + 1}"
+                index = f"{i + 1}" if columns == 1 and name == "f" else f"{i + 1},{j + 1}"
                 yield Equation(f"{name}[{index}]", f"{name}_{{{index}}}", value[i, j], names)
 
 

@@ -7,17 +7,18 @@ double.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
-from sympy import Add, Expr, Float, Symbol
+from sympy import Expr, Float, ImmutableMatrix, Symbol
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
 from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS, Freedom
+from kanegen.model.symbolic import Place, places
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.functions import python_sign
-from kanegen.symbolic.symbols import force, parameter, torque
+from kanegen.symbolic.symbols import force, parameter, point_force, point_moment, torque
 
 LINE = 90
 """Width in characters after which a long sum continues in the next line of LaTeX."""
@@ -25,6 +26,21 @@ LINE = 90
 _LETTER = re.compile("[A-Za-z]|alpha|beta|gamma|delta|epsilon|theta|kappa|mu|nu|rho|sigma|tau|phi|psi|omega")
 _LETTER_AND_INDEX = re.compile(rf"({_LETTER.pattern})(?:_?(\d+|[xyz]{{1,2}})|_([A-Za-z]{{1,2}}\d*))?")
 """Names that are printed in LaTeX as a letter, perhaps with an index: `g`, `m2`, `theta_1`, `Ixx`, `l_a`."""
+
+
+_SIZED = re.compile(r"\\(left|right)(\\[{}|]|[()\[\]|])")
+"""Brackets that are as large as what they hold."""
+
+_DEPTH = re.compile(r"\\[{}]|(?P<open>\\begin\{|(?<!\\)\{)|(?P<close>\\end\{|(?<!\\)\})|(?P<sign> (?=[+-] ))")
+"""Where LaTeX goes deeper, comes back, or has the sign of a term."""
+
+_INVISIBLE = re.compile(
+    r"\\(left|right|bigl|bigr|cdot|quad|mathit|text|mathrm|,)|\\(hat|dot|ddot|tilde)(?=\{)|[{}_^ ]"
+)
+_ESCAPED = re.compile(r"\\[{}_|&%$# ]")
+_FUNCTION = re.compile(r"\\(sin|cos|tan|tanh|exp|log|min|max)(?![a-z])")
+_COMMAND = re.compile(r"\\[A-Za-z]+")
+"""Parts of LaTeX that show nothing, one character, three, and again one."""
 
 
 class _TextPrinter(StrPrinter):  # type: ignore[misc]  # SymPy has no types
@@ -67,31 +83,65 @@ def latex(expr: Expr, names: Mapping[Symbol, str]) -> str:
     return str(_LatexPrinter(settings).doprint(expr))
 
 
+def latex_matrix(value: ImmutableMatrix, names: Mapping[Symbol, str]) -> str:
+    """Return a matrix in LaTeX, in square brackets.
+
+    Args:
+        value: The matrix.
+        names: LaTeX of symbols; SymPy prints all others.
+    """
+    rows = [" & ".join(latex(entry, names) for entry in row) for row in value.tolist()]
+    return r"\begin{bmatrix}" + r" \\ ".join(rows) + r"\end{bmatrix}"
+
+
+def matrix_width(value: ImmutableMatrix, names: Mapping[Symbol, str]) -> int:
+    """Estimate how many characters of a matrix in LaTeX a reader sees in a line."""
+    columns = value.T.tolist()
+    widest = (max(_visible_width(latex(entry, names)) for entry in column) for column in columns)
+    return sum(width + 2 for width in widest)
+
+
 def latex_lines(expr: Expr, names: Mapping[Symbol, str]) -> list[str]:
-    """Return `expr` in LaTeX, a long sum broken into lines of which all but the first begin with a sign.
+    """Return `expr` in LaTeX, a long one broken before the signs of its sums, also of those in parentheses.
 
     Args:
         expr: An expression.
         names: LaTeX of symbols; SymPy prints all others.
     """
     whole = latex(expr, names)
-    if not isinstance(expr, Add) or _visible_width(whole) <= LINE:
+    if _visible_width(whole) <= LINE:
         return [whole]
-    lines = [""]
-    for term in expr.as_ordered_terms():
-        printed = latex(term, names)
-        signed = printed if printed.startswith("-") or lines == [""] else f"+ {printed}"
-        if lines[-1] and _visible_width(lines[-1]) + _visible_width(signed) > LINE:
-            lines.append(signed)
+    lines: list[str] = []
+    for part in _between_signs(_SIZED.sub(_fixed_size, whole)):
+        if lines and _visible_width(lines[-1] + part) <= LINE:
+            lines[-1] += part
         else:
-            lines[-1] = f"{lines[-1]} {signed}".strip()
+            lines.append(part.lstrip())
     return lines
+
+
+def _fixed_size(match: re.Match[str]) -> str:
+    """Return a bracket that may stand in another line than the one that closes it."""
+    return rf"\bigl{match[2]}" if match[1] == "left" else rf"\bigr{match[2]}"
+
+
+def _between_signs(printed: str) -> Iterator[str]:
+    """Yield the parts of LaTeX that begin with the signs of sums, but for those in braces or environments."""
+    depth = start = 0
+    for match in _DEPTH.finditer(printed):
+        if match["sign"]:
+            if depth == 0 and match.start() > start:
+                yield printed[start : match.start()]
+                start = match.start()
+        else:
+            depth += 1 if match["open"] else -1
+    yield printed[start:]
 
 
 def _visible_width(printed: str) -> int:
     """Estimate how many characters of LaTeX a reader sees."""
-    seen = re.sub(r"\\(left|right|cdot|quad|,| )|[{}_^\\]", "", printed)
-    return len(re.sub(r"theta|omega|dot|hat|tilde|sin|cos", "x", seen))
+    seen = _INVISIBLE.sub("", _FUNCTION.sub("xxx", _ESCAPED.sub("x", printed)))
+    return len(_COMMAND.sub("x", seen))
 
 
 def latex_names(equations: Equations) -> dict[Symbol, str]:
@@ -116,7 +166,20 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
             names[force(body.number, axis)] = f"{{F'}}_{{{body.number},{axis + 1}}}"
             names[torque(body.number, axis)] = f"{{M'}}_{{{body.number},{axis + 1}}}"
         names |= body.intermediates.latex
+    for point in range(1, len(system.points) + 1):
+        for axis in range(3):
+            names[point_force(point, axis)] = f"F_{{P_{{{point}}},{axis + 1}}}"
+            names[point_moment(point, axis)] = f"M_{{P_{{{point}}},{axis + 1}}}"
+    names |= {parameter(given): _of_place(place) for given, place in places(system)}
     return names
+
+
+def _of_place(place: Place) -> str:
+    """Return the LaTeX of a symbol that stands for a number of a body, as the notes write it."""
+    if place.quantity == "m":
+        return f"m_{{{place.body}}}"
+    where = f"G_{{{place.body}}}" if place.quantity == "I" else str(place.body)
+    return f"{{{place.quantity}'}}_{{{where},{''.join(map(str, place.index))}}}"
 
 
 def _of_the_notes(body: int, kind: int) -> tuple[str, str]:
