@@ -36,13 +36,14 @@ from kanegen.artifacts import ARTIFACTS, with_artifacts
 from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
-from kanegen.choices import chosen, flag, several
+from kanegen.choices import flag, several
 from kanegen.errors import OptionError, quoted
 from kanegen.library.equilibria import OUTPUTS as EQUILIBRIUM_OUTPUTS
 from kanegen.library.equilibria import Equilibria, find_equilibria
 from kanegen.library.linearization import outputs_needed
 from kanegen.library.native.status import OnStatus
 from kanegen.linear import LinearModel
+from kanegen.linear.names import names_of
 from kanegen.lowering.accept import accept, reformulated
 from kanegen.lowering.compilation import Candidate, Compiled, Request
 from kanegen.lowering.conditioning import condition
@@ -233,7 +234,7 @@ def linearize(
         model = kg.linearize(kg.load("models/cart_pole.toml"), {"pole": 0.0}, inputs=["cart_position"])
         print(model)
     """
-    asked = chosen(outputs) or ()
+    asked = names_of("outputs", outputs)
     library = build(system, outputs_needed(system.speeds_are_rates, asked))
     return library.linearize(x, y, tau, inputs=inputs, outputs=asked, **further)
 
@@ -271,6 +272,8 @@ def equilibria(
         for one in kg.equilibria(kg.load("models/double_pendulum.toml")):
             print(one)
     """
+    if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
+        raise OptionError(f"starts: {quoted(starts)} is no positive number of states.")
     library = build(system, EQUILIBRIUM_OUTPUTS, on_status="ignore")
     sample = random_states(system, starts, seed).x
     return find_equilibria(library, sample, speeds, tau, **further)

@@ -8,14 +8,14 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kanegen.choices import chosen, did_you_mean
+from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, OptionError, quoted
 from kanegen.library.derivatives import Derivatives
 from kanegen.library.dynamics import Dynamics
 from kanegen.library.quantities import Quantities
 from kanegen.library.quantity_derivatives import QuantityDerivatives
 from kanegen.linear import LinearModel
-from kanegen.linear.names import inputs_of, state_names
+from kanegen.linear.names import inputs_of, names_of, state_names
 from kanegen.model.arguments import NamedInputs, floats
 from kanegen.model.values_by_name import in_order
 from kanegen.recursion.outputs import OUTPUTS
@@ -144,7 +144,7 @@ def outputs_of(library: Quantities, asked: Iterable[str] | str) -> tuple[str, ..
         OptionError: If there is neither an output nor a state of a name.
     """
     known = (*LINEAR_OUTPUTS, *state_names(library.coordinate_names, library.speed_names))
-    names = chosen(asked) or ()
+    names = names_of("outputs", asked)
     for name in names:
         if name not in known:
             raise OptionError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -141,6 +142,12 @@ def test_nothing_rests_in_free_fall() -> None:
 def test_what_is_refused(system: str, speeds: dict[str, float], message: str) -> None:
     with pytest.raises(kg.OptionError, match=message):
         kg.equilibria(model(system), speeds)
+
+
+@pytest.mark.parametrize("starts", [0, -1, "many", True])
+def test_a_wrong_number_of_starts_is_refused(starts: Any) -> None:
+    with pytest.raises(kg.OptionError, match="no positive number of states"):
+        kg.equilibria(model("cart_pole"), starts=starts)
 
 
 def test_the_command() -> None:

@@ -207,6 +207,12 @@ def test_formats() -> None:
         ({"x": [1, 2, 3]}, "expected 2 values in the order pole, cart_position"),
         ({"outputs": "point_accelerations"}, "a symbolic linear model has no output 'point_accelerations'"),
         ({"inputs": ["cart"]}, "inputs: there is no freedom 'cart'"),
+        ({"inputs": 5}, "inputs: expected names, got 5."),
+        ({"outputs": 5}, "outputs: expected names, got 5."),
+        ({"x": {"pole": "__import__('os').abort()"}}, "there is no function"),
+        ({"x": {"pole": "sin(q"}}, "sin(q"),
+        ({"x": {"pole": None}}, "x: None is neither a number nor an expression."),
+        ({"y": {"pole": math.nan}}, "y: 'nan' is no finite number."),
     ],
 )
 def test_what_is_refused(arguments: dict[str, Any], message: str) -> None:

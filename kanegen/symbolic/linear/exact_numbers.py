@@ -7,10 +7,13 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
 import sympy
 from sympy import Expr, Integer, Rational, S
 
+from kanegen.errors import OptionError, quoted
 from kanegen.model.expression import Expression, Parameter
+from kanegen.model.grammar import parse_number
 from kanegen.symbolic import functions, symbols
 from kanegen.symbolic.closed.coefficients import expression, fraction
 
@@ -32,14 +35,35 @@ _SYMPY: Mapping[type[Expr], Callable[..., Expr]] = {
 """SymPy's own functions, which take the place of those of expressions where the arguments are numbers."""
 
 
-def exact_value(value: Any, is_angle: bool = False) -> Expr:
+def exact_value(value: Any, label: str, known: Mapping[str, Parameter], is_angle: bool = False) -> Expr:
     """Return a value of a state in SymPy.
 
     A float is the shortest decimal number that reads back to it; an angle that is the float nearest to a
     multiple of a quarter turn is that multiple, so that `math.pi` is pi. Expressions of SymPy and of
-    parameters stay.
+    parameters stay. A text is an expression of parameters, read by the grammar of model files.
+
+    Args:
+        value: A number, an expression, or a text.
+        label: Name of the value, for messages.
+        known: Parameters that a text may name.
+        is_angle: Whether the value is an angle (rad).
+
+    Raises:
+        OptionError: If the value is none of these, or not finite.
+        ModelError: If a text is no expression of parameters.
     """
-    found = symbols.expression(value) if isinstance(value, Parameter | Expression) else sympy.sympify(value)
+    if isinstance(value, str):
+        value = parse_number(value, known)
+    if isinstance(value, Parameter | Expression):
+        found = symbols.expression(value)
+    elif isinstance(value, sympy.Basic):
+        found = value
+    elif isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):
+        found = sympy.sympify(value.item() if isinstance(value, np.generic) else value)
+    else:
+        raise OptionError(f"{label}: {quoted(value)} is neither a number nor an expression.")
+    if not isinstance(found, Expr) or found.is_finite is False or found is sympy.nan:
+        raise OptionError(f"{label}: {quoted(str(found))} is no finite number.")
     if is_angle and found.is_Float:
         turns = round(float(found) / (math.pi / 2))
         if turns and float(found) == turns * (math.pi / 2):

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from sympy import Expr, ImmutableMatrix
 
-from kanegen.choices import chosen, did_you_mean
+from kanegen.choices import did_you_mean
 from kanegen.errors import OptionError, quoted
+from kanegen.linear.names import names_of
 
 Quantity = Callable[[], Mapping[str, Expr] | Expr | ImmutableMatrix]
 """Function that derives an output: a number, a column, or numbers by the rest of their names."""
@@ -27,7 +28,7 @@ def outputs_of(
         OptionError: If there is neither an output nor a state of a name.
     """
     found: list[tuple[str, Expr]] = []
-    for name in chosen(asked) or ():
+    for name in names_of("outputs", asked):
         if name in states:
             found.append((name, states[name]))
         elif name in quantities:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any
 
 from sympy import Expr, S, Symbol
@@ -58,12 +59,18 @@ class State:
             f"{name}{end}" for end in ("", " rate", " second derivative") for name in system.prescribed_names
         ]
         motion = in_order("prescribed", prescribed, names, [0] * (3 * p))
+        known = {one.name: one for one in system.parameters}
+
+        def exact(label: str, given: Sequence[Any], flags: Sequence[bool] = ()) -> tuple[Expr, ...]:
+            pairs = zip_longest(given, flags, fillvalue=False)
+            return tuple(exact_value(value, label, known, is_angle) for value, is_angle in pairs)
+
         return cls(
             system,
-            tuple(map(exact_value, neutral, angles)),
-            tuple(map(exact_value, still)),
-            tuple(map(exact_value, efforts)),
-            tuple(map(exact_value, motion)),
+            exact("x", neutral, angles),
+            exact("y", still),
+            exact("tau", efforts),
+            exact("prescribed", motion),
         )
 
     @property

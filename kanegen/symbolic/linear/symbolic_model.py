@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
-from typing import Self
+from dataclasses import dataclass, fields
 
 import numpy as np
 import sympy
@@ -127,16 +126,6 @@ class SymbolicLinearModel:
             **square,
             **rows,
         )
-
-    def subs(self, values: Mapping[str, object]) -> Self:
-        """Return the model with expressions in the place of symbols, by name.
-
-        Example:
-            model.subs({"m1": "m", "m2": "m"})
-        """
-        replaced = {sympy.Symbol(name, real=True): sympy.sympify(value) for name, value in values.items()}
-        changed = {field: getattr(self, field).subs(replaced) for field in _MATRIX_FIELDS}
-        return replace(self, **changed)
 
 
 _MATRIX_FIELDS = tuple(field.name for field in fields(SymbolicLinearModel) if field.type == "ImmutableMatrix")
