@@ -352,7 +352,7 @@ def _simplified(operation: Operation) -> Node:
     """Return an operation, or what it equals where an operand is 0, 1 or -1, as in products of matrices."""
     operator, operands = operation.operator, operation.operands
     if operator == "negate":
-        return _negated(operands[0])
+        return negated(operands[0])
     if operator not in ("+", "-", "*", "/"):
         return operation
     first, second = operands
@@ -364,15 +364,15 @@ def _simplified(operation: Operation) -> Node:
     if operator == "*" and Constant(0) in operands:
         return Constant(0)
     if operator == "*" and Constant(-1) in operands:
-        return _negated(second if first == Constant(-1) else first)
+        return negated(second if first == Constant(-1) else first)
     return operation
 
 
-def _negated(node: Node) -> Node:
+def negated(node: Node) -> Node:
     """Return a tree with the other sign."""
     match node:
         case Operation("negate", (operand,)):
             return operand
         case Constant(int() | float() as value):
-            return Constant(-value)
+            return Constant(0 - value)  # no negative zero
     return Operation("negate", (node,))

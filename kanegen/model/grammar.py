@@ -27,7 +27,7 @@ from typing import Any
 from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
-from kanegen.model.expression import Expression, Parameter, constant, node_of
+from kanegen.model.expression import Expression, Parameter, constant, negated, node_of
 from kanegen.model.finite import finite
 from kanegen.model.nodes import (
     FUNCTIONS,
@@ -165,7 +165,7 @@ class _Reader:
             case ast.UnaryOp(op=ast.UAdd(), operand=operand):
                 return self.node(operand, depth + 1, power)
             case ast.UnaryOp(op=ast.USub(), operand=operand):
-                return Operation("negate", (self.node(operand, depth + 1, power),))
+                return self._negative(self.node(operand, depth + 1, power))
             case ast.BinOp(op=ast.BitXor()):
                 raise self._refused(found, "a power is written with **, as in x.arm.theta1**2.")
             case ast.BinOp(left=base, op=ast.Pow(), right=exponent):
@@ -218,6 +218,10 @@ class _Reader:
         """Return the comparison of two numbers."""
         a, b = (self.node(number, depth + 1) for number in pair)
         return Operation(_COMPARISONS[type(op)], (a, b))
+
+    def _negative(self, node: Node) -> Node:
+        """Return a tree after a minus."""
+        return Operation("negate", (node,))
 
     def _number(self, value: Any) -> Node:
         """Return a number that the text contains."""
@@ -307,6 +311,9 @@ class _NumberReader(_Reader):
 
     def _number(self, value: Any) -> Node:
         return constant(value, _quoted(self.text))
+
+    def _negative(self, node: Node) -> Node:
+        return negated(node)
 
     def _variable_or(self, known: Number | None, found: ast.expr, name: str) -> Node:
         if known is not None:

@@ -192,12 +192,14 @@ def _multiplied(factors: list[Node]) -> Node:
     return reduce(lambda a, b: Operation("*", (a, b)), factors)
 
 
-def _whole(value: Any) -> Constant:
-    """Return an integer, which a double must hold."""
-    value = int(value)
-    if int(finite(value, "an integer of SymPy")) != value:
-        raise ModelError(f"{quoted(value)} has more digits than a double. Write it as a decimal number.")
-    return Constant(value)
+def _whole(value: Any) -> Node:
+    """Return an integer exactly: as one double, or as the sum of several."""
+    rest, parts = int(value), list[Node]()
+    while rest or not parts:
+        part = int(finite(rest, "an integer of SymPy"))
+        parts.append(Constant(part))
+        rest -= part
+    return reduce(lambda a, b: Operation("+", (a, b)), parts)
 
 
 def _power(value: Any, symbol: Callable[[str], Node]) -> Node:

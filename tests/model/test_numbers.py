@@ -303,3 +303,9 @@ def test_expressions_are_listed_for_people(tmp_path: Path) -> None:
 def test_what_is_zero_in_every_digit_is_zero() -> None:
     assert number(kg.parse("sin(1)**2 + cos(1)**2 - 1"), "n") == 0.0
     assert number(kg.parse("sign(sin(1)**2 + cos(1)**2 - 1) + max(sqrt(2), sqrt(2))*0"), "n") == 0.0
+
+
+def test_signs_before_numbers_belong_to_them() -> None:
+    for made in (-0.5 + M * L, M * -3, -(-M * L), 0.0 - M):
+        assert parse_number(str(made), KNOWN) == made, made
+    assert str(number(parse_number("-0", {}), "n")) == "0.0"
