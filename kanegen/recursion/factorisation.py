@@ -25,10 +25,10 @@ from kanegen.recursion.inverse_dynamics import Requirement, required_efforts
 from kanegen.recursion.joint_path import joint_path, released
 from kanegen.recursion.kinematics import poses
 from kanegen.recursion.mass_matrix import mass_matrix
-from kanegen.recursion.mass_matrix_inverse import products
+from kanegen.recursion.mass_matrix_inverse import products, products_cost_less
 from kanegen.recursion.reduced import Reduced
 from kanegen.recursion.solved_motion import Paths, generalized_loads
-from kanegen.recursion.symmetric_factors import factorised, inverse_of_chain
+from kanegen.recursion.symmetric_factors import factorised, inverse_from_factors
 from kanegen.recursion.tree import Tree
 from kanegen.recursion.vectors import ZERO, Wrench
 from kanegen.symbolic.symbols import generalized_force
@@ -143,12 +143,12 @@ class Factorisation:
 
     def inverse(self) -> Mapping[tuple[int, int], Expr]:
         """Return the entries of [A]^-1 by row and column."""
-        order = list(reversed(self._carriers))
-        if any(len(self._carriers[k]) < number for number, k in enumerate(order)):
+        if products_cost_less(self._carriers):
             return products(self)
+        order = list(reversed(self._carriers))
         inverses = {k: self._inverse_pivot(k) for k in order}
         self.tree.definitions.about("[A]^-1")
-        return inverse_of_chain(self._factors, inverses, order, self.tree.definitions)
+        return inverse_from_factors(self._factors, inverses, order, self.tree.definitions)
 
     def _surplus(self, bias: Requirement) -> list[Expr]:
         """Return {tau} less what is required where all free components are zero, by freedom."""

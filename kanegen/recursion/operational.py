@@ -30,7 +30,7 @@ from kanegen.recursion.constants import exact
 from kanegen.recursion.frame_motion import frame_origins
 from kanegen.recursion.reduced import Reduced
 from kanegen.recursion.solver import Solver
-from kanegen.recursion.symmetric_factors import factorised, inverse_of_chain
+from kanegen.recursion.symmetric_factors import factorised, inverse_from_factors
 from kanegen.recursion.vectors import ZERO
 from kanegen.symbolic.definitions import Vector
 
@@ -103,7 +103,7 @@ class Operational:
             entries = {(i, j): inverse[i][j] for i in ROWS for j in ROWS}
             factors, pivots = factorised(entries, order, definitions)
             reciprocals = {i: definitions.define(f"D_{i}i", 1 / pivot) for i, pivot in pivots.items()}
-            found = inverse_of_chain(factors, reciprocals, ROWS, definitions)
+            found = inverse_from_factors(factors, reciprocals, ROWS, definitions)
         independent, accurate = [], []
         for i in ROWS:
             whole, pivot = inverse[i][i], pivots[i]

@@ -44,13 +44,13 @@ def factorised(
     return factors, pivots
 
 
-def inverse_of_chain(
+def inverse_from_factors(
     factors: Mapping[tuple[int, int], Expr],
     inverses: Mapping[int, Expr],
     order: Sequence[int],
     definitions: Definitions,
 ) -> Entries:
-    """Return the entries of [A]^-1, each from entries further inward, where every row fills the ones before.
+    """Return the entries of [A]^-1, each from entries of rows that were eliminated later.
 
     Args:
         factors: Entries of [L] left of its diagonal.
