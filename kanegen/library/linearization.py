@@ -97,7 +97,7 @@ class Linearization(Dynamics, Quantities, Derivatives, QuantityDerivatives):
 
         Example:
             library = kg.build(system, ("forward_dynamics", "forward_dynamics_derivatives"))
-            model = library.linearize({"pole": 0.0}, inputs=["cart_position"])
+            model = library.linearize({"q1": 0.3}, inputs=["q1"])
         """
         if self.storage == "double-double":
             raise OptionError(

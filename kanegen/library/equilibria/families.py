@@ -33,14 +33,14 @@ class Families:
         scale: (n,) size of each force that counts as one.
         periodic: (m,) whether the forces return after a full turn of a coordinate.
         moving: (m,) 1 for coordinates on which something depends and that do not turn by themselves, else 0.
-        quaternions: Places in {x} of the elements of each quaternion.
+        homogeneous: Places in {x} of each group of coordinates whose length has no meaning.
     """
 
     balance: Balance
     scale: Floats
     periodic: Flags
     moving: Floats
-    quaternions: tuple[tuple[int, ...], ...]
+    homogeneous: tuple[tuple[int, ...], ...]
 
     def settled(self, x: Floats) -> Floats:
         """Return a state nearer to equilibrium, with angles within half a turn and unit quaternions."""
@@ -48,7 +48,7 @@ class Families:
         wrapped = np.remainder(x + np.pi, 2 * np.pi) - np.pi
         wrapped = np.where(wrapped <= -np.pi + 1e-9, np.pi, wrapped)
         x = np.where(self.periodic, wrapped, x)
-        for places in self.quaternions:
+        for places in self.homogeneous:
             part = x[list(places)]
             x[list(places)] = part / np.linalg.norm(part) * (1 if part[np.argmax(np.abs(part))] > 0 else -1)
         x[np.abs(x) < 1e-12] = 0.0
@@ -58,7 +58,7 @@ class Families:
         """Return (m, k) directions of further equilibria; the length of a quaternion is none of them."""
         J = self.balance.slopes(x[None])[0] / self.scale[:, None] * self.moving
         rows = [J, np.diag(1.0 - self.moving)[self.moving == 0]]
-        for places in self.quaternions:
+        for places in self.homogeneous:
             row = np.zeros((1, len(x)))
             row[0, list(places)] = x[list(places)]
             rows.append(row)
@@ -78,7 +78,7 @@ class Families:
         """Return whether two states have all bodies at the same places, and springs as far wound up."""
         poses = self.balance.poses(np.stack([a, b]))
         wound = np.abs(a - b)[~self.periodic & (self.moving > 0)]
-        free = [place for places in self.quaternions for place in places]
+        free = [place for places in self.homogeneous for place in places]
         if free:
             wound = np.zeros(0)
         size = max(1.0, float(np.abs(poses).max()))

@@ -200,13 +200,13 @@ def _equilibrium(
 def _ignorable(library: Library, families: Families) -> list[dict[str, float]]:
     """Return the coordinates on which no force depends, each as a direction; three for an orientation."""
     names = library.coordinate_names
-    of_orientations = {place for places in families.quaternions for place in places}
+    of_orientations = {place for places in families.homogeneous for place in places}
     found = [
         {name: 1.0}
         for place, name in enumerate(names)
         if families.moving[place] == 0 and place not in of_orientations
     ]
-    for places in families.quaternions:
+    for places in families.homogeneous:
         if not families.moving[list(places)].any():
             body = names[places[0]].rpartition(".")[0]
             rates = [name for name in library.speed_names if name.startswith(f"{body}.omega")]
