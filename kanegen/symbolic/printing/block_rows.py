@@ -14,12 +14,14 @@ from sympy import ImmutableMatrix
 
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.literal.dynamics import BodyEquations
+from kanegen.symbolic.printing import notation
 from kanegen.symbolic.printing.block_terms import Kind, Row, Sum
 from kanegen.symbolic.printing.blocks import GROUND, Blocks
-from kanegen.symbolic.printing.statements import BlockStatement, MatrixStatement, SymbolLatex
+from kanegen.symbolic.printing.printers import LINE, matrix_width
+from kanegen.symbolic.printing.statements import BlockStatement, Equation, MatrixStatement, SymbolLatex
 
-BlockRow = BlockStatement | MatrixStatement
-"""A row of blocks, or a matrix of 3 x 3 entries."""
+BlockRow = BlockStatement | MatrixStatement | Equation
+"""A row of blocks, a matrix of 3 x 3 entries, or one of its entries."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ class BodyRows:
     def _orientation(self) -> Iterator[BlockRow]:
         """Yield the rows on orientation, Eqs. (2)-(9)."""
         k, j, body = self.number, self._lower, self._body
-        yield self._matrix("(2), (4)" if j else "(4)", self._rotation, "relative_rotation")
+        yield from self._matrix("(2), (4)" if j else "(4)", self._rotation, "relative_rotation")
         if j != GROUND:
             factors = [self._factor_of_rotation(each) for each in self._blocks.path(k)]
             forms = [f"{self._rotation}[R_{j}]", "".join(factors)]
@@ -108,7 +110,7 @@ class BodyRows:
             yield BlockStatement("(7)", f"[{self._before}Ṙ_{k}]", ((relative,),))
         rates = f"{{{'θ̂̇' if body.sines else 'ε̇'}_{k}}}"
         if body.body.joint.speeds_are_rates:
-            yield self._matrix("(17)", f"[P̂_{k}]", "angle_rate_matrix")
+            yield from self._matrix("(17)", f"[P̂_{k}]", "angle_rate_matrix")
             yield BlockStatement("(8)", f"{{ω̂'_{k}}}", ((f"[P̂_{k}]{rates}",),))
         if body.body.joint.has_free_orientation:
             inverse = body.angle_rate_inverse
@@ -119,11 +121,18 @@ class BodyRows:
         lower = self._blocks.lower(k)
         return f"[{f'^{lower}' if lower != GROUND else ''}R_{k}]"
 
-    def _matrix(self, number: str, name: str, quantity: str) -> MatrixStatement:
-        """Return the statement of a matrix of the body, whose entries are written out."""
+    def _matrix(self, number: str, name: str, quantity: str) -> Iterator[BlockRow]:
+        """Yield the statement of a matrix of the body, or of its entries if it is too wide for a page."""
         named = getattr(self._body, quantity)
         definitions = {each.symbol: each.value for each in self._body.intermediates.definitions(quantity)}
-        return MatrixStatement(number, name, ImmutableMatrix(named.xreplace(definitions)), self.names)
+        value = ImmutableMatrix(named.xreplace(definitions))
+        if matrix_width(value, self.names) <= LINE:
+            yield MatrixStatement(number, name, value, self.names)
+            return
+        for i, row in enumerate(value.tolist(), start=1):
+            for j, entry in enumerate(row, start=1):
+                left = f"{notation.latex(name)}_{{{i}{j}}}"
+                yield Equation(f"{name}_{i}{j}", left, entry, self.names, number)
 
     def _angular_motion(self) -> Iterator[BlockRow]:
         """Yield the rows on angular motion, Eqs. (11)-(20)."""
@@ -142,7 +151,7 @@ class BodyRows:
         whole = _sum([f"[ω'_{k},y1]{{y_1}}", *remainder])
         yield BlockStatement("(18), (19)", f"{{ω'_{k}}}", _lines([whole]))
         if own and not blocks.has_angular_velocity_speeds(k):
-            yield self._matrix("below (20)", f"[Ṗ̂_{k}]", "angle_rate_matrix_rate")
+            yield from self._matrix("below (20)", f"[Ṗ̂_{k}]", "angle_rate_matrix_rate")
             rate = blocks.relative_partial_angular_velocity(k, Kind.ANGLE_RATE_MATRIX_RATE)
             own = [f"[ω̂̇'_{k},y1]"]
             yield BlockStatement("below (20)", own[0], _lines([rate]))

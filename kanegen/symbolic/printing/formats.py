@@ -151,6 +151,7 @@ def _latex(equations: Equations, form: ClosedForm, extent: Extent) -> str:
         r"\usepackage{amsmath}",
         r"\usepackage[margin=2cm]{geometry}",
         r"\allowdisplaybreaks",
+        r"\sloppy",
         r"\begin{document}",
         rf"\section*{{{escaped(described.title)}}}",
         prose(described.note),

@@ -31,7 +31,7 @@ _LETTER_AND_INDEX = re.compile(rf"({_LETTER.pattern})(?:_?(\d+|[xyz]{{1,2}})|_([
 _SIZED = re.compile(r"\\(left|right)(\\[{}|]|[()\[\]|])")
 """Brackets that are as large as what they hold."""
 
-_DEPTH = re.compile(r"\\[{}]|(?P<open>\\begin\{|(?<!\\)\{)|(?P<close>\\end\{|(?<!\\)\})|(?P<sign> (?=[+-] ))")
+_DEPTH = re.compile(r"\\[{}]|(?P<open>\\begin\{\w+\}|\{)|(?P<close>\\end\{\w+\}|\})|(?P<sign> (?=[+-] ))")
 """Where LaTeX goes deeper, comes back, or has the sign of a term."""
 
 _INVISIBLE = re.compile(
@@ -49,6 +49,9 @@ class _TextPrinter(StrPrinter):  # type: ignore[misc]  # SymPy has no types
 
 
 class _LatexPrinter(LatexPrinter):  # type: ignore[misc]  # SymPy has no types
+    def _print_Symbol(self, symbol: Symbol, *_: object) -> str:
+        return self._settings["symbol_names"].get(symbol) or _of_name(symbol.name)
+
     def _print_Float(self, number: Float) -> str:
         mantissa, _, exponent = repr(float(number)).partition("e")
         return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
@@ -77,7 +80,7 @@ def latex(expr: Expr, names: Mapping[Symbol, str]) -> str:
 
     Args:
         expr: An expression or a matrix.
-        names: LaTeX of symbols; SymPy prints all others.
+        names: LaTeX of symbols; all others are printed by their names.
     """
     settings = {"symbol_names": dict(names), "fold_func_brackets": True}
     return str(_LatexPrinter(settings).doprint(expr))
@@ -88,7 +91,7 @@ def latex_matrix(value: ImmutableMatrix, names: Mapping[Symbol, str]) -> str:
 
     Args:
         value: The matrix.
-        names: LaTeX of symbols; SymPy prints all others.
+        names: LaTeX of symbols; all others are printed by their names.
     """
     rows = [" & ".join(latex(entry, names) for entry in row) for row in value.tolist()]
     return r"\begin{bmatrix}" + r" \\ ".join(rows) + r"\end{bmatrix}"
@@ -106,7 +109,7 @@ def latex_lines(expr: Expr, names: Mapping[Symbol, str]) -> list[str]:
 
     Args:
         expr: An expression.
-        names: LaTeX of symbols; SymPy prints all others.
+        names: LaTeX of symbols; all others are printed by their names.
     """
     whole = latex(expr, names)
     if _visible_width(whole) <= LINE:

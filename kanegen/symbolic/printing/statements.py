@@ -60,7 +60,7 @@ class Equation:
     @property
     def text(self) -> str:
         """The equation in plain text, one line."""
-        return f"{self.name} = {text(self.value)}"
+        return f"{self.name} = {text(self.value)}" + f"  {self.number}" * bool(self.number)
 
     @cached_property
     def right(self) -> tuple[str, ...]:
