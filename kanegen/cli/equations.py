@@ -34,7 +34,8 @@ def equations(
             "--only",
             metavar="PART",
             help="Print nothing else: blocks (3 x 3 blocks, by the numbers of the notes), definitions (named "
-            "intermediates, [A] and {f} in them), closed (the closed form).",
+            "intermediates, [A] and {f} in them), closed (the closed form), linear (small deviations from "
+            "rest, see `kanegen linearize`).",
         ),
     ] = None,
     body: Annotated[

@@ -10,6 +10,7 @@ import kanegen as kg
 from kanegen.errors import ModelError, OptionError
 from kanegen.symbolic import derive
 from kanegen.symbolic.printing.formats import FORMATS, ONLY, render
+from kanegen.symbolic.printing.linear_model import render_linear_model
 from tests.support import prescribed_trees
 from tests.support.paths import MODELS, ROOT
 from tests.support.random_trees import everything
@@ -133,7 +134,7 @@ def test_one_body_and_one_part() -> None:
 
 
 @pytest.mark.parametrize("form", ["text", "markdown", "latex"])
-@pytest.mark.parametrize("only", ONLY)
+@pytest.mark.parametrize("only", sorted(ONLY.keys() - {"linear"}))
 def test_every_part_in_every_format(form: str, only: str) -> None:
     arm = derive(kg.load(MODELS / "gantry_crane.toml"))
     whole = render(arm, form, only=only)
@@ -152,11 +153,17 @@ def test_blocks_of_trees_of_every_kind_are_printed(seed: int) -> None:
         assert ("{ω'_t,K}" in rows) == bool(system.prescribed)
 
 
+@pytest.mark.parametrize("form", ["text", "latex", "python"])
+def test_linear_model(form: str) -> None:
+    pole = derive(kg.load(MODELS / "cart_pole.toml"))
+    assert render(pole, form, only="linear") == render_linear_model(pole.linearize(), form)
+    with pytest.raises(OptionError, match="a linear model is one of the whole system"):
+        render(pole, form, only="linear", body=1)
+
+
 def test_errors() -> None:
-    with pytest.raises(
-        OptionError, match=r"unknown part 'lines'. Known are 'blocks', 'definitions', 'closed'."
-    ):
-        render(EIGHT, only="lines")
+    with pytest.raises(OptionError, match=r"unknown part 'block'. Did you mean 'blocks'\?"):
+        render(EIGHT, only="block")
     with pytest.raises(OptionError, match="no Python of blocks alone"):
         render(EIGHT, "python", only="blocks")
     with pytest.raises(OptionError, match="no Python of one body alone"):

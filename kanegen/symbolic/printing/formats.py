@@ -12,6 +12,7 @@ from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import MOST_FREEDOMS_WITHOUT_NAMES, Equations, derive
 from kanegen.symbolic.printing.document import Extent, document
+from kanegen.symbolic.printing.linear_model import render_linear_model
 from kanegen.symbolic.printing.printers import escaped
 from kanegen.symbolic.printing.prose import prose
 from kanegen.symbolic.printing.python_module import python_module
@@ -21,6 +22,7 @@ ONLY: dict[str, frozenset[Part]] = {
     "blocks": frozenset([Part.BLOCKS]),
     "definitions": frozenset([Part.SYSTEM, Part.DEFINITIONS, Part.RESULT]),
     "closed": frozenset([Part.SYSTEM, Part.RESULT]),
+    "linear": frozenset(),
 }
 """Parts of a document that are printed alone, by the name of the choice."""
 
@@ -49,7 +51,9 @@ def render(
         closed: Whether to print the closed form, without intermediates; by default where there are at most
             `MOST_FREEDOMS_WITHOUT_NAMES` freedoms and it is short enough.
         only: One of `ONLY`, to print nothing else: "blocks", the rows of 3 x 3 blocks of the notes;
-            "definitions", the named intermediates with [A] and {f} in them; "closed", the closed form.
+            "definitions", the named intermediates with [A] and {f} in them; "closed", the closed form;
+            "linear", the linear model about rest in the neutral coordinates, in symbols; for other states
+            see `Equations.linearize`.
         body: Name of a body or frame, or number of a body from 1, to print its equations alone: its blocks,
             its definitions, and the rows of [A] and {f} of its freedoms.
 
@@ -64,6 +68,10 @@ def render(
         require_one("part", only, ONLY)
         parts = ONLY[only]
         closed = only == "closed"
+    if only == "linear":
+        if body is not None:
+            raise OptionError("body: a linear model is one of the whole system. Leave the body out.")
+        return render_linear_model(equations.linearize(), format)
     if format == "python" and (only == "blocks" or body is not None):
         what = "blocks" if only == "blocks" else "one body"
         raise OptionError(
