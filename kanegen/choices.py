@@ -31,8 +31,8 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
     near = max(((_likeness(text, one), one) for one in words), default=(0.0, ""), key=lambda pair: pair[0])
     if near[0]:
         return f"Did you mean {quoted(near[1])}?"
-    part_of = [one for one in words if _is_part(text, one)]
-    if len(part_of) == 1:
+    part_of = sorted((one for one in words if _is_part(text, one)), key=len)
+    if part_of and all(_is_part(part_of[0], one) for one in part_of[1:]):
         return f"Did you mean {quoted(part_of[0])}?"
     if not words:
         return "None is known."
