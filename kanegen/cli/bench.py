@@ -20,7 +20,7 @@ from kanegen.cli.options import (
     require_plot,
 )
 from kanegen.cli.terminal import FAILED, print_plain, print_table, progress, screen
-from kanegen.errors import counted
+from kanegen.errors import OptionError, counted
 from kanegen.files import require_writable, write_all
 
 if TYPE_CHECKING:
@@ -44,6 +44,16 @@ def bench(
             help="Time this peer (repeatable): pinocchio, casadi, mujoco, pydy.",
         ),
     ] = DEFAULT_PEERS,
+    output: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Time this output beside Pinocchio's function of the same quantity instead (repeatable): "
+            "gravity_forces, velocity_forces, coriolis_matrix, mass_matrix_inverse, frame_jacobians, "
+            "frame_bias_accelerations, centroidal_momentum_matrix, operational_inertia_inverse, regressor, "
+            "contact_dynamics.",
+        ),
+    ] = None,
     json_: JsonFile = None,
     plot: Plot = None,
     floating_base: FloatingBase = False,
@@ -56,18 +66,25 @@ def bench(
     All programs compute the same states; their results must agree before they are timed in turns, and the
     exit status is 1 if some do not. `pip install 'kanegen[bench]'` installs the peers; a missing one is named
     and left out. Loads are switched off and run-time parameters become constants. Compiling Pinocchio takes
-    minutes the first time.
+    minutes the first time. With --output, frames are that of the body with the most bodies below it, and
+    contact_dynamics holds its origin.
     """
     from kanegen.studies.bench import BenchOptions, compare
     from kanegen.studies.bench.comparison import json_record
+    from kanegen.studies.bench.outputs import compare_outputs
     from kanegen.studies.bench.plot import svg
 
     require_plot(plot)
+    if output and plot is not None:
+        raise OptionError("--plot shows [A] and {f}, {ydot} and its derivatives, not outputs. Leave it out.")
     require_writable(json_, plot)
     options = BenchOptions(states, rounds, seconds)
     system = load_system(model, floating_base, right_angles, lock=lock, joint_dynamics=joint_dynamics)
     with progress() as report:
-        comparison = compare(system, options, report, peer)
+        if output:
+            comparison = compare_outputs(system, output, options, report)
+        else:
+            comparison = compare(system, options, report, peer)
     _show(comparison, options)
     texts = {}
     if json_ is not None:
@@ -82,7 +99,6 @@ def bench(
 def _show(comparison: Comparison, options: BenchOptions) -> None:
     """Print the tables and notes of a comparison."""
     from kanegen.studies.bench import table
-    from kanegen.studies.bench.results import QUANTITIES
 
     screen.print(
         f"[bold]{escape(comparison.model)}[/]: {counted(comparison.n, 'freedom')}, "
@@ -90,7 +106,7 @@ def _show(comparison: Comparison, options: BenchOptions) -> None:
         f"{options.rounds} x {options.seconds:g} s a task\n",
         soft_wrap=True,
     )
-    for quantity in QUANTITIES:
+    for quantity in comparison.quantities:
         print_table(table.head(comparison, quantity), table.rows(comparison, quantity), table.TEXT_COLUMNS)
     overheads = [f"{title} {table.ns(value)} ns" for title, value in table.overheads(comparison).items()]
     if overheads:

@@ -26,7 +26,15 @@ from kanegen.studies.bench.participant import EXACT, NATIVE, Participant
 from kanegen.studies.bench.peers import kanegen_peer, pydy_peer
 from kanegen.studies.bench.peers.problem import Problem
 from kanegen.studies.bench.peers.registry import participants
-from kanegen.studies.bench.results import DYNAMICS, EQUATIONS, QUANTITIES, TOLERANCE, Task, difference
+from kanegen.studies.bench.results import (
+    DERIVATIVES,
+    DYNAMICS,
+    EQUATIONS,
+    QUANTITIES,
+    TOLERANCE,
+    Task,
+    difference,
+)
 from kanegen.studies.bench.states import read_states, without_loads_and_parameters, write_states
 from tests.support import systems
 from tests.support.paths import MODELS
@@ -141,8 +149,8 @@ def test_a_derivative_is_compared_with_its_own_size() -> None:
     other = right.copy()
     other[1, 0, 2, 1] += 1e-12
     right, other = (values.reshape(2, 6, 2) for values in (right, other))
-    assert difference(other, right) == pytest.approx(1e-6)
-    assert difference(right, right) == 0.0
+    assert difference(other, right, DERIVATIVES) == pytest.approx(1e-6)
+    assert difference(right, right, DERIVATIVES) == 0.0
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, 1.0 + 1e-9])
@@ -150,8 +158,8 @@ def test_a_difference_in_one_place_is_seen(wrong: float) -> None:
     right = np.ones((4, 3, 2))
     other = right.copy()
     other[2, 1, 0] = wrong
-    assert difference(right, right) == 0.0
-    assert difference(other, right) > TOLERANCE
+    assert difference(right, right, EQUATIONS) == 0.0
+    assert difference(other, right, EQUATIONS) > TOLERANCE
 
 
 def test_matrix_and_forcing_are_measured_by_their_own_sizes() -> None:
@@ -159,9 +167,9 @@ def test_matrix_and_forcing_are_measured_by_their_own_sizes() -> None:
     right[:, -1] = 1e-1
     other = right.copy()
     other[:, -1] += 1e-5
-    assert difference(other, right) == pytest.approx(1e-4)
+    assert difference(other, right, EQUATIONS) == pytest.approx(1e-4)
     right[:, -1], other[:, -1] = 0.0, 1e-15
-    assert difference(other, right) == pytest.approx(1e-15 / 4e-3)
+    assert difference(other, right, EQUATIONS) == pytest.approx(1e-15 / 4e-3)
 
 
 @pytest.mark.parametrize(

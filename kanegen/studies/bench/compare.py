@@ -87,7 +87,7 @@ def evaluate(
             participant.name,
             participant.setting,
             task,
-            error=difference(results[task.name], standard[task.quantity]),
+            error=difference(results[task.name], standard[task.quantity], task.quantity),
         )
         for participant, results in computed.items()
         for task in participant.tasks

@@ -102,6 +102,11 @@ class Comparison:
         return self.entries[0].participant
 
     @property
+    def quantities(self) -> tuple[str, ...]:
+        """The quantities that were compared, in the order of the entries."""
+        return tuple(dict.fromkeys(entry.task.quantity for entry in self.entries))
+
+    @property
     def agrees(self) -> bool:
         """Whether all results agree with the standard."""
         return all(entry.agrees for entry in self.entries)
@@ -113,7 +118,7 @@ class Comparison:
 
         Args:
             participant: Name of the participant.
-            quantity: One of `results.QUANTITIES`.
+            quantity: One of `quantities`.
             setting: Compiler setting; None allows every setting.
             batch: Whether the task computes many states in one call.
 

@@ -32,30 +32,39 @@ class Task:
 
     Attributes:
         name: Name of the task, unique within its driver.
-        quantity: One of `QUANTITIES`.
+        quantity: One of `QUANTITIES`, or an output of kanegen.
         batch: Whether one call computes many states.
+        shape: Rows and columns of the array of an output; None for `QUANTITIES`, whose shapes are known.
     """
 
     name: str
     quantity: str
     batch: bool = False
+    shape: tuple[int, int] | None = None
+
+    def shape_for(self, n: int) -> tuple[int, int]:
+        """Return the rows and columns of the result of one state, for n freedoms."""
+        of = {EQUATIONS: (n + 1, n), DYNAMICS: (1, n), DERIVATIVES: (3 * n, n)}
+        return self.shape or of[self.quantity]
 
 
 Results = dict[str, Floats]
 """Results of B states by name of the task.
 
 The shape is (B, n + 1, n) for [A] with {f} below it, (B, 1, n) for {ydot}, and (B, 3 n, n) for derivatives,
-(n, 3, n) for each state.
+(n, 3, n) for each state. Outputs of kanegen have the shapes of their tasks.
 """
 
 
 def read(path: Path, tasks: Sequence[Task], n: int) -> Results:
     """Read the results of all tasks from the file of a driver."""
-    of = {EQUATIONS: n + 1, DYNAMICS: 1, DERIVATIVES: 3 * n}
-    rows = [of[task.quantity] for task in tasks]
-    values = np.fromfile(path).reshape(-1, sum(rows), n)
-    parts = np.split(values, np.cumsum(rows)[:-1], axis=1)
-    return {task.name: part for task, part in zip(tasks, parts, strict=True)}
+    shapes = [task.shape_for(n) for task in tasks]
+    sizes = [rows * columns for rows, columns in shapes]
+    values = np.fromfile(path).reshape(-1, sum(sizes))
+    parts = np.split(values, np.cumsum(sizes)[:-1], axis=1)
+    return {
+        task.name: part.reshape(-1, *shape) for task, part, shape in zip(tasks, parts, shapes, strict=True)
+    }
 
 
 def write(path: Path, results: Results) -> None:
@@ -63,18 +72,18 @@ def write(path: Path, results: Results) -> None:
     np.concatenate(list(results.values()), axis=1).tofile(path)
 
 
-def difference(ours: Floats, theirs: Floats) -> float:
+def difference(ours: Floats, theirs: Floats, quantity: str) -> float:
     """Return the largest difference between two results of one task, relative to the size of the array.
 
-    The size of [A], {f}, {ydot} or a derivative in a state is its largest entry. {f} counts as no smaller
+    The size of an array in a state is its largest entry. {f} counts as no smaller
     than a thousandth of [A], since otherwise its rounding errors would count where it vanishes.
     """
-    if ours.shape[1] == 1:
-        return _relative(ours, theirs, _size(theirs))
     n = ours.shape[2]
-    if ours.shape[1] == 3 * n:
+    if quantity == DERIVATIVES:
         mine, right = (values.reshape(-1, n, 3, n) for values in (ours, theirs))
         return max(_relative(mine[:, :, k], right[:, :, k], _size(right[:, :, k])) for k in range(3))
+    if quantity != EQUATIONS:
+        return _relative(ours, theirs, _size(theirs))
     matrix, vector = theirs[:, :-1], theirs[:, -1:]
     least = np.maximum(_size(vector), 1e-3 * _size(matrix))
     return max(_relative(ours[:, :-1], matrix, _size(matrix)), _relative(ours[:, -1:], vector, least))

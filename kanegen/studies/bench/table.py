@@ -6,7 +6,7 @@ from kanegen.studies.bench.comparison import Comparison, Entry
 from kanegen.studies.bench.results import DERIVATIVES, DYNAMICS, EQUATIONS, QUANTITIES
 
 TITLES = {EQUATIONS: "A + f", DYNAMICS: "forward dynamics", DERIVATIVES: "its derivatives"}
-"""Titles of the tables by quantity."""
+"""Titles of the tables by quantity; an output of kanegen has its name as title."""
 
 _METHODS = {"aba": "aba", "cholesky": "Cholesky"}
 """Names of methods by name of the task, where a driver has several methods for a quantity."""
@@ -18,7 +18,7 @@ TEXT_COLUMNS = 3
 def head(comparison: Comparison, quantity: str) -> list[str]:
     """Return the heads of the columns of a table."""
     return [
-        TITLES[quantity],
+        TITLES.get(quantity, quantity),
         "method",
         "compiler",
         "ns",

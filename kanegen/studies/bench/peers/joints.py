@@ -82,6 +82,7 @@ class Joint:
         armature: Reflected inertias of its motors (kg m^2, kg), one for each coordinate.
         placement: Placement of its frame, at zero coordinates, in the frame beyond `parent`.
         body: The rigid body beyond it.
+        bodies: Numbers of the bodies of the system that it consists of.
     """
 
     parent: int
@@ -90,6 +91,7 @@ class Joint:
     armature: tuple[float, ...]
     placement: Placement
     body: Mass
+    bodies: tuple[int, ...] = ()
 
 
 HERE = Placement(np.eye(3), np.zeros(3))
@@ -157,6 +159,7 @@ def _joints(system: System, groups: Groups) -> list[Joint]:
         carrier[k + 1] = parent, placement
         if parent:
             found[parent - 1].body += _mass(arrays, k, placement)
+            found[parent - 1].bodies += (k + 1,)
     return found
 
 

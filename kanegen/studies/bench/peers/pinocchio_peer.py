@@ -63,16 +63,37 @@ def _with_free_flyers(problem: Problem) -> list[Participant]:
     return [Participant(FREE_FLYER, NATIVE, (str(_program()),), states, TASKS, (table,), convert)]
 
 
-def _program() -> Path:
-    """Compile the driver, which takes minutes the first time, and return its path."""
+def participant_of_outputs(problem: Problem, tasks: Sequence[Task], body: int) -> Participant:
+    """Build the participant that computes outputs of kanegen beside [A], {f} and {ydot}.
+
+    Args:
+        problem: The model and its states.
+        tasks: Tasks, whose names are those of outputs in drivers/pinocchio_outputs.cpp.
+        body: Number of the body whose frame is chosen, and held in contact.
+
+    Raises:
+        MissingError: If Pinocchio or a C++ compiler is missing, or the compiler fails.
+    """
+    tree = joints(problem.system)
+    carriers = {k: number for number, joint in enumerate(tree, start=1) for k in joint.bodies}
+    numbers = " ".join(str(carriers[k]) for k in range(1, len(problem.system.bodies) + 1))
+    names = tuple(task.name for task in tasks)
+    arguments = (problem.write("outputs-joints", _table(problem.system, tree)), numbers, str(body), *names)
+    command = (str(_program("pinocchio_outputs.cpp")),)
+    return Participant(PINOCCHIO, NATIVE, command, problem.states_file, tuple(tasks), arguments)
+
+
+def _program(name: str = "pinocchio.cpp") -> Path:
+    """Compile a driver, which takes minutes the first time, and return its path."""
     include = headers("libpinocchio", "pinocchio/algorithm/aba.hpp")
     eigen = headers("cmeel-eigen", "eigen3/Eigen/Core") / "eigen3"
     flags = (*_BOOST, *NATIVE.flags, f"-I{include}", f"-I{eigen}")
-    return compiled("pinocchio", {"pinocchio.cpp": driver("pinocchio.cpp")}, flags)
+    files = {file: driver(file) for file in ("pinocchio_model.h", name)}
+    return compiled(name.removesuffix(".cpp"), files, flags)
 
 
 def _table(system: System, tree: Sequence[Joint]) -> str:
-    """Return the model in the format that drivers/pinocchio.cpp reads."""
+    """Return the model in the format that drivers/pinocchio_model.h describes."""
     return "\n".join([_words(system.values().gravity), *(_line(joint) for joint in tree), ""])
 
 
