@@ -68,6 +68,8 @@ def test_no_formula_can_be_read_in_two_ways(name: str) -> None:
 def test_notation() -> None:
     for plain, printed in {
         "[^7R_8]": r"[{}^{7}R_{8}]",
+        "[Ṗ̂_3]": r"[\dot{\hat{P}}_{3}]",
+        "[ṡ̃'_3]": r"[\dot{\tilde{s}}'_{3}]",
         "{θ̂̇_K}": r"\lbrace \dot{\hat{\theta}}_{K}\rbrace ",
         "[v̇'_GK,y]^T": r"[\dot{v}'_{G_{K},y}]^{T}",
         "[0]_{3x24}": r"[0]_{3\times 24}",

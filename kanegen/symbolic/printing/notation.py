@@ -12,8 +12,8 @@ import unicodedata
 WIDTH = 92
 """Number of visible characters in a line of LaTeX."""
 
-_ACCENTS = {"\u0302": r"\hat", "\u0307": r"\dot", "\u0303": r"\tilde", "\u0308": r"\ddot"}
-"""Commands of LaTeX by combining character."""
+_ACCENTS = {"\u0302": r"\hat", "\u0303": r"\tilde", "\u0307": r"\dot", "\u0308": r"\ddot"}
+"""Commands of LaTeX by combining character, the innermost first: a rate is that of a hatted letter."""
 
 _GREEK = {
     "\u03b1": r"\alpha",
@@ -59,7 +59,7 @@ def latex(text: str) -> str:
 def _symbol(match: re.Match[str]) -> str:
     """Return a letter with everything around it in LaTeX."""
     printed = _GREEK.get(match["letter"], match["letter"])
-    for accent in match["accents"]:
+    for accent in sorted(match["accents"], key=list(_ACCENTS).index):
         printed = rf"{_ACCENTS[accent]}{{{printed}}}"
     before = rf"{{}}^{{{match['before'][1:]}}}" if match["before"] else ""
     below = ",".join(map(_index, match["below"].strip("{}").split(","))) if match["below"] else ""
