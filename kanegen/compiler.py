@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -37,7 +38,7 @@ from kanegen.c import Source, description, render
 from kanegen.c.c99 import C99_TARGET
 from kanegen.c.target import Target
 from kanegen.choices import flag, several
-from kanegen.errors import OptionError, quoted
+from kanegen.errors import OptionError, SingularError, quoted
 from kanegen.library.equilibria import OUTPUTS as EQUILIBRIUM_OUTPUTS
 from kanegen.library.equilibria import Equilibria, find_equilibria
 from kanegen.library.linearization import outputs_needed
@@ -52,15 +53,26 @@ from kanegen.lowering.lower import lower
 from kanegen.measure.bounds import Bounds, InputBox, bound_source, read_domain
 from kanegen.measure.comparison import Report
 from kanegen.measure.comparison import compare as compare_with_reference
+from kanegen.measure.programs import Programs, measure_programs
+from kanegen.measure.programs.program import of_library
 from kanegen.model.arguments import NamedInputs
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
 from kanegen.program import passes
-from kanegen.program.precision import precision_named
+from kanegen.program.precision import DOUBLE, FLOAT, precision_named
 from kanegen.program.split import split
 from kanegen.recursion.outputs import EQUATIONS, ERROR_BOUNDS, function_signatures, method_of_program
 from kanegen.reference.range import require_range
 from kanegen.reference.states import random_states
+
+SOLVED = (*EQUATIONS, "forward_dynamics")
+"""The equations and their solution, which are measured where [A] is regular."""
+
+USUAL_VARIANTS = {
+    f"C in {precision.label} precision": chosen_variant(precision=precision.name)
+    for precision in (DOUBLE, FLOAT)
+}
+"""The variants that are measured beside the one of a report, by the name of the program."""
 
 
 def compile_module(
@@ -297,10 +309,27 @@ def compare(
         assert kg.compare(kg.load("models/eight_body.toml"), states=100).passed
     """
     system = reformulated(system, speeds, coordinates)
-    library = build(system, progress=progress, precision=precision, tier=tier, on_status="ignore")
+    variant = chosen_variant(tier, precision=precision)
+    library = build(system, progress=progress, tier=variant, on_status="ignore")
     progress("comparing")
     arithmetic, storage = precision_named(library.precision), precision_named(library.storage)
-    return compare_with_reference(system, library, states, seed, arithmetic, storage)
+    report = compare_with_reference(system, library, states, seed, arithmetic, storage)
+    return replace(report, measure=partial(_programs, system, variant))
+
+
+def _programs(system: System, variant: Variant, states: int, seed: int, progress: Progress) -> Programs:
+    """Measure the symbolic and compiled programs of a system in the same states; see `Report.programs`."""
+    variants = dict(USUAL_VARIANTS)
+    if variant not in variants.values():
+        variants["C as checked"] = variant
+    compiled = []
+    for name, tier in variants.items():
+        try:
+            library = build(system, SOLVED, tier=tier, progress=progress, on_status="ignore")
+        except SingularError:
+            library = build(system, tier=tier, progress=progress, on_status="ignore")
+        compiled.append(of_library(name, library, precision_named(library.storage)))
+    return measure_programs(system, compiled, states, seed, progress)
 
 
 def bound(

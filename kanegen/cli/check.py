@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -24,8 +25,13 @@ from kanegen.cli.options import (
     Speeds,
     Storage,
     Tier,
+    require_plot,
 )
 from kanegen.cli.terminal import FAILED, progress
+from kanegen.files import require_writable
+
+MOST_DRAWN = 128
+"""Largest number of states that a picture shows."""
 
 
 def check(
@@ -45,20 +51,38 @@ def check(
     points: Points = None,
     loads: Loads = None,
     as_json: AsJson = False,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            "--plot",
+            metavar="FILE.svg",
+            help="Also measure closed form, definitions, reference and C in double and single precision in "
+            "the same states, against certified truth, and draw their errors as SVG.",
+        ),
+    ] = None,
 ) -> None:
     """Compile the C for MODEL and compare its results with those of an independent NumPy program.
 
-    States are random; others follow, at rest, at the origin and at kinks of expressions.
+    States are random; others follow, at rest, at the origin and at kinks of expressions. With --plot, half of
+    the states that are drawn approach gimbal lock; needs `pip install 'kanegen[study]'`.
 
     The exit status is 1 if a difference exceeds what rounding errors explain.
     """
     from kanegen import compiler, options
+    from kanegen.measure.programs.picture import EXTRA
 
+    require_plot(plot, EXTRA)
+    require_writable(plot)
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = with_places(system, points, loads)
     with progress() as report:
         variant = options.chosen_variant(tier, precision=precision, storage=storage, sincos=sincos)
         result = compiler.compare(system, states=states, seed=seed, progress=report, tier=variant)
+        programs = None if plot is None else result.programs(min(max(states, 2), MOST_DRAWN), report)
     typer.echo(json.dumps(result.as_dict(), indent=2) if as_json else str(result))
+    if programs is not None and plot is not None:
+        programs.plot().write(plot)
+        if not as_json:
+            typer.echo(f"\n{programs}")
     if not result.passed:
         raise typer.Exit(FAILED)

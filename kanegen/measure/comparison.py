@@ -14,31 +14,25 @@ the reference (`reference.magnitudes`), and D = diag(S_A)^(1/2), which takes the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kanegen.errors import ArrayError, OptionError, quoted
+from kanegen.measure.compared import OUTPUTS, ComparedLibrary, term_magnitudes
 from kanegen.measure.errors import Errors, quotient, scaled_norm
-from kanegen.measure.report import Accuracy, Evaluation, Report
+from kanegen.measure.evaluation import Evaluation, evaluation
+from kanegen.measure.report import Accuracy, Report
 from kanegen.measure.undefined import undefined_words
 from kanegen.model.arrays import Flags, Floats, SystemArrays
 from kanegen.model.system import System
 from kanegen.program.precision import DOUBLE, Precision
 from kanegen.reference import equations as reference
 from kanegen.reference.freedoms import largest_coupled_angle
-from kanegen.reference.kinematics import kinematics
-from kanegen.reference.magnitudes import (
-    element_magnitude,
-    forcing_magnitude,
-    mass_matrix_magnitude,
-    path_maxima,
-    rotor_forcing_magnitude,
-    rounding_bound,
-)
+from kanegen.reference.magnitudes import rounding_bound
 from kanegen.reference.special_states import special_states
 from kanegen.reference.states import States, joined, random_states
 
@@ -51,9 +45,6 @@ BOUND_REASON = (
     "bound is the same times the norm of the terms over that of the output, in the state of the largest one."
 )
 """Sentence in which a report says where its bound comes from."""
-
-OUTPUTS = ("mass_matrix", "forcing")
-"""Outputs that the reference computes."""
 
 MOST_STATES = 10**8
 """Largest number of random states of a comparison."""
@@ -86,22 +77,6 @@ class ReferenceErrors(Errors):
     entry: NDArray[np.int64]
     value: Floats
     reference: Floats
-
-
-class ComparedLibrary(Protocol):
-    """The functions of a library that `compare` calls; batches have a leading axis B."""
-
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs that the library computes."""
-
-    @property
-    def mass_matrix(self) -> Callable[..., NDArray[Any]]:
-        """Function that returns (B, n, n) [A] from (B, m) x and the named `States.inputs`."""
-
-    @property
-    def forcing(self) -> Callable[..., NDArray[Any]]:
-        """Function that returns (B, n) {f} from x, y, the loads by name and the named `States.inputs`."""
 
 
 def compare(
@@ -237,26 +212,21 @@ def _batch_errors(
     x, y, force, torque = states.x, states.y, states.force, states.torque
     stored_x, stored_y = storage.from_doubles(x), storage.from_doubles(y)
     inputs = {name: storage.from_doubles(values) for name, values in states.inputs.items()}
-    bodies = kinematics(arrays, x, y, states.prescribed)
-    maxima = path_maxima(arrays, bodies, y, states.prescribed)
-    matrix_size = mass_matrix_magnitude(arrays, maxima)
-    diagonal = np.einsum("bii->bi", matrix_size)
+    sizes = term_magnitudes(arrays, states)
+    diagonal = np.einsum("bii->bi", sizes["mass_matrix"])
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     errors = {}
     if "mass_matrix" in outputs:
         truth = reference.mass_matrix(arrays, x, states.prescribed)
         scales = scale[:, :, None] * scale[:, None, :]
         value = storage.to_doubles(library.mass_matrix(stored_x, **inputs))
-        errors["mass_matrix"] = reference_errors(value, truth, matrix_size, scales, limit)
+        errors["mass_matrix"] = reference_errors(value, truth, sizes["mass_matrix"], scales, limit)
     if "forcing" in outputs:
         truth = reference.forcing(arrays, x, y, force, torque, **states.inputs)
-        size = forcing_magnitude(arrays, maxima, force, torque)
-        size = size + element_magnitude(arrays, bodies, x, y, **states.inputs)
-        size = size + rotor_forcing_magnitude(arrays, maxima, y, states.prescribed)
         loads = {"force": force, "torque": torque}
         stored = {name: None if load is None else storage.from_doubles(load) for name, load in loads.items()}
         value = storage.to_doubles(library.forcing(stored_x, stored_y, **stored, **inputs))
-        errors["forcing"] = reference_errors(value, truth, size, scale, limit)
+        errors["forcing"] = reference_errors(value, truth, sizes["forcing"], scale, limit)
     return errors
 
 
@@ -304,7 +274,6 @@ def _accuracy(
     largest = int(every[errors.normwise[every].argmax()])
     names = system.speed_names
     shape = (len(names),) * (2 if output == "mass_matrix" else 1)
-    entry = [names[i] for i in np.unravel_index(int(errors.entry[worst]), shape)]
     return Accuracy(
         output=output,
         normwise=float(errors.normwise[every].max()),
@@ -315,20 +284,12 @@ def _accuracy(
         cancellation=float(errors.cancellation[random].max()),
         bound=bound,
         not_finite=int(np.count_nonzero(~errors.finite[every])),
-        worst=Evaluation(
+        worst=evaluation(
+            names,
+            sample,
             state=worst,
-            entry=f"[{', '.join(entry)}]",
+            entry=[int(i) for i in np.unravel_index(int(errors.entry[worst]), shape)],
             value=float(errors.value[worst]),
             reference=float(errors.reference[worst]),
-            x=_row(sample.x[worst]),
-            y=_row(sample.y[worst]),
-            force=None if sample.force is None else tuple(_row(row) for row in sample.force[worst]),
-            torque=None if sample.torque is None else tuple(_row(row) for row in sample.torque[worst]),
-            inputs={name: values[worst].tolist() for name, values in sample.inputs.items()},
         ),
     )
-
-
-def _row(values: Floats) -> tuple[float, ...]:
-    """Return the numbers of a vector as a tuple."""
-    return tuple(float(value) for value in values)

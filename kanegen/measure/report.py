@@ -2,38 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
-Row = tuple[float, ...]
+from kanegen.errors import OptionError, quoted
+from kanegen.measure.evaluation import Evaluation
+from kanegen.options import Progress, quiet
 
-
-@dataclass(frozen=True)
-class Evaluation:
-    """The worst entry of an output, with the whole state, so that it can be computed again.
-
-    Attributes:
-        state: Index of the state, from 0.
-        entry: Name of the entry, made of the names of its generalized speeds.
-        value: Value that the library computed.
-        reference: Value that the reference computed.
-        x: (m,) coordinates (rad, m, 1).
-        y: (n,) generalized speeds (rad/s, m/s).
-        force: (N, 3) forces on the bodies (N); None where no body takes loads.
-        torque: (N, 3) torques on the bodies (N m); None where no body takes loads.
-        inputs: Further inputs of the system by name, such as "prescribed" or "t".
-    """
-
-    state: int
-    entry: str
-    value: float
-    reference: float
-    x: Row
-    y: Row
-    force: tuple[Row, ...] | None
-    torque: tuple[Row, ...] | None
-    inputs: Mapping[str, Any]
+if TYPE_CHECKING:
+    from kanegen.measure.programs.measured import Programs
+    from kanegen.measure.programs.picture import Picture
 
 
 @dataclass(frozen=True)
@@ -84,12 +63,14 @@ class Report:
         limits: How many coordinates and speeds stay within limits of the model; "" if it has no limits.
         special: How many further states were compared, at rest, at the origin and at kinks of expressions.
         undefined: Sentences on random states in which a force element is undefined; "" for none.
+        measure: Function that measures all programs of the system for `programs`; `kg.compare` gives it.
 
     Example:
         >>> report = kg.compare(kg.load("models/double_pendulum.toml"), states=100)
         >>> report.passed
         True
         >>> print(report)
+        >>> report.plot().write("programs.svg")
     """
 
     system: str
@@ -100,6 +81,7 @@ class Report:
     limits: str = ""
     special: str = ""
     undefined: str = ""
+    measure: Callable[..., Programs] | None = field(default=None, repr=False, compare=False)
 
     @property
     def max_error(self) -> float:
@@ -110,6 +92,44 @@ class Report:
     def passed(self) -> bool:
         """Whether every entry of every output is finite and within its bound in every state."""
         return all(accuracy.passed for accuracy in self.accuracies)
+
+    def programs(self, states: int = 128, progress: Progress = quiet) -> Programs:
+        """Measure all programs that compute these equations, in the same states, against certified truth.
+
+        They are the closed form and the definitions in NumPy, the reference, and C in double and in single
+        precision. Half of the states approach gimbal lock, where the system has one. The seed is that of the
+        report.
+
+        Args:
+            states: Number of states.
+            progress: Function that is called with the name of each stage.
+
+        Raises:
+            OptionError: If the report does not come from `kg.compare`, or there are fewer than 2 states.
+
+        Example:
+            >>> programs = report.programs()
+            >>> programs.worst("forcing", "C in single precision").x
+        """
+        if self.measure is None:
+            raise OptionError("this report knows no system. Only a report of kg.compare measures programs.")
+        if states < 2:
+            raise OptionError(
+                f"states is {quoted(states)}; two are the fewest that programs are measured in."
+            )
+        return self.measure(states=states, seed=self.seed, progress=progress)
+
+    def plot(self, states: int = 128) -> Picture:
+        """Return the picture of `programs`: errors of entries, and against distances from singular states.
+
+        Raises:
+            OptionError: As `programs`.
+            MissingError: If matplotlib is not installed (extra `study`).
+
+        Example:
+            >>> report.plot().write("programs.svg")
+        """
+        return self.programs(states).plot()
 
     def table(self) -> str:
         """Return the errors as a table: for each output a row of componentwise and one of normwise errors.
@@ -133,7 +153,8 @@ class Report:
         Example:
             >>> json.dumps(kg.compare(kg.load("models/double_pendulum.toml"), states=100).as_dict())
         """
-        data = asdict(self)
+        data = asdict(replace(self, measure=None))
+        del data["measure"]
         for row, accuracy in zip(data["accuracies"], self.accuracies, strict=True):
             row["passed"] = accuracy.passed
             row["worst"]["given"] = row["worst"].pop("inputs")

@@ -100,6 +100,19 @@ def test_check_passes_and_prints_json() -> None:
     assert report["passed"] is True
 
 
+def test_check_draws_all_programs(tmp_path: Path) -> None:
+    file = tmp_path / "programs.svg"
+    text = kanegen("check", PENDULUM, "--states", "8", "--plot", str(file)).stdout
+    for name in ("closed form", "definitions in NumPy", "reference", "C in single precision"):
+        assert name in text and name in file.read_text(encoding="utf-8")
+    report = kanegen("check", PENDULUM, "--states", "8", "--plot", str(file), "--json").stdout
+    assert json.loads(report)["passed"] is True
+    wrong = kanegen("check", PENDULUM, "--plot", str(tmp_path / "a.png"), status=2)
+    assert "a.png does not end in .svg" in wrong.stderr
+    missing = kanegen("check", PENDULUM, "--plot", str(tmp_path / "no" / "a.svg"), status=2)
+    assert "cannot be written" in missing.stderr
+
+
 WRONG = """
 import sys, kanegen.compiler as compiler
 from kanegen.cli import main
