@@ -127,6 +127,8 @@ def _blocks(equations: Equations, names: SymbolLatex) -> Iterator[Section]:
         note = "Blocks are 3 x 3."
         if equations.bodies[k - 1].sines:
             note += " S_K_i and C_K_i are sine and cosine of angle i of body K."
+        if equations.bodies[k - 1].rotation_factor:
+            note += " h_K_1 is 2 over the squared length of the quaternion of body K."
         yield Section(title, note, rows, part=Part.BLOCKS, body=k)
     note = (
         "{y_1} are the speeds of all angles, {y_2} those of all translations; columns of locked freedoms "

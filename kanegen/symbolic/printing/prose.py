@@ -19,6 +19,7 @@ _SYMBOLS = {
     "M_K_i": "M'_K,i",
     "S_K_i": "S_K,i",
     "C_K_i": "C_K,i",
+    "h_K_1": "h_K",
 }
 """Symbols in the notation of the notes, by the form that sentences in plain text have."""
 
