@@ -14,6 +14,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.library.native import compilers
+from kanegen.recursion.outputs import OUTPUTS
 from tests.support.paths import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -83,3 +84,9 @@ def test_make_targets_of_the_readme() -> None:
     targets = re.findall(r"make (\w+)", README)
     assert {"demo", "test"} <= {*targets}
     assert all(re.search(rf"^{target}:", makefile, flags=re.MULTILINE) for target in targets)
+
+
+def test_the_page_of_outputs_has_every_output() -> None:
+    page = (ROOT / "docs" / "outputs.md").read_text(encoding="utf-8")
+    table = page.split("## All outputs")[1]
+    assert re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE) == list(OUTPUTS)
