@@ -54,25 +54,16 @@ from kanegen.measure.bounds import Bounds, InputBox, bound_source, read_domain
 from kanegen.measure.comparison import Report
 from kanegen.measure.comparison import compare as compare_with_reference
 from kanegen.measure.programs import Programs, measure_programs
-from kanegen.measure.programs.program import of_library
+from kanegen.measure.programs.program import USUAL_VARIANTS, of_library
 from kanegen.model.arguments import NamedInputs
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
 from kanegen.program import passes
-from kanegen.program.precision import DOUBLE, FLOAT, precision_named
+from kanegen.program.precision import precision_named
 from kanegen.program.split import split
 from kanegen.recursion.outputs import EQUATIONS, ERROR_BOUNDS, function_signatures, method_of_program
 from kanegen.reference.range import require_range
 from kanegen.reference.states import random_states
-
-SOLVED = (*EQUATIONS, "forward_dynamics")
-"""The equations and their solution, which are measured where [A] is regular."""
-
-USUAL_VARIANTS = {
-    f"C in {precision.label} precision": chosen_variant(precision=precision.name)
-    for precision in (DOUBLE, FLOAT)
-}
-"""The variants that are measured beside the one of a report, by the name of the program."""
 
 
 def compile_module(
@@ -325,7 +316,8 @@ def _programs(system: System, variant: Variant, states: int, seed: int, progress
     compiled = []
     for name, tier in variants.items():
         try:
-            library = build(system, SOLVED, tier=tier, progress=progress, on_status="ignore")
+            outputs = (*EQUATIONS, "forward_dynamics")
+            library = build(system, outputs, tier=tier, progress=progress, on_status="ignore")
         except SingularError:
             library = build(system, tier=tier, progress=progress, on_status="ignore")
         compiled.append(of_library(name, library, precision_named(library.storage)))

@@ -143,6 +143,16 @@ def test_the_variant_that_was_checked_is_among_the_programs() -> None:
     assert programs.errors("C as checked").entries["forcing"].max() < rounding_bound(2)
 
 
+def test_states_in_which_a_force_is_undefined_are_left_out() -> None:
+    pendulum = model("double_pendulum")
+    root = kg.Drive("q1", "sqrt(x.q1)")
+    programs = measure_programs(pendulum.with_force_elements(root), [], states=20)
+    assert "states are left out" in str(programs)
+    assert 0 < len(programs.states) < 20
+    assert (programs.states.x[:, 0] >= 0).all()
+    assert programs.errors("closed form").entries["forcing"].max() <= rounding_bound(2)
+
+
 def test_bad_requests_have_one_clear_line(top: Programs) -> None:
     with pytest.raises(OptionError, match="unknown program 'C in doubel precision'"):
         top.worst("forcing", "C in doubel precision")

@@ -20,7 +20,7 @@ from kanegen.measure.programs.program import (
 )
 from kanegen.measure.programs.program_errors import ProgramErrors
 from kanegen.measure.programs.yardstick import Yardstick, states_near_and_far, yardstick
-from kanegen.model.arrays import Floats
+from kanegen.model.arrays import Flags, Floats
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
 from kanegen.reference.states import States
@@ -151,6 +151,11 @@ def measure_programs(
     progress("writing symbolic programs")
     symbolic = list(symbolic_programs(system, notes))
     sample = states_near_and_far(system, states, seed)
+    defined: Flags = np.all(np.isfinite(of_reference(system).results(sample)["forcing"]), axis=1)
+    if defined.any() and not defined.all():
+        left_out = int(np.count_nonzero(~defined))
+        notes.append(f"{left_out} of {states} states are left out, because {{f}} is undefined there.")
+        sample = sample.chosen(defined)
     progress("computing certified truth")
     truth = yardstick(system, sample)
     notes += [truth.note] if truth.note else []

@@ -264,5 +264,7 @@ def _tick(value: float, _: object = None) -> str:
 
 def _state(drawn: Drawn, number: int) -> str:
     """Return a state in words, with numbers that can be put into a program."""
-    x, y = (values[number].tolist() for values in (drawn.states.x, drawn.states.y))
-    return f"state {number}: x = {x}, y = {y}"
+    states = drawn.states
+    arrays = {"x": states.x, "y": states.y, "force": states.force, "torque": states.torque, **states.inputs}
+    given = {name: values[number].tolist() for name, values in arrays.items() if values is not None}
+    return f"state {number}: " + ", ".join(f"{name} = {values}" for name, values in given.items())

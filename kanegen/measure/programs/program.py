@@ -11,7 +11,8 @@ from kanegen.errors import OptionError
 from kanegen.measure.compared import ComparedLibrary
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
-from kanegen.program.precision import Precision
+from kanegen.options import chosen_variant
+from kanegen.program.precision import DOUBLE, FLOAT, Precision
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States
 from kanegen.symbolic.equations import derive
@@ -20,6 +21,12 @@ from kanegen.symbolic.literal.numeric import NumericEquations, numeric
 CLOSED_FORM = "closed form"
 DEFINITIONS = "definitions in NumPy"
 REFERENCE = "reference"
+
+USUAL_VARIANTS = {
+    f"C in {precision.label} precision": chosen_variant(precision=precision.name)
+    for precision in (DOUBLE, FLOAT)
+}
+"""The variants that are measured beside the one of a report, by the name of the program."""
 
 Results = Mapping[str, Floats]
 
