@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
 import kanegen as kg
 from kanegen.errors import OptionError
@@ -18,6 +19,7 @@ from kanegen.program.precision import FLOAT
 from kanegen.reference import equations as reference
 from kanegen.reference.magnitudes import rounding_bound
 from kanegen.reference.states import States
+from tests.support import systems
 from tests.support.paths import ROOT
 
 EVERY = (
@@ -63,6 +65,27 @@ def test_all_programs_agree_with_certified_truth_up_to_their_rounding(top: Progr
         for output in ("mass_matrix", "forcing"):
             assert one.entries[output].max() <= bound
     assert top.errors("C in single precision").entries["forcing"].max() > 1e-9
+
+
+@settings(max_examples=6, deadline=None, derandomize=True)
+@given(systems.systems(max_bodies=2))
+def test_symbolic_programs_of_random_systems_keep_half_of_the_bound(system: kg.System) -> None:
+    """The bound allows for the rounding of two programs, and certified truth has none."""
+    programs = measure_programs(system, [], states=4)
+    for one in programs.programs:
+        for errors in one.entries.values():
+            assert errors.max() <= rounding_bound(system.number_of_bodies) / 2
+
+
+def test_a_mass_matrix_that_is_always_singular_has_no_accelerations() -> None:
+    free = systems.flags(2, ["theta3"])
+    inertia, zero = [np.eye(3), np.zeros((3, 3))], [[0.0, 0.0, 0.0]] * 2
+    system = kg.System.from_arrays([0, 1], [2.0, 0.0], inertia, zero, zero, free=free)
+    programs = kg.compare(system, states=2).programs(states=2)
+    assert programs.names == EVERY
+    assert not programs.truth.distances.any()
+    assert all(np.isnan(one.accelerations).all() for one in programs.programs)
+    assert "no exact accelerations" in programs.plot().svg
 
 
 def test_half_of_the_states_approach_gimbal_lock(top: Programs) -> None:
@@ -128,7 +151,7 @@ def test_the_picture_is_the_same_each_time_and_names_every_program(top: Programs
 def test_without_certified_truth_the_reference_is_the_yardstick(monkeypatch: pytest.MonkeyPatch) -> None:
     car = measure_programs(model("quarter_car"), [], states=4)
     assert car.truth.words == "the reference" and "reference" not in car.names
-    assert "prescribed freedoms" in car.notes[0]
+    assert car.notes[0].endswith("no certified truth with prescribed freedoms and force elements.")
     assert car.errors("closed form").entries["forcing"].max() <= rounding_bound(2)
     assert "no exact accelerations" in car.plot().svg
     monkeypatch.setattr(yardstick, "is_installed", lambda package: False)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kanegen.errors import OptionError, SingularError
+from kanegen.errors import SingularError
 from kanegen.extras import is_installed, module
 from kanegen.measure.errors import quotient, scaled_norm
 from kanegen.model.arrays import Floats
@@ -83,20 +83,29 @@ def states_near_and_far(system: System, count: int, seed: int) -> States:
 
 def yardstick(system: System, states: States) -> Yardstick:
     """Return certified truth in the states, or the reference where there is none and why."""
-    try:
-        if not is_installed("flint"):
-            raise OptionError("python-flint is not installed (pip install 'kanegen[study]').")
+    unknown = _unknown_to_truth(system)
+    if not unknown:
         return _certified(system, states)
-    except OptionError as error:
-        arrays = system.values()
-        values = {
-            "mass_matrix": reference.mass_matrix(arrays, states.x, states.prescribed),
-            "forcing": reference.forcing(
-                arrays, states.x, states.y, states.force, states.torque, **states.inputs
-            ),
-        }
-        note = f"Errors are differences from the reference, which rounds itself: {error}"
-        return Yardstick("the reference", _distances(values["mass_matrix"]), values, note=note)
+    arrays, x, y = system.values(), states.x, states.y
+    values = {
+        "mass_matrix": reference.mass_matrix(arrays, x, states.prescribed),
+        "forcing": reference.forcing(arrays, x, y, states.force, states.torque, **states.inputs),
+    }
+    note = f"Errors are differences from the reference, which rounds itself: {unknown}."
+    return Yardstick("the reference", _distances(values["mass_matrix"]), values, note=note)
+
+
+def _unknown_to_truth(system: System) -> str:
+    """Return why there is no certified truth for a system; "" where there is."""
+    if not is_installed("flint"):
+        return "certified truth needs python-flint (pip install 'kanegen[study]')"
+    kinds = {
+        "prescribed freedoms": system.prescribed,
+        "force elements": system.force_elements,
+        "loads on points": [point for _, point in system.points if point.loads],
+    }
+    found = [kind for kind, present in kinds.items() if present]
+    return f"there is no certified truth with {' and '.join(found)}" if found else ""
 
 
 def _certified(system: System, states: States) -> Yardstick:
