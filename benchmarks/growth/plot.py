@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 from benchmarks.growth.cases import CURVES, FAMILIES, LARGEST
 from benchmarks.growth.results import MEASURES, Measure, Study, series
 from kanegen.extras import module
+from kanegen.measure.svg import svg_text
 
 _STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9}
 _PANELS = ("operations", "derive", "generate", "memory", "code", "compile", "text", "run")
@@ -32,9 +32,7 @@ def svg(study: Study) -> str:
             panel.set_xlabel("bodies")
         handles, labels = figure.axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, ncols=4, loc="outside upper center")
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
+        return svg_text(figure)
 
 
 def _panel(panel: Any, study: Study, measure: Measure) -> None:

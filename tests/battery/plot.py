@@ -3,12 +3,12 @@ time."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from kanegen.extras import module
+from kanegen.measure.svg import svg_text
 from tests.battery.experiments import Point, Row
 from tests.battery.report import Results
 
@@ -92,9 +92,7 @@ def svg(results: Results) -> str:
         places = figure.subplots(2, -(-len(PANELS) // 2)).ravel()
         for place, (number, panel) in zip(places, PANELS.items(), strict=True):
             _draw(place, results[number], panel)
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
+        return svg_text(figure)
 
 
 def _draw(place: Any, rows: Sequence[Row], panel: Panel) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,15 +13,13 @@ import numpy as np
 from kanegen.extras import module
 from kanegen.files import write_whole
 from kanegen.measure.programs.program_errors import ProgramErrors
+from kanegen.measure.svg import STYLE, svg_text
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.reference.states import States
 
 EXTRA = "study"
 """The extra that brings what a picture needs."""
-
-STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9, "text.parse_math": False}
-"""Settings of matplotlib; the salt makes the SVG reproducible."""
 
 LEAST = 1e-20
 """The error at which smaller ones are drawn: no program reaches it but by being exact."""
@@ -121,9 +118,7 @@ def draw(drawn: Drawn) -> Picture:
         upper, lower = figure.subfigures(2, 1, height_ratios=[1, 1.15])
         _heat_maps(upper, drawn, tips)
         _against_distance(lower, drawn, tips)
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return Picture(tips.shown(text.getvalue()))
+        return Picture(tips.shown(svg_text(figure)))
 
 
 def _heat_maps(figure: Any, drawn: Drawn, tips: _Tips) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from kanegen.extras import module
+from kanegen.measure.svg import STYLE, svg_text
 from kanegen.studies.bench.comparison import KANEGEN, Comparison, Entry
 from kanegen.studies.bench.participant import NATIVE, Setting
 from kanegen.studies.bench.peers.casadi_peer import CASADI
@@ -17,7 +17,6 @@ from kanegen.studies.bench.peers.pydy_peer import PYDY
 from kanegen.studies.bench.results import QUANTITIES
 from kanegen.studies.bench.table import TITLES, ratio
 
-_STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9, "text.parse_math": False}
 _BAR = 0.8
 """Width of all bars of a model together, as a share of the distance between models."""
 
@@ -62,7 +61,7 @@ def svg(comparisons: Sequence[Comparison]) -> str:
         MissingError: If matplotlib is not installed.
     """
     mpl = module("matplotlib")
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         size = (max(5.0, 2 + 1.3 * len(comparisons)), 7)
         figure = module("matplotlib.figure").Figure(figsize=size, layout="constrained")
         panels = figure.subplots(len(QUANTITIES), 1, sharex=True)
@@ -70,9 +69,7 @@ def svg(comparisons: Sequence[Comparison]) -> str:
             _panel(panel, comparisons, quantity)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, ncols=3, loc="outside upper center")
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
+        return svg_text(figure)
 
 
 def _panel(panel: Any, comparisons: Sequence[Comparison], quantity: str) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from kanegen.extras import module
+from kanegen.measure.svg import STYLE, svg_text
 from kanegen.measure.timing import OBJECTIVES
 from kanegen.measure.truth.bounds import FACTOR
 from kanegen.measure.truth.measurement import Measurement
@@ -16,9 +16,6 @@ from kanegen.studies.tradeoff.outcome import SimulationRun, Study, VariantResult
 from kanegen.studies.tradeoff.pareto_front import Point
 from kanegen.studies.tradeoff.tables import TITLES
 from kanegen.studies.tradeoff.variants import Candidate
-
-STYLE = {"svg.hashsalt": "kanegen", "svg.fonttype": "none", "font.size": 9, "text.parse_math": False}
-"""Settings of matplotlib for all pictures; the salt makes the SVG reproducible."""
 
 _MARKS = {"articulated bodies": "o", "factorisation": "s", "cheapest": "o"}
 
@@ -73,9 +70,7 @@ def tradeoff_svg(study: Study) -> str:
         panels[-2][0].set_ylabel("error / u chi\nformation (4 N + kappa_s)")
         handles = {text: handle for panel in panels.flat for handle, text in _legend(panel)}
         figure.legend(handles.values(), handles.keys(), ncols=4, loc="outside upper center")
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
+        return svg_text(figure)
 
 
 def error_bands(errors: Sequence[float]) -> list[tuple[float, float]]:
@@ -242,9 +237,7 @@ def simulation_svg(study: Study) -> str:
         panel.set_xlabel("ms for all evaluations")
         panel.set_ylabel("error of the coordinates at the end")
         figure.legend(ncols=2, loc="outside upper center")
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
+        return svg_text(figure)
 
 
 def _curve(panel: Any, runs: Sequence[SimulationRun], colour: str) -> None:
