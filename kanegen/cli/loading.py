@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kanegen.errors import OptionError, quoted
+from kanegen.errors import ModelError, OptionError, quoted
 
 if TYPE_CHECKING:
+    from kanegen.model.numbers import Number
     from kanegen.model.system import System
 
 
@@ -33,27 +35,43 @@ def load_system(
 
     system = load(model, floating_base, right_angles, joint_dynamics)
     if lock:
-        system = system.with_locked(_locked_values(lock))
+        system = system.with_locked(_locked_values(lock, system))
     return reformulated(system, speeds, coordinates)
 
 
-def _locked_values(lock: Sequence[str]) -> dict[str, float | list[float]]:
-    """Return values of freedoms by name, from texts such as "elbow=0.3" or "wrist=1,0,0,0".
+def _locked_values(lock: Sequence[str], system: System) -> dict[str, Number | list[Number]]:
+    """Return values of freedoms by name, from texts such as "elbow=pi/4" or "wrist=1,0,0,0".
 
     Raises:
-        OptionError: If a text has another form, or a name occurs twice.
+        OptionError: If a text has another form, a value is no number, or a name occurs twice.
     """
-    found: dict[str, float | list[float]] = {}
+    found: dict[str, Number | list[Number]] = {}
     for text in lock:
-        name, _, value = (part.strip() for part in text.rpartition("="))
-        try:
-            numbers = [float(part) for part in value.split(",")]
-        except ValueError:
-            raise OptionError(f"--lock: {quoted(text)} is not NAME=VALUE, such as elbow=0.3.") from None
+        name, equals, value = (part.strip() for part in text.rpartition("="))
+        if not (name and equals and value):
+            raise OptionError(f"--lock: {quoted(text)} is not NAME=VALUE, such as elbow=0.3.")
         if name in found:
             raise OptionError(f"--lock: {quoted(name)} is locked twice. Lock it once.")
-        found[name] = numbers if len(numbers) > 1 else numbers[0]
+        values = _numbers(value, f"--lock {name}", system)
+        found[name] = values if len(values) > 1 else values[0]
     return found
+
+
+def _numbers(text: str, label: str, system: System) -> list[Number]:
+    """Return the numbers in a text such as "0,-pi/4,atan2(1,2)": expressions of numbers and parameters.
+
+    Raises:
+        OptionError: If one of them is neither a number nor such an expression.
+    """
+    from kanegen.model.grammar import parse_number
+    from kanegen.model.numbers import number
+
+    known = {parameter.name: parameter for parameter in system.parameters}
+    outside_brackets = r",(?![^(]*\))"
+    try:
+        return [number(parse_number(part, known), label) for part in re.split(outside_brackets, text)]
+    except ModelError as error:
+        raise OptionError(f"{label}: {str(error).removeprefix(f'{label}: ')}") from None
 
 
 def with_selection(
@@ -101,18 +119,15 @@ def with_places(system: System, points: Sequence[str] | None, loads: str | None)
         loads: Names of points, bodies and frames, separated by commas.
 
     Raises:
-        OptionError: If a text has another form.
+        OptionError: If a text has another form, or a coordinate is no number.
         ModelError: If there is no such frame, or a name is taken.
     """
     for text in points or ():
         name, equals, place = text.partition("=")
         frame, colon, position = place.rpartition(":")
-        try:
-            at = [float(part) for part in position.split(",")]
-        except ValueError:
-            at = []
-        if not (equals and colon and at):
+        if not (equals and colon and position.strip()):
             raise OptionError(f"--points: {quoted(text)} is not NAME=FRAME:X,Y,Z, such as tip=hand:0,0,0.1.")
+        at = _numbers(position, f"--points {name.strip()}", system)
         system = system.with_points({name.strip(): (frame.strip(), at)})
     return system if loads is None else system.with_loads(_names(loads))
 

@@ -173,8 +173,8 @@ Lock = Annotated[
     typer.Option(
         "--lock",
         metavar="NAME=VALUE",
-        help="Lock this freedom at VALUE in rad or m (repeatable), such as elbow=0.3; a ball joint by its "
-        "four numbers, as in wrist=1,0,0,0.",
+        help="Lock this freedom at VALUE in rad or m (repeatable), such as elbow=0.3 or elbow=pi/4; a ball "
+        "joint by its four numbers, as in wrist=1,0,0,0.",
         show_default=False,
     ),
 ]

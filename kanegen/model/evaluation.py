@@ -26,7 +26,7 @@ LARGEST = Fraction(sys.float_info.max)
 """No part of an expression may be larger: it would be infinite in C."""
 
 VANISHING = 2.0**-300
-"""A sine or cosine that is smaller, or a relative difference, in 320 bits, is zero."""
+"""A sine, cosine or tangent that is smaller, or a relative difference, in 320 bits, is zero."""
 
 _COMPARING = (*COMPARISONS, "sign")
 """Operations whose value jumps where numbers are equal."""
@@ -60,11 +60,12 @@ class _Undefined:
 def exact_value(root: Node) -> Exact:
     """Return the value of a tree without variables, parameters at their defaults.
 
-    Sines and cosines that vanish but for the rounding of pi are zero.
+    Sines, cosines and tangents that vanish but for the rounding of pi are zero, and a tangent at its pole is
+    infinite.
 
     Raises:
-        ModelError: If it has none: a part divides by zero, takes the root or the logarithm of a number that
-            has none, or is larger than any double.
+        ModelError: If it has none: a part divides by zero, is the tangent of a right angle, takes the root
+            or the logarithm of a number that has none, or is larger than any double.
     """
     found = folded(root, _leaf, _operation)
     if isinstance(found, _Undefined):
@@ -192,7 +193,9 @@ def _function(name: str, operands: list[Any]) -> Any:
     if name in ("cos", "exp") and not first:
         return Fraction(1)
     value = getattr(MULTIPRECISION, name)(*operands)
-    return Fraction(0) if name in ("sin", "cos") and abs(value) < VANISHING else value
+    if name == "tan" and abs(value) * VANISHING > 1:
+        raise ArithmeticError("is infinite")
+    return Fraction(0) if name in ("sin", "cos", "tan") and abs(value) < VANISHING else value
 
 
 def _fraction(value: Exact) -> Fraction:

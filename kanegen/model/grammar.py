@@ -279,6 +279,9 @@ class _Reader:
                 pass
             case ast.UnaryOp(op=ast.USub(), operand=digits):
                 sign = -1
+        if isinstance(digits, ast.BinOp):
+            one = f"one whole number, at most {MAX_EXPONENT}"
+            raise self._refused(found, f"an exponent is written as {one}; for roots there is sqrt.")
         value = digits.value if isinstance(digits, ast.Constant) else None
         if not isinstance(value, int | float) or isinstance(value, bool) or value % 1 != 0:
             raise self._refused(found, "an exponent is a whole number; for roots there is sqrt.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import subprocess
 import sys
 from dataclasses import replace
@@ -13,8 +14,10 @@ import pytest
 from rich.console import Console
 
 import kanegen as kg
+from kanegen.cli.loading import load_system, with_places
 from kanegen.cli.summary import summarize
 from kanegen.cli.summary_text import show
+from kanegen.model.numbers import value_of
 from kanegen.options import quiet
 from tests.support import systems
 from tests.support.command import kanegen, process
@@ -77,11 +80,24 @@ def test_lock_takes_freedoms_out_of_the_model() -> None:
     assert [freedom["name"] for freedom in found["freedoms"]] == ["q2"]
 
 
+def test_locks_and_points_are_expressions_of_numbers_and_parameters() -> None:
+    system = with_places(
+        load_system(Path(PENDULUM), lock=["q1=-atan2(1, l1)/2"]), ["tip=lower:l2,0,-1/10"], None
+    )
+    joint = system.bodies[0].joint
+    assert [value_of(one) for one in joint.locked if value_of(one)] == [-math.atan2(1, 1.0) / 2]
+    ((_, tip),) = system.points
+    assert [value_of(one) for one in tip.position] == [0.7, 0.0, -0.1]
+
+
 @pytest.mark.parametrize(
     ("lock", "message"),
     [
         (("q1",), "--lock: 'q1' is not NAME=VALUE, such as elbow=0.3."),
-        (("q1=a",), "--lock: 'q1=a' is not NAME=VALUE"),
+        (("q1=",), "--lock: 'q1=' is not NAME=VALUE"),
+        (("q1=a",), "--lock q1: expression 'a': there is no parameter of this name"),
+        (("q1=x.q2",), "--lock q1: expression 'x.q2': a number of a model depends on parameters"),
+        (("q1=1/0",), "--lock q1: '1 / 0' divides by zero"),
         (("q1=1", "q1=2"), "--lock: 'q1' is locked twice. Lock it once."),
         (("q3=1",), "locked: there is no freedom 'q3'. Known are 'q1', 'q2'."),
         (("q1=1", "q2=1"), "has no free freedom: every joint is locked"),
@@ -187,6 +203,7 @@ def test_info_as_json() -> None:
         (("check", PENDULUM, "--floating-base"), "floating_base"),
         (("generate", PENDULUM, "-o", "x", "--poses", "lower"), "--frames: only with --output body_poses or"),
         (("check", PENDULUM, "--points", "tip=lower"), "--points: 'tip=lower' is not NAME=FRAME:X,Y,Z"),
+        (("check", PENDULUM, "--points", "tip=lower:1,2,h"), "--points tip: expression 'h': there is no"),
         (("check", PENDULUM, "--points", "tip=lower:1,2"), "point 'tip': expected 3 numbers, got 2 entries"),
         (("check", PENDULUM, "--points", "tip=hand:1,2,3"), "point 'tip': there is no body or frame 'hand'"),
         (

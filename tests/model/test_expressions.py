@@ -90,6 +90,8 @@ def test_plain_numbers_and_expressions_pass() -> None:
         ("sin(*x)", "only numbers, names"),
         ("2**k", "an exponent is a whole number; for roots there is sqrt"),
         ("2**0.5", "an exponent is a whole number"),
+        ("9**9**9", f"an exponent is written as one whole number, at most {MAX_EXPONENT}"),
+        ("2**(1/2)", "an exponent is written as one whole number, .* for roots there is sqrt"),
         ("2**~3", "'~3' in expression .* an exponent is a whole number"),
         ("2**-True", "an exponent is a whole number"),
         ("2**100000000", f"a huge power; together exponents reach at most {MAX_EXPONENT}"),

@@ -153,6 +153,10 @@ def test_parameters_of_numbers() -> None:
         (lambda: number(np.sqrt(-M), "mass"), "mass: 'sqrt.-m.' takes the root of a negative number"),
         (lambda: number(np.log(L - L), "mass"), "takes the logarithm of a number that is not positive"),
         (lambda: number(np.exp(1e6 * M), "mass"), "is larger than any double"),
+        (
+            lambda: number(M * kg.parse("tan(-3*pi/2)"), "mass"),
+            r"mass: 'tan\(.*\)' is infinite at the default",
+        ),
         (lambda: number((M * 1e200) * (M * 1e200), "mass"), "is larger than any double"),
         (
             lambda: number(kg.parse("1 if sin(1)**2 + cos(1)**2 > 1 else 2"), "mass"),
@@ -269,6 +273,7 @@ def test_sums_that_cancel_are_reported() -> None:
     stable = number(-2 * L * np.sin(small / 2) ** 2, "y")
     assert value_of(stable) == pytest.approx(-0.3 * (1 - math.cos(1e-3)), rel=1e-9)
     assert number(np.cos(kg.parse("pi/2")), "y") == 0.0
+    assert number(np.tan(kg.parse("pi")), "y") == 0.0
 
 
 def test_people_read_expressions_in_brackets(tmp_path: Path) -> None:
