@@ -95,7 +95,11 @@ class Summary:
             "refinement": self.refinement,
             "passes": [asdict(stage) for stage in self.stages],
             "saved": savings(self.stages),
-            "base_parameters": {"is_proven": self.base.is_proven, "sums": list(self.base.names)},
+            "base_parameters": {
+                "is_proven": self.base.is_proven,
+                "sums": list(self.base.names),
+                "at_defaults": list(self.base.at_defaults),
+            },
             "right_angles": self.right_angles.as_dict() if self.right_angles else None,
         }
 

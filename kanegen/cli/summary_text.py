@@ -192,6 +192,8 @@ def _show_base_parameters(base: BaseParameters, console: Console, sums: bool) ->
     count = counted(len(base), "combination is a base parameter", "combinations are base parameters")
     text = f"of {len(base.parameters)} inertial parameters {count}{certainty}{hint}"
     console.print(text, soft_wrap=True)
+    if sums and base.at_defaults:
+        console.print(f"  at the default values of {', '.join(base.at_defaults)}", soft_wrap=True)
     for name in base.names if sums else ():
         console.print(f"  {name}", soft_wrap=True)
 

@@ -365,11 +365,29 @@ def test_what_is_no_system_is_refused() -> None:
             function([])  # type: ignore[arg-type]
 
 
+def test_factors_of_run_time_parameters() -> None:
+    """The factor 1 of a length of 1 m is no factor 1; where it is no product, its number has a remark."""
+    body = kg.Body("a", 0, 1.0, UNIT, (0.3, 0, 0), kg.Joint(free=HINGE))
+    length, height = kg.Parameter("l", -1.0), kg.Parameter("h", 0.0)
+    for place, first, second, at_defaults in (
+        ((length, 0.0, 0.0), "mx_1 + l*m_2", "Izz_1 + l**2*m_2", ()),
+        ((length, height, 0.0), "mx_1 + l*m_2", "Izz_1 + 1*m_2", ("l", "h")),
+        ((length, height, 0.0), "mx_1 + l*m_2", "my_1 + h*m_2", ("l", "h")),
+        ((2.0, 0.0, 0.0), "mx_1 + 2*m_2", "Izz_1 + 4*m_2", ()),
+    ):
+        outer = replace(body, name="b", lower=1, joint=replace(body.joint, position=place))
+        base = kg.base_parameters(kg.System("two", (body, outer), (0.0, -9.81, 0.0)))
+        assert {first, second} <= set(base.names)
+        assert base.at_defaults == at_defaults
+        assert str(base).splitlines()[-len(base) :] == list(base.names)
+        assert str(base).startswith("at the default values of l, h:\n") == bool(at_defaults)
+
+
 def test_info_names_the_sums() -> None:
-    sums = "mx_1 + m_2", "my_1", "Izz_1 + m_2", "mx_2", "my_2", "Izz_2"
+    sums = "mx_1 + l1*m_2", "my_1", "Izz_1 + l1**2*m_2", "mx_2", "my_2", "Izz_2"
     count = "of 20 inertial parameters 6 combinations are base parameters"
     text = kanegen("info", PENDULUM, "--base-parameters").stdout
     assert "\n  ".join([f"{count}:", *sums]) in text
     assert f"{count} (--base-parameters names them)\n" in kanegen("info", PENDULUM).stdout
     found = json.loads(kanegen("info", PENDULUM, "--json").stdout)["base_parameters"]
-    assert found == {"is_proven": True, "sums": list(sums)}
+    assert found == {"is_proven": True, "sums": list(sums), "at_defaults": []}

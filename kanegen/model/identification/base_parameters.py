@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -10,9 +11,11 @@ import numpy as np
 from kanegen.model.arrays import Floats
 from kanegen.model.description import require_system
 from kanegen.model.identification.combinations import combinations, in_si, sampled_combinations
+from kanegen.model.identification.factors import Factor, changing_factors
 from kanegen.model.identification.inertial_parameters import inertial_parameter_names
 from kanegen.model.identification.single_joints import geometry_of
 from kanegen.model.limits import Limits
+from kanegen.model.numbers import value_of
 from kanegen.model.rotations import UNIT, ZERO
 from kanegen.model.system import System
 
@@ -32,40 +35,61 @@ class BaseParameters:
             run-time parameters leave fewer combinations than columns.
         is_proven: Whether b is proven to be the least number. Where freedoms are coupled or prescribed, it is
             the number that random positions show.
+        factors: The numbers in [K] that change with run-time parameters, by row and column.
 
     Example:
         base = kg.base_parameters(system)
-        print(len(base), *base.names)
+        print(base)  # the sums, one a line
     """
 
     parameters: tuple[str, ...]
     columns: tuple[int, ...]
     matrix: Floats
     is_proven: bool
+    factors: Mapping[tuple[int, int], Factor] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.columns)
 
+    def __str__(self) -> str:
+        defaults = f"at the default values of {', '.join(self.at_defaults)}:"
+        return "\n".join([*([defaults] if self.at_defaults else []), *self.names])
+
     @property
     def names(self) -> tuple[str, ...]:
-        """(b,) each base parameter as a sum over inertial parameters, such as "Ixx_2 - Iyy_2 + 0.04*m_3"."""
-        return tuple(self._sum(row, own) for row, own in zip(self.matrix, self.columns, strict=True))
+        """(b,) each base parameter as a sum over inertial parameters, such as "Ixx_2 - Iyy_2 + 0.04*m_3".
 
-    def _sum(self, row: Floats, own: int) -> str:
+        A factor that changes with run-time parameters is written in these, as in "mx_1 + l1*m_2", or is a
+        number at the default values of `at_defaults`.
+        """
+        return tuple(self._sum(row, own) for row, own in enumerate(self.columns))
+
+    @property
+    def at_defaults(self) -> tuple[str, ...]:
+        """Names of the run-time parameters at whose default values numbers in `names` stand."""
+        numbers = [factor for factor in self.factors.values() if not factor.symbols]
+        return tuple(dict.fromkeys(name for factor in numbers for name in factor.parameters))
+
+    def _sum(self, row: int, own: int) -> str:
         """Return a base parameter as a sum, the parameter of its own column first."""
-        text = self.parameters[own]
-        for place in np.flatnonzero(row):
-            if place != own:
-                factor = f"{abs(row[place]):.6g}*".removeprefix("1*")
-                text += f" {'-' if row[place] < 0 else '+'} {factor}{self.parameters[place]}"
-        return text
+        places = {int(place) for place in np.flatnonzero(self.matrix[row])}
+        places |= {place for i, place in self.factors if i == row}
+        text = ""
+        for place in sorted(places, key=lambda place: (place != own, place)):
+            factor = self.factors.get((row, place))
+            number = factor.number if factor else float(self.matrix[row, place])
+            size = f"{factor.text}*" if factor else f"{abs(number):.6g}*".removeprefix("1*")
+            sign = "-" if number < 0 else "+"
+            text += f" {sign} {size}{self.parameters[place]}"
+        return f"-{text[3:]}" if text.startswith(" - ") else text[3:]
 
 
 def base_parameters(system: System) -> BaseParameters:
     """Return the base parameters of a system, which follow from the geometry of its joints and from gravity.
 
     Where run-time parameters are lengths, angles or gravity, the columns are those for general values, so
-    that they are the same for all values and those of generated code; the combinations are for the defaults.
+    that they are the same for all values and those of generated code; [K] is for the defaults, and the names
+    write lengths as they are called.
 
     Args:
         system: The tree; no mass or inertia of it matters.
@@ -88,9 +112,17 @@ def _of_system(system: System) -> BaseParameters:
     bare = _without_inertias(system)
     found = _found(bare)
     if bare.parameters:
-        columns = list(_found(_with_general_values(bare)).columns)
+        defaults = [value_of(parameter) for parameter in bare.parameters]
+        values = _general_values(bare, seed=0)
+        general = _found(bare.with_parameters(values))
         # Special values, such as the length 0, may need fewer columns than general ones.
-        found = replace(found, columns=tuple(columns), matrix=_in_columns(found.matrix, columns))
+        found = replace(found, columns=general.columns, matrix=_in_columns(found, general.columns))
+        factors = changing_factors(
+            (found.matrix, defaults),
+            (general.matrix, list(values.values())),
+            _one_by_one(bare, values, general.columns),
+        )
+        found = replace(found, factors=factors)
     return replace(found, parameters=inertial_parameter_names(system))
 
 
@@ -121,16 +153,30 @@ def _without_inertias(system: System) -> System:
     return System(system.name, bodies, system.gravity, couplings=system.couplings, frames=system.frames)
 
 
-def _with_general_values(system: System) -> System:
-    """Return the same system with values of its run-time parameters at which nothing vanishes by accident."""
-    values = np.random.default_rng(0).uniform(0.3, 1.7, len(system.parameters)).tolist()
-    return system.with_parameters(dict(zip((p.name for p in system.parameters), values, strict=True)))
+def _general_values(system: System, seed: int) -> dict[str, float]:
+    """Return values of the run-time parameters at which nothing vanishes by accident."""
+    values = np.random.default_rng(seed).uniform(0.3, 1.7, len(system.parameters)).tolist()
+    return dict(zip((p.name for p in system.parameters), values, strict=True))
 
 
-def _in_columns(matrix: Floats, columns: list[int]) -> Floats:
-    """Return combinations of other columns that make the same of the inertial parameters as [K] does."""
-    found: Floats = np.linalg.lstsq(matrix[:, columns], matrix, rcond=1e-10)[0].astype(np.float64)
-    found = np.where(np.abs(found) < 1e-13 * np.abs(found).max(initial=0.0), 0.0, found)
-    if len(columns) == len(matrix):
-        found[:, columns] = np.eye(len(columns))
+def _one_by_one(
+    system: System, values: Mapping[str, float], columns: tuple[int, ...]
+) -> dict[str, tuple[Floats, float]]:
+    """Return [K] for each run-time parameter where it alone has another value than among `values`."""
+    found = {}
+    for name, other in _general_values(system, seed=1).items():
+        changed = _found(system.with_parameters({**values, name: other}))
+        found[name] = _in_columns(changed, columns), other
     return found
+
+
+def _in_columns(found: BaseParameters, columns: tuple[int, ...]) -> Floats:
+    """Return combinations of other columns that make the same of the inertial parameters as [K] does."""
+    if found.columns == columns:
+        return found.matrix
+    chosen = list(columns)
+    matrix: Floats = np.linalg.lstsq(found.matrix[:, chosen], found.matrix, rcond=1e-10)[0].astype(np.float64)
+    matrix = np.where(np.abs(matrix) < 1e-13 * np.abs(matrix).max(initial=0.0), 0.0, matrix)
+    if len(columns) == len(found.matrix):
+        matrix[:, chosen] = np.eye(len(columns))
+    return matrix
