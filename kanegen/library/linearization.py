@@ -40,6 +40,9 @@ OF_MOTION = ("forward_dynamics", "forward_dynamics_derivatives")
 OF_RATES = ("coordinate_rates", "coordinate_rates_derivatives")
 """Outputs of C that a linear model needs where speeds are no rates of coordinates."""
 
+NEARBY = 2.0**-20
+"""Share of a coordinate or speed by which it is moved to see what rounding of it does."""
+
 
 def outputs_needed(speeds_are_rates: bool, outputs: Iterable[str]) -> tuple[str, ...]:
     """Return the outputs that C must have for a linear model.
@@ -123,6 +126,9 @@ class Linearization(Dynamics, Quantities, Derivatives, QuantityDerivatives):
         rates = _Rates(self, state, further)
         A = np.block([[rates.by_x, rates.map], [slopes[:, by["x"]], slopes[:, by["y"]]]])
         B = np.concatenate([np.zeros((len(state.x), len(columns))), slopes[:, by["tau"]][:, columns]])
+        moved = _moved(slopes, self._slopes_nearby(state, force, torque, further))
+        uncertainty = np.zeros_like(A)
+        uncertainty[len(state.x) :] = np.concatenate([moved[:, by["x"]], moved[:, by["y"]]], axis=1)
         rows = _Outputs(self, state, ydot, A, B, further)
         output_names, C, D = rows.matrices(names)
         return LinearModel(
@@ -134,7 +140,24 @@ class Linearization(Dynamics, Quantities, Derivatives, QuantityDerivatives):
             **{"x": state.x, "y": state.y, "tau": state.tau, "xdot": rates.xdot, "ydot": ydot},
             rate_map=rates.map,
             rate_map_rate=rates.map_rate,
+            uncertainty=uncertainty,
         )
+
+    def _slopes_nearby(
+        self, state: _State, force: ArrayLike | None, torque: ArrayLike | None, further: NamedInputs
+    ) -> Doubles:
+        """Return (m + n, n, K) derivatives of {ydot}, each coordinate and speed in turn moved by `NEARBY`."""
+        point = np.concatenate([state.x, state.y])
+        many = point + np.diag(NEARBY * point)
+        m = len(state.x)
+        tau = np.broadcast_to(state.tau, (len(many), len(state.tau))).copy()
+        loads = (
+            None if one is None else np.repeat(np.asarray(one)[None], len(many), 0) for one in (force, torque)
+        )
+        found = self.with_on_status("ignore").forward_dynamics_derivatives(
+            many[:, :m].copy(), many[:, m:].copy(), tau, *loads, **further
+        )
+        return np.asarray(found, np.float64)
 
 
 def outputs_of(library: Quantities, asked: Iterable[str] | str) -> tuple[str, ...]:
@@ -151,6 +174,13 @@ def outputs_of(library: Quantities, asked: Iterable[str] | str) -> tuple[str, ..
                 f"outputs: a linear model has no output {quoted(name)}. {did_you_mean(name, known)}"
             )
     return names
+
+
+def _moved(slopes: Doubles, nearby: Doubles) -> Doubles:
+    """Return by how much rounding of a state moves derivatives in it; zero where they do not exist nearby."""
+    changes = np.abs(np.nan_to_num(nearby - slopes, posinf=0.0, neginf=0.0)).sum(axis=0)
+    found: Doubles = changes * (np.finfo(np.float64).eps / NEARBY)
+    return found
 
 
 class _State:

@@ -38,6 +38,8 @@ class StateSpace:
         ydot: (n,) rates of the speeds in the state (rad/s^2, m/s^2); zero in an equilibrium.
         rate_map: (m, n) matrix [H] of {xdot} = [H]{y}, Eq. (9); the identity where speeds are rates.
         rate_map_rate: (m, n) time derivative of [H] in the state.
+        uncertainty: (N, N) bounds on the errors of the entries of [A] that rounding of the state causes; None
+            for entries that are exact but for a roundoff.
     """
 
     name: str
@@ -55,6 +57,7 @@ class StateSpace:
     ydot: Floats
     rate_map: Floats
     rate_map_rate: Floats
+    uncertainty: Floats | None = None
 
     @property
     def is_minimal(self) -> bool:
@@ -91,12 +94,13 @@ class StateSpace:
             xdot=self.y,
             rate_map=np.eye(n),
             rate_map_rate=np.zeros((n, n)),
+            uncertainty=None if self.uncertainty is None else abs(new) @ self.uncertainty @ abs(old),
         )
 
     @cached_property
     def _eigenvalues(self) -> Eigenvalues:
         """The eigenvalues of the minimal model."""
-        return eigenvalues(self.minimal.A, len(self.y))
+        return eigenvalues(self.minimal.A, len(self.y), self.minimal.uncertainty)
 
     @cached_property
     def eigenvalues(self) -> tuple[complex, ...]:

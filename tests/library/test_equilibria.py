@@ -78,6 +78,20 @@ def test_a_crane_hangs_where_its_drum_holds_the_load() -> None:
     assert {"bridge_travel", "trolley_travel"} <= {name for one in found[0].free_directions for name in one}
 
 
+def test_where_two_families_cross_nothing_is_called_unstable() -> None:
+    """At the pivot of the rope the crane's load swings without weight: forces vanish to the second order."""
+    system = model("gantry_crane")
+    crossing = kg.equilibria(system)[1]
+    assert [crossing.coordinates[f"rope.theta{k}"] for k in (1, 2)] == pytest.approx(
+        [np.pi / 2] * 2, abs=1e-7
+    )
+    assert crossing.stability.verdict == "undecided"
+    state = {"rope.theta1": np.pi / 2, "rope.theta2": np.pi / 2, "rope_length": -1.6}
+    assert kg.linearize(system, state).stability.verdict == "undecided"
+    beside = kg.linearize(system, state | {"rope.theta2": 1.5})
+    assert beside.stability.verdict == "unstable"
+
+
 @pytest.mark.parametrize("tilt", [0.4, 1.2])
 def test_steady_precession(tilt: float) -> None:
     """Routh's condition m g l = precession (I3 omega3 - I precession cos(tilt)), with omega3 by hand."""

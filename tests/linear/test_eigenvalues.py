@@ -64,6 +64,21 @@ def test_errors_bound_what_rounding_does(seed: int) -> None:
     assert (distance <= found.errors * np.linalg.cond(V)).all()
 
 
+@pytest.mark.parametrize("damping", [0.0, -0.5])
+def test_uncertain_entries_count(damping: float) -> None:
+    """An entry of 1e-16 that may be zero makes no growth of 1e-8 1/s; one that is known does."""
+    A = oscillator([[1e-16, 0.0], [0.0, -4.0]], [[0.0, 0.0], [0.0, damping]])
+    entries = np.zeros_like(A)
+    entries[2, 0] = 3e-16
+    names, places = ["a", "b"], slice(0, 2)
+    unknown = modes_of(eigenvalues(A, 2, entries), names, places)
+    assert [mode.kind for mode in unknown].count("neutral") == 2
+    assert stability_of(unknown).verdict == "undecided"
+    A[2, 0] = 1e-4
+    known = modes_of(eigenvalues(A, 2, entries), names, places)
+    assert known[0].growth == pytest.approx(1e-2, rel=1e-9)
+
+
 def test_balancing_keeps_eigenvalues() -> None:
     A = np.array([[1.0, 1e6], [1e-6, 3.0]])
     B = balanced(A)

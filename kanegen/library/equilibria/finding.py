@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -40,6 +41,10 @@ TURNS = 3.0
 
 LARGEST_REST = 1e-7
 """Largest acceleration of an equilibrium, as a share of the accelerations of the starts."""
+
+UNCERTAIN = 1e-7
+"""Error of a state along a direction in which forces vanish to the second order, as forces of 1e-14 of their
+usual size allow it (rad, m)."""
 
 
 def find_equilibria(
@@ -190,6 +195,9 @@ def _equilibrium(
             largest = direction[np.argmax(np.abs(direction))]
             shares = direction / largest
             directions.append({n: float(s) for n, s in zip(names, shares, strict=True) if abs(s) > 1e-6})
+        else:
+            near = balance.library.linearize(x + UNCERTAIN * direction, balance.y, balance.tau, **inputs)
+            model = replace(model, uncertainty=model.uncertainty + np.nan_to_num(np.abs(near.A - model.A)))
     residual = float(np.abs(balance.accelerations(x[None])[0]).max())
     stability = _stability(families, x, model, len(directions))
     coordinates = dict(zip(names, map(float, x), strict=True))
