@@ -43,7 +43,8 @@ class Contact:
             None for all.
         damping: Regularisation mu of the contact, at least 0 (1/kg, and 1/(kg m^2) for moments). A held
             direction gives way with the acceleration -mu times its load, instead of zero. So loads also exist
-            where held directions depend on each other, as in proximal methods.
+            where held directions depend on each other, as in proximal methods; their errors, and those of
+            the accelerations, then grow as roundoff over mu.
 
     Raises:
         ModelError: If a name, a direction or the damping is not usable, or not exactly one of `point` and
@@ -238,8 +239,12 @@ def _directions(value: Any, possible: Sequence[str], label: str) -> tuple[str, .
     """Return directions in which a contact holds, in their order.
 
     Raises:
-        ModelError: If one does not exist or is named twice, or none is named.
+        ModelError: If one does not exist or is named twice, none is named, or they are a table.
     """
+    if isinstance(value, Mapping):
+        raise ModelError(
+            f"{label}: directions are a table. Write a list of those that hold, as in [{quoted(FORCES[0])}]."
+        )
     items = chosen(value)
     names = [value] if items is None else list(items)
     if not names:

@@ -164,11 +164,16 @@ class Constraints:
         pairs = enumerate(zip(self._pivots, self._diagonal, strict=True))
         return [pivot if pivot == whole else self._margin(i, share) for i, (pivot, whole) in pairs]
 
-    def accurate_if_positive(self, share: Rational) -> list[Expr]:
-        """Return the same for the loads to be accurate; a one for rows that lose nothing or are damped."""
+    def accurate_if_positive(self, share: Rational, damped: Rational) -> list[Expr]:
+        """Return the same for the loads to be accurate; a one for rows that lose nothing.
+
+        Args:
+            share: The share for rows without damping.
+            damped: The share for rows with damping, whose pivots may be small.
+        """
         pairs = enumerate(zip(self._pivots, self._diagonal, strict=True))
         return [
-            S.One if pivot == whole or self.rows[i].damping != 0 else self._margin(i, share)
+            S.One if pivot == whole else self._margin(i, damped if self.rows[i].damping != 0 else share)
             for i, (pivot, whole) in pairs
         ]
 

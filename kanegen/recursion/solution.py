@@ -91,7 +91,8 @@ class Solution:
         """Return the entries of an output that exists where the rows of contacts are independent, too."""
         refinement, rows = self._refinement, self._held.constraints
         regular, first = self._solver.regular_if_positive, len(self._tree.system.rows_of_frames)
-        accurate = rows.accurate_if_positive(Rational(refinement.accurate_rows))
+        shares = refinement.accurate_rows, refinement.accurate_damped_rows
+        accurate = rows.accurate_if_positive(*map(Rational, shares))
         margins = [by_place(test, [S.One] * len(accurate), first) for test in self._held.margins()]
         margins.append(by_place([S.One] * len(regular), accurate, first))
         independent = rows.independent_if_positive(Rational(refinement.independent_rows))

@@ -107,9 +107,9 @@ def _message(groups: Sequence[Sequence[ContactRow]], outputs: Sequence[str]) -> 
     left = [direction for direction in contact.held if f"{contact.name}.{direction}" not in without]
     remedy = f"write directions = {left} for contact" if left else "leave out contact"
     return (
-        f"contacts: {quoted(first.name)} cannot be held, because in every state {reason}; "
-        f"{' and '.join(outputs)} would need loads that are not unique.{same} Leave such directions out "
-        f"({remedy} {quoted(contact.name)}), or give the contacts a damping."
+        f"contacts: {quoted(first.name)} cannot be held, because in every state, but for rounding errors, "
+        f"{reason}; {' and '.join(outputs)} would need loads that are not unique.{same} "
+        f"Leave such directions out ({remedy} {quoted(contact.name)}), or give the contacts a damping."
     )
 
 

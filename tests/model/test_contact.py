@@ -116,6 +116,11 @@ def test_a_summary_says_what_is_held(leg: kg.System) -> None:
         ('"moment2"', '"force3"', "contact 'stance': direction 'force3' is named twice"),
         ('["force3", "moment2", "force1"]', "[]", "contact 'stance': it holds in no direction"),
         (
+            '["force3", "moment2", "force1"]',
+            "{force1 = false}",
+            r"contact 'stance': directions are a table. Write a list of those that hold, as in \['force1'\]",
+        ),
+        (
             'point = "toe"',
             'point = "toe"\ndirections = ["moment1"]',
             "contact 'toe': .* Moments hold frames alone",
