@@ -207,7 +207,11 @@ class AttachedSpring:
 
 
 def attached_springs(tree: Tree) -> Iterator[AttachedSpring]:
-    """Yield the springs between points of a tree."""
+    """Yield the springs between points of a tree.
+
+    Raises:
+        ModelError: If a spring whose direction matters has no length in any state.
+    """
     springs = [element for element in tree.system.force_elements if isinstance(element, Spring)]
     for number, spring in enumerate(springs, start=1):
         (a, first), (b, second) = (
@@ -218,6 +222,8 @@ def attached_springs(tree: Tree) -> Iterator[AttachedSpring]:
         start, end = ends(tree, frame, (a, b), (first, second), (f"k{number}a", f"k{number}b"))
         tree.definitions.about(f"Spring {number}: the way between its ends, and its rate")
         between = tree.definitions.vector(f"kw_{number}", separation(start.place, end.place))
+        if spring.may_be_undefined and all(part == 0 for part in between):
+            raise spring.without_length(number)
         rate = tree.definitions.vector(f"kwd_{number}", subtract(end.velocity, start.velocity))
         yield AttachedSpring(spring, number, (a, b), (first, second), frame, between, rate)
 

@@ -179,6 +179,23 @@ def test_a_spring_between_points() -> None:
     assert count(compile_module(oscillator(free), ("forcing",)).module.together).get("sqrt", 0) == 0
 
 
+def test_a_spring_that_never_has_a_length_is_refused() -> None:
+    """The origin of a link stays where its hinge is on the ground: a rest length there has no direction."""
+
+    def system(hinge: tuple[float, float, float], end: tuple[float, float, float]) -> kg.System:
+        joint = kg.Joint(position=hinge, free=(False, False, True, False, False, False))
+        link = kg.Body("link", 0, 1.0, np.eye(3).tolist(), (0.3, 0.0, 0.0), joint)
+        return kg.System("one", (link,), force_elements=(Spring(("link", end), 3.0, 0.1),))
+
+    message = "spring 1 between 'link' and the ground: its ends are at the same place in every state"
+    for hinge in ((0.0, 0.0, 0.0), (0.1, 0.0, 0.2)):
+        with pytest.raises(kg.ModelError, match=message):
+            kg.generate(system(hinge, hinge), ["forcing"])
+    with pytest.raises(kg.ModelError, match=message):
+        _ = kg.derive(system((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))).f
+    assert kg.generate(system((0.1, 0.0, 0.2), (0.1, 0.0, 0.3)), ["forcing"]).operations
+
+
 def test_a_pendulum_with_a_torsion_spring_and_a_tangential_load() -> None:
     """The moments about the hinge are -k theta and the load times its arm."""
     elements = JointSpring("body1.theta1", 3.0), PointLoad("tip", (0.0, 0.0, 4.0))

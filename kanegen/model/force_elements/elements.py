@@ -130,6 +130,18 @@ class Spring(ForceElement):
         """Whether the direction between the ends matters, which is undefined where they meet."""
         return self.rest_length != 0.0 or self.damping != 0.0
 
+    def without_length(self, number: int) -> ModelError:
+        """Return the error that refuses a spring whose ends are at one place in every state.
+
+        Args:
+            number: Number of the spring in its system, from 1.
+        """
+        one, two = (quoted(end) if isinstance(end, str) else "the ground" for end in self.between)
+        return ModelError(
+            f"spring {number} between {one} and {two}: its ends are at the same place in every state, so "
+            "that it has no direction. Move one end, or leave the spring out."
+        )
+
     def __post_init__(self) -> None:
         ends = validation.sequence(self.between, 2, "spring between")
         ends = [end if isinstance(end, str) else numbers(end, (3,), "spring between") for end in ends]

@@ -133,21 +133,25 @@ class ElementForces:
                         yield self._on_freedom(place, -slope)
 
     def _spring_forces(self) -> Iterator[ImmutableMatrix]:
-        """Yield the forces of springs between points."""
-        for spring in self.system.force_elements:
-            if isinstance(spring, Spring):
-                one, two = map(self._kinematics, spring.between)
-                stiffness, rest, damping = map(
-                    expression, (spring.stiffness, spring.rest_length, spring.damping)
-                )
-                way = two.position - one.position
-                partial_velocity = two.partial_velocity - one.partial_velocity
-                pull = stiffness * way
-                if spring.may_be_undefined:
-                    direction = self._direction(way)
-                    rate = direction.dot(two.velocity - one.velocity)
-                    pull += direction * (damping * rate - stiffness * rest)
-                yield -partial_velocity.T * pull
+        """Yield the forces of springs between points.
+
+        Raises:
+            ModelError: If a spring whose direction matters has no length in any state.
+        """
+        springs = [element for element in self.system.force_elements if isinstance(element, Spring)]
+        for number, spring in enumerate(springs, start=1):
+            one, two = map(self._kinematics, spring.between)
+            stiffness, rest, damping = map(expression, (spring.stiffness, spring.rest_length, spring.damping))
+            way = two.position - one.position
+            partial_velocity = two.partial_velocity - one.partial_velocity
+            pull = stiffness * way
+            if spring.may_be_undefined:
+                if way.is_zero_matrix:
+                    raise spring.without_length(number)
+                direction = self._direction(way)
+                rate = direction.dot(two.velocity - one.velocity)
+                pull += direction * (damping * rate - stiffness * rest)
+            yield -partial_velocity.T * pull
 
     def _direction(self, way: ImmutableMatrix) -> ImmutableMatrix:
         """Return the unit vector along the vector between the ends of a spring, (3, 1)."""
