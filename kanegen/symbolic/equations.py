@@ -308,8 +308,8 @@ class Equations:
 
         Values of the state are numbers, SymPy expressions or symbols, all in order or some by name. A float
         counts as the shortest decimal number that reads back to it, and one that is nearest to a multiple of
-        pi/2 as that multiple where it is an angle. Prescribed motions are held at their values, loads are
-        zero, and the time is the symbol t.
+        pi/2 as that multiple where it is an angle. A symbol stands for values at which no force jumps.
+        Prescribed motions are held at their values, loads are zero, and the time is the symbol t.
 
         Args:
             x: (m,) coordinates (rad, m, 1); those that are not given are neutral, see

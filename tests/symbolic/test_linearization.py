@@ -226,3 +226,19 @@ def test_states_without_accelerations_are_refused() -> None:
     top = kg.Body("top", 0, 1.0, np.eye(3), joint=ball)
     with pytest.raises(kg.SingularError, match="singular in this state"):
         kg.derive(kg.System("top", (top,))).linearize()
+
+
+def test_jumps_have_no_derivative() -> None:
+    """The effort of the potential c |q| is -c sign(q): constant beside q = 0, where it has no derivative."""
+    slider = kg.Joint(name="q", free=(False, False, False, True, False, False))
+    body = kg.Body("cart", 0, 2.0, np.eye(3).tolist(), (0.0, 0.0, 0.0), slider)
+    jumping = kg.System("cart", (body,), force_elements=(kg.Potential("20*abs(x.q)"),))
+    equations = kg.derive(jumping)
+    beside = sympy.Matrix([[0, 1], [0, 0]])
+    assert beside == equations.linearize({"q": 0.3}).A
+    assert beside == equations.linearize({"q": sympy.Symbol("q0")}).A
+    with pytest.raises(kg.OptionError, match="linearize: a force jumps in this state"):
+        equations.linearize({"q": 0})
+    smooth = kg.System("cart", (body,), force_elements=(kg.Potential("x.q**2*abs(x.q)"),))
+    assert beside == kg.derive(smooth).linearize({"q": 0}).A
+    assert sympy.Matrix([[0, 1], [sympy.Rational(-3, 2), 0]]) == kg.derive(smooth).linearize({"q": -0.5}).A

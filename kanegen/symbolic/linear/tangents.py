@@ -49,7 +49,7 @@ class Tangents:
         for symbol in sorted(value.free_symbols & self._slopes.keys(), key=str):
             if not self._slopes[symbol]:
                 continue
-            slope = self._at(value.diff(symbol))
+            slope = self._slope_at(value.diff(symbol))
             if slope != 0:
                 for place, inner in self._slopes[symbol].items():
                     terms.setdefault(place, []).append(slope * inner)
@@ -64,6 +64,21 @@ class Tangents:
             ImmutableMatrix(*matrix.shape, [slopes.get(place, S.Zero) for _, slopes in found])
             for place in range(self._count)
         ]
+
+    def _slope_at(self, slope: Expr) -> Expr:
+        """Return a derivative in the state; where the state has symbols, it counts as beside kinks.
+
+        Raises:
+            OptionError: If it is undefined there, or infinite because the expression jumps.
+        """
+        found = self._at(slope)
+        jumps = found.atoms(sympy.DiracDelta)
+        if any(jump.is_number for jump in jumps):
+            raise OptionError(
+                "linearize: a force jumps in this state, such as the slope of abs(u) in a potential at 0: "
+                "it has no derivative. Take a state beside the jump."
+            )
+        return found.xreplace(dict.fromkeys(jumps, S.Zero))
 
     def _at(self, value: Expr) -> Expr:
         """Return an expression in the state.
