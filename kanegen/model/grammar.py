@@ -28,7 +28,7 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import ModelError, quoted
 from kanegen.model import validation
 from kanegen.model.expression import Expression, Parameter, constant, negated, node_of
-from kanegen.model.finite import finite
+from kanegen.model.finite import finite, is_plain
 from kanegen.model.nodes import (
     FUNCTIONS,
     MAX_DEPTH,
@@ -220,8 +220,9 @@ class _Reader:
         return Operation(_COMPARISONS[type(op)], (a, b))
 
     def _negative(self, node: Node) -> Node:
-        """Return a tree after a minus."""
-        return Operation("negate", (node,))
+        """Return a tree after a minus; a number becomes the negative number, as by Python's operators."""
+        is_number = isinstance(node, Constant) and is_plain(node.value)
+        return negated(node) if is_number else Operation("negate", (node,))
 
     def _number(self, value: Any) -> Node:
         """Return a number that the text contains."""

@@ -150,6 +150,12 @@ def test_a_whole_exponent_may_be_written_with_a_point() -> None:
     assert parse("x.q**3.0 + x.q**-2.0") == parse("x.q**3 + x.q**-2")
 
 
+def test_negative_numbers_in_expressions_of_operators_read_back_as_written() -> None:
+    p = Parameter("p", 1.5)
+    for made in (p * -0.5, p**2 * -2.9, p - (-3), p + -1, -3 / p, (p - 1) ** -2, -(-2.5 * p)):
+        assert parse(str(made), [p]) == made
+
+
 @pytest.mark.parametrize("wrong", [None, [], {}, 1j, True, float("nan")])
 def test_what_is_no_text(wrong: object) -> None:
     with pytest.raises(ModelError, match="expression: "):
