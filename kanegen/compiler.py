@@ -279,7 +279,7 @@ def equilibria(
         raise OptionError(f"starts: {quoted(starts)} is no positive number of states.")
     library = build(system, EQUILIBRIUM_OUTPUTS, on_status="ignore")
     sample = random_states(system, starts, seed).x
-    return find_equilibria(library, sample, speeds, tau, **further)
+    return find_equilibria(library, sample, speeds, tau, elements=system.named_force_elements, **further)
 
 
 def compare(

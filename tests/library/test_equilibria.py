@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.library.equilibria import Equilibrium
 from tests.support.command import kanegen
 from tests.support.paths import MODELS
 
@@ -135,6 +136,53 @@ def test_a_torque_holds_a_pendulum() -> None:
     assert sorted(np.sin(one.coordinates["pole"]) for one in found) == pytest.approx(
         [-0.1 / (0.1 * 9.81 * 0.5)] * 2, abs=1e-12
     )
+
+
+def hanging(element: kg.ForceElement) -> Equilibrium:
+    """Return the equilibrium at 0 of a pendulum that hangs there, with one force element."""
+    joint = kg.Joint(name="q", free=(False, False, True, False, False, False))
+    bob = kg.Body("bob", 0, 2.0, np.diag([0.1, 0.2, 0.3]), (0, -0.5, 0), joint)
+    system = kg.System("hanging", (bob,), (0, -9.81, 0)).with_force_elements(element)
+    return min(kg.equilibria(system, starts=20), key=lambda one: abs(one.coordinates["q"]))
+
+
+@pytest.mark.parametrize(
+    ("element", "reason"),
+    [
+        (kg.Drive("q", "2*y.q**3"), "a drive on 'q' may do work in a motion"),
+        (kg.Drive("q", "3*y.q*abs(y.q)"), "a drive on 'q' may do work in a motion"),
+        (kg.Drive("q", "3*sign(y.q)"), "a kink or a jump"),
+        (kg.Drive("q", "3*sign(y.q) - y.q"), "a kink or a jump"),
+        (kg.Drive("q", "sin(t)"), "depend on the time, and balance in this state at t = 0 s"),
+        (kg.Drive("q", "sin(t) - y.q"), "depend on the time, and balance in this state at t = 0 s"),
+        (kg.Potential(kg.parse("-20*abs(x.q)")), "a kink or a jump"),
+        (kg.Potential(kg.parse("-20*max(0, x.q)**2")), "a kink or a jump"),
+    ],
+    ids=str,
+)
+def test_what_neither_eigenvalues_nor_the_energy_decide(element: kg.ForceElement, reason: str) -> None:
+    """An effort that vanishes at rest may do work; beside a kink no linear model holds."""
+    found = hanging(element)
+    assert found.coordinates["q"] == pytest.approx(0, abs=1e-9)
+    assert found.stability.verdict == "undecided"
+    assert reason in found.stability.reason
+
+
+@pytest.mark.parametrize(
+    ("element", "verdict"),
+    [
+        (kg.Potential(kg.parse("-20*max(0, x.q - 1)**2")), "stable"),
+        (kg.Potential(kg.parse("-2*abs(x.q)**3")), "stable"),
+        (kg.JointSpring("q", stiffness=1.0), "stable"),
+        (kg.JointSpring("q", stiffness=1.0, damping=0.1), "asymptotically stable"),
+        (kg.JointFriction("q", 1.0, 0.1), "asymptotically stable"),
+        (kg.Drive("q", "-y.q - y.q*abs(y.q)"), "asymptotically stable"),
+        (kg.Drive("q", "2*y.q"), "unstable"),
+    ],
+    ids=str,
+)
+def test_kinks_elsewhere_and_smooth_forces_are_decided(element: kg.ForceElement, verdict: str) -> None:
+    assert hanging(element).stability.verdict == verdict
 
 
 def test_nothing_rests_in_free_fall() -> None:

@@ -1,8 +1,8 @@
-"""The search for equilibria: starts, zeros, equal states and families, stability."""
+"""The search for equilibria: starts, zeros, equal states and families."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Unpack
 
@@ -15,9 +15,10 @@ from kanegen.library.equilibria.balance import Balance
 from kanegen.library.equilibria.equilibrium import Equilibria, Equilibrium
 from kanegen.library.equilibria.families import Families
 from kanegen.library.equilibria.search import zeros
+from kanegen.library.equilibria.stability import Judgement
 from kanegen.library.library import Library
-from kanegen.linear import LinearModel, Stability
 from kanegen.model.arguments import NamedInputs
+from kanegen.model.force_elements import ForceElement
 from kanegen.model.values_by_name import in_order
 
 Floats = NDArray[np.float64]
@@ -52,6 +53,8 @@ def find_equilibria(
     starts: Floats,
     speeds: Mapping[str, float] | None = None,
     tau: Mapping[str, float] | None = None,
+    *,
+    elements: Sequence[ForceElement] = (),
     **inputs: Unpack[NamedInputs],
 ) -> Equilibria:
     """Return states of rest, or steady motions with given constant speeds.
@@ -61,6 +64,7 @@ def find_equilibria(
         starts: (B, m) states from which to search.
         speeds: Constant speeds by name of the coordinate that turns or moves; all others are 0.
         tau: Constant generalized forces by name of the freedom.
+        elements: Force elements of the system, from whose structure stability is judged.
         inputs: Inputs that only some systems have, held at these values, by default 0.
 
     Raises:
@@ -99,7 +103,7 @@ def find_equilibria(
             kept.append(x)
         else:
             singular += 1
-    results = [_equilibrium(library, families, x, turning, origin, inputs) for x in _distinct(families, kept)]
+    results = [_equilibrium(library, families, elements, x, inputs) for x in _distinct(families, kept)]
     results.sort(key=lambda one: float(balance.energies(one.x[None])[0]))
     left = np.abs(balance.accelerations(found)).max(axis=1)
     smallest = float(np.nanmin(left)) if np.isfinite(left).any() else float("nan")
@@ -181,9 +185,8 @@ def _distinct(families: Families, states: list[Floats]) -> list[Floats]:
 def _equilibrium(
     library: Library,
     families: Families,
+    elements: Sequence[ForceElement],
     x: Floats,
-    turning: NDArray[np.bool_],
-    origin: Floats,
     inputs: NamedInputs,
 ) -> Equilibrium:
     """Return the result for one state: residual, free directions, linear model and stability."""
@@ -199,7 +202,7 @@ def _equilibrium(
             near = balance.library.linearize(x + UNCERTAIN * direction, balance.y, balance.tau, **inputs)
             model = replace(model, uncertainty=model.uncertainty + np.nan_to_num(np.abs(near.A - model.A)))
     residual = float(np.abs(balance.accelerations(x[None])[0]).max())
-    stability = _stability(families, x, model, len(directions))
+    stability = Judgement(families, elements).stability(x, model, len(directions))
     coordinates = dict(zip(names, map(float, x), strict=True))
     speeds = dict(zip(library.speed_names, map(float, balance.y), strict=True))
     return Equilibrium(coordinates, speeds, x, balance.y, residual, tuple(directions), stability, model)
@@ -220,25 +223,3 @@ def _ignorable(library: Library, families: Families) -> list[dict[str, float]]:
             rates = [name for name in library.speed_names if name.startswith(f"{body}.omega")]
             found += [{f"phi.{name}": 1.0} for name in rates]
     return found
-
-
-def _stability(families: Families, x: Floats, model: LinearModel, free: int) -> Stability:
-    """Return what is known of stability: by eigenvalues, or at rest by a minimum of the potential energy."""
-    found, balance = model.stability, families.balance
-    if found.verdict != "undecided" or balance.y.any() or not _is_conservative(families, x):
-        return found
-    stiffness = -balance.slopes(x[None])[0] @ balance.rate_maps(x[None])[0]
-    values = np.linalg.eigvalsh((stiffness + stiffness.T) / 2)
-    positive = int((values > 1e-9 * max(float(np.abs(values).max()), 1e-300)).sum())
-    if 0 < positive == len(values) - free:
-        where = " across the free directions, along which it drifts" if free else ""
-        return Stability("stable", f"the potential energy has a minimum{where} (Lagrange and Dirichlet)")
-    return found
-
-
-def _is_conservative(families: Families, x: Floats) -> bool:
-    """Return whether forces at rest are the slopes of the potential energy, near a state."""
-    rng = np.random.default_rng(0)
-    near = x + 0.1 * rng.uniform(-1, 1, (8, len(x)))
-    forces, potential = families.balance.forces(near), families.balance.potential_forces(near)
-    return bool(np.nanmax(np.abs(forces - potential) / families.scale) < 1e-9)
