@@ -4,7 +4,8 @@ A coordinate is ignorable where neither the energies nor the forces of elements 
 momentum is then constant (Goldstein 2002, section 2.6). The proof is that the derivatives, expanded into
 polynomials of sines and cosines, are zero. Momenta in space are constant where all bodies may be moved or
 turned together, and nothing acts from the ground along that motion (Noether's theorem); this is read from the
-joints and the force elements.
+joints, couplings, rotors and force elements. Every proof holds for all values of run-time parameters, not for
+their defaults alone.
 """
 
 from __future__ import annotations
@@ -19,15 +20,19 @@ import sympy
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, ImmutableMatrix, S, Symbol
 
-from kanegen.errors import OptionError
+from kanegen.errors import ArrayError, OptionError
+from kanegen.model.arguments import floats
 from kanegen.model.force_elements import Drive, JointFriction, JointSpring, PointLoad, Potential, Spring
-from kanegen.model.numbers import value_of
 from kanegen.model.system import System
 from kanegen.symbolic.closed.form import Simplifier
-from kanegen.symbolic.symbols import column, parameter
+from kanegen.symbolic.literal.orientation import constant_orientation
+from kanegen.symbolic.symbols import column, expression, parameter
 
 AXES = (0, 1, 2)
 """Inertial axes, from 0."""
+
+ROUNDING = 1e-12
+"""Rounding errors of the entries of a constant orientation, which files give with all or most digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,14 +43,16 @@ class IntegralOfMotion:
         name: Name, such as "energy" or "momentum of spin".
         expression: The quantity in SymPy (J, kg m^2/s or kg m/s).
         reason: Why it is constant.
-        variables: Symbols of {x}, then {y}.
+        x: Symbols of the coordinates, (m,).
+        y: Symbols of the generalized speeds, (n,).
         parameters: Default values of run-time parameters.
     """
 
     name: str
     expression: Expr
     reason: str
-    variables: tuple[Symbol, ...]
+    x: tuple[Symbol, ...]
+    y: tuple[Symbol, ...]
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
 
     def along(
@@ -61,15 +68,40 @@ class IntegralOfMotion:
         Returns:
             (...) values.
 
+        Raises:
+            ArrayError: If `x` and `y` do not fit each other or the system.
+            OptionError: If there is no such parameter, or the quantity depends on a prescribed motion.
+
         Example:
             integral.along(trajectory.x, trajectory.y)
         """
         numbers = dict(self.parameters)
         numbers |= {parameter_of(name, numbers): value for name, value in (parameters or {}).items()}
-        state = np.concatenate([np.asarray(x, np.float64), np.asarray(y, np.float64)], axis=-1)
-        function = sympy.lambdify(self.variables, self.expression.xreplace(numbers), "numpy")
-        found = function(*np.moveaxis(state, -1, 0))
-        return np.broadcast_to(np.asarray(found, np.float64), state.shape[:-1])
+        value = self.expression.xreplace(numbers)
+        if others := sorted(map(str, value.free_symbols - {*self.x, *self.y})):
+            raise OptionError(
+                f"{self.name}: it depends on the prescribed motion {', '.join(others)} as well. Replace "
+                "these symbols in its `expression` by their values."
+            )
+        places, speeds = row_by_row("x", x, len(self.x)), row_by_row("y", y, len(self.y))
+        if places.shape[:-1] != speeds.shape[:-1]:
+            raise ArrayError(f"y: expected as many states as x has, {places.shape}, got {speeds.shape}.")
+        states = np.concatenate([places, speeds], axis=-1)
+        function = sympy.lambdify((*self.x, *self.y), value, "numpy")
+        found = function(*np.moveaxis(states, -1, 0))
+        return np.broadcast_to(np.asarray(found, np.float64), states.shape[:-1])
+
+
+def row_by_row(name: str, values: ArrayLike, length: int) -> NDArray[np.float64]:
+    """Return values of states, (..., length).
+
+    Raises:
+        ArrayError: If they are no real numbers or their last axis has another length.
+    """
+    array: NDArray[np.float64] = np.asarray(floats(name, values, np.dtype(np.float64)))
+    if not array.ndim or array.shape[-1] != length:
+        raise ArrayError(f"{name}: expected shape (..., {length}), got {array.shape}.")
+    return array
 
 
 def parameter_of(name: str, known: Mapping[Symbol, float]) -> Symbol:
@@ -143,14 +175,12 @@ class Integrals:
         """Return the integrals, each once."""
         integrals: list[IntegralOfMotion] = []
         for name, value, reason in (*self._energy(), *self._ignorable(), *self._in_space()):
-            expression = self._short(value)
+            short = self._short(value)
             known = [one.expression for one in integrals]
-            if expression != 0 and not any(
-                self._is_zero(expression - s * one) for one in known for s in (1, -1)
-            ):
-                variables = (*self.equations.x, *self.equations.y)
+            if short != 0 and not any(self._is_zero(short - s * one) for one in known for s in (1, -1)):
+                x, y = tuple(self.equations.x), tuple(self.equations.y)
                 defaults = {parameter(one): one.value for one in self.system.parameters}
-                integrals.append(IntegralOfMotion(name, expression, reason, variables, defaults))
+                integrals.append(IntegralOfMotion(name, short, reason, x, y, defaults))
         return tuple(integrals)
 
     def _energy(self) -> Iterator[tuple[str, Expr, str]]:
@@ -176,14 +206,14 @@ class Integrals:
 
     def _in_space(self) -> Iterator[tuple[str, Expr, str]]:
         """Yield momenta in space that stay constant because all bodies may be moved or turned together."""
-        gravity = [value_of(one) for one in self.system.gravity]
+        gravity = [expression(one) for one in self.system.gravity]
         if not self._acts_from_ground(range(6)) and self._is_floating:
             for k in AXES:
                 name = f"angular momentum about the mass centre, axis {k + 1}"
                 yield name, self.equations.momentum[3 + k], "the tree floats freely"
         for k in AXES:
             shifts = all(self._may_shift(body, k) for body in self._roots)
-            if shifts and gravity[k] == 0 and not self._acts_from_ground((3, 4, 5)):
+            if shifts and vanishes(gravity[k]) and not self._acts_from_ground((3, 4, 5)):
                 yield (
                     f"linear momentum, axis {k + 1}",
                     self.equations.momentum[k],
@@ -191,7 +221,7 @@ class Integrals:
                 )
         point = column(self.system.bodies[self._roots[0] - 1].joint.position)
         for k in AXES:
-            about_gravity = all(value == 0 for axis, value in enumerate(gravity) if axis != k)
+            about_gravity = all(vanishes(value) for axis, value in enumerate(gravity) if axis != k)
             turns = all(self._may_turn(body, k) for body in self._roots)
             if turns and about_gravity and not self._acts_from_ground(range(6)):
                 momentum = self.equations.angular_momentum(point)[k]
@@ -212,54 +242,50 @@ class Integrals:
     def _may_shift(self, body: int, axis: int) -> bool:
         """Return whether the joint of a body to the ground lets it move along an inertial axis."""
         joint = self.system.bodies[body - 1].joint
-        rows = self._orientation(body)
-        free = [rows[i] for i in AXES if joint.free[3 + i]]
-        unit = np.eye(3)[axis]
-        return np.linalg.matrix_rank([*free, unit], tol=1e-12) == len(free) if free else False
+        rows = constant_orientation(joint.orientation)
+        return all(joint.free[3 + i] or vanishes(rows[i, axis], ROUNDING) for i in AXES)
 
     def _may_turn(self, body: int, axis: int) -> bool:
         """Return whether the joint of a body to the ground always lets it turn about an inertial axis."""
-        joint, unit = self.system.bodies[body - 1].joint, np.eye(3)[axis]
+        joint = self.system.bodies[body - 1].joint
+        rows = constant_orientation(joint.orientation)
         if not all(joint.free[:3]):
             first = next((i for i in AXES if joint.moving[i]), None)
-            if first is None or not joint.free[first] or any(value_of(v) for v in joint.locked[:first]):
+            if first is None or not joint.free[first] or any(v != 0 for v in joint.locked[:first]):
                 return False
-            turned = self._orientation(body)[joint.axes[first]]
-            if np.abs(np.cross(turned, unit)).max() > 1e-12:
+            if not is_along(rows.row(joint.axes[first]), axis):
                 return False
         if all(joint.free[3:]):
             return True
-        along = [self._orientation(body)[i] for i in AXES if joint.free[3 + i]]
-        slides = all(np.abs(np.cross(one, unit)).max() <= 1e-12 for one in along)
-        first_body = self.system.bodies[self._roots[0] - 1].joint
-        apart = [value_of(a) - value_of(b) for a, b in zip(joint.position, first_body.position, strict=True)]
-        is_on_axis = np.abs(np.cross(apart, unit)).max() == 0
-        still = not any(value_of(value) for value in joint.locked[3:])
-        return bool(slides and is_on_axis and still)
-
-    def _orientation(self, body: int) -> NDArray[np.float64]:
-        """Return [C_K] of a body on the ground: its rows are the axes of the joint frame."""
-        arrays = self.system.values()
-        found: NDArray[np.float64] = np.asarray(arrays.joint_orientation[body - 1], np.float64)
-        return found
+        slides = all(is_along(rows.row(i), axis) for i in AXES if joint.free[3 + i])
+        apart = column(joint.position) - column(self.system.bodies[self._roots[0] - 1].joint.position)
+        still = all(value == 0 for value in joint.locked[3:])
+        return slides and still and is_along(apart, axis, tolerance=0)
 
     def _acts_from_ground(self, indices: Sequence[int]) -> bool:
-        """Return whether anything acts between the ground and a body, along some freedoms of such joints."""
+        """Return whether anything acts between the ground and a body, along some freedoms of such joints.
+
+        A rotor that such a freedom drives acts on it from the ground, and so does whatever is coupled to it.
+        """
         bodies = [self.system.bodies[k - 1] for k in self._roots]
         if any(body.joint.prescribed[i] or body.joint.coupled[i] for body in bodies for i in range(6)):
             return True
-        if any(value_of(body.joint.armature[i]) for body in bodies for i in indices):
+        if any(body.joint.armature[i] != 0 for body in bodies for i in indices):
             return True
-        names = {f"{body.name}.{kind}" for body in bodies for kind in _KINDS}
+        driving = [one.freedom for one in self.system.mounted_rotors]
+        driving += [freedom for one in self.system.coupled for freedom, _ in one.terms]
+        if any(freedom.body in self._roots and freedom.index in indices for freedom in driving):
+            return True
+        names = {body.name for body in bodies}
         return any(self._is_grounded(element, names) for element in self.system.force_elements)
 
     def _is_grounded(self, element: Any, names: set[str]) -> bool:
-        """Return whether a force element acts between the ground and a body."""
+        """Return whether a force element acts between the ground and one of the bodies on it, by name."""
         match element:
             case JointSpring(freedom=name) | Drive(freedom=name) | JointFriction(freedom=name):
-                return name in names
+                return body_of(name) in names
             case Potential(energy):
-                return any(variable.partition(".")[2] in names for variable in energy.variables)
+                return any(body_of(one.partition(".")[2]) in names for one in energy.variables)
             case PointLoad():
                 return True
             case Spring(between=ends):
@@ -289,8 +315,19 @@ class Integrals:
             return value
 
 
-_KINDS = ("theta1", "theta2", "theta3", "s1", "s2", "s3", "omega1", "omega2", "omega3")
-"""Ends of the names of freedoms and speeds of a joint."""
+def vanishes(value: Expr, tolerance: float = 0.0) -> bool:
+    """Return whether an expression is zero whatever its symbols are, or a number within a tolerance of it."""
+    return bool(value.is_zero) or (not value.free_symbols and abs(float(value)) <= tolerance)
+
+
+def is_along(vector: ImmutableMatrix, axis: int, tolerance: float = ROUNDING) -> bool:
+    """Return whether a vector has no component beside one of the axes, whatever its symbols are."""
+    return all(vanishes(value, tolerance) for i, value in enumerate(vector) if i != axis)
+
+
+def body_of(name: str) -> str:
+    """Return the body of a coordinate or freedom by its name, `<body>.<freedom>`."""
+    return name.rpartition(".")[0]
 
 
 def _does_work(element: Any) -> bool:
