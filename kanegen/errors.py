@@ -7,7 +7,15 @@ the mistake, its place and its remedy, in one line of bounded length whatever a 
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
+import functools
+import os
 import reprlib
+import sys
+import warnings
+from pathlib import Path
+from types import FrameType
 from typing import Any
 
 QUOTED = 120
@@ -138,3 +146,28 @@ class KanegenWarning(UserWarning):
 
     def __init__(self, message: object = "") -> None:
         super().__init__(excerpt(str(message), LONGEST_MESSAGE))
+
+
+_PACKAGE = f"{Path(__file__).parent}{os.sep}"
+
+_BETWEEN = (dataclasses.__file__, functools.__file__, contextlib.__file__)
+"""Files of Python through which one function of kanegen calls another."""
+
+
+def warn(message: str) -> None:
+    """Issue a `KanegenWarning` at the line outside kanegen that made the innermost call of it.
+
+    Example:
+        warn("unused parameters: a, b.")
+    """
+    level, frame = 2, sys._getframe(1)
+    while _is_inside(frame) and frame.f_back is not None:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, KanegenWarning, stacklevel=level)
+
+
+def _is_inside(frame: FrameType) -> bool:
+    """Return whether a frame is one of kanegen, or between two of kanegen, as that of a dataclass is."""
+    code = frame.f_code
+    is_of_dataclass = code.co_filename == "<string>" and code.co_name == "__init__"
+    return code.co_filename.startswith(_PACKAGE) or code.co_filename in _BETWEEN or is_of_dataclass

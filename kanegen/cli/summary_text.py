@@ -92,7 +92,7 @@ def _show_facts(facts: ModelFacts, console: Console, verbose: bool) -> None:
     for line in lines:
         console.print(escape(line), soft_wrap=True)
     if facts.left_out:
-        console.print("\n[bold]Left out or changed[/] in reading")
+        console.print("\n[bold]Left out, changed or inaccurate[/] in reading")
     for line in facts.left_out:
         console.print(escape(line), soft_wrap=True)
 

@@ -105,19 +105,20 @@ class Body:
 
     def __post_init__(self) -> None:
         check_label(self.name, "body name")
+        label = f"body {quoted(self.name)}: "
         try:
             validation.store(
                 self,
                 lower=validation.integer(self.lower, "connection"),
-                mass=validation.mass(self.mass),
+                mass=validation.mass(self.mass, f"{label}mass"),
                 inertia=validation.inertia(self.inertia, self.name),
-                mass_center=numbers(self.mass_center, (3,), "mass centre"),
+                mass_center=numbers(self.mass_center, (3,), f"{label}mass centre"),
                 joint=validation.instances((self.joint,), Joint, "joint")[0],
                 loads=validation.flags((self.loads,), 1, "loads")[0],
                 points=validation.instances(self.points, Point, "points"),
             )
         except ModelError as error:
-            raise ModelError(f"body {quoted(self.name)}: {error}") from None
+            raise ModelError(f"{label}{str(error).removeprefix(label)}") from None
 
     def map_numbers(self, change: Callable[[Number], Number]) -> Body:
         """Return the same body with `change` applied to every number of it, its points and its joint.

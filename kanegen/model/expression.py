@@ -87,6 +87,20 @@ class _Operand(Arithmetic["Expression"]):
             raise ModelError(f"exponent {quoted(exponent)} is no whole number; for roots there is sqrt.")
         return Expression(check_size(Power(self.node, int(exponent))))
 
+    def __rpow__(self, base: object) -> Expression:
+        raise ModelError(
+            f"exponent {quoted(text_of(self.node))} is no whole number; b**a is written as exp(a*log(b))."
+        )
+
+    def _compared(self, other: object) -> bool:
+        """Refuse a comparison, whose result is not known before run time."""
+        raise ModelError(
+            f"{quoted(text_of(self.node))} cannot be compared before run time. Write max, min and conditions "
+            "as a text, such as kg.parse('max(m, l)', [m, l])."
+        )
+
+    __lt__ = __le__ = __gt__ = __ge__ = _compared
+
 
 @dataclass(frozen=True)
 class Parameter(_Operand):

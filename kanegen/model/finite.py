@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable, Mapping, Set
 from typing import Any
 
@@ -35,7 +36,13 @@ def finite(value: Any, label: str) -> float:
 
 
 def listed(value: Any) -> list[Any] | None:
-    """Return the items of an ordered collection; None for strings, tables, sets and single values."""
+    """Return the items of an ordered collection; None for strings, tables, sets and single values.
+
+    A matrix of SymPy gives its rows, or the entries of its only column.
+    """
+    sympy = sys.modules.get("sympy")
+    if sympy is not None and isinstance(value, sympy.MatrixBase):
+        return list(value.flat() if value.cols == 1 else value.tolist())
     if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
         return None
     if isinstance(value, np.ndarray) and value.ndim == 0:

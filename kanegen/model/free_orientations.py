@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
-from kanegen.errors import KanegenWarning, ModelError, quoted
+from kanegen.errors import ModelError, quoted, warn
 from kanegen.model.body import Body
 from kanegen.model.description import SystemDescription
 from kanegen.model.joint import Joint
@@ -43,9 +42,5 @@ def with_free_orientations(system: SystemDescription, change: Callable[[Joint], 
         without += [body.name] if changed.limits != joint.limits else []
         bodies[k] = replace(body, joint=changed)
     if without:
-        warnings.warn(
-            f"limits of angles are left out, which are other freedoms now: {', '.join(without)}.",
-            KanegenWarning,
-            stacklevel=3,
-        )
+        warn(f"limits of angles are left out, which are other freedoms now: {', '.join(without)}.")
     return tuple(bodies)

@@ -6,12 +6,11 @@ and accelerations of zero there. Force elements on a locked freedom stay, and se
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from kanegen.errors import KanegenWarning, ModelError, quoted
+from kanegen.errors import ModelError, quoted, warn
 from kanegen.model import validation
 from kanegen.model.body import Body
 from kanegen.model.coordinates import (
@@ -193,11 +192,9 @@ def _force_elements(
     ]
     if idle:
         names = ", ".join(element.freedom for element in idle if isinstance(element, Drive | JointFriction))
-        warnings.warn(
+        warn(
             f"{LOCKED}: drives and friction on locked components of an angular velocity are left out: "
-            f"{names}.",
-            KanegenWarning,
-            stacklevel=4,
+            f"{names}."
         )
     return tuple(e.with_constants(constants) for e in system.force_elements if e not in idle)
 
@@ -234,8 +231,4 @@ def _warn_of_limits(body: Body, values: Mapping[int, Number]) -> None:
         lower, upper = limits.lower[index], limits.upper[index]
         if not lower <= value_of(value) <= upper:
             name = body.joint.freedom_name(index) or f"{body.name}.{FREEDOMS[index]}"
-            warnings.warn(
-                f"{LOCKED}: {name} at {value_of(value):g} is outside its limits, {lower:g} to {upper:g}.",
-                KanegenWarning,
-                stacklevel=5,
-            )
+            warn(f"{LOCKED}: {name} at {value_of(value):g} is outside its limits, {lower:g} to {upper:g}.")

@@ -5,12 +5,11 @@ Whoever needs the value of a number asks `value_of`, or `parameters_of` for what
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from kanegen.errors import QUOTED, KanegenWarning, ModelError, counted, excerpt, quoted
+from kanegen.errors import QUOTED, ModelError, counted, excerpt, quoted, warn
 from kanegen.model.evaluation import Exact
 from kanegen.model.expression import Expression, Parameter
 from kanegen.model.finite import finite, is_plain, listed
@@ -49,10 +48,15 @@ Matrix = tuple[Vector, Vector, Vector]
 """(3, 3) numbers of a model, row by row."""
 
 
-def number(value: Any, label: str) -> Number:
+def number(value: Any, label: str, warns: bool = True) -> Number:
     """Return a number of a model; an expression that is exactly a double becomes this double.
 
     Symbols of SymPy become parameters without a default value, which the system must give.
+
+    Args:
+        value: The number.
+        label: Name of the quantity, for messages.
+        warns: Whether lost digits are reported; not where the number is checked once more in its place.
 
     Raises:
         ModelError: If it is neither a finite number nor an expression that has a value at the defaults of its
@@ -83,13 +87,11 @@ def number(value: Any, label: str) -> Number:
         finite(value.value, label)
     except ModelError as error:
         raise ModelError(f"{label}: {error}") from None
-    if value.parameters and value.loss > LOST:
-        warnings.warn(
+    if warns and value.parameters and value.loss > LOST:
+        warn(
             f"{label}: {quoted(str(value))} loses digits: computed in doubles at the default values, it is "
             f"off by {value.loss:.0e} of itself, because terms nearly cancel in it or leave the range of "
-            "doubles. Write it in another form.",
-            KanegenWarning,
-            stacklevel=3,
+            "doubles. Write it in another form."
         )
     return value.simplest
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
-from kanegen.errors import KanegenWarning, ModelError, counted, quoted
+from kanegen.errors import ModelError, counted, quoted, warn
 from kanegen.model.coordinates import COORDINATE_KINDS, SPEED_KINDS
 from kanegen.model.numbers import (
     Matrix,
@@ -116,10 +115,10 @@ def _assumed(value: Any, label: str) -> None:
         raise ModelError(f"{label} {value} is negative by the assumptions on its symbols.")
 
 
-def mass(given: Any) -> Number:
-    """Return a mass (kg), which must not be negative."""
+def mass(given: Any, label: str) -> Number:
+    """Return a mass (kg), which must not be negative; messages about its number call it `label`."""
     _assumed(given, "mass")
-    value = number(given, "mass")
+    value = number(given, label)
     if value_of(value) < 0:
         raise ModelError(f"mass {described(value)} kg is negative.")
     return value
@@ -143,7 +142,7 @@ def inertia(given: Any, body: str) -> Matrix:
     Warns:
         KanegenWarning: If the principal moments violate the triangle inequality.
     """
-    value: Matrix = numbers(given, (3, 3), "inertia")
+    value: Matrix = numbers(given, (3, 3), f"body {quoted(body)}: inertia")
     for i, row in enumerate(listed(given) or ()):
         _assumed((listed(row) or ())[i], "inertia: the moment")
     matrix = np.array(map_numbers(value, value_of))
@@ -163,11 +162,9 @@ def inertia(given: Any, body: str) -> Matrix:
             "Check the signs of the products of inertia."
         )
     if moments[2] > (moments[0] + moments[1]) * (1 + INERTIA_ROUNDING) + INERTIA_ROUNDING * size:
-        warnings.warn(
+        warn(
             f"body {quoted(body)}: principal moments {(moments * unit).tolist()} kg m^2 violate the triangle "
-            "inequality; no real body has them.",
-            KanegenWarning,
-            stacklevel=2,
+            "inequality; no real body has them."
         )
     return _symmetric(value)
 

@@ -8,10 +8,9 @@ controls of actuators are parameters, and linear equalities of joints are coupli
 
 from __future__ import annotations
 
-import warnings
 from itertools import chain
 
-from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
+from kanegen.errors import ModelError, OptionError, ReadError, quoted, warn
 from kanegen.model.coupling import Coupling
 from kanegen.model.force_elements.element import ForceElement
 from kanegen.model.rotations import ZERO, Triple
@@ -57,10 +56,10 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
     except ModelError as error:
         raise ReadError(f"{file.path}: {error}") from None
     if text := summary(chain(left_out(model), without)):
-        _warn(f"{file.path}: the equations leave out {text}.")
+        warn(f"{file.path}: the equations leave out {text}.")
     if tree.renamed:
         changed = (f"{quoted(old)} is called {quoted(new)}" for old, new in tree.renamed.items())
-        _warn(f"{file.path}: names that are taken already are changed: {', '.join(changed)}.")
+        warn(f"{file.path}: names that are taken already are changed: {', '.join(changed)}.")
     return system
 
 
@@ -87,11 +86,6 @@ def _with_forces(
     system = system.with_couplings(*coupled) if coupled else system
     system = system.with_locked(locked) if locked else system
     return system, [part for part in (*found, *equalities) if isinstance(part, LeftOut)]
-
-
-def _warn(message: str) -> None:
-    """Issue a `KanegenWarning` with a message about a file."""
-    warnings.warn(message, KanegenWarning, stacklevel=4)
 
 
 def _gravity(model: Compiled) -> Triple:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from kanegen import extras
-from kanegen.errors import KanegenWarning, ReadError, quoted
+from kanegen.errors import ReadError, quoted, warn
 from kanegen.model import right_angles
 from kanegen.model.rotations import UNIT, ZERO, Square, Triple, normalized, rotation_quaternion, transpose
 from kanegen.readers.mjcf_assets import compiled_without_assets
@@ -180,7 +180,7 @@ def compiled(file: ModelFile) -> Compiled:
         mujoco.set_mju_user_warning(before)
     for message in map(_one_line, (*messages, *(str(warning.message) for warning in caught))):
         if not re.search(_NOT_OF_THE_FILE, message):
-            warnings.warn(f"{file.path}: MuJoCo warns: {message}.", KanegenWarning, stacklevel=4)
+            warn(f"{file.path}: MuJoCo warns: {message}.")
     found = Compiled(file.path, mujoco, model)
     _check_numbers(found)
     return found

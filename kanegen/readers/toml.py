@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from kanegen.errors import KanegenWarning, ModelError, OptionError, ReadError, quoted
+from kanegen.errors import ModelError, OptionError, ReadError, quoted, warn
 from kanegen.model.contact import Contact
 from kanegen.model.coupling import Coupling
 from kanegen.model.rotor import Rotor
@@ -141,7 +140,7 @@ def _system(table: Table, path: Path, tolerance: float) -> System:
     name = table.get("name", path.stem)
     system = System(name, bodies, gravity, elements, poses, reactions, couplings, frames, rotors, contacts)
     if unused := parameters.unused():
-        warnings.warn(f"{path}: unused parameters: {', '.join(unused)}.", KanegenWarning, stacklevel=4)
+        warn(f"{path}: unused parameters: {', '.join(unused)}.")
     return system
 
 

@@ -123,7 +123,7 @@ class Parameters:
         except ModelError as error:
             raise TextError(f"{label}: {error}", value) from None
         try:
-            return number(expression, label)
+            return number(expression, label, warns=False)  # the model checks it in its place
         except ModelError as error:
             raise TextError(str(error), value) from None
 

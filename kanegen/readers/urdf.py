@@ -9,12 +9,11 @@ poses, points and loads are those of the link.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kanegen.errors import KanegenWarning, ModelError, ReadError, quoted
+from kanegen.errors import ModelError, ReadError, quoted, warn
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.joint import Joint
@@ -59,7 +58,7 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
             f"{robot.where}: no joint of this robot moves. floating_base=True frees its root link."
         )
     if left_out:
-        _warn(f"{file.path}: this is not read: {listed(left_out)}.")
+        warn(f"{file.path}: this is not read: {listed(left_out)}.")
     _warn_of_mimic(robot, file.path)
     _warn_of_limits(moving, file.path)
     _warn_of_names(robot, file.path)
@@ -74,7 +73,7 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
     if options.joint_dynamics:
         return system.with_force_elements(*dynamic_elements(moving, bodies))
     if message := dynamics_left_out(moving, system, file.path):
-        _warn(message)
+        warn(message)
     return system
 
 
@@ -154,22 +153,17 @@ def _warn_of_limits(moving: Sequence[MovingLink], path: Path) -> None:
         if link.joint.limit.empty
     ]
     if empty:
-        _warn(f"{path}: limits that leave no motion or no effort are taken for none: {', '.join(empty)}.")
+        warn(f"{path}: limits that leave no motion or no effort are taken for none: {', '.join(empty)}.")
 
 
 def _warn_of_mimic(robot: Robot, path: Path) -> None:
     """Warn of fixed joints with `mimic`, which says nothing there."""
     fixed = [joint.name for joint in robot.joints.values() if joint.mimic and joint.kind == "fixed"]
     if fixed:
-        _warn(f"{path}: these joints are fixed, so their <mimic> says nothing: {', '.join(fixed)}.")
+        warn(f"{path}: these joints are fixed, so their <mimic> says nothing: {', '.join(fixed)}.")
 
 
 def _warn_of_names(robot: Robot, path: Path) -> None:
     """Warn of names of joints that mean a link."""
     if shadowed := list(shadowed_joints(robot)):
-        _warn(f"{path}: links and joints share names: {', '.join(shadowed)}.")
-
-
-def _warn(message: str) -> None:
-    """Issue a `KanegenWarning` with a message about a file."""
-    warnings.warn(message, KanegenWarning, stacklevel=5)
+        warn(f"{path}: links and joints share names: {', '.join(shadowed)}.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import math
 import operator
 import pickle
@@ -148,6 +149,12 @@ def test_parameters_of_numbers() -> None:
         (lambda: M ** kg.Parameter("n", 2.0), "is no whole number; for roots there is sqrt"),
         (lambda: M**0.5, "exponent 0.5 is no whole number"),
         (lambda: (M**9) ** 9, "a huge power"),
+        (lambda: 2**M, r"exponent 'm' is no whole number; b\*\*a is written as exp\(a\*log\(b\)\)"),
+        (
+            lambda: max(M, L),
+            r"'l' cannot be compared before run time\. Write max, min and conditions as a text",
+        ),
+        (lambda: 1.0 if M + 1 <= 3 else 2.0, "'m . 1' cannot be compared before run time"),
         (lambda: M * math.inf, "is not finite"),
         (lambda: number(M / (L - 0.3), "mass"), "mass: 'm / .l - 0.3.' divides by zero at the default"),
         (lambda: number(np.sqrt(-M), "mass"), "mass: 'sqrt.-m.' takes the root of a negative number"),
@@ -274,6 +281,25 @@ def test_sums_that_cancel_are_reported() -> None:
     assert value_of(stable) == pytest.approx(-0.3 * (1 - math.cos(1e-3)), rel=1e-9)
     assert number(np.cos(kg.parse("pi/2")), "y") == 0.0
     assert number(np.tan(kg.parse("pi")), "y") == 0.0
+
+
+def test_lost_digits_are_reported_once_with_the_body(tmp_path: Path) -> None:
+    text = ROD.replace('mass_center = [0, 0, "', 'mass_center = ["l*cos(1e-4*alpha) - l", 0, "', 1)
+    assert text != ROD
+    with pytest.warns(kg.KanegenWarning, match="loses digits") as caught:
+        read_toml(tmp_path, text)
+    assert [str(one.message)[:28] for one in caught] == ["body 'rod': mass centre[0]: "]
+
+
+def test_warnings_stand_at_the_line_of_the_caller(tmp_path: Path) -> None:
+    with pytest.warns(kg.KanegenWarning) as caught:
+        body = kg.Body("rod", 0, 1.0, np.diag([1.0, 1.0, 3.0]))
+        dataclasses.replace(body, name="other")
+        system = kg.System("rod", (dataclasses.replace(body, joint=kg.Joint(free=(True,) + (False,) * 5)),))
+        system.save(tmp_path / "rod.toml")
+        kg.load(tmp_path / "rod.toml")
+    assert {one.filename for one in caught} == {__file__}
+    assert len({one.lineno for one in caught}) == 4
 
 
 def test_people_read_expressions_in_brackets(tmp_path: Path) -> None:

@@ -46,6 +46,15 @@ def formulas(draw: st.DrawFn, depth: int = 3) -> sympy.Expr:
     return {"+": a + b, "*": a * b, "/": a / (b**2 + 1), "-": a - b}[kind]
 
 
+def test_matrices_of_sympy_are_tables_of_numbers() -> None:
+    inertia = sympy.diag(m, m, length)
+    for matrix in (inertia, sympy.ImmutableMatrix(inertia)):
+        found = kg.Body("rod", 0, m, matrix, sympy.Matrix([0, 0, -length / 2]))
+        assert found == kg.Body("rod", 0, m, inertia.tolist(), (0, 0, -length / 2))
+    with pytest.raises(kg.ModelError, match="inertia: expected 3 x 3 table of numbers, got 2 entries"):
+        kg.Body("rod", 0, m, sympy.eye(2))
+
+
 @given(formulas())
 def test_values_and_texts_of_formulas(formula: sympy.Expr) -> None:
     expected = float(formula.evalf(40, subs=KNOWN))

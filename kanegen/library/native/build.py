@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 import sys
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ import numpy as np
 from kanegen.c import Source
 from kanegen.choices import chosen as several
 from kanegen.choices import flag
-from kanegen.errors import BuildError, KanegenWarning, quoted
+from kanegen.errors import BuildError, quoted, warn
 from kanegen.library.native import cache, commands, compilers, environment, processor, selftest
 from kanegen.program import precision as precisions
 from kanegen.program import semantics
@@ -23,9 +22,6 @@ from kanegen.program.precision import LONG_DOUBLE
 
 EXAMPLE = "main.c"
 """Generated file that is an example of use and no part of the library."""
-
-_FRAMES = 6
-"""Frames from a warning of `_openmp_flags` to the line that called `kanegen.build`."""
 
 _LIBRARY_FLAGS = ("-std=c99", "-fPIC")
 """Compiler flags of every shared library."""
@@ -257,11 +253,9 @@ def _openmp_flags(compiler: compilers.Compiler) -> tuple[str, ...]:
     """Return the flag for threads, or nothing and a `KanegenWarning` if the compiler has no OpenMP."""
     if compilers.has_openmp(compiler):
         return (compilers.OPENMP,)
-    warnings.warn(
+    warn(
         f"{shlex.join(compiler.command)} has no OpenMP, so batches use one thread. Install it, such as "
-        "libomp for clang, or name another compiler.",
-        KanegenWarning,
-        stacklevel=_FRAMES,
+        "libomp for clang, or name another compiler."
     )
     return ()
 

@@ -6,28 +6,16 @@ One rule, `report`, turns it into a warning, an error or nothing.
 
 from __future__ import annotations
 
-import os
-import sys
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-import kanegen
 from kanegen.c import ModelDescription
 from kanegen.c.interface import PREPARE, Function
 from kanegen.choices import require_one
-from kanegen.errors import (
-    LONGEST_MESSAGE,
-    KanegenWarning,
-    OptionError,
-    SingularError,
-    StatusError,
-    excerpt,
-)
+from kanegen.errors import LONGEST_MESSAGE, OptionError, SingularError, StatusError, excerpt, warn
 from kanegen.model.arguments import Floats
 from kanegen.program.ir import Array, RowCondition
 
@@ -47,8 +35,6 @@ INACCURATE = "inaccurate"
 """A result is finite, but its errors may be large."""
 
 _KINDS = (MISSING, NOT_FINITE, INACCURATE)
-
-_PACKAGE = f"{Path(kanegen.__file__).parent}{os.sep}"
 
 
 @dataclass(frozen=True)
@@ -107,7 +93,7 @@ def report(found: StatusReport, on_status: OnStatus) -> None:
     elif on_status == "raise" or (on_status == "warn" and found.kind == MISSING and found.is_alone):
         raise found.error
     elif on_status == "warn":
-        warnings.warn(found.message, KanegenWarning, stacklevel=_frames_to_the_caller())
+        warn(found.message)
 
 
 def naming(changed: Mapping[str, float], on_status: OnStatus) -> OnStatus:
@@ -122,14 +108,6 @@ def naming(changed: Mapping[str, float], on_status: OnStatus) -> OnStatus:
         report(replace(found, message=f"{found.message} The parameters set were {values}."), on_status)
 
     return rule
-
-
-def _frames_to_the_caller() -> int:
-    """Return the level, as `warnings.warn` counts, of the innermost frame outside kanegen."""
-    frame, frames = sys._getframe(1), 1
-    while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
-        frame, frames = frame.f_back, frames + 1
-    return frames
 
 
 @dataclass(frozen=True)
