@@ -108,7 +108,8 @@ def argument_list(function: Function, not_finite: str) -> list[str]:
         lines += textwrap.wrap(infinite, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    ")
     if function.may_be_inaccurate:
         names = " and ".join(function.may_be_inaccurate)
-        filled = f"most digits lost at that {_holder(function)}; {names} is filled all the same"
+        are = "is" if len(function.may_be_inaccurate) == 1 else "are"
+        filled = f"most digits lost at that {_holder(function)}; {names} {are} filled all the same"
         lines += [
             "    -1 and below: minus such a place where nothing failed, but the error may be large, with the",
             *textwrap.wrap(filled, WIDTH - len(" * "), initial_indent="    ", subsequent_indent="    "),

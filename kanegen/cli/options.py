@@ -102,7 +102,8 @@ Contacts = Annotated[
         "--contacts",
         metavar="NAMES",
         help="Contacts that hold, instead of those of the model: contacts of the model, points, frames and "
-        "bodies, such as left_foot,toe; a point is held in three directions, a frame in six.",
+        "bodies, such as left_foot,toe; a point is held in three directions, a frame in six, or in those "
+        "that follow its name, such as toe:force1+force3.",
     ),
 ]
 Reactions = Annotated[

@@ -162,8 +162,10 @@ class ContactRow:
     @property
     def solved(self) -> str:
         """What is solved for in the place of the row, in words."""
-        axes = "along an axis of its body" if self.is_along_body else "along an inertial axis"
-        return f"{COMPONENTS[self.index]!r} of contact {quoted(self.contact.name)}, {axes}"
+        axes = "along axis {} of its body" if self.is_along_body else "along inertial axis {}"
+        return (
+            f"{COMPONENTS[self.index]!r} of contact {quoted(self.contact.name)}, {axes.format(self.axis + 1)}"
+        )
 
 
 def checked_contacts(
@@ -209,13 +211,14 @@ def chosen_contacts(
     """Return the contacts that a user chooses; see `System.with_contacts`.
 
     Args:
-        contacts: Contacts or names, one or several.
+        contacts: Contacts or names, one or several; a name with directions, such as "toe:force1+force3", is
+            a contact that holds in these alone.
         declared: The contacts that the system has.
         bodies: The bodies.
         places: Names of the points, and of the frames.
 
     Raises:
-        ModelError: If there is nothing of a name.
+        ModelError: If there is nothing of a name, or no such direction.
     """
     points, frames = places
     known = {name: Contact(frame=name) for name in frames} | {name: Contact(point=name) for name in points}
@@ -227,6 +230,9 @@ def chosen_contacts(
             found.append(item)
         elif isinstance(item, str) and (item in known or item == GROUND):
             found.append(known.get(item, Contact(frame=item)))
+        elif isinstance(item, str) and (name := item.rpartition(":")[0]) in known:
+            directions = tuple(item[len(name) + 1 :].split("+"))
+            found.append(replace(known[name], directions=directions))
         elif isinstance(item, int) and not isinstance(item, bool) and 1 <= item <= len(bodies):
             found.append(Contact(frame=bodies[item - 1].name))
         else:

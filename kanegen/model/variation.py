@@ -241,12 +241,13 @@ class SystemVariations(SystemDescription):
         Args:
             contacts: Contacts, or names, one or several, in the order of their rows in `contact_forces`. A
                 name means a contact that the system has, else a point, which is then held in three
-                directions, else a frame or body, which is held in six; a number is that of a body from 1. An
-                empty list leaves all contacts out.
+                directions, else a frame or body, which is held in six, or in the directions that follow the
+                name, as in "toe:force1+force3"; a number is that of a body from 1. An empty list leaves all
+                contacts out.
 
         Raises:
-            ModelError: If there is nothing of a name, it is fixed to the ground, or two contacts have one
-                name.
+            ModelError: If there is nothing of a name, no such direction, it is fixed to the ground, or two
+                contacts have one name.
 
         Example:
             standing = system.with_contacts(["left_sole_link", "right_sole_link"])

@@ -105,11 +105,14 @@ def _message(groups: Sequence[Sequence[ContactRow]], outputs: Sequence[str]) -> 
     same = f" The same is true of {_named([group[0] for group in rest])}." if rest else ""
     without = {row.name for row in dropped}
     left = [direction for direction in contact.held if f"{contact.name}.{direction}" not in without]
-    remedy = f"write directions = {left} for contact" if left else "leave out contact"
+    name = quoted(contact.name)
+    remedy = f"directions = {left} of contact {name}, or {contact.name}:{'+'.join(left)} in --contacts"
+    if not left:
+        remedy = f"leave out contact {name}"
     return (
         f"contacts: {quoted(first.name)} cannot be held, because in every state, but for rounding errors, "
         f"{reason}; {' and '.join(outputs)} would need loads that are not unique.{same} "
-        f"Leave such directions out ({remedy} {quoted(contact.name)}), or give the contacts a damping."
+        f"Leave such directions out ({remedy}), or give the contacts a damping."
     )
 
 

@@ -78,6 +78,10 @@ def test_names_stand_for_contacts_points_frames_and_bodies(leg: kg.System) -> No
     )
     assert len(chosen.contact_rows) == 3 + 6 + 6 + 3
     assert leg.with_contacts(()).contacts == ()
+    assert leg.with_contacts(["toe:force3+force1", "stance:force3"]).contacts == (
+        kg.Contact("toe", point="toe", directions=("force1", "force3")),
+        kg.Contact("stance", frame="sole", directions=("force3",), damping=kg.Parameter("mu", 1e-6)),
+    )
 
 
 def test_they_stay_where_freedoms_are_locked_and_parameters_change(leg: kg.System) -> None:
@@ -152,6 +156,8 @@ def test_what_cannot_be_held_is_refused(before: str, after: str, message: str, t
         (lambda leg: leg.with_contacts(3), "contacts: there is no contact, point, frame or body 3"),
         (lambda leg: leg.with_contacts([True]), "point, frame or body True"),
         (lambda leg: leg.with_contacts(None), "point, frame or body None"),
+        (lambda leg: leg.with_contacts("toe:force4"), "contact 'toe': there is no direction 'force4'"),
+        (lambda leg: leg.with_contacts("toes:force1"), "point, frame or body 'toes:force1'"),
         (lambda leg: kg.Contact("a", point="toe", directions="force4"), "no direction 'force4'"),
     ],
 )

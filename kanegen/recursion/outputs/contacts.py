@@ -10,8 +10,8 @@ from kanegen.recursion.solution import Solution
 
 CONTACTS = Subject(
     lambda system: system.contacts,
-    'has no contacts. Give it some in the model file, such as [[contact]] with frame = "foot", or use '
-    "System.with_contacts.",
+    'has no contacts. Give it some in the model file, such as [[contact]] with frame = "foot", or choose '
+    "them by --contacts or System.with_contacts.",
 )
 
 
