@@ -23,6 +23,7 @@ from kanegen.model.expression_text import text_of
 from kanegen.model.finite import finite, is_plain
 from kanegen.model.names import check_identifier
 from kanegen.model.nodes import (
+    PI,
     Constant,
     Leaf,
     Node,
@@ -116,7 +117,7 @@ class Parameter(_Operand):
             gives it: by `defaults`, or by a parameter of the same name.
 
     Raises:
-        ModelError: If the name is no C identifier or the value is not finite.
+        ModelError: If the name is no C identifier or that of the number pi, or the value is not finite.
 
     Example:
         m, l = kg.Parameter("m", 1.5), kg.Parameter("l", 0.4)  # kg, m
@@ -128,6 +129,8 @@ class Parameter(_Operand):
 
     def __post_init__(self) -> None:
         check_identifier(self.name, "parameter name")
+        if self.name == PI:
+            raise ModelError(f"parameter name {quoted(self.name)}: this is the number pi. Rename it.")
         if self.value is not NO_DEFAULT:
             object.__setattr__(self, "value", finite(self.value, f"parameter {quoted(self.name)}"))
 
