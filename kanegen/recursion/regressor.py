@@ -37,7 +37,7 @@ def regressor(tree: Tree) -> Derived:
 
 def base_regressor(tree: Tree) -> Derived:
     """Derive the (n, b) entries of [Y_b], the columns of the base parameters, row-major."""
-    return _regressor(tree, base_parameters(tree.system).columns)
+    return _regressor(tree, base_parameters(tree.described).columns)
 
 
 def _regressor(tree: Tree, columns: Iterable[int]) -> Derived:

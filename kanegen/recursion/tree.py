@@ -59,7 +59,8 @@ class Tree:
     """A system, prepared for recursions.
 
     Attributes:
-        system: The system, with parameters in place of numbers that are expressions of parameters.
+        described: The system as it is described.
+        system: The same, with parameters in place of numbers that are expressions of parameters.
         joints: Joint of each body.
         inertias: Inertia that each body keeps, about its origin.
         ground: Inertia that bodies pass to the ground, about the inertial origin; it never moves.
@@ -67,6 +68,7 @@ class Tree:
         is_regrouped: Function that selects the joints at which inertia was passed to the lower body.
     """
 
+    described: System
     system: System
     joints: tuple[JointMotion, ...]
     inertias: tuple[Inertia, ...]
@@ -90,12 +92,12 @@ class Tree:
 def tree(system: System, constants: Constants = DOUBLE_CONSTANTS) -> Tree:
     """Return the tree of a system, with new definitions."""
     definitions = Definitions([parameter.name for parameter in system.parameters], constants)
-    system = with_expressions_defined(system, definitions)
+    described, system = system, with_expressions_defined(system, definitions)
     joints: list[JointMotion] = []
     for k, body in enumerate(system.bodies, start=1):
         below = joints[body.lower - 1].origin if body.lower else ZERO
         joints.append(joint_motion(system, k, below, definitions))
-    return _regrouped(system, joints, definitions, lambda joint: True)
+    return _regrouped((described, system), joints, definitions, lambda joint: True)
 
 
 def with_own_inertias(tree: Tree) -> Tree:
@@ -104,7 +106,9 @@ def with_own_inertias(tree: Tree) -> Tree:
     The sum of two inertias has the rounding error of the larger, in which the smaller one may be lost. With
     its own inertia, the wrench that each body requires for its accelerations stays accurate.
     """
-    return _regrouped(tree.system, tree.joints, tree.definitions, lambda joint: not joint.rotates)
+    return _regrouped(
+        (tree.described, tree.system), tree.joints, tree.definitions, lambda joint: not joint.rotates
+    )
 
 
 def about_mass_centers(tree: Tree) -> Tree:
@@ -124,16 +128,16 @@ def about_mass_centers(tree: Tree) -> Tree:
             origin = to_center = Vector(*(exact(value) for value in body.mass_center))
         offset = tree.definitions.vector(f"d_{k}", offset)
         joints.append(replace(joint, origin=origin, offset=offset, to_center=to_center))
-    return _regrouped(tree.system, joints, tree.definitions, tree.is_regrouped)
+    return _regrouped((tree.described, tree.system), joints, tree.definitions, tree.is_regrouped)
 
 
 def ungrouped(tree: Tree) -> Tree:
     """Return the same tree, where every body keeps its inertia, for the loads that joints transmit."""
-    return _regrouped(tree.system, tree.joints, tree.definitions, lambda joint: False)
+    return _regrouped((tree.described, tree.system), tree.joints, tree.definitions, lambda joint: False)
 
 
 def _regrouped(
-    system: System,
+    systems: tuple[System, System],
     joints: Sequence[JointMotion],
     definitions: Definitions,
     is_regrouped: Callable[[JointMotion], bool],
@@ -141,11 +145,12 @@ def _regrouped(
     """Return the tree in which bodies pass to the lower body the inertia that their joints do not move.
 
     Args:
-        system: The system.
+        systems: The system as described, and with parameters in place of expressions.
         joints: Joint of each body.
         definitions: Definitions that the intermediates are added to.
         is_regrouped: Function that selects the joints at which inertia is passed.
     """
+    described, system = systems
     own = [Inertia(), *(body_inertia(system, joint.body, joint.origin, definitions) for joint in joints)]
     for joint in reversed(joints):
         k, j = joint.body, joint.lower
@@ -153,7 +158,7 @@ def _regrouped(
             own[k], passed = _split(own[k], joint, definitions)
             own[j] = own[j].plus(passed, f"{j}r{k}", definitions)
     ground, *kept = own
-    return Tree(system, tuple(joints), tuple(kept), ground, definitions, is_regrouped)
+    return Tree(described, system, tuple(joints), tuple(kept), ground, definitions, is_regrouped)
 
 
 def _split(own: Inertia, joint: JointMotion, definitions: Definitions) -> tuple[Inertia, Inertia]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -29,6 +30,25 @@ PUMA = ROOT / "benchmarks" / "validation" / "models" / "puma560.toml"
 HINGE, SLIDE = ((False,) * 2 + (True,) + (False,) * 3, (False,) * 3 + (True,) + (False,) * 2)
 
 UNIT = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+
+EXPRESSION = """name = "tree"
+gravity = [0, 0, -9.81]
+[parameters]
+l = {default}
+[[body]]
+name = "a"
+connection = "ground"
+mass = 2.0
+inertia = [0.1, 0.2, 0.3]
+joint.free = ["theta3"]
+[[body]]
+name = "b"
+connection = "a"
+mass = 1.5
+inertia = [0.15, 0.2, 0.3]
+joint.free = ["theta3"]
+{place}
+"""
 
 GAP = 1e6
 """Least ratio of the smallest singular value that counts to the largest one that does not: rounding leaves
@@ -391,3 +411,36 @@ def test_info_names_the_sums() -> None:
     assert f"{count} (--base-parameters names them)\n" in kanegen("info", PENDULUM).stdout
     found = json.loads(kanegen("info", PENDULUM, "--json").stdout)["base_parameters"]
     assert found == {"is_proven": True, "sums": list(sums), "at_defaults": []}
+
+
+@pytest.mark.parametrize(
+    ("length", "default", "others"),
+    [
+        ("sqrt(l*l - 3)", 2.0, (1.8, 3.0)),
+        ("log(l - 2)", 4.0, (3.5, 9.0)),
+        ("max(0, l - 2)", 4.0, (3.0, 1.0)),
+        ("max(0, l - 2)", 2.0, (3.0,)),
+        ("1/(l - 3)", 4.0, (2.0,)),
+        ("l - l**3", 0.0, (0.5,)),
+    ],
+)
+@pytest.mark.parametrize("place", ["joint.position = [{}, 0, 0.2]", "joint.orientation_angles = [{}, 0, 0]"])
+def test_expressions_of_parameters(
+    place: str, length: str, default: float, others: tuple[float, ...], tmp_path: Path
+) -> None:
+    """Roots, poles and kinks of lengths and angles: the columns are those around the defaults."""
+    file = tmp_path / "tree.toml"
+    file.write_text(EXPRESSION.format(default=default, place=place.format(f'"{length}"')))
+    system = kg.load(file)
+    base = kg.base_parameters(system)
+    state = {"x": np.array([0.3, 0.7]), "y": np.array([-0.4, 0.5]), "ydot": np.array([0.2, -0.6])}
+    found = values(system, ("base_regressor",), state, float)["base_regressor"]
+    every = regressor(system, **{name: array[None] for name, array in state.items()})[0]
+    close(np.reshape(found, (2, len(base))), every[:, list(base.columns)], 1e-13)
+    for value in (default, *others):
+        every = rows(system.with_parameters({"l": value}))
+        combined = np.linalg.lstsq(every[:, list(base.columns)], every, rcond=1e-10)[0]
+        close(every[:, list(base.columns)] @ combined, every, 1e-11)
+        if value == default:
+            close(every[:, list(base.columns)] @ base.matrix, every, 1e-11)
+    assert len(base) == rank(rows(system.with_parameters({"l": others[0]})))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
 
+from kanegen.errors import ModelError
 from kanegen.model.arrays import Floats
 from kanegen.model.description import require_system
 from kanegen.model.identification.combinations import combinations, in_si, sampled_combinations
@@ -18,6 +19,15 @@ from kanegen.model.limits import Limits
 from kanegen.model.numbers import value_of
 from kanegen.model.rotations import UNIT, ZERO
 from kanegen.model.system import System
+
+SPREADS = (0.5, 0.25, 0.1, 0.03, 0.01)
+"""Largest relative differences of general values from given ones; the first possible one is taken."""
+
+SMALL = 1e-3
+"""Value of a parameter up to which general values differ from it by shares of 1 instead of its own."""
+
+RANK = 1e-10
+"""Singular value over the largest one up to which combinations count as dependent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,9 +97,10 @@ class BaseParameters:
 def base_parameters(system: System) -> BaseParameters:
     """Return the base parameters of a system, which follow from the geometry of its joints and from gravity.
 
-    Where run-time parameters are lengths, angles or gravity, the columns are those for general values, so
-    that they are the same for all values and those of generated code; [K] is for the defaults, and the names
-    write lengths as they are called.
+    Where run-time parameters are lengths, angles or gravity, the columns are those for general values around
+    the defaults and those of generated code. They are the same for all values, unless expressions such as
+    max(0, l) change their form in between; [K] is for the defaults, and the names write lengths as they are
+    called.
 
     Args:
         system: The tree; no mass or inertia of it matters.
@@ -112,18 +123,28 @@ def _of_system(system: System) -> BaseParameters:
     bare = _without_inertias(system)
     found = _found(bare)
     if bare.parameters:
-        defaults = [value_of(parameter) for parameter in bare.parameters]
-        values = _general_values(bare, seed=0)
-        general = _found(bare.with_parameters(values))
-        # Special values, such as the length 0, may need fewer columns than general ones.
-        found = replace(found, columns=general.columns, matrix=_in_columns(found, general.columns))
-        factors = changing_factors(
-            (found.matrix, defaults),
-            (general.matrix, list(values.values())),
-            _one_by_one(bare, values, general.columns),
-        )
-        found = replace(found, factors=factors)
+        found = _with_general_columns(bare, found)
     return replace(found, parameters=inertial_parameter_names(system))
+
+
+def _with_general_columns(system: System, found: BaseParameters) -> BaseParameters:
+    """Return the combinations for the defaults in the columns for general values, with changing factors."""
+    defaults = {parameter.name: value_of(parameter) for parameter in system.parameters}
+    # Values on both sides of the defaults, because an expression such as max(0, l - 1) may vanish on one.
+    sides = [_general_values(system, defaults, list(defaults), side) for side in (1, -1)]
+    values, general = max(
+        ((values, _found(system.with_parameters(values))) for values in sides), key=lambda pair: len(pair[1])
+    )
+    columns = _enough_columns(general, found)
+    in_general = _in_columns(general, columns)
+    # Special values, such as the length 0, may need fewer columns than general ones.
+    found = replace(found, columns=columns, matrix=_in_columns(found, columns))
+    factors = changing_factors(
+        (found.matrix, list(defaults.values())),
+        (in_general, list(values.values())),
+        _one_by_one(system, values, columns),
+    )
+    return replace(found, factors=factors)
 
 
 def _found(system: System) -> BaseParameters:
@@ -153,10 +174,31 @@ def _without_inertias(system: System) -> System:
     return System(system.name, bodies, system.gravity, couplings=system.couplings, frames=system.frames)
 
 
-def _general_values(system: System, seed: int) -> dict[str, float]:
-    """Return values of the run-time parameters at which nothing vanishes by accident."""
-    values = np.random.default_rng(seed).uniform(0.3, 1.7, len(system.parameters)).tolist()
-    return dict(zip((p.name for p in system.parameters), values, strict=True))
+def _general_values(
+    system: System, values: Mapping[str, float], names: Sequence[str], side: int
+) -> dict[str, float]:
+    """Return values near given ones, at which nothing vanishes by accident.
+
+    They are as far from the given values as the geometry exists: roots and quotients of parameters may not.
+
+    Args:
+        system: The system.
+        values: Values of all run-time parameters, at which the geometry exists.
+        names: The parameters to change.
+        side: 1, or -1 for values on the other side of the given ones.
+    """
+    for spread in SPREADS:
+        shares = side * spread * np.random.default_rng(0).uniform(-1.0, 1.0, len(names))
+        found = dict(values)
+        for name, share in zip(names, shares.tolist(), strict=True):
+            value = values[name]
+            found[name] += share * (value if abs(value) > SMALL else 1.0)
+        try:
+            geometry_of(system.with_parameters(found))
+        except ModelError:
+            continue
+        return found
+    return dict(values)
 
 
 def _one_by_one(
@@ -164,10 +206,20 @@ def _one_by_one(
 ) -> dict[str, tuple[Floats, float]]:
     """Return [K] for each run-time parameter where it alone has another value than among `values`."""
     found = {}
-    for name, other in _general_values(system, seed=1).items():
-        changed = _found(system.with_parameters({**values, name: other}))
-        found[name] = _in_columns(changed, columns), other
+    for name in values:
+        changed = _general_values(system, values, [name], 1)
+        found[name] = _in_columns(_found(system.with_parameters(changed)), columns), changed[name]
     return found
+
+
+def _enough_columns(general: BaseParameters, found: BaseParameters) -> tuple[int, ...]:
+    """Return the columns for general values, with those that the defaults need besides, if any.
+
+    The defaults need more where an expression such as max(0, l) changes its form there.
+    """
+    rank = np.linalg.lstsq(found.matrix[:, list(general.columns)], found.matrix, rcond=RANK)[2]
+    more = [column for column in found.columns if column not in general.columns]
+    return general.columns if rank == len(found) else (*general.columns, *more)
 
 
 def _in_columns(found: BaseParameters, columns: tuple[int, ...]) -> Floats:
@@ -175,7 +227,7 @@ def _in_columns(found: BaseParameters, columns: tuple[int, ...]) -> Floats:
     if found.columns == columns:
         return found.matrix
     chosen = list(columns)
-    matrix: Floats = np.linalg.lstsq(found.matrix[:, chosen], found.matrix, rcond=1e-10)[0].astype(np.float64)
+    matrix: Floats = np.linalg.lstsq(found.matrix[:, chosen], found.matrix, rcond=RANK)[0].astype(np.float64)
     matrix = np.where(np.abs(matrix) < 1e-13 * np.abs(matrix).max(initial=0.0), 0.0, matrix)
     if len(columns) == len(found.matrix):
         matrix[:, chosen] = np.eye(len(columns))
