@@ -10,6 +10,7 @@ import pytest
 
 import kanegen as kg
 from kanegen.library.equilibria import Equilibrium
+from kanegen.library.equilibria.stability import gains_no_energy
 from tests.support.command import kanegen
 from tests.support.paths import MODELS
 
@@ -183,6 +184,20 @@ def test_what_neither_eigenvalues_nor_the_energy_decide(element: kg.ForceElement
 )
 def test_kinks_elsewhere_and_smooth_forces_are_decided(element: kg.ForceElement, verdict: str) -> None:
     assert hanging(element).stability.verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("element", "expected"),
+    [
+        (kg.JointSpring("q", stiffness=1.0, damping=0.1), True),
+        (kg.JointSpring("q", stiffness=1.0, damping=-0.1), False),
+        (kg.Spring(("tip", (0.0, 0.0, 1.0)), damping=kg.Parameter("c", -1.0)), False),
+        (kg.PointLoad("tip", force=("-y.q**3", "0", "0")), False),
+    ],
+    ids=str,
+)
+def test_which_elements_gain_no_energy(element: kg.ForceElement, expected: bool) -> None:
+    assert gains_no_energy(element) is expected
 
 
 def test_nothing_rests_in_free_fall() -> None:

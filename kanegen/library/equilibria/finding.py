@@ -54,7 +54,7 @@ def find_equilibria(
     speeds: Mapping[str, float] | None = None,
     tau: Mapping[str, float] | None = None,
     *,
-    elements: Sequence[ForceElement] = (),
+    elements: Sequence[ForceElement],
     **inputs: Unpack[NamedInputs],
 ) -> Equilibria:
     """Return states of rest, or steady motions with given constant speeds.
