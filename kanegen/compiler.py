@@ -41,7 +41,7 @@ from kanegen.choices import flag, several
 from kanegen.errors import OptionError, SingularError, quoted
 from kanegen.library.equilibria import OUTPUTS as EQUILIBRIUM_OUTPUTS
 from kanegen.library.equilibria import Equilibria, find_equilibria
-from kanegen.library.linearization import outputs_needed
+from kanegen.library.linearization import LINEAR_OUTPUTS, outputs_needed
 from kanegen.library.native.status import OnStatus
 from kanegen.linear import LinearModel
 from kanegen.linear.names import names_of
@@ -61,7 +61,13 @@ from kanegen.options import STRICT, Progress, Variant, chosen_variant, quiet
 from kanegen.program import passes
 from kanegen.program.precision import precision_named
 from kanegen.program.split import split
-from kanegen.recursion.outputs import EQUATIONS, ERROR_BOUNDS, function_signatures, method_of_program
+from kanegen.recursion.outputs import (
+    EQUATIONS,
+    ERROR_BOUNDS,
+    function_signatures,
+    method_of_program,
+    require_available,
+)
 from kanegen.reference.range import require_range
 from kanegen.reference.states import random_states
 
@@ -229,7 +235,8 @@ def linearize(
 
     Raises:
         ArrayError: If an argument has the wrong shape or type.
-        OptionError: If a name does not exist.
+        OptionError: If a name does not exist, a value by name is no finite number, or the system has no
+            points for an output of points.
         SingularError: If [A] is singular in the state.
         BuildError: As `build`.
 
@@ -238,6 +245,7 @@ def linearize(
         print(model)
     """
     asked = names_of("outputs", outputs)
+    require_available(system, [name for name in asked if name in LINEAR_OUTPUTS])
     library = build(system, outputs_needed(system.speeds_are_rates, asked))
     return library.linearize(x, y, tau, inputs=inputs, outputs=asked, **further)
 
@@ -267,7 +275,8 @@ def equilibria(
         further: Inputs that only some systems have, held at these values, by default 0.
 
     Raises:
-        OptionError: If a name does not exist, or a motion with these speeds is not steady.
+        OptionError: If a name does not exist, a value is no finite number, or a motion with these speeds is
+            not steady.
         SingularError: If [A] is singular in every state.
         BuildError: As `build`.
 

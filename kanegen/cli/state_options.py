@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kanegen.errors import OptionError, quoted
+from kanegen.errors import ModelError, OptionError, quoted
 
 if TYPE_CHECKING:
     from kanegen.model.numbers import Number
@@ -67,5 +67,9 @@ def numbers_by_name(option: str, texts: Sequence[str] | None, system: System) ->
             raise OptionError(f"{option}: {quoted(text)} is not NAME=VALUE, such as pole=0.3.")
         if name in found:
             raise OptionError(f"{option}: {quoted(name)} has two values. Give one.")
-        found[name] = number(parse_number(value, known), f"{option} {name}")
+        try:
+            expression = parse_number(value, known)
+        except ModelError as error:
+            raise ModelError(f"{option} {name}: {error}") from None
+        found[name] = number(expression, f"{option} {name}")
     return found

@@ -17,7 +17,7 @@ from kanegen.library.quantity_derivatives import QuantityDerivatives
 from kanegen.linear import LinearModel
 from kanegen.linear.names import inputs_of, names_of, state_names
 from kanegen.model.arguments import NamedInputs, floats
-from kanegen.model.values_by_name import in_order
+from kanegen.model.values_by_name import finite_in_order
 from kanegen.recursion.outputs import OUTPUTS
 
 Doubles = NDArray[np.float64]
@@ -93,9 +93,9 @@ class Linearization(Dynamics, Quantities, Derivatives, QuantityDerivatives):
             further: Inputs that only some systems have, as in `forcing`.
 
         Raises:
-            ArrayError: If an argument has the wrong shape or type.
-            OptionError: If a name does not exist, or the library was built without an output that is needed;
-                `kg.linearize` builds what it needs.
+            ArrayError: If an argument has the wrong shape or type, or a value of the state is not finite.
+            OptionError: If a name does not exist, a value by name is no finite number, or the library was
+                built without an output that is needed; `kg.linearize` builds what it needs.
             StatusError: See `with_on_status`; by default a `SingularError` if [A] is singular in the state.
 
         Example:
@@ -197,10 +197,13 @@ class _State:
 def _doubles(label: str, given: Any, names: Sequence[str], defaults: Doubles) -> Doubles:
     """Return values in order as doubles, from a row or a table of them."""
     if isinstance(given, Mapping) or given is None:
-        given = in_order(label, given, names, defaults.tolist())
+        given = finite_in_order(label, given, names, defaults.tolist())
     found: Doubles = np.asarray(floats(label, given, np.dtype(np.float64)), np.float64)
     if found.shape != (len(names),):
         raise ArrayError(f"{label}: expected shape ({len(names)},), got {found.shape}.")
+    if not np.isfinite(found).all():
+        place = int(np.flatnonzero(~np.isfinite(found))[0])
+        raise ArrayError(f"{label}: the value of {quoted(names[place])} is no finite number.")
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -40,3 +41,32 @@ def in_order(label: str, given: Any, names: Sequence[str], defaults: Sequence[An
             f"values by name, got {quoted(given)}."
         )
     return values
+
+
+def finite_in_order(label: str, given: Any, names: Sequence[str], defaults: Sequence[float]) -> list[float]:
+    """Return one finite number for each name, with the arguments of `in_order`.
+
+    Raises:
+        OptionError: If there is no such name, or a value is no finite number.
+        ArrayError: If there is another number of values than of names.
+
+    Example:
+        finite_in_order("y", {"spin": 400.0}, ("tilt", "spin"), (0.0, 0.0))  # [0.0, 400.0]
+    """
+    return [
+        _finite(label, name, value)
+        for name, value in zip(names, in_order(label, given, names, defaults), strict=True)
+    ]
+
+
+def _finite(label: str, name: str, value: Any) -> float:
+    """Return a value as a finite number."""
+    try:
+        number = math.nan if isinstance(value, str) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise OptionError(
+            f"{label}: the value of {quoted(name)} is {quoted(value)}, which is no finite number."
+        )
+    return number

@@ -39,6 +39,7 @@ def test_symbols() -> None:
         (["--x", "pendulum"], "--x: 'pendulum' is not NAME=VALUE, such as pole=0.3."),
         (["--tau", "pendulum=1", "--tau", "pendulum=2"], "--tau: 'pendulum' has two values. Give one."),
         (["--y", "pendulum=open('x')"], "there is no function 'open'"),
+        (["--x", "pendulum=__import__"], "--x pendulum: expression '__import__': there is no parameter"),
         (["--format", "yaml"], "unknown format 'yaml'. Known are 'text', 'latex', 'json', 'python'."),
         (["--symbolic", "--format", "json"], "unknown format 'json'. Known are 'text', 'latex', 'python'."),
         (["--input", "arm"], "inputs: there is no freedom 'arm'"),
@@ -48,3 +49,12 @@ def test_what_is_refused(arguments: list[str], message: str) -> None:
     done = kanegen("linearize", FURUTA, *arguments, status=2)
     assert message in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("form", [[], ["--symbolic"]])
+def test_an_output_of_points_without_points_is_refused(form: list[str]) -> None:
+    arguments = ["linearize", str(MODELS / "cart_pole.toml"), "--output", "point_positions", *form]
+    error = kanegen(*arguments, status=2).stderr
+    assert "'point_positions'" in error
+    assert "on the command line --points" in error
+    assert "point_positions.tip.1" in kanegen(*arguments, "--points", "tip=rod:0,0.1,0.5").stdout

@@ -213,10 +213,20 @@ def test_nothing_rests_in_free_fall() -> None:
     [
         ("double_pendulum", {"q2": 1.0}, "forces depend on 'q2' itself"),
         ("double_pendulum", {"q3": 1.0}, "speeds: there is no 'q3'"),
+        (
+            "furuta_pendulum",
+            {"arm_angle": "a"},
+            "speeds: the value of 'arm_angle' is 'a', which is no finite",
+        ),
+        (
+            "furuta_pendulum",
+            {"arm_angle": np.inf},
+            "speeds: the value of 'arm_angle' is inf, which is no finite",
+        ),
         ("satellite", {"bus.omega1": 1.0}, "'bus.omega1' is no rate of a coordinate"),
     ],
 )
-def test_what_is_refused(system: str, speeds: dict[str, float], message: str) -> None:
+def test_what_is_refused(system: str, speeds: dict[str, Any], message: str) -> None:
     with pytest.raises(kg.OptionError, match=message):
         kg.equilibria(model(system), speeds)
 

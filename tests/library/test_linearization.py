@@ -246,7 +246,10 @@ def test_formats() -> None:
         ({"inputs": ["cart"]}, "inputs: there is no freedom 'cart'"),
         ({"outputs": ["kinetic_energi"]}, "Did you mean 'kinetic_energy'?"),
         ({"outputs": ["body_poses"]}, "a linear model has no output 'body_poses'"),
-        ({"y": {"pole": "fast"}}, "y: expected real numbers"),
+        ({"y": {"pole": "fast"}}, "y: the value of 'pole' is 'fast', which is no finite number"),
+        ({"x": {"pole": np.nan}}, "x: the value of 'pole' is nan, which is no finite number"),
+        ({"x": [0.0, np.inf]}, "x: the value of 'cart_position' is no finite number"),
+        ({"outputs": "point_positions"}, "output 'point_positions': system 'cart_pole' has no points"),
     ],
 )
 def test_what_is_refused(arguments: dict[str, Any], message: str) -> None:

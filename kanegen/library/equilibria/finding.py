@@ -19,7 +19,7 @@ from kanegen.library.equilibria.stability import Judgement
 from kanegen.library.library import Library
 from kanegen.model.arguments import NamedInputs
 from kanegen.model.force_elements import ForceElement
-from kanegen.model.values_by_name import in_order
+from kanegen.model.values_by_name import finite_in_order
 
 Floats = NDArray[np.float64]
 
@@ -68,15 +68,16 @@ def find_equilibria(
         inputs: Inputs that only some systems have, held at these values, by default 0.
 
     Raises:
-        OptionError: If a name does not exist, a speed is no rate of a coordinate, or forces depend on a
-            coordinate that is to turn, so that no motion with its rate is steady.
+        OptionError: If a name does not exist, a value is no finite number, a speed is no rate of a
+            coordinate, or forces depend on a coordinate that is to turn, so that no motion with its rate is
+            steady.
     """
     if library.prescribed_names and "prescribed" in library.further_inputs:
         inputs.setdefault("prescribed", np.zeros((3, len(library.prescribed_names))))
     if "t" in library.further_inputs:
         inputs.setdefault("t", 0.0)
-    y = np.array(in_order("speeds", speeds, library.speed_names, [0.0] * library.n), float)
-    efforts = np.array(in_order("tau", tau, library.freedom_names, [0.0] * library.n), float)
+    y = np.array(finite_in_order("speeds", speeds, library.speed_names, [0.0] * library.n), float)
+    efforts = np.array(finite_in_order("tau", tau, library.freedom_names, [0.0] * library.n), float)
     balance = Balance(library.with_on_status("ignore"), y, efforts, inputs)
     slopes = balance.slopes(starts)
     depends = (slopes != 0).any(axis=(0, 1))

@@ -19,7 +19,7 @@ from kanegen.recursion.points import point_accelerations, point_jacobians, point
 POINTS = Subject(
     lambda system: system.points,
     "has no points. Give a body points in the model file, such as points = {tool = [0, 0, 0.1]}, or use "
-    "System.with_points.",
+    "System.with_points, on the command line --points.",
 )
 
 

@@ -25,14 +25,21 @@ def outputs_of(
         states: Symbols of the states by name.
 
     Raises:
-        OptionError: If there is neither an output nor a state of a name.
+        OptionError: If there is neither an output nor a state of a name, or the system has no points for an
+            output of points.
     """
     found: list[tuple[str, Expr]] = []
     for name in names_of("outputs", asked):
         if name in states:
             found.append((name, states[name]))
         elif name in quantities:
-            found += _elements(name, quantities[name]())
+            elements = list(_elements(name, quantities[name]()))
+            if not elements:
+                raise OptionError(
+                    f"outputs: {quoted(name)} needs a point, and the system has none. Give a body points in "
+                    "the model file, or use System.with_points, on the command line --points."
+                )
+            found += elements
         else:
             known = (*quantities, *states)
             raise OptionError(
