@@ -454,6 +454,14 @@ def test_contacts_that_hold_nothing_are_refused(contacts: list[kg.Contact], mess
     assert "\n" not in str(caught.value)
 
 
+def test_the_header_speaks_of_one_result_and_of_two() -> None:
+    system = kg.load(MODELS / "double_pendulum.toml").with_points({"tip": ("lower", (0.7, 0, 0))})
+    source = kg.generate(system.with_contacts("tip:force1+force2"), OUTPUTS)
+    header = source.files["double_pendulum.h"]
+    assert "contact_acceleration is filled all the same" in header
+    assert "contact_acceleration and contact_force are filled all the same" in header
+
+
 def test_damped_contacts_may_depend_on_each_other() -> None:
     system = kg.load(MODELS / "double_pendulum.toml").with_points({"tip": ("lower", (0.7, 0, 0))})
     held = [kg.Contact(point="tip", directions=("force1", "force2")), kg.Contact(frame="lower", damping=1e-3)]
