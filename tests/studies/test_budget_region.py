@@ -111,7 +111,7 @@ def test_a_table_makes_the_same_region_again(pendulum: kg.System, loaded: kg.Sys
         ("x.translations = [0, 1]", r"x\.translations: system 'double_pendulum' has no translations"),
         ("force.upper = [0, 1]", "force: unknown key 'upper'"),
         ("parameters.m7 = 1", "parameters: unknown parameter 'm7'"),
-        ("parameters.m1 = -1", "parameters: body 'upper': mass -1.0 kg is negative"),
+        ("parameters.m1 = -1", "parameters: body 'upper': mass m1 = -1.0 kg is negative"),
         ("parameters.m1 = 'm2'", r"parameters\.m1: 'm2' is not a number"),
         ("exclude.everything = 1", "exclude: unknown key 'everything'"),
         ("exclude.clearance = -1", r"exclude\.clearance: -1\.0 is negative"),
