@@ -16,9 +16,9 @@ ANGULAR_FIRST = [3, 4, 5, 0, 1, 2]
 
 ROBOTS = [
     ("ur5_robot", "tool0", False),
-    ("kinova", "j2s6s200_end_effector", False),
-    ("xarm7", "link7", False),
-    ("hyq_no_sensors", "lh_foot", True),
+    pytest.param("kinova", "j2s6s200_end_effector", False, marks=pytest.mark.slow),
+    pytest.param("xarm7", "link7", False, marks=pytest.mark.slow),
+    pytest.param("hyq_no_sensors", "lh_foot", True, marks=pytest.mark.slow),
     ("solo12", "HL_FOOT", True),
 ]
 

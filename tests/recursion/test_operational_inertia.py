@@ -175,6 +175,7 @@ def test_a_wrench_accelerates_the_frame(library: kg.Library) -> None:
     assert together.operational_bias == pytest.approx(bias[:, None], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_batches_of_trees_with_parameters() -> None:
     """Compiled code, with other values of the parameters, in a batch and in single precision."""
     system = next(tree for tree in map(random_trees.everything, range(9), [3] * 9) if movable(tree))
