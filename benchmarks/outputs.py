@@ -33,6 +33,13 @@ floating base is three translations and three turns there.
 """
 
 
+_DIFFERENCE = (
+    "results differ, because bodies have the frames of the robot's file in kanegen, and those of their "
+    "joints in the tree that Pinocchio is given."
+)
+"""Why results may differ."""
+
+
 def main() -> None:
     """Compare the outputs on every model, print the tables, and write the page."""
     options = _options()
@@ -52,6 +59,8 @@ def _section(name: str, found: Comparison) -> str:
     head = ["output", "Pinocchio", "ns", "kanegen, ns", "batch, ns", "one state", "batch"]
     lines = [f"## {name}, {found.n} freedoms", "", markdown_table(head, _rows(found), left=2), ""]
     lines += [f"- {note}." for note in found.notes]
+    differing = dict.fromkeys(entry.task.quantity for entry in found.entries if not entry.agrees)
+    lines += [f"- {quantity} is not timed: {_DIFFERENCE}" for quantity in differing]
     lines += [f"- Left out: {absence.name}: {absence.reason}" for absence in found.absences]
     return "\n".join(lines) + "\n"
 
