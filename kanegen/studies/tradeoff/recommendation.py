@@ -96,7 +96,7 @@ class Recommendation:
         gain = speedup(self._times(self._best), self._times(fastest))
         if fastest is self._best or not gain.is_real:
             return "Nothing is gained by losing digits."
-        lost, whole = _digits(self._digits_lost(fastest)), self._gain(fastest)
+        lost, whole = _in_words(self._digits_lost(fastest)), self._gain(fastest)
         return (
             f"For more speed take {fastest.label}: {_times_as_fast(whole)} as the default, {lost} lost; "
             f"that is {_times_as_fast(gain)} as the fastest that loses none."
@@ -109,7 +109,7 @@ class Recommendation:
             return "No variant is a digit more accurate."
         cheapest = self._fastest(better)
         price = speedup(self._times(cheapest), self._times(self._best))
-        gained = _digits(-self._digits(cheapest))
+        gained = _in_words(-self._digits(cheapest))
         return f"{gained} more: {cheapest.label}, {_figure(price)} times the time of {self._best.label}."
 
     def _useless_precisions(self) -> list[str]:
@@ -122,7 +122,7 @@ class Recommendation:
                 continue
             gain = speedup(self._times(self._best), self._times(fastest))
             if not gain.is_real:
-                lost = _digits(self._digits_lost(fastest))
+                lost = _in_words(self._digits_lost(fastest))
                 lines.append(
                     f"Nothing is gained by {precision}: its fastest variant, {fastest.label}, is "
                     f"{_times_as_fast(gain)} as {self._best.label}, {lost} lost."
@@ -137,7 +137,7 @@ class Recommendation:
         fastest = self._fastest(others)
         return (
             f"Apart from these, {REFORMULATED}: {fastest.label} is {_times_as_fast(self._gain(fastest))} "
-            f"as the default, {_digits(self._digits_lost(fastest))} lost."
+            f"as the default, {_in_words(self._digits_lost(fastest))} lost."
         )
 
     def _noise(self) -> str:
@@ -183,11 +183,11 @@ class Recommendation:
         return digits if digits > math.log10(FLAT) else 0.0
 
 
-def _digits(number: float) -> str:
+def _in_words(digits: float) -> str:
     """Return a number of decimal digits in words."""
-    if number == 0:
+    if digits == 0:
         return "no digit"
-    return f"{number:.1f} digits" if number < 0.95 else counted(round(number), "digit")
+    return f"{digits:.1f} digits" if digits < 0.95 else counted(round(digits), "digit")
 
 
 def _times_as_fast(gain: Speedup) -> str:
