@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from kanegen.errors import StatusError as StatusError
     from kanegen.errors import WriteError as WriteError
     from kanegen.library.library import Library as Library
-    from kanegen.library.simulation.simulate import simulate as simulate
     from kanegen.linear.linear_model import LinearModel as LinearModel
     from kanegen.measure.bounds.report import Bounds as Bounds
     from kanegen.measure.report import Report as Report
@@ -74,6 +73,7 @@ if TYPE_CHECKING:
     from kanegen.model.system import System as System
     from kanegen.options import Variant as Variant
     from kanegen.readers import load as load
+    from kanegen.simulation.simulate import simulate as simulate
     from kanegen.symbolic.equations import Equations as Equations
 
 _MODULES = {
@@ -95,7 +95,6 @@ _MODULES = {
         "WriteError",
     ),
     "library.library": ("Library",),
-    "library.simulation.simulate": ("simulate",),
     "linear.linear_model": ("LinearModel",),
     "measure.bounds.report": ("Bounds",),
     "measure.report": ("Report",),
@@ -124,6 +123,7 @@ _MODULES = {
     "model.system": ("System",),
     "options": ("Variant",),
     "readers": ("load",),
+    "simulation.simulate": ("simulate",),
     "symbolic.equations": ("Equations",),
 }
 """Every public name by the module, below `kanegen`, that defines it."""

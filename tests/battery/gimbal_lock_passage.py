@@ -11,10 +11,10 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 import kanegen as kg
-from kanegen.library.simulation import Trajectory, simulate
 from kanegen.measure.truth import truth
 from kanegen.program.precision import DOUBLE
 from kanegen.reference.states import random_states
+from kanegen.simulation import Trajectory, simulate
 from tests.battery import scenes
 from tests.battery.experiments import Point, Row, Size, count, experiment
 from tests.battery.measurement import FLAGS, Floats, built, promise, worst

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kanegen as kg
-from kanegen.library.simulation import simulate
 from kanegen.measure import truth
 from kanegen.measure.truth.balls import arb, arb_mat, column, ctx
 from kanegen.program.precision import Precision
 from kanegen.reference.states import random_states
+from kanegen.simulation import simulate
 from tests.battery import scenes
 from tests.battery.experiments import Point, Row, Size, experiment
 from tests.battery.measurement import PRECISIONS, Floats, built, efforts, promise, rounded, worst

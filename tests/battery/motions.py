@@ -10,9 +10,9 @@ import numpy as np
 from scipy.special import ellipj, ellipk, ellipkm1
 
 import kanegen as kg
-from kanegen.library.simulation import simulate
 from kanegen.program.precision import precision_named
 from kanegen.reference.states import random_states
+from kanegen.simulation import simulate
 from tests.battery import scenes
 from tests.battery.experiments import Point, Row, Size, count, experiment
 from tests.battery.measurement import PRECISIONS, PROMISE, Floats, built, forward, points, rounded, worst

@@ -10,8 +10,8 @@ import pytest
 
 import kanegen as kg
 import kanegen.library
-from kanegen.library.simulation import Trajectory, mescd
 from kanegen.recursion.outputs import OUTPUTS, available
+from kanegen.simulation import Trajectory, mescd
 from tests.support.paths import MODELS
 
 METHODS = [

@@ -13,12 +13,12 @@ import kanegen as kg
 from kanegen.c import interface, render
 from kanegen.library import load
 from kanegen.library.native.status import INACCURATE, MISSING, NOT_FINITE, StatusReport
-from kanegen.library.simulation import simulate
-from kanegen.library.simulation.simulate import ADAPTIVE, FIXED
 from kanegen.options import TIERS, Variant
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import precision_named
+from kanegen.simulation import simulate
+from kanegen.simulation.simulate import ADAPTIVE, FIXED
 from tests.support import systems
 from tests.support.c_compilers import CPP, WARNINGS, C, code, run
 from tests.support.handmade import F, Listing, X, description, source

@@ -15,7 +15,6 @@ from typer.testing import CliRunner
 import kanegen as kg
 from kanegen.cli.app import app
 from kanegen.compiler import compile_module
-from kanegen.library.simulation import simulate
 from kanegen.measure.comparison import compare
 from kanegen.measure.truth import truth
 from kanegen.model.coordinates import FREEDOMS
@@ -28,6 +27,7 @@ from kanegen.program.count import count
 from kanegen.recursion.outputs import available
 from kanegen.reference import equations as reference
 from kanegen.reference.states import States, random_states
+from kanegen.simulation import simulate
 from kanegen.symbolic import derive
 from tests.support import systems
 from tests.support.acting import acted_on, pointed

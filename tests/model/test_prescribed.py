@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 import kanegen as kg
 from kanegen.cli.app import app
-from kanegen.library.simulation import simulate
 from kanegen.measure import truth as certified
+from kanegen.simulation import simulate
 from kanegen.studies.bench import BenchOptions
 from kanegen.studies.bench.compare import compare
 from kanegen.studies.tradeoff.domain import default_domain

@@ -12,11 +12,11 @@ from scipy.spatial.transform import Rotation
 
 import kanegen as kg
 from kanegen.library.results import Diagnosis
-from kanegen.library.simulation import simulate
 from kanegen.measure import truth as certified
 from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
 from kanegen.reference.states import random_states
+from kanegen.simulation import simulate
 from kanegen.studies.tradeoff.domain import default_domain
 from kanegen.studies.tradeoff.evaluator import convert_sample
 from kanegen.symbolic import derive

@@ -14,12 +14,12 @@ import numpy as np
 from kanegen import library
 from kanegen.errors import StatusError
 from kanegen.library import Library
-from kanegen.library.simulation import Trajectory, mescd, simulate
 from kanegen.measure.timing import LATENCY
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, Variant, quiet
 from kanegen.reference.states import ranges
+from kanegen.simulation import Trajectory, mescd, simulate
 from kanegen.studies.bench.states import without_loads_and_parameters
 from kanegen.studies.tradeoff.compilation import generate_variant
 from kanegen.studies.tradeoff.outcome import SimulationRun, Study

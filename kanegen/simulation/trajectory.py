@@ -10,9 +10,9 @@ import numpy as np
 
 from kanegen.errors import OptionError
 from kanegen.library import Library
-from kanegen.library.simulation.accuracy import Drift, drift, mescd
 from kanegen.model.arguments import Floats, NamedInputs
 from kanegen.model.arrays import Floats as Doubles
+from kanegen.simulation.accuracy import Drift, drift, mescd
 
 
 @dataclass(frozen=True, repr=False)

@@ -9,9 +9,9 @@ import numpy as np
 
 from kanegen.errors import SingularError, StatusError
 from kanegen.extras import module
-from kanegen.library.simulation.motion import Motion, StateLayout
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
+from kanegen.simulation.motion import Motion, StateLayout
 
 EXTRA = "study"
 """The extra that installs SciPy."""

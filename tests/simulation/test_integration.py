@@ -11,9 +11,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import kanegen as kg
-from kanegen.library.simulation import simulate
-from kanegen.library.simulation.integration import CompensatedSum, Sum
-from kanegen.library.simulation.simulate import FIXED
+from kanegen.simulation import simulate
+from kanegen.simulation.integration import CompensatedSum, Sum
+from kanegen.simulation.simulate import FIXED
 from tests.support.paths import MODELS
 
 STIFFNESS = 6.0

@@ -1,4 +1,4 @@
-"""`simulate`, the entry of the subpackage: checks its arguments, integrates, and returns a trajectory."""
+"""`simulate`, the entry of the package: checks its arguments, integrates, and returns a trajectory."""
 
 from __future__ import annotations
 
@@ -12,7 +12,12 @@ from numpy.typing import ArrayLike
 from kanegen.choices import require_one
 from kanegen.errors import ArrayError, ModelError, OptionError, quoted
 from kanegen.library import Library
-from kanegen.library.simulation.integration import (
+from kanegen.model import arguments
+from kanegen.model.arguments import Floats
+from kanegen.model.arrays import Floats as Doubles
+from kanegen.model.numbers import finite
+from kanegen.program import precision as precisions
+from kanegen.simulation.integration import (
     Leapfrog,
     Step,
     implicit_midpoint,
@@ -21,19 +26,14 @@ from kanegen.library.simulation.integration import (
     runge_kutta,
     semi_implicit_euler,
 )
-from kanegen.library.simulation.motion import (
+from kanegen.simulation.motion import (
     Effort,
     Motion,
     PrescribedMotion,
     StateLayout,
     speeds_are_rates,
 )
-from kanegen.library.simulation.trajectory import Trajectory
-from kanegen.model import arguments
-from kanegen.model.arguments import Floats
-from kanegen.model.arrays import Floats as Doubles
-from kanegen.model.numbers import finite
-from kanegen.program import precision as precisions
+from kanegen.simulation.trajectory import Trajectory
 
 ADAPTIVE = ("DOP853", "Radau")
 """Solvers of SciPy: an explicit one of order 8, and an implicit one of order 5 for stiff systems."""

@@ -13,9 +13,9 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import kanegen as kg
-from kanegen.library.simulation import Trajectory, mescd, simulate
-from kanegen.library.simulation.accuracy import drift
-from kanegen.library.simulation.simulate import FIXED
+from kanegen.simulation import Trajectory, mescd, simulate
+from kanegen.simulation.accuracy import drift
+from kanegen.simulation.simulate import FIXED
 
 GRAVITY = 9.81
 TIMES = np.linspace(0.0, 10.0, 41)
