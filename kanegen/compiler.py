@@ -142,6 +142,7 @@ def generate(
     functions: Iterable[str] | None = None,
     artifacts: Iterable[str] | str = (),
     target: Target | str = C99_TARGET,
+    parameters_by_state: bool = False,
 ) -> Source:
     """Generate C for `outputs`, specialised to `system`.
 
@@ -159,9 +160,12 @@ def generate(
             which is the function of the output where there is only one.
         artifacts: Names of further files beside the source; `Source.artifacts` says which there can be.
         target: Language of the code, by default C99.
+        parameters_by_state: Whether each state of a batch has its own run-time parameters: a row of the array
+            `prepared`, which the batch form of `prepare` fills. By default all states have one set.
 
     Raises:
-        OptionError: If an output, a tier or another choice is unknown, or there is nothing to re-anchor.
+        OptionError: If an output, a tier or another choice is unknown, there is nothing to re-anchor, or the
+            system has no run-time parameters that could differ from state to state.
         ModelError: If numbers of the model leave the range of doubles, or a constant that of the precision.
         SingularError: If an output solves with [A], as forward_dynamics does, and [A] is singular in every
             state; the message names the bodies, the freedoms and the outputs that remain.
@@ -175,7 +179,16 @@ def generate(
     progress("printing")
     decided = {"refinement": compiled.refinement}
     model = description(system)
-    source = render(model, compiled.module, compiled.operations, variant, decided, target, functions)
+    source = render(
+        model,
+        compiled.module,
+        compiled.operations,
+        variant,
+        decided,
+        target,
+        functions,
+        flag("parameters_by_state", parameters_by_state),
+    )
     asked = several("artifacts", "artifact", artifacts, ARTIFACTS)
     source = replace(source, system=system)
     return with_artifacts(source, [*asked, *(["reanchoring"] if flag("reanchoring", reanchoring) else [])])
@@ -195,13 +208,15 @@ def build(
     coordinates: str | None = None,
     functions: Iterable[str] | None = None,
     on_status: OnStatus = "warn",
+    parameters_by_state: bool = False,
 ) -> libraries.Library:
     """Generate C as `generate` does, compile it and load it.
 
     `compiler` is the command of a C compiler, by default the first that is found; `flags` are its flags, by
     default optimised with IEEE semantics kept. With `threads`, OpenMP shares batches of 1024 states and more
     among threads; see `library.load`. `on_status` says what the library does where a result is missing, not
-    finite or not accurate: "warn", "raise", "ignore" or a function; see `Library.with_on_status`.
+    finite or not accurate: "warn", "raise", "ignore" or a function; see `Library.with_on_status`. With
+    `parameters_by_state`, the argument `parameters` of every method may have a row for each state of a batch.
 
     Raises:
         OptionError, ModelError, SingularError: As `generate`.
@@ -212,7 +227,16 @@ def build(
         A = library.mass_matrix([0.1, 0.2])
     """
     source = generate(
-        system, outputs, progress, without, precision, tier, speeds, False, coordinates, functions
+        system,
+        outputs,
+        progress,
+        without,
+        precision,
+        tier,
+        speeds,
+        coordinates=coordinates,
+        functions=functions,
+        parameters_by_state=parameters_by_state,
     )
     progress("compiling")
     return libraries.load(source, compiler, flags, threads, on_status)

@@ -12,7 +12,7 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source import Source
 from kanegen.c.templates import fill
 from kanegen.model.quoting import c_name
-from kanegen.program.ir import Array
+from kanegen.program.ir import PREPARED, Array
 from kanegen.program.precision import DOUBLE, Precision
 
 
@@ -38,7 +38,7 @@ def _inputs(
     found: dict[str, list[str]] = {}
     for function in functions:
         for array in function.inputs:
-            if array.name not in function.shared:
+            if array.name != PREPARED:  # which the function `prepare` fills
                 precision = model_formats.of(array.name)
                 lines = _initializer(_elements(model, function, array), precision)
                 found[f"{precision.c_type} {declarator(array)}"] = lines

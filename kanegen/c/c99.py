@@ -179,11 +179,12 @@ def _choices(render_input: RenderInput, printed: Sequence[PrintedFunction]) -> l
         "refinement": has_solution,
     }
     usual = dict(STRICT.choices())
-    return [
+    found = [
         (name, value)
         for name, value in render_input.variant.choices(render_input.decided)
         if applies.get(name, value != usual[name])
     ]
+    return [*found, ("parameters", "by state")] if render_input.parameters_by_state else found
 
 
 C99_TARGET = C99()

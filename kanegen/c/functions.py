@@ -103,7 +103,9 @@ def _printed(
 ) -> PrintedFunction:
     model, formats = render_input.model.name, render_input.formats
     name = f"{model}_{function.name}"
-    has_simd = function.fits_simd and formats.arithmetic in SIMD
+    # `prepare` computes at least in double, and its results are never rounded to the precision of storage.
+    is_uniform = function.name != PREPARE or formats.every == (formats.preparing,)
+    has_simd = function.fits_simd and formats.arithmetic in SIMD and is_uniform
     return PrintedFunction(
         name=name,
         signature=function,

@@ -30,6 +30,7 @@ class Function:
             status.
         workspace: Numbers that one part of the function leaves for later parts, 0 if it has one part.
         may_be_inaccurate: Names of outputs that may exist without being accurate; the status reports this.
+        has_batch: Whether it has a batch form; `prepare` has one only where parameters differ by state.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Function:
     may_fail: tuple[str, ...] = ()
     workspace: int = 0
     may_be_inaccurate: tuple[str, ...] = ()
+    has_batch: bool = True
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -62,11 +64,6 @@ class Function:
         return tuple(dict.fromkeys(one for array in self.outputs if (one := array.row_condition)))
 
     @property
-    def has_batch(self) -> bool:
-        """Whether the function depends on a state, so that it has a batch form."""
-        return self.name != PREPARE
-
-    @property
     def fits_simd(self) -> bool:
         """Whether the arrays of a state are small enough to evaluate several states side by side."""
         return self.numbers <= LARGEST_BATCH_ROW
@@ -78,21 +75,27 @@ class Function:
         return self.workspace + sum(array.size for array in arrays if array.name not in self.shared)
 
 
-def signatures(module: Module, longest: int = LONGEST_PART) -> dict[Function, tuple[Program, ...]]:
+def signatures(
+    module: Module, longest: int = LONGEST_PART, parameters_by_state: bool = False
+) -> dict[Function, tuple[Program, ...]]:
     """Return every function of a module with its parts: `prepare` first, then the others in their order.
 
     Args:
         module: The programs.
         longest: Instructions of a function from which it is cut into parts; `prepare` is never cut.
+        parameters_by_state: Whether each state of a batch has its own prepared constants.
     """
     found: dict[Function, tuple[Program, ...]] = {}
     shared: tuple[str, ...] = ()
     if module.prepare is not None:
         arrays = _outputs(module.prepare)
-        shared = tuple(array.name for array in arrays)
+        shared = () if parameters_by_state else tuple(array.name for array in arrays)
         doc = "Everything that depends on parameters alone. Call it again whenever a parameter changes."
         may_fail = _may_fail(module.prepare)
-        found[Function(PREPARE, doc, module.prepare.inputs, arrays, may_fail=may_fail)] = (module.prepare,)
+        prepare = Function(
+            PREPARE, doc, module.prepare.inputs, arrays, may_fail=may_fail, has_batch=parameters_by_state
+        )
+        found[prepare] = (module.prepare,)
     for name, program in module.functions.items():
         arrays = _outputs(program)
         doc = f"{arrays[0].doc}."

@@ -11,7 +11,7 @@ from kanegen.c.formats import require_range
 from kanegen.c.source import Source
 from kanegen.c.target import RenderInput, Target
 from kanegen.choices import require_one, several
-from kanegen.errors import OptionError
+from kanegen.errors import OptionError, quoted
 from kanegen.options import NO_DECISIONS, STRICT, Variant
 from kanegen.program import count
 from kanegen.program.ir import EVALUATE, Module
@@ -29,6 +29,7 @@ def render(
     decided: Mapping[str, str] = NO_DECISIONS,
     target: Target | str = C99_TARGET,
     functions: Iterable[str] | None = None,
+    parameters_by_state: bool = False,
 ) -> Source:
     """Return the code for the programs of `module`, without artifacts beside it.
 
@@ -42,17 +43,26 @@ def render(
         target: The language, a name of `TARGETS` or another target.
         functions: Names of the functions to print, by default all; `prepare` is always printed. "evaluate" is
             the function of all outputs together, also where there is only one output.
+        parameters_by_state: Whether each state of a batch has its own parameters.
 
     Raises:
         ModelError: If the target cannot use the name of the model, or the precision cannot hold a number.
-        OptionError: If there is no such target or function.
+        OptionError: If there is no such target or function, or there are no parameters to differ by state.
     """
+    if parameters_by_state and module.prepare is None:
+        raise OptionError(
+            f"parameters_by_state: system {quoted(model.shown)} has no run-time parameters. Leave it out, or "
+            "give numbers of the model names in [parameters]."
+        )
     target = target_named(target)
     target.require_name(model.name)
     chosen = _chosen(functions, tuple(module.functions))
     if chosen is not None:
         operations = count.operations(select_functions(module, chosen))
-    render_input = RenderInput(model, module, operations, variant, decided, target.longest_part, chosen)
+    longest = target.longest_part
+    render_input = RenderInput(
+        model, module, operations, variant, decided, longest, chosen, parameters_by_state
+    )
     require_range(model, render_input.programs, render_input.formats)
     printed = target.printed(render_input)
     return Source(

@@ -9,7 +9,7 @@ from typing import Any
 
 from kanegen.c.description import ModelDescription
 from kanegen.c.folder import write
-from kanegen.c.interface import Function
+from kanegen.c.interface import PREPARE, Function
 from kanegen.files import path_of
 from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
@@ -24,7 +24,8 @@ class Source:
     Attributes:
         model: Names and sizes of the model.
         outputs: Names of the outputs that the functions fill, such as `("mass_matrix", "forcing")`.
-        functions: Every generated function; each but `prepare` has a batch form, too.
+        functions: Every generated function; all but `prepare` have a batch form, too, and with
+            `parameters_by_state` that one as well.
         operations: Operation counts of one evaluation of all outputs: "add", "multiply", "divide", "sqrt",
             "sincos", and "prepare", the operations of the parameter-only step; where they occur, also
             "compare", signs, minima, maxima and conditions, and "function", calls of exp, log, tanh and
@@ -57,6 +58,11 @@ class Source:
     certificate: Mapping[str, Any] = field(default_factory=dict)
     module: Module | None = field(default=None, repr=False, compare=False)
     system: System | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def parameters_by_state(self) -> bool:
+        """Whether each state of a batch has its own parameters, so that `prepare` has a batch form."""
+        return any(function.name == PREPARE and function.has_batch for function in self.functions)
 
     @property
     def precision(self) -> str:

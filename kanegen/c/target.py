@@ -37,6 +37,7 @@ class RenderInput:
         decided: Values and reasons of choices that were left to kanegen, as text by name of the choice.
         longest_part: Instructions of a function from which it is cut into parts.
         chosen: Names of the functions to print besides `prepare`, None for all.
+        parameters_by_state: Whether each state of a batch has its own parameters.
     """
 
     model: ModelDescription
@@ -46,6 +47,7 @@ class RenderInput:
     decided: Mapping[str, str]
     longest_part: int = LONGEST_PART
     chosen: tuple[str, ...] | None = None
+    parameters_by_state: bool = False
 
     @cached_property
     def selected(self) -> Module:
@@ -55,7 +57,7 @@ class RenderInput:
     @cached_property
     def programs(self) -> dict[Function, tuple[Program, ...]]:
         """Every function that is printed, with its parts."""
-        return signatures(self.selected, self.longest_part)
+        return signatures(self.selected, self.longest_part, self.parameters_by_state)
 
     @property
     def functions(self) -> tuple[Function, ...]:

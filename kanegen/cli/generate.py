@@ -37,6 +37,7 @@ from kanegen.cli.options import (
     Lock,
     Model,
     Outputs,
+    ParametersByState,
     Points,
     Precision,
     Reactions,
@@ -108,6 +109,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
     coordinates: Coordinates = None,
     lock: Lock = None,
     reanchoring: Reanchoring = False,
+    parameters_by_state: ParametersByState = False,
 ) -> None:
     """Write the C for MODEL: header, source, example, CMake and pkg-config files, README.
 
@@ -137,6 +139,7 @@ def generate(  # noqa: PLR0913  (an argument for every option)
                 tier=variant,
                 reanchoring=reanchoring,
                 functions=function,
+                parameters_by_state=parameters_by_state,
             )
     source.write(output_dir, force=force)
     _show(system, source, output_dir)

@@ -186,6 +186,13 @@ Reanchoring = Annotated[
         help="Add a C header that turns joint frames at run time, where their angles are parameters.",
     ),
 ]
+ParametersByState = Annotated[
+    bool,
+    typer.Option(
+        "--parameters-by-state",
+        help="Let each state of a batch have its own run-time parameters, a row of the array `prepared`.",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 JsonFile = Annotated[
     Path | None,

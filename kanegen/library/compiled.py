@@ -14,13 +14,14 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError, counted, quoted
 from kanegen.library.native import processor
 from kanegen.library.native.build import Recipe
-from kanegen.library.native.calls import NativeLibrary, Pointers, arguments_of
-from kanegen.library.native.status import OnStatus, checked_on_status
+from kanegen.library.native.calls import Call, Constants, NativeLibrary, arguments_of
+from kanegen.library.native.status import OnStatus, StatusReport, checked_on_status, report
+from kanegen.library.parameters import Parameters, parameter_sets
 from kanegen.library.results import Evaluation
 from kanegen.model import validation
 from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT, Floats, NamedInputs, Values
 from kanegen.model.numbers import finite
-from kanegen.program.ir import EVALUATE
+from kanegen.program.ir import EVALUATE, PARAMETERS
 from kanegen.program.precision import precision_named
 
 
@@ -36,7 +37,7 @@ class CompiledModel:
         native: NativeLibrary,
         parameters: Mapping[str, float],
         on_status: OnStatus = "warn",
-        constants: Pointers | None = None,
+        constants: Constants | None = None,
     ) -> None:
         """Combine a loaded library with values of its run-time parameters.
 
@@ -49,7 +50,9 @@ class CompiledModel:
         self._native = native
         self._parameters = dict(parameters)
         self._on_status = checked_on_status(on_status)
-        self._constants = native.constants(self._parameters, on_status) if constants is None else constants
+        if constants is None:
+            constants = native.constants(list(self._parameters.values()), on_status)
+        self._constants = constants
         self._calls = native.calls
         self._named_inputs = native.named_inputs
 
@@ -175,8 +178,13 @@ class CompiledModel:
         for name, value in checked.items():
             precision_named(self.precision).rounded(value, f"parameter {quoted(name)}")
         parameters = {**self._parameters, **checked}
-        constants = self._native.constants(parameters, self._on_status, changed=checked)
+        constants = self._native.constants(list(parameters.values()), self._on_status, changed=checked)
         return type(self)(self._native, parameters, self._on_status, constants)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """P names of the run-time parameters, in the order of the argument `parameters` of every method."""
+        return tuple(self._parameters)
 
     @property
     def on_status(self) -> OnStatus:
@@ -262,9 +270,32 @@ class CompiledModel:
         call = self._calls.get(name)
         if call is None:
             raise self._absent(name)
+        parameters = inputs.get("parameters")
         if inputs or self._named_inputs:
             values = (*values, *self._in_order(name, inputs))
-        return call(self._constants, values, self._on_status)
+        if parameters is None:
+            return call(self._constants, values, self._on_status)
+        return self._with_sets(call, parameters, values)
+
+    def _with_sets(self, call: Call, parameters: Parameters, values: Values) -> list[Floats]:
+        """Call a C function with other parameters: one set, or a set for each state of the batch.
+
+        What is not finite in `prepare` is reported only where the results do not show it.
+
+        Raises:
+            ArrayError, ModelError, OptionError: If the parameters do not fit.
+            StatusError: See `with_on_status`.
+        """
+        if not self._parameters:
+            raise ArrayError(f"parameters: system {quoted(self.name)} has no run-time parameters.")
+        rule, found = self._on_status, list[StatusReport]()
+        sets = parameter_sets(parameters, self._parameters, self._native.parameter_type)
+        constants = self._native.constants(sets, "ignore" if rule == "ignore" else found.append)
+        reported = len(found)
+        results = call(constants, values, "ignore" if rule == "ignore" else found.append)
+        for one in found[reported:] or found[:reported]:
+            report(one, rule)
+        return results
 
     def _absent(self, name: str) -> OptionError:
         """Return the error that says that the function of an output was not generated."""
@@ -291,6 +322,8 @@ class CompiledModel:
                 it.
         """
         for name in inputs:
+            if name == PARAMETERS:
+                continue
             if name in ARGUMENTS and name not in MODEL_DEPENDENT:
                 taken = ", ".join((*arguments_of(function), *self._named_inputs))
                 raise ArrayError(f"{name}: {function} does not depend on it. Its arguments are {taken}.")

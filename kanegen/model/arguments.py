@@ -55,14 +55,18 @@ class LoadInputs(TypedDict, total=False):
 
 
 class NamedInputs(LoadInputs, total=False):
-    """Inputs that only some systems have, as keyword arguments: those of `LoadInputs`, and prescribed motion.
+    """Inputs that only some systems have, as keyword arguments: those of `LoadInputs`, motion, parameters.
 
     Attributes:
         prescribed: (3, p) or (B, 3, p) values (rad, m), rates and second derivatives of the prescribed
             freedoms, in the order of `prescribed_names`.
+        parameters: Run-time parameters for this call in place of those of the library: (P,) in the order of
+            `parameter_names`, or (B, P) for each state of a batch, which takes a library that was built with
+            `parameters_by_state`; or a number or (B,) values by name of the parameter.
     """
 
     prescribed: ArrayLike
+    parameters: ArrayLike | Mapping[str, ArrayLike] | None
 
 
 def floats(name: str, value: object, dtype: np.dtype[Any]) -> Floats:

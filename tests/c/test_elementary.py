@@ -15,6 +15,7 @@ import kanegen as kg
 from kanegen.c import render
 from kanegen.c.elementary import ELEMENTARY, Elementary
 from kanegen.library import load
+from kanegen.library.native.calls import Constants
 from kanegen.options import Variant
 from kanegen.program.check import check
 from kanegen.program.elementary import PLACES, SUBNORMAL_PLACES
@@ -46,7 +47,7 @@ def compiled(precision: str = "double", flags: tuple[str, ...] = STRICT, storage
 
 
 def call(pairs: np.ndarray, precision: str = "double", **options) -> np.ndarray:
-    return compiled(precision, **options)._general((), (pairs,))[0]
+    return compiled(precision, **options)._general(Constants(), (pairs,))[0]
 
 
 def numbers(name: str, rng: np.random.Generator, count: int) -> np.ndarray:

@@ -15,6 +15,7 @@ from kanegen.c import render
 from kanegen.errors import ArrayError, KanegenWarning, ModelError, OptionError, SingularError
 from kanegen.library import load
 from kanegen.library.native import cache
+from kanegen.library.native.calls import Constants
 from kanegen.measure.comparison import compare
 from kanegen.options import TIERS
 from kanegen.program.check import check
@@ -79,7 +80,7 @@ def test_prepare_computes_in_double_and_rounds_once(library):
     once = 0
     for mass in np.linspace(0.1, 3.0, 50):
         parameters = np.array([mass, 0.7]).astype(np.float32)
-        found = library._native.calls["prepare"]((), (parameters,))[0]
+        found = library._native.calls["prepare"](Constants(), (parameters,))[0]
         expected = evaluate(prepare, parameters=parameters)["prepared"].astype(np.float32)
         assert bits(found) == bits(expected)
         once += bits(expected) != bits(evaluate(prepare, np.float32, parameters=parameters)["prepared"])
@@ -131,8 +132,8 @@ def test_one_state_and_a_batch_are_the_instructions_one_by_one(program, width, s
     )
     call = load(made, flags=wide(width))._native.calls["forcing"]
     expected = [evaluate(program, np.float32, x=np.array(state))["f"] for state in states]
-    assert bits(call._general((), (np.array(states),))[0]) == bits(expected)
-    assert bits([call._general((), (np.array(state),))[0] for state in states]) == bits(expected)
+    assert bits(call._general(Constants(), (np.array(states),))[0]) == bits(expected)
+    assert bits([call._general(Constants(), (np.array(state),))[0] for state in states]) == bits(expected)
 
 
 def angles():

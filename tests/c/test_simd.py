@@ -11,6 +11,7 @@ from kanegen.c.dialect import SIMD
 from kanegen.c.function_body import statements
 from kanegen.library import load
 from kanegen.library.native import cache
+from kanegen.library.native.calls import Constants
 from kanegen.program.ir import Module, Op
 from tests.support.c_compilers import C
 from tests.support.handmade import Listing, array, bits, description, evaluate, source
@@ -84,7 +85,7 @@ SPECIAL = [0.0, -0.0, 1e300, 5e-324, np.inf, np.nan]
 def test_a_batch_computes_the_same_bits_as_the_instructions_one_by_one(program, width, states):
     made = render(description(parameters=False, loads=False), Module(None, {"forcing": program}), {})
     library = load(made, flags=wide(width))
-    found = library._native.calls["forcing"]._general((), (np.array(states),))[0]
+    found = library._native.calls["forcing"]._general(Constants(), (np.array(states),))[0]
     assert bits(found) == bits([evaluate(program, x=np.array(state))["f"] for state in states])
 
 

@@ -14,6 +14,7 @@ from kanegen.c.sincos import sincos_named
 from kanegen.errors import OptionError
 from kanegen.library import load
 from kanegen.library.native import cache
+from kanegen.library.native.calls import Constants
 from kanegen.options import SINCOS, Variant
 from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
@@ -62,7 +63,7 @@ def function(variant=None, flags=STRICT, compiler=None, count=1):
 
 
 def call(compiled, x):
-    return compiled._general((), (x,))[0]
+    return compiled._general(Constants(), (x,))[0]
 
 
 def nearest_multiples():

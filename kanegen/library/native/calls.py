@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -13,11 +14,12 @@ from typing import Any
 import _cffi_backend
 import cffi
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kanegen.c import ModelDescription, Source
 from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import PREPARE, Function
-from kanegen.errors import ArrayError, BuildError
+from kanegen.errors import ArrayError, BuildError, OptionError, quoted
 from kanegen.library.native import cache, floating_point, openmp, processor
 from kanegen.library.native.build import Recipe, made
 from kanegen.library.native.status import OnStatus, States, Status, naming, report
@@ -34,7 +36,7 @@ from kanegen.model.arguments import (
     required,
     state,
 )
-from kanegen.program.ir import EVALUATE
+from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED
 from kanegen.program.precision import Precision
 from kanegen.recursion.outputs import OUTPUTS
 
@@ -48,6 +50,29 @@ Pointers = tuple[Any, ...]
 """C pointers, each of which keeps its array alive."""
 
 
+@dataclass(frozen=True)
+class Constants:
+    """Prepared constants, the first argument of every `Call`.
+
+    Attributes:
+        pointers: A pointer to the constants of one set of parameters, nothing for a model without parameters
+            and for many sets.
+        array: (C,) constants of one set or (B, C) of a set for each state of a batch; double-double constants
+            have a further last axis of 2. None for a model without parameters.
+        sets: (B, P) parameters of B sets, None for one set, and for a model without parameters.
+    """
+
+    pointers: Pointers = ()
+    array: Floats | None = None
+    sets: Floats | None = None
+
+    def of(self, states: States) -> Constants:
+        """Return the constants of some states of a batch."""
+        if self.array is None or self.sets is None:
+            return self
+        return Constants((), self.array[states], self.sets[states])
+
+
 class NativeLibrary:
     """A shared library in memory.
 
@@ -56,6 +81,7 @@ class NativeLibrary:
         path: Path of the shared library.
         named_inputs: Names of the inputs that some function reads and that are passed by name.
         calls: The functions by name without prefix; `EVALUATE` computes all outputs, also where there is one.
+        parameter_type: Type of the numbers in arrays of run-time parameters.
     """
 
     def __init__(self, recipe: Recipe, path: Path) -> None:
@@ -78,6 +104,7 @@ class NativeLibrary:
             for precision in arrays.every
         }
         self._prepared = pointers[arrays.arithmetic]
+        self.parameter_type = arrays.parameters.dtype
         functions = {function.name: function for function in source.functions}
         if len(source.outputs) == 1:
             functions[EVALUATE] = functions[source.outputs[0]]
@@ -138,28 +165,33 @@ class NativeLibrary:
 
     def constants(
         self,
-        parameters: Mapping[str, float],
+        parameters: ArrayLike,
         on_status: OnStatus,
         changed: Mapping[str, float] = MappingProxyType({}),
-    ) -> Pointers:
+    ) -> Constants:
         """Return the first argument of every `Call`: the results of `prepare` for some run-time parameters.
 
         Args:
-            parameters: Values by name, in the order of the C array.
+            parameters: (P,) values in the order of the C array, or (B, P) for each state of a batch.
             on_status: What to do where a constant is missing or not finite, see `status.report`.
             changed: The parameters that were set, which a report then names.
 
-        Returns:
-            A pointer to the prepared constants, or nothing if there are no parameters.
-
         Raises:
+            ArrayError: If the values have another shape or type.
+            OptionError: If there is a set for each state, and the C has no such functions.
             StatusError: As `status.report`.
         """
         prepare = self.calls.get(PREPARE)
         if prepare is None:
-            return ()
-        prepared = prepare((), (np.array(list(parameters.values())),), naming(changed, on_status))
-        return tuple(map(self._prepared, prepared))
+            return Constants()
+        sets = state(PARAMETERS, parameters, (len(self.source.model.parameters),), self.parameter_type)
+        if sets.ndim > 1 and not self.source.parameters_by_state:
+            raise OptionError(
+                f"parameters: system {quoted(self.source.model.shown)} was built with one set of parameters "
+                "for all states of a batch. Build it with parameters_by_state=True."
+            )
+        (array,) = prepare(Constants(), (sets,), naming(changed, on_status))
+        return Constants((), array, sets) if sets.ndim > 1 else Constants((self._prepared(array),), array)
 
     def _arguments(self, name: str, function: Function) -> tuple[str, ...]:
         """Return the names of the values that a call takes, in the order of the table of outputs."""
@@ -214,7 +246,10 @@ class Call:
         filled = arrays.of(function.outputs[0].name)
         self._pointer, self._result_pointer = pointers[read], pointers[filled]
         self._dtype, self._result_dtype = read.dtype, filled.dtype
-        own = [array for array in function.inputs if array.name not in function.shared]
+        own = [array for array in function.inputs if array.name != PREPARED]
+        # Whether each state of a batch has its own prepared constants.
+        self._by_state = len(own) < len(function.inputs) and PREPARED not in function.shared
+        self._prepared = pointers[arrays.arithmetic]
         self._inputs = [(a.name, arguments.index(a.name), a.shape + read.trailing_shape) for a in own]
         self._outputs = [array.shape + filled.trailing_shape for array in function.outputs]
         self._meaning = _meaning_of_named_inputs(model)
@@ -233,7 +268,7 @@ class Call:
         """Return a pointer to an array of zeros."""
         return self._pointer(np.zeros(shape, self._dtype))
 
-    def __call__(self, constants: Pointers, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
+    def __call__(self, constants: Constants, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
         """Call the C function for one state, or its batch form for many.
 
         Args:
@@ -251,8 +286,10 @@ class Call:
         force = self._unused_force
         if force and not (values[force] is None and values[force + 1] is None):
             raise self._unused_load("force" if values[force] is not None else "torque")
+        if constants.sets is not None:
+            return self._general(constants, values, on_status)
         pointer, dtype = self._pointer, self._dtype
-        pointers = [*constants]
+        pointers = [*constants.pointers]
         for k, shape, zeros, is_plain in self._plan:
             value = values[k]
             if (
@@ -280,12 +317,19 @@ class Call:
             report(self._status.of_state(status, inputs, results), on_status)
         return results
 
-    def _general(self, constants: Pointers, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
+    def _general(self, constants: Constants, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
         """Call the C function after conversion of the values, with every check."""
         arrays, batch = self._converted(values)
+        self._require_sets(constants, batch)
         results = [np.empty((*batch, *shape), self._result_dtype) for shape in self._outputs]
-        pointers = [*constants, *map(self._pointer, arrays), *map(self._result_pointer, results)]
+        pointers = [
+            *self._constants(constants, batch),
+            *map(self._pointer, arrays),
+            *map(self._result_pointer, results),
+        ]
         inputs = {name: array for (name, *_), array in zip(self._inputs, arrays, strict=True)}
+        if constants.sets is not None:
+            inputs[PARAMETERS] = constants.sets
         if not batch or self._batch is None:
             status = self._single(*pointers)
             if status and on_status != "ignore":
@@ -297,7 +341,26 @@ class Call:
             report(self._status.of_batch(failed, inputs, results, states), on_status)
         return results
 
-    def _some(self, constants: Pointers, arrays: Sequence[Floats], states: States) -> int:
+    def _require_sets(self, constants: Constants, batch: tuple[int, ...]) -> None:
+        """Require a set of parameters for each state where there are many sets.
+
+        Raises:
+            ArrayError: If there are more or fewer sets than states.
+        """
+        sets, first = constants.sets, self._inputs[0][0]
+        if sets is not None and batch != sets.shape[:1]:
+            expected = (*batch, sets.shape[1])
+            raise ArrayError(f"parameters: expected shape {expected} to go with {first}, got {sets.shape}.")
+
+    def _constants(self, constants: Constants, batch: tuple[int, ...]) -> Pointers:
+        """Return the pointer to the constants as the function for this batch reads them."""
+        array = constants.array
+        if array is None or not (batch and self._by_state):
+            return constants.pointers
+        full = array if constants.sets is not None else np.broadcast_to(array, (*batch, *array.shape))
+        return (self._prepared(np.ascontiguousarray(full)),)
+
+    def _some(self, constants: Constants, arrays: Sequence[Floats], states: States) -> int:
         """Return the status of one state of a batch, or of several how many have another status than 0.
 
         Args:
@@ -307,7 +370,8 @@ class Call:
         """
         chosen = [np.ascontiguousarray(array[states]) for array in arrays]
         results = [np.empty((len(states), *shape), self._result_dtype) for shape in self._outputs]
-        pointers = (*constants, *map(self._pointer, chosen), *map(self._result_pointer, results))
+        own = self._constants(constants.of(states), states.shape)
+        pointers = (*own, *map(self._pointer, chosen), *map(self._result_pointer, results))
         return int(self._single(*pointers)) if len(states) == 1 else self._many(len(states), pointers)
 
     def _many(self, count: int, pointers: Sequence[Any]) -> int:
