@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports closed-forms validation truth clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports closed-forms validation truth docs clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -65,6 +65,11 @@ validation: $(VENV)/.tests
 truth: $(VENV)/.tests
 	$(BIN)/python -m benchmarks.validation.truth
 
+# Make the site of the pages in docs/ in build/site; notebooks run the first time and when their code changes.
+docs: $(VENV)/.docs
+	$(BIN)/python -m sphinx -c docs/website docs build/site --nitpicky --fail-on-warning --keep-going --quiet
+	@echo "Open build/site/index.html"
+
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
@@ -77,6 +82,10 @@ $(VENV)/.kanegen: $(VENV)/bin/python pyproject.toml
 
 $(VENV)/.tests: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable ".[test]"
+	touch $@ $(VENV)/.kanegen
+
+$(VENV)/.docs: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable ".[docs]"
 	touch $@ $(VENV)/.kanegen
 
 $(VENV)/.bench: $(VENV)/bin/python pyproject.toml
