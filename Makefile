@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes cost-reports closed-forms validation truth docs clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes viewer cost-reports closed-forms validation truth docs clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -51,6 +51,10 @@ tradeoff: $(VENV)/.bench
 # Measure what five scenes save against the general programs of their trees; rewrites docs/scenes.md in a few minutes.
 scenes: $(VENV)/.bench
 	$(BIN)/python -m benchmarks.scenes
+
+# Build the script of pages with pictures from viewer/; needs node and npm.
+viewer:
+	cd viewer && npm ci --no-audit --no-fund && node build.mjs
 
 # Compare the operations of every model with those of the general program of its tree; rewrites docs/models in a
 # minute.

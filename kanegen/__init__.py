@@ -75,6 +75,8 @@ if TYPE_CHECKING:
     from kanegen.readers import load as load
     from kanegen.simulation.simulate import simulate as simulate
     from kanegen.symbolic.equations import Equations as Equations
+    from kanegen.viewer.view import View as View
+    from kanegen.viewer.view import view as view
 
 _MODULES = {
     "c.source": ("Source",),
@@ -125,6 +127,7 @@ _MODULES = {
     "readers": ("load",),
     "simulation.simulate": ("simulate",),
     "symbolic.equations": ("Equations",),
+    "viewer.view": ("View", "view"),
 }
 """Every public name by the module, below `kanegen`, that defines it."""
 

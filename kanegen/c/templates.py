@@ -33,3 +33,11 @@ _ENVIRONMENT.filters |= {"c_name": c_name, "code": markdown_code, "markdown": ma
 def fill(template: str, **context: Any) -> str:
     """Return the filled text of `template`, a file name without `.jinja`; a missing variable is an error."""
     return _ENVIRONMENT.get_template(f"{template}.jinja").render(**context)
+
+
+def raw(name: str) -> str:
+    """Return the text of a file that stands beside the templates, such as a script, as it is."""
+    loader = _ENVIRONMENT.loader
+    if loader is None:
+        raise jinja2.TemplateNotFound(name)
+    return loader.get_source(_ENVIRONMENT, name)[0]

@@ -21,6 +21,7 @@ from kanegen.cli.linearize import linearize
 from kanegen.cli.terminal import fail, notices, show_warnings
 from kanegen.cli.tradeoff import tradeoff
 from kanegen.cli.verify import verify
+from kanegen.cli.view import view
 from kanegen.errors import KanegenError
 
 COMMANDS: tuple[Callable[..., None], ...] = (
@@ -32,6 +33,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     linearize,
     equilibria,
     info,
+    view,
     explain,
     bench,
     tradeoff,

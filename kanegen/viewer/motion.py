@@ -1,0 +1,278 @@
+"""Coordinates over time as a page holds them, with the quantities of its plot and forces as arrows."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kanegen.errors import ArrayError, OptionError, counted, quoted
+from kanegen.model import arguments
+from kanegen.model.arrays import Floats
+from kanegen.model.system import System
+
+MOST_TIMES = 20_000
+"""Times that a page holds; of a longer motion every k-th is kept, and a note says so."""
+
+
+@runtime_checkable
+class HasStates(Protocol):
+    """What a picture needs of a trajectory or a rollout: times, and coordinates and speeds at these."""
+
+    @property
+    def times(self) -> Any:
+        """(T,) times, s."""
+
+    @property
+    def x(self) -> Any:
+        """(T, m) coordinates, rad, m or 1."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """A quantity over time for the plot.
+
+    Attributes:
+        group: Quantities of one group stand in one plot, such as "Coordinates, rad".
+        name: Name of the quantity.
+        unit: Its unit.
+        values: Base64 of (T,) doubles, little-endian.
+    """
+
+    group: str
+    name: str
+    unit: str
+    values: str
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force over time that is drawn as an arrow.
+
+    Attributes:
+        name: Name of the point, frame or body on which it acts.
+        body: Number of the body, 0 for the ground.
+        position: (3,) where it acts, in the body (m).
+        values: Base64 of (T, 3) inertial components in single precision, little-endian (N).
+    """
+
+    name: str
+    body: int
+    position: list[float]
+    values: str
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Coordinates over time; the numbers are base64, little-endian.
+
+    Attributes:
+        times: (T,) doubles: times that increase (s).
+        x: (T, m) coordinates in single precision (rad, m, 1).
+        prescribed: (T, p) values of the prescribed freedoms in single precision (rad, m).
+        series: Quantities of the plot.
+        forces: Forces that are drawn.
+        notes: Sentences about what is left out.
+    """
+
+    times: str
+    x: str
+    prescribed: str
+    series: list[Series]
+    forces: list[Force]
+    notes: list[str]
+
+    def as_table(self) -> dict[str, Any]:
+        """Return the motion as nested dictionaries and lists that JSON can hold.
+
+        Example:
+            motion_of(system, trajectory).as_table()["series"][0]["name"]
+        """
+        return asdict(self)
+
+
+def motion_of(
+    system: System,
+    trajectory: HasStates | Sequence[ArrayLike],
+    forces: Mapping[str, ArrayLike] | None = None,
+    plots: Mapping[str, ArrayLike] | None = None,
+) -> Motion:
+    """Return the motion of a trajectory for a page.
+
+    Args:
+        system: The tree that moves.
+        trajectory: A `Trajectory`, a `Rollout`, or a pair: (T,) increasing times (s) and (T, m) coordinates.
+        forces: (T, 3) inertial components of forces (N) by name of the point, frame or body on which each
+            acts: at the point, the origin of the frame, or the mass centre of the body.
+        plots: (T,) further quantities for the plot, by their names.
+
+    Raises:
+        OptionError: If `trajectory` is no trajectory, or it is one of another model, or of several motions.
+        ArrayError: If an array has another shape, times do not increase, or a number is not finite.
+        ModelError: If there is no point, frame or body of the name of a force.
+
+    Example:
+        motion_of(system, (times, x))
+    """
+    times, x, y, prescribed = _states(system, trajectory)
+    kept = np.arange(0, len(times), -(-len(times) // MOST_TIMES))
+    notes = []
+    if len(kept) < len(times):
+        notes.append(f"Of {len(times)} times every {kept[1]}th is kept.")
+    series = [*_states_over_time(system, x, y), *_energies(trajectory, len(times))]
+    for name, values in (plots or {}).items():
+        series.append(
+            ("Further quantities", str(name), "", _checked(f"plot {quoted(name)}", values, (len(times),)))
+        )
+    return Motion(
+        times=_encoded(times[kept], "<f8"),
+        x=_encoded(x[kept], "<f4"),
+        prescribed=_encoded(prescribed[kept], "<f4"),
+        series=[Series(group, name, unit, _encoded(one[kept], "<f8")) for group, name, unit, one in series],
+        forces=[
+            Force(name, *_place(system, name), _encoded(values[kept], "<f4"))
+            for name, values in _forces(forces or {}, len(times)).items()
+        ],
+        notes=notes,
+    )
+
+
+def _states(system: System, trajectory: Any) -> tuple[Floats, Floats, Floats | None, Floats]:
+    """Return (T,) times, (T, m) coordinates, (T, n) speeds or None, and (T, p) prescribed values."""
+    m, p = len(system.coordinates), len(system.prescribed)
+    pair = isinstance(trajectory, tuple | list) and len(trajectory) == 2
+    if not pair and not isinstance(trajectory, HasStates):
+        raise OptionError(
+            f"trajectory: {quoted(trajectory)} is none. Pass what kg.simulate returns, or a pair of times "
+            "and coordinates."
+        )
+    moments, states = trajectory if pair else (trajectory.times, trajectory.x)
+    times, x = _doubles("times", moments), _doubles("x", states)
+    if times.ndim != 1 or not len(times):
+        raise ArrayError(f"times: expected at least one in one row, got shape {times.shape}.")
+    if not (np.isfinite(times).all() and (np.diff(times) > 0).all()):
+        raise ArrayError("times: they must be finite and increase from each to the next.")
+    if x.ndim == 3:
+        raise OptionError(
+            f"trajectory: it holds {counted(x.shape[1], 'motion')}. Pass one of them, such as "
+            "(trajectory.times, trajectory.x[:, 0])."
+        )
+    if x.shape != (len(times), m):
+        raise OptionError(
+            f"trajectory: its coordinates have shape {x.shape}, but {len(times)} times of system "
+            f"{quoted(system.name)} need {(len(times), m)}. It is one of another model."
+        )
+    _require_same_names(system, trajectory)
+    _require_finite(system, times, x)
+    y = None if pair else getattr(trajectory, "y", None)
+    speeds = None if y is None else _checked("y", y, (len(times), len(system.freedoms)))
+    driven = None if pair else getattr(trajectory, "prescribed", None)
+    values = (
+        np.zeros((len(times), p))
+        if driven is None
+        else _checked("prescribed", driven, (len(times), 3, p))[:, 0]
+    )
+    return times, x, speeds, values
+
+
+def _require_same_names(system: System, trajectory: Any) -> None:
+    """Make sure that the library of a trajectory has the coordinates of the system."""
+    names = getattr(getattr(trajectory, "library", None), "coordinate_names", None)
+    if names is not None and tuple(names) != tuple(system.coordinate_names):
+        raise OptionError(
+            f"trajectory: it is one of {quoted(trajectory.library.name)}, whose coordinates are not those of "
+            f"system {quoted(system.name)}. Pass the system from which its library was built."
+        )
+
+
+def _require_finite(system: System, times: Floats, x: Floats) -> None:
+    """Make sure that all coordinates are finite; the message has the first time at which one is not."""
+    bad = np.argwhere(~np.isfinite(x))
+    if len(bad):
+        row, column = bad[0]
+        raise ArrayError(
+            f"trajectory: coordinate {quoted(system.coordinate_names[column])} is {x[row, column]} at t = "
+            f"{times[row]:.9g} s. Pass the times before, trajectory.x[:{row}]."
+        )
+
+
+def _states_over_time(system: System, x: Floats, y: Floats | None) -> list[tuple[str, str, str, Floats]]:
+    """Return coordinates and speeds as groups, names, units and values."""
+    units = [coordinate.unit for coordinate in system.coordinates]
+    found: list[tuple[str, str, str, Floats]] = [
+        (f"Coordinates, {unit}", name, unit, x[:, i])
+        for i, (name, unit) in enumerate(zip(system.coordinate_names, units, strict=True))
+    ]
+    if y is not None:
+        for i, (name, freedom) in enumerate(zip(system.speed_names, system.freedoms, strict=True)):
+            unit = "rad/s" if freedom.is_angle else "m/s"
+            found.append((f"Speeds, {unit}", name, unit, y[:, i]))
+    return sorted(found, key=lambda one: (one[0].split(",")[0], one[0]))
+
+
+def _energies(trajectory: Any, count: int) -> list[tuple[str, str, str, Floats]]:
+    """Return the energies of a trajectory whose library computes them."""
+    outputs = getattr(getattr(trajectory, "library", None), "outputs", ())
+    if not {"kinetic_energy", "potential_energy"} <= set(outputs) or not hasattr(
+        trajectory, "kinetic_energy"
+    ):
+        return []
+    kinetic = _checked("kinetic_energy", trajectory.kinetic_energy, (count,))
+    potential = _checked("potential_energy", trajectory.potential_energy, (count,))
+    values = {"kinetic": kinetic, "potential": potential, "sum": kinetic + potential}
+    return [("Energies, J", name, "J", one) for name, one in values.items()]
+
+
+def _forces(forces: Mapping[str, ArrayLike], count: int) -> dict[str, Floats]:
+    """Return (T, 3) forces by name; one that does not change may be (3,)."""
+    found = {}
+    for name, values in forces.items():
+        array = _doubles(f"force {quoted(name)}", values)
+        constant = array.shape == (3,)
+        whole = np.broadcast_to(array, (count, 3)) if constant else array
+        found[str(name)] = _checked(f"force {quoted(name)}", whole, (count, 3))
+    return found
+
+
+def _place(system: System, name: str) -> tuple[int, list[float]]:
+    """Return the body of a force and where it acts: at a point, a mass centre, or an origin."""
+    arrays = system.values()
+    if name not in arrays.forces.points and name in (names := [body.name for body in system.bodies]):
+        k = names.index(name) + 1
+        return k, arrays.mass_center[k - 1].tolist()
+    if name not in arrays.forces.points:
+        system.frame(name, "force")
+    body, position = arrays.place(name)
+    return body, position.tolist()
+
+
+def _checked(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """Return finite numbers of a shape.
+
+    Raises:
+        ArrayError: If they have another shape, or one is not finite.
+    """
+    array = _doubles(name, values)
+    if array.shape != shape:
+        raise ArrayError(f"{name}: expected shape {shape}, got {array.shape}.")
+    if not np.isfinite(array).all():
+        raise ArrayError(f"{name}: a number is not finite.")
+    return array
+
+
+def _doubles(name: str, values: object) -> Floats:
+    """Return numbers as doubles.
+
+    Raises:
+        ArrayError: If they are no real numbers.
+    """
+    return np.asarray(arguments.floats(name, values, np.dtype(np.float64)), np.float64)
+
+
+def _encoded(values: Floats, kind: str) -> str:
+    """Return numbers as base64 of a type of NumPy, such as "<f4"."""
+    return base64.b64encode(np.ascontiguousarray(values).astype(kind).tobytes()).decode("ascii")
