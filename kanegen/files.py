@@ -63,7 +63,7 @@ def write_whole(path: Path, text: str) -> None:
     write_all({path: text})
 
 
-def write_all(texts: Mapping[Path, str]) -> None:
+def write_all(texts: Mapping[Path, str | bytes]) -> None:
     """Write files, all of them or none.
 
     All are written to temporary folders first and then renamed. If one cannot be renamed, those before it get
@@ -71,7 +71,7 @@ def write_all(texts: Mapping[Path, str]) -> None:
     killed between two renames may some files be new and others old, each of them whole.
 
     Args:
-        texts: Text of every file by its path.
+        texts: Text, or bytes, of every file by its path.
 
     Raises:
         WriteError: If a file cannot be written; all files then stay as they are.
@@ -86,7 +86,7 @@ def write_all(texts: Mapping[Path, str]) -> None:
                 if parent not in folders:
                     folders[parent] = stack.enter_context(temporary_folder(parent))
                 staged[path] = folders[parent] / f"{number}.new"
-                staged[path].write_bytes(text.encode())
+                staged[path].write_bytes(text if isinstance(text, bytes) else text.encode())
         stack.enter_context(_one_writer_at_a_time(sorted(folders)))
         _replace([(path, staged[path], targets[path]) for path in texts])
 

@@ -17,6 +17,7 @@ from kanegen.library.quantity_derivatives import QuantityDerivatives
 from kanegen.linear import LinearModel
 from kanegen.linear.names import inputs_of, names_of, state_names
 from kanegen.model.arguments import NamedInputs, floats
+from kanegen.model.components import vector_components
 from kanegen.model.values_by_name import finite_in_order
 from kanegen.recursion.outputs import OUTPUTS
 
@@ -280,8 +281,8 @@ class _Outputs:
             yield ".".join([name, *labels]), c, d
 
     def _elements(self, name: str, shape: tuple[int, ...]) -> Iterator[tuple[str, ...]]:
-        """Yield the names of the indices of each element of an output."""
+        """Yield the names of the point and of the component of each element of an output."""
         points = self._library.point_names if name.startswith("point_") else ()
         for index in np.ndindex(shape):
             first = (points[index[0]],) if points else ()
-            yield (*first, *(str(one + 1) for one in index[len(first) :]))
+            yield (*first, *(vector_components(shape[-1])[one] for one in index[len(first) :]))

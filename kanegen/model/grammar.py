@@ -106,6 +106,27 @@ def parse_number(text: str, known: Mapping[str, Number]) -> Expression:
     return Expression(_root(_NumberReader(text, known)))
 
 
+def parse_signal(text: object, parameters: Iterable[Parameter], variables: Sequence[str]) -> Expression:
+    """Return the expression of a text whose variables are chosen by the caller.
+
+    Args:
+        text: The text; a number is accepted too.
+        parameters: Parameters whose names the text may contain.
+        variables: Names of the variables, such as "t", "x.pole" and "point_positions.tip.z". One that is not
+            made of words stands in brackets, as in y["left drive"].
+
+    Raises:
+        ModelError: If the text does not follow the grammar, or contains another name.
+
+    Example:
+        parse_signal("point_positions.tip.z - 0.1", [], ["point_positions.tip.z"])
+    """
+    if not isinstance(text, str):
+        return Expression(Constant(finite(text, "expression")))
+    known = {parameter.name: parameter for parameter in parameters}
+    return Expression(_root(_SignalReader(text, known, variables)))
+
+
 def _root(reader: _Reader) -> Node:
     """Return the tree of the text of a reader."""
     if len(reader.text) > MAX_CHARACTERS:
@@ -328,6 +349,38 @@ class _NumberReader(_Reader):
 
     def _element(self, found: ast.expr) -> str:
         raise self._refused(found, _NO_VARIABLES)
+
+
+class _SignalReader(_Reader):
+    """Reads an expression whose variables are given by their full names."""
+
+    def __init__(self, text: str, known: Mapping[str, Number], variables: Sequence[str]) -> None:
+        super().__init__(text, known)
+        self._variables = variables
+
+    def _variable_or(self, known: Number | None, found: ast.expr, name: str) -> Node:
+        if name in self._variables and known is None:
+            return Variable(name)
+        if known is not None and name not in self._variables:
+            return self._known_number(known)
+        if known is not None:
+            raise self._refused(found, "a parameter and a variable have this name. Rename the parameter.")
+        elements = [one for one in self._variables if one.startswith(f"{name}.")]
+        if elements:
+            raise self._refused(found, f"one element is needed, such as {elements[0]}.")
+        raise self._refused(
+            found, f"the name is not known. {did_you_mean(name, (*self._variables, *self._known))}"
+        )
+
+    def _element(self, found: ast.expr) -> str:
+        match found:
+            case ast.Subscript(value=value, slice=ast.Constant(value=str(rest))):
+                name = f"{ast.unparse(value)}.{rest}"
+            case _:
+                name = ast.unparse(found)
+        if name not in self._variables:
+            raise self._refused(found, f"there is no such variable. {did_you_mean(name, self._variables)}")
+        return name
 
 
 _NO_VARIABLES = "a number of a model depends on parameters, not on coordinates, speeds or the time."

@@ -185,6 +185,12 @@ class Dual:
         """Return the hyperbolic tangent of the number."""
         return Dual(function("tanh", self.value), self.slope * function("squared_secant", self.value))
 
+    def squared_secant(self) -> Dual:
+        """Return 1/cosh^2 of the number, the slope of its hyperbolic tangent."""
+        value = function("squared_secant", self.value)
+        half = value * function("tanh", self.value)
+        return Dual(value, -(self.slope * (half + half)))
+
     def arctangent(self, other: Dual) -> Dual:
         """Return the angle of the point (other, self)."""
         squared = self.value * self.value + other.value * other.value
@@ -286,6 +292,8 @@ class Rounded:
 
 def _zero(like: Value) -> Value:
     """Return the number 0 in the arithmetic of a slope."""
+    if isinstance(like, Dual):
+        return Dual(_zero(like.value), _zero(like.slope))
     return Rounded(np.float64(0.0), 0.0) if isinstance(like, Rounded) else np.float64(0.0)
 
 

@@ -49,6 +49,9 @@ FIXED: dict[str, Callable[[], Step]] = {
 METHODS = (*FIXED, *ADAPTIVE)
 """Methods of `simulate`: those with fixed steps, and those with a tolerance."""
 
+OF_MOTION = ("forward_dynamics", "coordinate_rates")
+"""Outputs that a simulation needs; tables and files contain the others."""
+
 TOLERANCE = 1e-10
 """Tolerance of the adaptive methods unless another is given."""
 
@@ -123,13 +126,20 @@ def simulate(
     else:
         states = integrate_fixed(motion, start, moments, FIXED[method](), step, compensated)
     motion.report_inaccurate()
-    driven = None if prescribed is None else np.array([prescribed(time) for time in moments], start.dtype)
+    inputs: dict[str, Floats] = {}
+    if prescribed is not None:
+        inputs["prescribed"] = np.array([prescribed(time) for time in moments], start.dtype)
     coordinates = layout.x(states)
     if layout.homogeneous:
         factors = layout.lengths(start_x) / layout.lengths(coordinates)
         coordinates = layout.scaled(coordinates, factors)
     found = coordinates, layout.y(states), states[..., -1]
-    return Trajectory(library, moments, *found, motion.evaluations, driven)
+    if effort is not None:
+        rows = zip(moments.tolist(), *found[:2], strict=True)
+        inputs["tau"] = np.array([np.broadcast_to(effort(t, x, y), y.shape) for t, x, y in rows], start.dtype)
+    setting = f"step {step:g} s" if step is not None else f"tolerance {tolerance or TOLERANCE:g}"
+    outputs = tuple(name for name in library.outputs if name not in OF_MOTION)
+    return Trajectory(library, moments, *found, motion.evaluations, inputs, f"{method}, {setting}", outputs)
 
 
 def _check_method(

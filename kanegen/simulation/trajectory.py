@@ -1,18 +1,29 @@
-"""The result of a simulation: states over time, and the accuracy of the integration."""
+"""The result of a simulation: states over time with names and units, outputs by name, and the accuracy."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from kanegen.errors import OptionError
+from kanegen import __version__
+from kanegen.choices import did_you_mean
+from kanegen.errors import OptionError, quoted
 from kanegen.library import Library
+from kanegen.linear.names import names_of
 from kanegen.model.arguments import Floats, NamedInputs
 from kanegen.model.arrays import Floats as Doubles
+from kanegen.model.numbers import value_of
+from kanegen.recursion.outputs import OUTPUTS
 from kanegen.simulation.accuracy import Drift, drift, mescd
+from kanegen.simulation.elements import Axis, Element, axes_of, elements, rate_unit
+from kanegen.simulation.picture import figure
+from kanegen.simulation.tables import TIME, Group, Table, data_frame, dataset, save
 
 
 @dataclass(frozen=True, repr=False)
@@ -24,9 +35,13 @@ class Trajectory:
         times: (T,) times, s.
         x: (T, m) or (T, B, m) coordinates, rad, m or 1.
         y: (T, n) or (T, B, n) generalized speeds, rad/s and m/s.
-        work: (T,) or (T, B) work of the efforts since the first time, J.
-        evaluations: Calls of `forward_dynamics`; one for all B states.
-        prescribed: (T, 3, p) motion of the prescribed freedoms; None if there are none.
+        work: (T,) or (T, B) work of the generalized forces since the first time, J; that of loads on bodies
+            and points is not part of it.
+        evaluations: Evaluations of {ydot}; one for all B states.
+        inputs: What acted from outside, by name of the argument of `Library.forward_dynamics`, over the
+            times: "tau" (T, n) or (T, B, n), "prescribed" (T, 3, p), "force" (T, N, 3) and so on.
+        method: Name of the method with its step or tolerance.
+        outputs: Outputs of the library that tables and files contain beside the state.
 
     Example:
         trajectory = kg.simulate(library, [0.1, 0.2], [0.0, 0.0], np.linspace(0, 10, 101), step=1e-3)
@@ -39,11 +54,106 @@ class Trajectory:
     y: Floats
     work: Floats
     evaluations: int
-    prescribed: Floats | None = None
+    inputs: Mapping[str, Floats] = field(default_factory=dict)
+    method: str = ""
+    outputs: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         span = f"{len(self.times)} times from {self.times[0]:g} to {self.times[-1]:g} s"
         return f"<Trajectory of {self.library.name}: {span}, {self.evaluations} evaluations>"
+
+    @property
+    def states(self) -> int | None:
+        """Number B of states that moved at once; None for a single one."""
+        return self.x.shape[1] if self.x.ndim > 2 else None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all columns: "t", "x.<coordinate>", "y.<speed>", "tau.<freedom>", elements of outputs."""
+        return tuple(self.units)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column by its name, such as {"t": "s", "x.pole": "rad"}."""
+        return {TIME: "s", **{one.name: one.unit for group in self._elements.values() for one in group}}
+
+    @cached_property
+    def _elements(self) -> dict[str, tuple[Element, ...]]:
+        """Names and units of the columns of each group: "x", "y", "tau" and the outputs."""
+        model = self.library.source.model
+        forces = [{"rad": "N m", "m": "N"}[unit] for unit in model.freedom_units]
+        rates = [rate_unit(unit) for unit in model.freedom_units]
+        groups = {
+            "x": _named("x", self.library.coordinate_names, model.coordinate_units),
+            "y": _named("y", self.library.speed_names, rates),
+            "tau": _named("tau", self.library.freedom_names, forces),
+        }
+        if "tau" not in self.inputs:
+            del groups["tau"]
+        return groups | {name: elements(self.library.source, name) for name in self.outputs}
+
+    @cached_property
+    def _table(self) -> Table:
+        """The motion as groups of columns."""
+        axes = {
+            "x": [Axis("coordinate", self.library.coordinate_names)],
+            "y": [Axis("speed", self.library.speed_names)],
+            "tau": [Axis("freedom", self.library.freedom_names)],
+        }
+        groups = {
+            name: Group(axes.get(name) or axes_of(self.library.source, name), own, self._values(name))
+            for name, own in self._elements.items()
+        }
+        attributes = {"model": self.library.name, "method": self.method, "software": f"kanegen {__version__}"}
+        return Table(self.times, self.states, groups, attributes)
+
+    def output(self, name: str) -> Floats:
+        """Return an output, or one of its elements, at all times.
+
+        Args:
+            name: Name of an output that the library was built with, such as "point_positions"; of one element
+                of it, such as "point_positions.tip.z"; or of a state or a generalized force, such as
+                "x.pole", "y.pole" and "tau.pole".
+
+        Returns:
+            (T, ...) or (T, B, ...) with the axes of the output; (T,) or (T, B) for an element.
+
+        Raises:
+            OptionError: If there is no such name; the nearest one is proposed.
+
+        Example:
+            energy = trajectory.output("kinetic_energy") + trajectory.output("potential_energy")
+        """
+        if name == TIME:
+            return self.times
+        group = name.partition(".")[0]
+        if name in self.library.outputs:
+            return self._over_time(name)
+        known = self._elements.get(group)
+        if known is None and group in self.library.outputs:
+            known = elements(self.library.source, group)
+        names = [one.name for one in known or ()]
+        if name in names:
+            return self._flat(group)[..., names.index(name)]
+        hint = did_you_mean(name, names or (*self.names, *self.library.outputs))
+        raise OptionError(f"the motion of {self.library.name} has no {quoted(name)}. {hint}")
+
+    def columns(self) -> dict[str, Floats]:
+        """Return all columns by name: (T,) each, or (T, B).
+
+        Example:
+            pole = trajectory.columns()["x.theta3"]
+        """
+        return self._table.columns()
+
+    def _values(self, group: str) -> Floats:
+        """Return the values of a group: states, generalized forces, or an output."""
+        values = {"x": self.x, "y": self.y, **self.inputs}.get(group)
+        return self._over_time(group) if values is None else values
+
+    def _flat(self, group: str) -> Floats:
+        """Return the values of a group with one last axis for its columns."""
+        return self._values(group).reshape(*self.x.shape[:-1], -1)
 
     @property
     def kinetic_energy(self) -> Doubles:
@@ -52,7 +162,7 @@ class Trajectory:
         Raises:
             OptionError: If the library has no output `kinetic_energy`.
         """
-        return self._over_time(self.library.kinetic_energy, self.x, self.y)
+        return self._over_time("kinetic_energy")
 
     @property
     def potential_energy(self) -> Doubles:
@@ -61,7 +171,7 @@ class Trajectory:
         Raises:
             OptionError: If the library has no output `potential_energy`.
         """
-        return self._over_time(self.library.potential_energy, self.x)
+        return self._over_time("potential_energy")
 
     @property
     def momentum(self) -> Doubles:
@@ -70,7 +180,7 @@ class Trajectory:
         Raises:
             OptionError: If the library has no output `momentum`.
         """
-        return self._over_time(self.library.momentum, self.x, self.y)
+        return self._over_time("momentum")
 
     @property
     def energy_drift(self) -> Drift:
@@ -129,17 +239,159 @@ class Trajectory:
         ours, exact = (np.concatenate([one.x, one.y], axis=-1) for one in (self, reference))
         return mescd(ours, exact, floor)
 
-    def _over_time(self, output: Callable[..., Any], *arrays: Floats) -> Doubles:
-        """Return the result of a method of the library at every time, called once for all states.
+    def to_pandas(self) -> Any:
+        """Return all columns as a `pandas.DataFrame` over the time, or over state and time for B states.
+
+        Units stand in its `attrs["units"]`.
+
+        Raises:
+            MissingError: If pandas is not installed (`pip install 'kanegen[results]'`).
+
+        Example:
+            frame = trajectory.to_pandas()
+        """
+        return data_frame(self._table)
+
+    def to_xarray(self) -> Any:
+        """Return states and outputs as an `xarray.Dataset`, whose dimensions and elements have names.
+
+        Dimensions are "t", for B states "state", then "coordinate", "speed" or those of an output. Every
+        array has its unit in `attrs["units"]`, one for each element where they differ.
+
+        Raises:
+            MissingError: If xarray is not installed (`pip install 'kanegen[results]'`).
+
+        Example:
+            angle = trajectory.to_xarray().x.sel(coordinate="theta3")
+        """
+        return dataset(self._table)
+
+    def save(self, path: str | Path) -> None:
+        """Write the motion into one file, whole or not at all.
 
         Args:
-            output: The method.
-            arrays: Arguments of the method, (T, k) or (T, B, k).
+            path: Name of the file, whose end is its format: .csv, .parquet, .nc (NetCDF) or .npz (NumPy).
+
+        Raises:
+            OptionError: If there is no format of such an end.
+            MissingError: If a package of the format is not installed (`pip install 'kanegen[results]'`).
+            WriteError: If the file cannot be written; an existing one stays as it is.
+
+        Example:
+            trajectory.save("motion.csv")
         """
-        lead = arrays[0].shape[:-1]
-        flat = [np.ascontiguousarray(array.reshape(-1, array.shape[-1])) for array in arrays]
-        inputs: NamedInputs = {}
-        if self.prescribed is not None:
-            inputs["prescribed"] = np.repeat(self.prescribed, len(flat[0]) // len(self.times), axis=0)
-        found: Doubles = np.asarray(output(*flat, **inputs), np.float64)
+        save(self._table, path)
+
+    def plot(self, names: Sequence[str] | str | None = None) -> Any:
+        """Return a picture of the motion, a `matplotlib.figure.Figure`.
+
+        Columns of the same unit share a panel. The caption has the method, and the drifts of energy and
+        momentum where the library has them.
+
+        Args:
+            names: Names of columns as in `output`; by default coordinates, speeds, and outputs that are
+                single numbers.
+
+        Raises:
+            OptionError: If there is no such name.
+            MissingError: If Matplotlib is not installed (`pip install 'kanegen[plot]'`).
+
+        Example:
+            trajectory.plot(["x.theta3", "y.theta3"]).savefig("motion.svg")
+        """
+        chosen = self._plotted if names is None else names_of("plot", names)
+        columns = {name: self.output(name) for name in chosen}
+        units = {name: self.units.get(name) or self._unit(name) for name in chosen}
+        return figure(self.library.name, self.times, columns, units, self.caption)
+
+    @property
+    def caption(self) -> str:
+        """The method, and the drifts of energy and momentum where the library has them, in a few words."""
+        parts = [self.method] if self.method else []
+        has_energies = {"kinetic_energy", "potential_energy"} <= set(self.library.outputs)
+        with suppress(OptionError):  # where nothing moves there is no drift
+            if has_energies and not self._has_loads:
+                parts.append(f"energy less work drifts by {self.energy_drift.largest:.1e}")
+        with suppress(OptionError):
+            if "momentum" in self.library.outputs and self._floats:
+                linear, angular = self.momentum_drift()
+                drifts = f"{linear.largest:.1e} and {angular.largest:.1e}"
+                parts.append(f"linear and angular momentum by {drifts}")
+        return "; ".join(parts)
+
+    @property
+    def _floats(self) -> bool:
+        """Whether nothing from outside acts on the bodies, so that their momentum is constant."""
+        system = self.library.source.system
+        return (
+            system is not None
+            and not self.inputs
+            and not any(map(value_of, system.gravity))
+            and all(all(body.joint.free) for body in system.bodies if not body.lower)
+        )
+
+    @property
+    def _has_loads(self) -> bool:
+        """Whether loads acted on bodies or points, whose work is not known."""
+        return not self.inputs.keys() <= {"tau", "prescribed"}
+
+    @property
+    def _plotted(self) -> tuple[str, ...]:
+        """Names of the columns that a picture shows unless others are asked for."""
+        outputs = [name for name in self.outputs if len(self._elements[name]) == 1]
+        return (*(one.name for group in ("x", "y") for one in self._elements[group]), *outputs)
+
+    def _unit(self, name: str) -> str:
+        """Return the unit of an output, or of an element of one that is no column."""
+        of = elements(self.library.source, name.partition(".")[0])
+        return next((one.unit for one in of if one.name == name), of[0].unit)
+
+    def _over_time(self, output: str) -> Doubles:
+        """Return an output of the library at every time, called once for all states.
+
+        Raises:
+            OptionError: If the library was built without it.
+        """
+        if output == "forward_dynamics":
+            return self._accelerations
+        arguments: dict[str, Floats] = {"x": self.x, "y": self.y, **self.inputs}
+        if "ydot" in OUTPUTS[output].inputs and output in self.library.outputs:
+            arguments["ydot"] = self._accelerations
+        return self._evaluated(output, arguments)
+
+    @cached_property
+    def _accelerations(self) -> Doubles:
+        """(T, n) or (T, B, n) generalized accelerations {ydot}, rad/s^2 and m/s^2."""
+        return self._evaluated("forward_dynamics", {"x": self.x, "y": self.y, **self.inputs})
+
+    def _evaluated(self, output: str, arguments: Mapping[str, Floats]) -> Doubles:
+        """Return an output of the library from arguments with an axis for the times."""
+        lead = self.x.shape[:-1]
+        taken = [name for name in (*OUTPUTS[output].arguments, *self.library.further_inputs)]
+        given: NamedInputs = {}
+        for name in taken:
+            values = self.times if name == "t" else arguments.get(name)
+            if values is not None:
+                given[name] = _of_all_states(name, values, lead)  # type: ignore[literal-required]
+        found: Doubles = np.asarray(getattr(self.library, output)(**given), np.float64)
         return found.reshape(*lead, *found.shape[1:])
+
+
+def _of_all_states(name: str, values: Floats, lead: tuple[int, ...]) -> Floats:
+    """Return the values of an argument with one first axis for all times and states.
+
+    Args:
+        name: Name of the argument.
+        values: Its values over the times, or over times and states; all states share those over the times.
+        lead: Numbers of times and, for several states, of states.
+    """
+    own = {"x": 1, "y": 1, "ydot": 1, "tau": 1, "t": 0}.get(name, 2)
+    if values.ndim < len(lead) + own:
+        values = values[:, None]
+    whole = np.broadcast_to(values, (*lead, *values.shape[len(lead) :]))
+    return np.ascontiguousarray(whole.reshape(-1, *values.shape[len(lead) :]))
+
+
+def _named(group: str, names: Sequence[str], units: Sequence[str]) -> tuple[Element, ...]:
+    """Return names and units of the columns of a state or of generalized forces."""
+    return tuple(Element(f"{group}.{name}", unit) for name, unit in zip(names, units, strict=True))

@@ -57,4 +57,4 @@ def test_an_output_of_points_without_points_is_refused(form: list[str]) -> None:
     error = kanegen(*arguments, status=2).stderr
     assert "'point_positions'" in error
     assert "on the command line --points" in error
-    assert "point_positions.tip.1" in kanegen(*arguments, "--points", "tip=rod:0,0.1,0.5").stdout
+    assert "point_positions.tip.x" in kanegen(*arguments, "--points", "tip=rod:0,0.1,0.5").stdout

@@ -9,6 +9,7 @@ from sympy import Expr, ImmutableMatrix
 from kanegen.choices import did_you_mean
 from kanegen.errors import OptionError, quoted
 from kanegen.linear.names import names_of
+from kanegen.model.components import AXES, vector_components
 
 Quantity = Callable[[], Mapping[str, Expr] | Expr | ImmutableMatrix]
 """Function that derives an output: a number, a column, or numbers by the rest of their names."""
@@ -53,11 +54,12 @@ def _elements(name: str, value: Mapping[str, Expr] | Expr | ImmutableMatrix) -> 
     if isinstance(value, Mapping):
         yield from ((f"{name}.{rest}", one) for rest, one in value.items())
     elif isinstance(value, ImmutableMatrix):
-        yield from ((f"{name}.{k}", one) for k, one in enumerate(value.flat(), start=1))
+        components = vector_components(len(value))
+        yield from ((f"{name}.{k}", one) for k, one in zip(components, value.flat(), strict=True))
     else:
         yield name, value
 
 
 def of_points(names: Sequence[str], vector: Callable[[str], ImmutableMatrix]) -> dict[str, Expr]:
-    """Return the components of a vector of every point, by name of the point and number of the component."""
-    return {f"{name}.{k}": one for name in names for k, one in enumerate(vector(name).flat(), start=1)}
+    """Return the components of a vector of every point, by names of the point and of the component."""
+    return {f"{name}.{k}": one for name in names for k, one in zip(AXES, vector(name).flat(), strict=True)}
