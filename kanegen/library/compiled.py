@@ -16,11 +16,11 @@ from kanegen.library.native import processor
 from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import Call, Constants, NativeLibrary, arguments_of
 from kanegen.library.native.status import OnStatus, StatusReport, checked_on_status, report
-from kanegen.library.parameters import Parameters, parameter_sets
 from kanegen.library.results import Evaluation
 from kanegen.model import validation
 from kanegen.model.arguments import ARGUMENTS, MODEL_DEPENDENT, Floats, NamedInputs, Values
 from kanegen.model.numbers import finite
+from kanegen.model.parameter_sets import ParameterSets, parameter_sets
 from kanegen.program.ir import EVALUATE, PARAMETERS
 from kanegen.program.precision import precision_named
 
@@ -277,7 +277,7 @@ class CompiledModel:
             return call(self._constants, values, self._on_status)
         return self._with_sets(call, parameters, values)
 
-    def _with_sets(self, call: Call, parameters: Parameters, values: Values) -> list[Floats]:
+    def _with_sets(self, call: Call, parameters: ParameterSets, values: Values) -> list[Floats]:
         """Call a C function with other parameters: one set, or a set for each state of the batch.
 
         What is not finite in `prepare` is reported only where the results do not show it.

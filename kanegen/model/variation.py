@@ -6,9 +6,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
+import numpy as np
+
 from kanegen.choices import did_you_mean, require_one
 from kanegen.errors import ModelError, quoted
 from kanegen.model import locking, output_rows, validation
+from kanegen.model.arguments import state
 from kanegen.model.attaching import EXAMPLE, bodies_with_loads, bodies_with_points, new_frame
 from kanegen.model.body import Body
 from kanegen.model.contact import Contact, chosen_contacts
@@ -20,6 +23,7 @@ from kanegen.model.free_orientations import with_free_orientations
 from kanegen.model.joint import Joint
 from kanegen.model.joint_changes import bodies_with_limits, bodies_with_prescribed
 from kanegen.model.numbers import Number, Parameter, with_parameters_changed
+from kanegen.model.parameter_sets import ParameterSets, parameter_sets, refusals
 from kanegen.model.reaction import reaction_rows
 from kanegen.model.right_angles import checked_tolerance
 from kanegen.model.rotor import Rotor
@@ -341,6 +345,28 @@ class SystemVariations(SystemDescription):
             )
 
         return self.map_numbers(change)
+
+    def unusable_parameters(self, parameters: ParameterSets) -> dict[int, str]:
+        """Return why no model has the parameters of a set, such as a negative mass, by row of the set.
+
+        A library computes with any numbers. A sweep asks here beforehand which of its samples are no bodies.
+
+        Args:
+            parameters: (B, P) values in the order of `parameters`, or numbers and (B,) values by name.
+
+        Returns:
+            For each row that `with_parameters` refuses its message; {} where all are usable.
+
+        Raises:
+            ModelError: If a name is unknown.
+            ArrayError: If the values have another shape or type.
+
+        Example:
+            system.unusable_parameters({"payload": [1.0, -1.0]})  # {1: "mass payload = -1.0 kg ..."}
+        """
+        usual = {parameter.name: parameter.value for parameter in self.parameters}
+        sets = state("parameters", parameter_sets(parameters, usual), (len(usual),), np.dtype(float))
+        return refusals(self, dict(zip(usual, np.atleast_2d(sets).T, strict=True)), self.with_parameters)
 
     def symbolic(self, keep_zeros: bool = True) -> Self:
         """Return the same system with symbols for the numbers of its bodies, as the notes have them.

@@ -151,6 +151,16 @@ def test_library_refuses_tables_of_other_types(value: Any) -> None:
         assert len(str(caught.value)) <= LONGEST_MESSAGE
 
 
+@pytest.mark.parametrize("value", WRONG, ids=[type(value).__name__ for value in WRONG])
+def test_parameters_of_a_call_are_refused_or_used(value: Any) -> None:
+    library = kg.build(SYSTEM, ("mass_matrix",), parameters_by_state=True, on_status="ignore")
+    try:
+        library.mass_matrix(np.zeros((3, 1)), parameters=value)
+    except kg.KanegenError as error:
+        assert len(str(error)) <= LONGEST_MESSAGE
+        assert str(error).isprintable(), repr(str(error))
+
+
 @pytest.mark.parametrize(
     ("value", "text"),
     [
