@@ -24,6 +24,7 @@ ORDER = (
     "choices",
     "files",
     "extras",
+    "pictures",
     "program",
     "options",
     "model",

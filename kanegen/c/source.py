@@ -10,6 +10,7 @@ from typing import Any
 from kanegen.c.description import ModelDescription
 from kanegen.c.folder import write
 from kanegen.c.interface import PREPARE, Function
+from kanegen.c.source_html import source_html
 from kanegen.files import path_of
 from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
@@ -73,6 +74,10 @@ class Source:
     def storage(self) -> str:
         """Name of the precision of states, loads and results, in `precision.PRECISIONS`."""
         return precisions.storage_precision(self.variant.precision, self.variant.storage).name
+
+    def _repr_html_(self) -> str:
+        """The functions, what they cost, and the files, for a notebook."""
+        return source_html(self.model.shown, self.functions, self.operations, self.files, self.variant)
 
     def write(self, folder: str | Path, force: bool = False) -> Path:
         """Write every file into `folder`, which is made where it is missing.

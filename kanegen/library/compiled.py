@@ -12,6 +12,7 @@ from kanegen.c import Source
 from kanegen.c.interface import PREPARE
 from kanegen.choices import did_you_mean
 from kanegen.errors import ArrayError, ModelError, OptionError, counted, quoted
+from kanegen.library.library_html import library_html
 from kanegen.library.native import processor
 from kanegen.library.native.build import Recipe
 from kanegen.library.native.calls import Call, Constants, NativeLibrary, arguments_of
@@ -59,6 +60,11 @@ class CompiledModel:
     def __repr__(self) -> str:
         freedoms = counted(self.n, "freedom")
         return f"<{type(self).__name__} {self.name}: {freedoms}, {', '.join(self.outputs)}>"
+
+    def _repr_html_(self) -> str:
+        """What is computed and how it is called, and the values of the parameters, for a notebook."""
+        named = {"x": self.coordinate_names, "y": self.speed_names, "prescribed": self.prescribed_names}
+        return library_html(self.source, self._parameters, named)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return how `pickle` makes the library anew: from the same file, or from the source, if need be."""

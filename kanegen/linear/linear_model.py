@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from kanegen.extras import module
+from kanegen.linear.model_html import model_html
 from kanegen.linear.printing import render
 from kanegen.linear.state_space import StateSpace
 
@@ -36,6 +37,10 @@ class LinearModel(StateSpace):
     def __str__(self) -> str:
         """Matrices, modes, stability, controllability and observability as text."""
         return self.render()
+
+    def _repr_html_(self) -> str:
+        """Matrices, modes and what follows from them, for a notebook."""
+        return model_html(self)
 
     def render(self, format_: str = "text") -> str:
         """Return the model as "text", "latex", "json" or "python".

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from kanegen.choices import require_one
@@ -54,38 +54,48 @@ def as_dict(model: StateSpace) -> dict[str, Any]:
 def text(model: StateSpace) -> str:
     """Return matrices, modes, stability and controllability as text."""
     lines = [f"{model.name}: small deviations, d/dt xi = A xi + B u, about"]
-    m = len(model.x)
-    names = [*model.state_names, *(f"tau.{name.partition('.')[2]}" for name in model.state_names[m:])]
-    values = [*model.x, *model.y, *model.tau]
-    lines.append(
-        "  " + (", ".join(f"{a} = {v:.9g}" for a, v in zip(names, values, strict=True) if v) or "zero")
-    )
-    if not model.is_equilibrium:
-        rates = zip(model.state_names, (*model.xdot, *model.ydot), strict=True)
-        moving = ", ".join(f"d/dt {name} = {value:.6g}" for name, value in rates if abs(value) > 1e-9)
-        lines.append(f"  not at rest: {moving}")
-    rows, columns = _names(model)
+    lines += [f"  {line}" for line in about(model)]
+    rows, columns = names_of_sides(model)
     for name, sides in MATRICES.items():
         matrix: Floats = getattr(model, name)
         if matrix.size:
             lines += ["", f"{name}, {sides}", *_table(matrix, rows[name], columns[name])]
-    lines += ["", "modes", *_modes(model.modes), "", f"stability: {model.stability}"]
+    modes = [
+        f"  {'; '.join((value, *facts))}; shape {shape}" for value, *facts, shape in mode_words(model.modes)
+    ]
+    return "\n".join([*lines, "", "modes", *modes, "", *conclusions(model)]) + "\n"
+
+
+def about(model: StateSpace) -> Iterator[str]:
+    """Yield the state about which a model holds: what is not zero, and what moves where it is not at rest."""
+    m = len(model.x)
+    names = [*model.state_names, *(f"tau.{name.partition('.')[2]}" for name in model.state_names[m:])]
+    values = [*model.x, *model.y, *model.tau]
+    yield ", ".join(f"{a} = {v:.9g}" for a, v in zip(names, values, strict=True) if v) or "zero"
+    if not model.is_equilibrium:
+        rates = zip(model.state_names, (*model.xdot, *model.ydot), strict=True)
+        moving = ", ".join(f"d/dt {name} = {value:.6g}" for name, value in rates if abs(value) > 1e-9)
+        yield f"not at rest: {moving}"
+
+
+def conclusions(model: StateSpace) -> Iterator[str]:
+    """Yield what follows from the matrices: stability, controllability, observability."""
+    yield f"stability: {model.stability}"
     if model.input_names:
         words = model.controllability.words("controllable", "no input moves")
-        lines.append(f"inputs {', '.join(model.input_names)}: {words}")
+        yield f"inputs {', '.join(model.input_names)}: {words}"
     if model.output_names:
-        lines.append(f"outputs: {model.observability.words('observable', 'no output shows')}")
+        yield f"outputs: {model.observability.words('observable', 'no output shows')}"
     if not model.is_minimal:
-        lines.append(
+        yield (
             "The length of a quaternion has no meaning, so that deviations along it are neutral; modes, "
             f"stability and ranks are those of the {2 * len(model.y)} states without it."
         )
-    return "\n".join(lines) + "\n"
 
 
 def latex(model: StateSpace) -> str:
     """Return the matrices as LaTeX, for the package amsmath."""
-    rows, columns = _names(model)
+    rows, columns = names_of_sides(model)
     parts = [f"% {model.name}: states {', '.join(model.state_names)}; inputs {', '.join(model.input_names)}"]
     for name in MATRICES:
         matrix: Floats = getattr(model, name)
@@ -108,7 +118,7 @@ def python(model: StateSpace) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _names(model: StateSpace) -> tuple[Mapping[str, Sequence[str]], Mapping[str, Sequence[str]]]:
+def names_of_sides(model: StateSpace) -> tuple[Mapping[str, Sequence[str]], Mapping[str, Sequence[str]]]:
     """Return the names of the rows and of the columns of each matrix."""
     states, inputs, outputs = model.state_names, model.input_names, model.output_names
     rows = {"A": [f"d {s}" for s in states], "B": [f"d {s}" for s in states], "C": outputs, "D": outputs}
@@ -128,9 +138,8 @@ def _table(matrix: Floats, rows: Sequence[str], columns: Sequence[str]) -> list[
     return [f"  {line}" for line in (head, *body)]
 
 
-def _modes(modes: Sequence[Mode]) -> list[str]:
-    """Return a line for each mode: eigenvalue, frequency, damping ratio and shape."""
-    lines = []
+def mode_words(modes: Sequence[Mode]) -> Iterator[tuple[str, ...]]:
+    """Yield for each mode its eigenvalue, its kind, perhaps frequency and damping ratio, and its shape."""
     for mode in modes:
         value = f"{mode.growth:.6g}" + (f" +- {mode.eigenvalue.imag:.6g}i" if mode.oscillates else "")
         facts = [f"{value} 1/s", mode.kind]
@@ -138,9 +147,7 @@ def _modes(modes: Sequence[Mode]) -> list[str]:
             facts.append(f"{mode.frequency:.6g} Hz, damping ratio {mode.damping_ratio:.4g}")
         elif mode.growth:
             facts.append(f"time constant {1 / abs(mode.growth):.4g} s")
-        shape = ", ".join(f"{name} {_amplitude(mode.shape[name])}" for name in mode.moving())
-        lines.append(f"  {'; '.join(facts)}; shape {shape}")
-    return lines
+        yield (*facts, ", ".join(f"{name} {_amplitude(mode.shape[name])}" for name in mode.moving()))
 
 
 def _amplitude(value: complex) -> str:

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from kanegen.errors import OptionError, quoted
 from kanegen.measure.evaluation import Evaluation
+from kanegen.measure.report_html import report_html
 from kanegen.options import Progress, quiet
 
 if TYPE_CHECKING:
     from kanegen.measure.programs.measured import Programs
-    from kanegen.measure.programs.picture import Picture
+    from kanegen.pictures.picture import Picture
 
 
 @dataclass(frozen=True)
@@ -162,6 +163,20 @@ class Report:
         plain: dict[str, Any] = _plain(data)
         return plain
 
+    def _repr_html_(self) -> str:
+        """The verdict, the errors and the worst entries, for a notebook."""
+        rows = [row for accuracy in self.accuracies for row in _rows(accuracy)]
+        worst = [(accuracy.output, accuracy.worst) for accuracy in self.accuracies]
+        notes = [f"{self.states} random states, seed {self.seed}.", *self._notes, self.reason]
+        return report_html(self.system, self.passed, rows, notes, worst)
+
+    @property
+    def _notes(self) -> list[str]:
+        """Sentences on the states."""
+        lines = [f"The states stay within the limits of the model, on {self.limits}."] if self.limits else []
+        lines += [f"Further states: {self.special}."] if self.special else []
+        return lines + ([self.undefined] if self.undefined else [])
+
     def __str__(self) -> str:
         """Return the verdict, the table, the worst entry of every output that failed, and the reason."""
         verdict = "passed" if self.passed else "FAILED"
@@ -169,9 +184,7 @@ class Report:
             f"{self.system}: {verdict} over {self.states} random states (seed {self.seed})",
             self.table(),
         ]
-        lines += [f"The states stay within the limits of the model, on {self.limits}."] if self.limits else []
-        lines += [f"Further states: {self.special}."] if self.special else []
-        lines += [self.undefined] if self.undefined else []
+        lines += self._notes
         lines += [_failure(accuracy) for accuracy in self.accuracies if not accuracy.passed]
         return "\n".join([*lines, self.reason])
 

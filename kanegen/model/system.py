@@ -24,8 +24,10 @@ from kanegen.model.numbers import numbers
 from kanegen.model.rotor import Rotor, check_carriers, check_freedoms, permanent_name
 from kanegen.model.saving import system_table, toml_text
 from kanegen.model.system_fields import GRAVITY
+from kanegen.model.system_html import system_html, system_svg
 from kanegen.model.system_numbers import with_defaults
 from kanegen.model.variation import SystemVariations
+from kanegen.pictures.picture import Picture
 
 PARTS: Mapping[str, type] = {
     "bodies": Body,
@@ -187,6 +189,18 @@ class System(SystemVariations):
             system.values().mass  # (N,)
         """
         return system_arrays(self)
+
+    def picture(self) -> Picture:
+        """Return the tree as a picture: a row for each body, with its joint, what moves, and its mass.
+
+        Example:
+            kg.load("models/eight_body.toml").picture().write("tree.svg")
+        """
+        return Picture(system_svg(self))
+
+    def _repr_html_(self) -> str:
+        """The tree as a picture, the order of {x} and {y}, and what acts, for a notebook."""
+        return system_html(self)
 
     def as_table(self) -> dict[str, Any]:
         """Return the model as nested tables: the keys and values that `save` writes.

@@ -13,6 +13,7 @@ the recursive derivation instead; both have equal values.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,6 +22,7 @@ from sympy import Expr, ImmutableMatrix, Rational, Symbol
 from kanegen.errors import OptionError, counted
 from kanegen.model.coordinates import ORIENTATIONS
 from kanegen.model.system import System
+from kanegen.symbolic import notebook
 from kanegen.symbolic.closed.directions import Directions
 from kanegen.symbolic.closed.form import ClosedForm, Simplifier, close
 from kanegen.symbolic.closed.named_numbers import with_named_numbers
@@ -36,6 +38,7 @@ from kanegen.symbolic.literal.force_elements import Direction, ElementForces
 from kanegen.symbolic.literal.intermediates import Intermediates
 from kanegen.symbolic.literal.motors import MotorEquations
 from kanegen.symbolic.literal.numeric import NumericEquations, numeric
+from kanegen.symbolic.printers import latex_names
 from kanegen.symbolic.state_symbols import StateSymbols, of_system
 from kanegen.symbolic.symbols import force, parameter, torque
 
@@ -72,6 +75,20 @@ class Equations:
         """The name of the system, its number of bodies and its number of freedoms."""
         bodies, freedoms = counted(len(self.bodies), "body", "bodies"), counted(len(self.y), "freedom")
         return f"<Equations of {self.system.name}: {bodies}, {freedoms}>"
+
+    def _repr_latex_(self) -> str:
+        """[A] and {f} for a notebook: the closed form of a small tree, else the first entries."""
+        form = ClosedForm(self.A, self.f, names=self.latex_names)
+        owner = "equations"
+        if len(self.x) <= MOST_FREEDOMS_WITHOUT_NAMES:
+            with suppress(OptionError):
+                form, owner = self.closed_form(), "equations.closed_form()"
+        return notebook.display([r"[A]\,\lbrace\dot{y}\rbrace &= \lbrace f\rbrace", *form.lines(owner)])
+
+    @cached_property
+    def latex_names(self) -> Mapping[Symbol, str]:
+        """The LaTeX of the symbols of coordinates, speeds, loads, intermediates and parameters."""
+        return latex_names(self.system, self.symbols, self.bodies)
 
     @cached_property
     def x(self) -> ImmutableMatrix:
@@ -292,7 +309,7 @@ class Equations:
                 "equations.f and equations.definitions."
             )
         A, f = close(simplifier, named.A, f, forces.total, lambda: literal.element_forces)
-        return ClosedForm(A, f, tuple(dict.fromkeys(directions.conditions)))
+        return ClosedForm(A, f, tuple(dict.fromkeys(directions.conditions)), named.latex_names)
 
     def linearize(
         self,

@@ -24,6 +24,7 @@ from kanegen.errors import ArrayError, OptionError
 from kanegen.model.arguments import floats
 from kanegen.model.force_elements import Drive, JointFriction, JointSpring, PointLoad, Potential, Spring
 from kanegen.model.system import System
+from kanegen.symbolic import notebook
 from kanegen.symbolic.closed.form import Simplifier
 from kanegen.symbolic.literal.orientation import constant_orientation
 from kanegen.symbolic.symbols import column, expression, parameter
@@ -46,6 +47,7 @@ class IntegralOfMotion:
         x: Symbols of the coordinates, (m,).
         y: Symbols of the generalized speeds, (n,).
         parameters: Default values of run-time parameters.
+        names: LaTeX of the symbols, with which a notebook shows the quantity.
     """
 
     name: str
@@ -54,6 +56,12 @@ class IntegralOfMotion:
     x: tuple[Symbol, ...]
     y: tuple[Symbol, ...]
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
+    names: Mapping[Symbol, str] = field(default_factory=dict, repr=False)
+
+    def _repr_latex_(self) -> str:
+        """The quantity and why it is constant, for a notebook."""
+        lines = notebook.equation(self.name, self.expression, self.names, "integral.expression")
+        return notebook.display([*lines, f"&{notebook.words(f'is constant: {self.reason}')}"])
 
     def along(
         self, x: ArrayLike, y: ArrayLike, parameters: Mapping[str, float] | None = None
@@ -120,6 +128,10 @@ class Derivation(Protocol):
     """Equations of motion without intermediates, such as `Equations`."""
 
     @property
+    def latex_names(self) -> Mapping[Symbol, str]:
+        """LaTeX of the symbols."""
+
+    @property
     def x(self) -> ImmutableMatrix:
         """(m, 1) symbols of the coordinates."""
 
@@ -180,7 +192,8 @@ class Integrals:
             if short != 0 and not any(self._is_zero(short - s * one) for one in known for s in (1, -1)):
                 x, y = tuple(self.equations.x), tuple(self.equations.y)
                 defaults = {parameter(one): one.value for one in self.system.parameters}
-                integrals.append(IntegralOfMotion(name, short, reason, x, y, defaults))
+                names = self.equations.latex_names
+                integrals.append(IntegralOfMotion(name, short, reason, x, y, defaults, names))
         return tuple(integrals)
 
     def _energy(self) -> Iterator[tuple[str, Expr, str]]:

@@ -12,7 +12,7 @@ from kanegen.model.system import System
 from kanegen.reference import kinematics
 from kanegen.reference.freedoms import free_columns
 from kanegen.reference.kinematics import BodyKinematics
-from kanegen.symbolic.printing import notation
+from kanegen.symbolic import notation
 from kanegen.symbolic.printing.block_terms import Factor, Kind, Product, Row, Sum, Term
 from kanegen.symbolic.printing.blocks import Blocks
 from tests.support.rows_of_the_notes import (

@@ -17,7 +17,7 @@ from kanegen.symbolic.closed.directions import square_root
 from kanegen.symbolic.closed.expanding import Expander
 from kanegen.symbolic.closed.factoring import factored
 from kanegen.symbolic.closed.polynomials import Polynomial, multiply, without_common_monomial
-from kanegen.symbolic.printing.printers import text
+from kanegen.symbolic.printers import text
 from kanegen.symbolic.symbols import real
 
 SYMBOLS = tuple(real(name) for name in "a b c r s".split())

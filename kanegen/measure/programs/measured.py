@@ -11,7 +11,7 @@ from kanegen.choices import require_one
 from kanegen.measure.compared import OUTPUTS, term_magnitudes
 from kanegen.measure.errors import quotient
 from kanegen.measure.evaluation import Evaluation, evaluation
-from kanegen.measure.programs.picture import Drawn, Picture, draw
+from kanegen.measure.programs.picture import Drawn, draw
 from kanegen.measure.programs.program import (
     Program,
     of_reference,
@@ -23,6 +23,7 @@ from kanegen.measure.programs.yardstick import Yardstick, states_near_and_far, y
 from kanegen.model.arrays import Flags, Floats
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
+from kanegen.pictures.picture import Picture
 from kanegen.reference.states import States
 
 

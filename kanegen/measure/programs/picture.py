@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
 
 from kanegen.extras import module
-from kanegen.files import write_whole
 from kanegen.measure.programs.program_errors import ProgramErrors
 from kanegen.measure.svg import STYLE, svg_text
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
+from kanegen.pictures.picture import Picture
 from kanegen.reference.states import States
 
 EXTRA = "study"
@@ -31,36 +30,6 @@ MOST_LABELS = 12
 """Largest number of freedoms whose names stand beside a heat map."""
 
 _TIP = re.compile(r'<a xlink:href="tip:(\d+)"[^>]*>')
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture as SVG, which notebooks show; in a browser, cells and points name their states.
-
-    Attributes:
-        svg: The text of the picture.
-
-    Example:
-        >>> picture = report.plot()
-        >>> picture.write("programs.svg")
-    """
-
-    svg: str = field(repr=False)
-
-    def write(self, file: str | Path) -> None:
-        """Write the picture into a file.
-
-        Raises:
-            WriteError: If the file cannot be written.
-
-        Example:
-            >>> picture.write("programs.svg")
-        """
-        write_whole(Path(file), self.svg)
-
-    def _repr_svg_(self) -> str:
-        """Return the picture for a notebook."""
-        return self.svg
 
 
 @dataclass

@@ -7,13 +7,14 @@ shortest form; then common factors are collected.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 
-from sympy import Add, Expr, Float, ImmutableMatrix
+from sympy import Add, Expr, Float, ImmutableMatrix, Symbol
 
 from kanegen.errors import OptionError
+from kanegen.symbolic import notebook
 from kanegen.symbolic.closed.angle_sums import shortest, with_double_angles
 from kanegen.symbolic.closed.coefficients import readable
 from kanegen.symbolic.closed.collecting import Collector, operations
@@ -42,11 +43,28 @@ class ClosedForm:
         f: (n, 1) right side, Eq. (44).
         conditions: Expressions that are positive where the form holds: each belongs to a spring whose ends
             stay on a line, and whose direction is the one at {x} = {0}. Empty if the form holds everywhere.
+        names: LaTeX of its symbols, with which a notebook shows it.
     """
 
     A: ImmutableMatrix
     f: ImmutableMatrix
     conditions: tuple[Expr, ...] = ()
+    names: Mapping[Symbol, str] = field(default_factory=dict, repr=False, compare=False)
+
+    def _repr_latex_(self) -> str:
+        """[A] and {f} for a notebook; what does not fit is cut, with a hint."""
+        return notebook.display(self.lines("form"))
+
+    def lines(self, owner: str) -> Iterator[str]:
+        """Yield the lines of LaTeX that a notebook shows; `owner` is Python for what has `A` and `f`.
+
+        Example:
+            for line in equations.closed_form().lines("form"):
+                print(line)
+        """
+        yield from notebook.matrix("[A]", "A", self.A, self.names, f"{owner}.A", symmetric=True)
+        yield from notebook.matrix("{f}", "f", self.f, self.names, f"{owner}.f")
+        yield from notebook.conditions(self.conditions, self.names)
 
 
 def close(

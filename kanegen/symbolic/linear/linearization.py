@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import partial
 from typing import Protocol
 
-from sympy import Expr, ImmutableMatrix, Rational, S, eye, zeros
+from sympy import Expr, ImmutableMatrix, Rational, S, Symbol, eye, zeros
 
 from kanegen.errors import OptionError
 from kanegen.linear.names import inputs_of, state_names
@@ -30,6 +30,10 @@ from kanegen.symbolic.symbols import parameter
 
 class Derivation(Protocol):
     """Equations of motion with named intermediates, such as `Equations`."""
+
+    @property
+    def latex_names(self) -> Mapping[Symbol, str]:
+        """LaTeX of the symbols."""
 
     @property
     def bodies(self) -> tuple[BodyEquations, ...]:
@@ -123,6 +127,7 @@ def linear_model(
         rate_map=short(rates.value),
         rate_map_rate=short(rates.rate),
         parameters={parameter(one): one.value for one in system.parameters},
+        names=equations.latex_names,
     )
 
 

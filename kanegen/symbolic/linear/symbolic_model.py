@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 import sympy
@@ -13,6 +13,7 @@ from sympy import ImmutableMatrix, Symbol, zeros
 from kanegen.choices import did_you_mean
 from kanegen.errors import OptionError, quoted
 from kanegen.linear import LinearModel
+from kanegen.symbolic import notebook
 
 MATRICES = ("A", "B", "C", "D")
 """The matrices of a linear model."""
@@ -43,6 +44,7 @@ class SymbolicLinearModel:
         rate_map: (m, n) matrix [H] of {xdot} = [H]{y}, Eq. (9).
         rate_map_rate: (m, n) time derivative of [H] in the state.
         parameters: Default values of the run-time parameters.
+        names: LaTeX of the symbols, with which a notebook shows the matrices.
 
     Example:
         model = kg.derive(kg.load("models/cart_pole.toml")).linearize(inputs=["cart_position"])
@@ -66,6 +68,7 @@ class SymbolicLinearModel:
     rate_map: ImmutableMatrix
     rate_map_rate: ImmutableMatrix
     parameters: Mapping[Symbol, float]
+    names: Mapping[Symbol, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """The name of the system and the numbers of states, inputs and outputs."""
@@ -73,10 +76,13 @@ class SymbolicLinearModel:
         return f"<SymbolicLinearModel of {self.name}: {states} states, {inputs} inputs, {outputs} outputs>"
 
     def _repr_latex_(self) -> str:
-        """The matrices that are not empty, for a notebook."""
-        shown = [(name, getattr(self, name)) for name in MATRICES]
-        lines = [rf"{name} = {sympy.latex(matrix, mat_delim='[')}" for name, matrix in shown if len(matrix)]
-        return "$$" + r",\quad ".join(lines) + "$$"
+        """The matrices that are not empty, for a notebook; what does not fit is cut, with a hint."""
+        shown = {name: getattr(self, name) for name in MATRICES if len(getattr(self, name))}
+        parts = [
+            notebook.matrix(f"[{name}]", name, value, self.names, f"model.{name}")
+            for name, value in shown.items()
+        ]
+        return notebook.display(line for part in parts for line in part)
 
     @property
     def is_equilibrium(self) -> bool:
@@ -86,7 +92,7 @@ class SymbolicLinearModel:
     @property
     def symbols(self) -> tuple[Symbol, ...]:
         """The symbols that occur, by name."""
-        every = set().union(*(getattr(self, field).free_symbols for field in _MATRIX_FIELDS))
+        every = set().union(*(getattr(self, name).free_symbols for name in _MATRIX_FIELDS))
         return tuple(sorted(every, key=str))
 
     def numeric(self, values: Mapping[str, float] | None = None) -> LinearModel:
@@ -128,7 +134,7 @@ class SymbolicLinearModel:
         )
 
 
-_MATRIX_FIELDS = tuple(field.name for field in fields(SymbolicLinearModel) if field.type == "ImmutableMatrix")
+_MATRIX_FIELDS = tuple(one.name for one in fields(SymbolicLinearModel) if one.type == "ImmutableMatrix")
 """The attributes that are matrices."""
 
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 
 from sympy import ImmutableMatrix
 
+from kanegen.symbolic import notation
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.literal.dynamics import BodyEquations
-from kanegen.symbolic.printing import notation
+from kanegen.symbolic.printers import LINE, matrix_width
 from kanegen.symbolic.printing.block_terms import Kind, Row, Sum
 from kanegen.symbolic.printing.blocks import GROUND, Blocks
-from kanegen.symbolic.printing.printers import LINE, matrix_width
 from kanegen.symbolic.printing.statements import BlockStatement, Equation, MatrixStatement, SymbolLatex
 
 BlockRow = BlockStatement | MatrixStatement | Equation

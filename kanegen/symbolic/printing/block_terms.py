@@ -2,8 +2,23 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
+
+from kanegen.symbolic import notation, notebook
+
+
+class Formula(ABC):
+    """A formula in the notation of the notes, which notebooks show."""
+
+    @abstractmethod
+    def text(self) -> str:
+        """Return the formula in plain text."""
+
+    def _repr_latex_(self) -> str:
+        """The formula for a notebook, in several lines if it is long."""
+        return notebook.display(f"&{notation.latex(line)}" for line in notation.lines(self.text()))
 
 
 class Kind(Enum):
@@ -29,7 +44,7 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True)
-class Factor:
+class Factor(Formula):
     """One matrix or column of body K on its lower body J.
 
     Attributes:
@@ -48,7 +63,7 @@ class Factor:
 
 
 @dataclass(frozen=True)
-class Product:
+class Product(Formula):
     """A product of matrices and columns that is not multiplied out.
 
     Attributes:
@@ -63,7 +78,7 @@ class Product:
 
 
 @dataclass(frozen=True)
-class Row:
+class Row(Formula):
     """A row of 3 x 3 blocks.
 
     Attributes:
@@ -86,7 +101,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Sum:
+class Sum(Formula):
     """A sum of terms with their signs.
 
     Attributes:

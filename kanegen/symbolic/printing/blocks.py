@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 from kanegen.model.joint import IDENTITY
 from kanegen.model.system import System
+from kanegen.symbolic import notation, notebook
 from kanegen.symbolic.printing.block_terms import Factor, Kind, Product, Row, Sum, Term, product, times, total
 
 GROUND = 0
@@ -40,6 +41,29 @@ class Blocks:
     """
 
     system: System
+
+    def _repr_latex_(self) -> str:
+        """Velocities and partial velocities of all bodies, for a notebook; many are cut, with a hint."""
+        lines = [line for k in range(1, self.system.number_of_bodies + 1) for line in self._summary(k)]
+        most = notebook.MOST_LINES
+        if len(lines) > most:
+            hint = 'print(render(equations, only="blocks"))'
+            lines[most:] = [notebook.cut(len(lines) - most, "lines", hint)]
+        return notebook.display(lines)
+
+    def _summary(self, k: int) -> Iterator[str]:
+        """Yield lines of LaTeX with the position, the velocities and the partial velocities of body k."""
+        rows: dict[str, Sum | Row] = {
+            f"{{ω'_{k}}}": self.angular_velocity(k),
+            f"[ω'_{k},y1]": self.partial_angular_velocity(k),
+            f"{{p'_G{k}}}": self.position_of_center(k),
+            f"{{v'_G{k}}}": self.velocity_of_center(k),
+            f"[v'_G{k},y]": self.partial_velocity_of_center(k),
+        }
+        for name, row in rows.items():
+            first, *others = notation.lines(row.text())
+            yield f"{notation.latex(name)} &= {notation.latex(first)}"
+            yield from (rf"&\quad {notation.latex(line)}" for line in others)
 
     def angular_velocity(self, k: int) -> Sum:
         """Return {omega'_K}, the angular velocity of K in K components, Eq. (11)."""

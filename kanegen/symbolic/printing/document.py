@@ -12,16 +12,15 @@ from kanegen.errors import counted
 from kanegen.model.system import System
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import Equations
-from kanegen.symbolic.printing.block_rows import BodyRows, system_rows
-from kanegen.symbolic.printing.printers import (
+from kanegen.symbolic.printers import (
     LINE,
     escaped,
     latex,
     latex_matrix,
-    latex_names,
     matrix_width,
     text,
 )
+from kanegen.symbolic.printing.block_rows import BodyRows, system_rows
 from kanegen.symbolic.printing.statements import (
     Equation,
     Part,
@@ -94,7 +93,7 @@ def kinematic_relation(system: System) -> str:
 
 def _sections(equations: Equations, form: ClosedForm, extent: Extent) -> Iterator[Section]:
     """Yield the sections of the document on [A] and {f}; those that take time only if they are wanted."""
-    names = latex_names(equations)
+    names = equations.latex_names
     if extent.body == 0:
         yield from _about(equations, names)
     if Part.BLOCKS in extent.parts and equations.intermediates:

@@ -11,9 +11,9 @@ from kanegen.choices import require_one
 from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import MOST_FREEDOMS_WITHOUT_NAMES, Equations, derive
+from kanegen.symbolic.printers import escaped
 from kanegen.symbolic.printing.document import Extent, document
 from kanegen.symbolic.printing.linear_model import render_linear_model
-from kanegen.symbolic.printing.printers import escaped
 from kanegen.symbolic.printing.prose import prose
 from kanegen.symbolic.printing.python_module import python_module
 from kanegen.symbolic.printing.statements import Part, Section, Statement

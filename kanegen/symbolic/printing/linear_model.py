@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from sympy import Expr, ImmutableMatrix
 
 from kanegen.choices import require_one
+from kanegen.symbolic import printers
 from kanegen.symbolic.linear.symbolic_model import MATRICES, SymbolicLinearModel
-from kanegen.symbolic.printing import printers
 
 
 def render_linear_model(model: SymbolicLinearModel, format_: str = "text") -> str:
@@ -47,7 +47,7 @@ def _latex(model: SymbolicLinearModel) -> str:
     for name in MATRICES:
         matrix: ImmutableMatrix = getattr(model, name)
         if len(matrix):
-            rows = (" & ".join(printers.latex(one, {}) for one in row) for row in matrix.tolist())
+            rows = (" & ".join(printers.latex(one, model.names) for one in row) for row in matrix.tolist())
             body = " \\\\\n".join(rows)
             parts.append(f"\\[ {name} = \\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}} \\]")
     return "\n".join(parts) + "\n"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from kanegen.symbolic.printing import notation
-from kanegen.symbolic.printing.printers import escaped
+from kanegen.symbolic import notation
+from kanegen.symbolic.printers import escaped
 
 _SYMBOLS = {
     "[A]{ydot} = {f}": "[A]{ẏ} = {f}",

@@ -13,8 +13,8 @@ from kanegen.symbolic import functions
 from kanegen.symbolic.closed.form import ClosedForm
 from kanegen.symbolic.equations import Equations
 from kanegen.symbolic.literal.numeric import needed_definitions
+from kanegen.symbolic.printers import python
 from kanegen.symbolic.printing.document import kinematic_relation
-from kanegen.symbolic.printing.printers import python
 from kanegen.symbolic.symbols import force, parameter, point_force, point_moment, real, torque
 
 TAKEN = frozenset(

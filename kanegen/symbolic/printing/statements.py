@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
-from kanegen.symbolic.printing import notation
-from kanegen.symbolic.printing.printers import latex, latex_lines, latex_matrix, text
+from kanegen.symbolic import notation
+from kanegen.symbolic.printers import latex, latex_lines, latex_matrix, text
 
-SymbolLatex = dict[Symbol, str]
+SymbolLatex = Mapping[Symbol, str]
 """LaTeX by symbol."""
 
 

@@ -7,7 +7,7 @@ double.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from sympy import Expr, Float, ImmutableMatrix, Symbol
 from sympy.printing.latex import LatexPrinter
@@ -16,8 +16,10 @@ from sympy.printing.str import StrPrinter
 
 from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS, Freedom
 from kanegen.model.symbolic import Place, places
-from kanegen.symbolic.equations import Equations
+from kanegen.model.system import System
 from kanegen.symbolic.functions import python_sign
+from kanegen.symbolic.literal.dynamics import BodyEquations
+from kanegen.symbolic.state_symbols import StateSymbols
 from kanegen.symbolic.symbols import force, parameter, point_force, point_moment, torque
 
 LINE = 90
@@ -147,9 +149,16 @@ def _visible_width(printed: str) -> int:
     return len(_COMMAND.sub("x", seen))
 
 
-def latex_names(equations: Equations) -> dict[Symbol, str]:
-    """Return the LaTeX of coordinates, speeds, accelerations, loads, intermediates and parameters."""
-    system, symbols = equations.system, equations.symbols
+def latex_names(
+    system: System, symbols: StateSymbols, bodies: Iterable[BodyEquations] = ()
+) -> dict[Symbol, str]:
+    """Return the LaTeX of coordinates, speeds, accelerations, loads, intermediates and parameters.
+
+    Args:
+        system: The system.
+        symbols: The symbols of its coordinates and speeds.
+        bodies: The equations of its bodies, which have symbols for loads and intermediates.
+    """
     names = {parameter(given): _of_name(given.name) for given in system.parameters}
     moving = {(f.body, f.index) for f in system.freedoms + system.prescribed}
     for k, kind in sorted(moving | {(c.body, c.index) for c in system.coordinates}):
@@ -164,7 +173,7 @@ def latex_names(equations: Equations) -> dict[Symbol, str]:
             place = f"_{{{each.body},{each.kind.number}}}"
             names[symbols.speed(each.body, each.index)] = rf"{{\hat{{\omega}}'}}{place}"
             names[symbols.acceleration(each.body, each.index)] = rf"{{\dot{{\hat{{\omega}}}}'}}{place}"
-    for body in equations.bodies:
+    for body in bodies:
         for axis in range(3):
             names[force(body.number, axis)] = f"{{F'}}_{{{body.number},{axis + 1}}}"
             names[torque(body.number, axis)] = f"{{M'}}_{{{body.number},{axis + 1}}}"
