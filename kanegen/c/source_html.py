@@ -12,6 +12,17 @@ from kanegen.options import STRICT, Variant
 from kanegen.pictures.html import code, folded, python, sentence, shown, table
 from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED
 
+_WORDS = {
+    "add": "additions",
+    "multiply": "multiplications",
+    "divide": "divisions",
+    "sqrt": "square roots",
+    "sincos": "sines with cosines",
+    "compare": "comparisons",
+    "function": "calls of functions",
+}
+"""Kinds of operations in words."""
+
 
 def source_html(
     title: str,
@@ -56,7 +67,9 @@ def variant_words(variant: Variant) -> str:
 
 def operation_words(operations: Mapping[str, int]) -> str:
     """Return the numbers of operations of one evaluation that are not zero, in words."""
-    counts = [f"{count} {kind}" for kind, count in operations.items() if count and kind != PREPARE]
+    counts = [
+        f"{count} {_WORDS.get(kind, kind)}" for kind, count in operations.items() if count and kind != PREPARE
+    ]
     prepared = operations.get(PREPARE, 0)
     once = f"; {prepared} more run once for each set of parameters" if prepared else ""
     return ", ".join(counts) + once
@@ -72,7 +85,7 @@ def functions_table(functions: Iterable[Function], owner: str) -> Markup:
     rows = [
         (
             python(f"{owner}{one.name}({', '.join(_arguments(one))})"),
-            str(tuple(array.shape)).replace(",)", ")") if array.shape else "number",
+            str(array.shape) if array.shape else "number",
             array.unit,
             array.doc,
         )

@@ -172,7 +172,7 @@ class Report:
 
     @property
     def _notes(self) -> list[str]:
-        """Sentences on the states."""
+        """Sentences on the states that were compared."""
         lines = [f"The states stay within the limits of the model, on {self.limits}."] if self.limits else []
         lines += [f"Further states: {self.special}."] if self.special else []
         return lines + ([self.undefined] if self.undefined else [])

@@ -61,7 +61,9 @@ def table(
     """
     every = list(rows)
     lines = [_row("th", head), *(_row("td", cells) for cells in every[:most])]
-    whole = Markup('<table style="border-collapse: collapse">{}</table>').format(Markup("\n").join(lines))
+    whole = Markup('<table style="border-collapse: collapse; margin: 0.3em 0 0.6em">{}</table>').format(
+        Markup("\n").join(lines)
+    )
     return whole + _cut(len(every) - most, "rows", hint)
 
 

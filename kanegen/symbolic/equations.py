@@ -77,13 +77,16 @@ class Equations:
         return f"<Equations of {self.system.name}: {bodies}, {freedoms}>"
 
     def _repr_latex_(self) -> str:
-        """[A] and {f} for a notebook: the closed form of a small tree, else the first entries."""
-        form = ClosedForm(self.A, self.f, names=self.latex_names)
-        owner = "equations"
+        """[A] and {f} for a notebook: the closed form of a small tree, else entries with intermediates."""
+        return notebook.display([r"[A]\,\lbrace\dot{y}\rbrace &= \lbrace f\rbrace", *self._shown()])
+
+    def _shown(self) -> Iterator[str]:
+        """Return the lines of [A] and {f} that a notebook shows."""
         if len(self.x) <= MOST_FREEDOMS_WITHOUT_NAMES:
             with suppress(OptionError):
-                form, owner = self.closed_form(), "equations.closed_form()"
-        return notebook.display([r"[A]\,\lbrace\dot{y}\rbrace &= \lbrace f\rbrace", *form.lines(owner)])
+                return self.closed_form().lines("equations.closed_form()")
+        named = self if self.intermediates else derive(self.system, intermediates=True)
+        return ClosedForm(named.A, named.f, names=named.latex_names).lines("equations")
 
     @cached_property
     def latex_names(self) -> Mapping[Symbol, str]:

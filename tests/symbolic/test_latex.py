@@ -12,8 +12,7 @@ import pytest
 from matplotlib.mathtext import MathTextParser
 
 import kanegen as kg
-from kanegen.symbolic import derive
-from kanegen.symbolic import notation
+from kanegen.symbolic import derive, notation
 from kanegen.symbolic.printing.formats import render
 from kanegen.symbolic.printing.prose import prose
 from tests.support.paths import MODELS

@@ -197,7 +197,7 @@ def test_formats() -> None:
         one == pytest.approx(getattr(model.numeric(), name), rel=1e-14)
         for one, name in zip(found, "ABCD", strict=True)
     )
-    assert model._repr_latex_().startswith("$$A = ")
+    assert model._repr_latex_().startswith("$$\n\\begin{aligned}\n[A] &= ")
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kanegen.errors import counted
 from kanegen.linear import LinearModel, Stability
+from kanegen.pictures.html import sentence, shown, table
 
 Floats = NDArray[np.float64]
 
@@ -42,13 +43,23 @@ class Equilibrium:
 
     def __str__(self) -> str:
         """Coordinates, speeds that are not zero, free directions and stability."""
-        state = [f"{name} = {value + 0.0:.9g}" for name, value in self.coordinates.items()]
-        state += [f"d/dt {name} = {value:.9g}" for name, value in self.speeds.items() if value]
-        lines = [", ".join(state), f"  {self.stability}"]
+        lines = [self.state, f"  {self.stability}"]
         if self.free_directions:
-            lines.append(f"  free: {'; '.join(map(_direction, self.free_directions))}")
+            lines.append(f"  free: {self.free}")
         lines.append(f"  residual {self.residual:.1e} in SI units")
         return "\n".join(lines)
+
+    @property
+    def state(self) -> str:
+        """Coordinates, and speeds that are not zero, in words."""
+        values = [f"{name} = {value + 0.0:.9g}" for name, value in self.coordinates.items()]
+        values += [f"d/dt {name} = {value:.9g}" for name, value in self.speeds.items() if value]
+        return ", ".join(values)
+
+    @property
+    def free(self) -> str:
+        """The free directions in words, "" for none."""
+        return "; ".join(map(_direction, self.free_directions))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the state, what is free, and stability as plain data."""
@@ -93,15 +104,28 @@ class Equilibria:
 
     def __str__(self) -> str:
         """All equilibria, and how the search went."""
+        first, *others = self._search()
+        return "\n".join([f"{self.name}: {first}", *others, *map(str, self.found)]) + "\n"
+
+    def _repr_html_(self) -> str:
+        """All equilibria, and how the search went, for a notebook."""
+        first, *others = self._search()
+        rows = [
+            (place, one.state, one.free, str(one.stability), f"{one.residual:.1e}")
+            for place, one in enumerate(self.found)
+        ]
+        head = ("", "state", "free", "stability", "residual")
+        lines = (sentence("{}", line) for line in others)
+        return shown(sentence("{}", first, strong=self.name), *lines, table(head, rows, "found[place]"))
+
+    def _search(self) -> Iterator[str]:
+        """Yield sentences on how the search went."""
         count = counted(len(self.found), "equilibrium", "equilibria")
-        lines = [f"{self.name}: {count}; {self.converged} of {self.starts} starts converged"]
+        yield f"{count}; {self.converged} of {self.starts} starts converged"
         if self.singular:
-            lines.append(
-                f"{counted(self.singular, 'state')} without accelerations left out, as in gimbal lock"
-            )
+            yield f"{counted(self.singular, 'state')} without accelerations left out, as in gimbal lock"
         if not self.found:
-            lines.append(f"smallest acceleration in all searches: {self.smallest_residual:.3g} in SI units")
-        return "\n".join([*lines, *map(str, self.found)]) + "\n"
+            yield f"smallest acceleration in all searches: {self.smallest_residual:.3g} in SI units"
 
     def as_dict(self) -> dict[str, Any]:
         """Return all results as plain data."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from kanegen.choices import require_one
 from kanegen.measure.bounds import statement
 from kanegen.measure.bounds.domain import InputBox
 from kanegen.model.arrays import Floats
+from kanegen.pictures.html import code, folded, sentence, shown, table
 
 
 @dataclass(frozen=True)
@@ -57,15 +58,28 @@ class Bounds:
         """Return a table of the largest bound and the largest magnitude of each output, and the box."""
         width = max(map(len, self.outputs), default=0)
         lines = [f"{self.model}, {self.precision}: proven bounds of |computed - exact| in the whole box"]
-        for name, largest in self.largest.items():
-            size = float(np.max(self.magnitudes[name], initial=0.0))
-            ends = (
-                self.unbounded.get(name)
-                or f"{largest:.3g}  where entries reach {size:.3g}  ({self.units[name]})"
-            )
+        for name, largest, size, unit in self._rows():
+            ends = self.unbounded.get(name) or f"{largest}  where entries reach {size}  ({unit})"
             lines.append(f"  {name:<{width}}  {ends}")
         lines += ["The box, to 6 digits:", *(f"  {line}" for line in statement.lines(self.box))]
         return "\n".join([*lines, *(f"Assumed: {sentence}" for sentence in self.assumptions)])
+
+    def _repr_html_(self) -> str:
+        """The largest bound of each output, the box, and what the proof assumes, for a notebook."""
+        rows = [(name, self.unbounded.get(name) or bound, *others) for name, bound, *others in self._rows()]
+        about = "{}: proven bounds of |computed - exact| in the whole box"
+        return shown(
+            sentence(about, self.precision, strong=self.model),
+            table(("output", "largest bound", "entries reach", "unit"), rows, "bounds.largest"),
+            folded("The box, to 6 digits", code("\n".join(statement.lines(self.box)), "bounds.box")),
+            *(sentence("Assumed: {}", one) for one in self.assumptions),
+        )
+
+    def _rows(self) -> Iterator[tuple[str, str, str, str]]:
+        """Yield the name of each output, its largest bound and magnitude, and its unit."""
+        for name, largest in self.largest.items():
+            size = float(np.max(self.magnitudes[name], initial=0.0))
+            yield name, f"{largest:.3g}", f"{size:.3g}", self.units[name]
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as plain data for JSON; None stands for infinity, and "box" is a domain."""

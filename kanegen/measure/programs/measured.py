@@ -23,8 +23,12 @@ from kanegen.measure.programs.yardstick import Yardstick, states_near_and_far, y
 from kanegen.model.arrays import Flags, Floats
 from kanegen.model.system import System
 from kanegen.options import Progress, quiet
+from kanegen.pictures import html
 from kanegen.pictures.picture import Picture
 from kanegen.reference.states import States
+
+_HEAD = ("program", "[A] max", "{f} max", "{ydot} max", "worst entry of {f}", "state")
+"""Headings of the table of errors."""
 
 
 @dataclass(frozen=True)
@@ -110,15 +114,28 @@ class Programs:
 
     def __str__(self) -> str:
         """Return a table of the largest errors, a line for each program, and what is absent."""
-        head = ("program", "[A] max", "{f} max", "{ydot} max", "worst entry of {f}", "state")
-        rows = [head, *map(self._row, self.programs)]
+        rows = [_HEAD, *map(self._row, self.programs)]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         table = [
             "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
             for row in rows
         ]
-        first = f"{self.system.name}: errors of {len(self.programs)} programs in {len(self.states)} states"
-        return "\n".join([f"{first}, measured against {self.truth.words}", *table, *self.notes])
+        return "\n".join([f"{self.system.name}: {self._summary}", *table, *self.notes])
+
+    def _repr_html_(self) -> str:
+        """The table of the largest errors, and what is absent, for a notebook."""
+        return html.shown(
+            html.sentence("{}", self._summary, strong=self.system.name),
+            html.table(_HEAD, map(self._row, self.programs), "print(programs)"),
+            *(html.sentence("{}", note) for note in self.notes),
+            html.sentence("{} shows the errors of every entry.", html.python("programs.plot()")),
+        )
+
+    @property
+    def _summary(self) -> str:
+        """What is measured, in words."""
+        count = f"errors of {len(self.programs)} programs in {len(self.states)} states"
+        return f"{count}, measured against {self.truth.words}"
 
     def _row(self, one: ProgramErrors) -> tuple[str, ...]:
         """Return the cells of the table's row for one program."""

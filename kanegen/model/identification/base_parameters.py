@@ -19,6 +19,7 @@ from kanegen.model.limits import Limits
 from kanegen.model.numbers import value_of
 from kanegen.model.rotations import UNIT, ZERO
 from kanegen.model.system import System
+from kanegen.pictures.html import sentence, shown, table
 
 SPREADS = (0.5, 0.25, 0.1, 0.03, 0.01)
 """Largest relative differences of general values from given ones; the first possible one is taken."""
@@ -64,6 +65,13 @@ class BaseParameters:
     def __str__(self) -> str:
         defaults = f"at the default values of {', '.join(self.at_defaults)}:"
         return "\n".join([*([defaults] if self.at_defaults else []), *self.names])
+
+    def _repr_html_(self) -> str:
+        """The sums, for a notebook."""
+        count = f"{len(self)} of {len(self.parameters)} combinations of inertial parameters show in motions"
+        defaults = f", at the default values of {', '.join(self.at_defaults)}" if self.at_defaults else ""
+        rows = enumerate(self.names)
+        return shown(sentence("{}", count + defaults), table(("", "base parameter"), rows, "base.names"))
 
     @property
     def names(self) -> tuple[str, ...]:

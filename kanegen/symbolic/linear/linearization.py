@@ -33,7 +33,7 @@ class Derivation(Protocol):
 
     @property
     def latex_names(self) -> Mapping[Symbol, str]:
-        """LaTeX of the symbols."""
+        """LaTeX by symbol, for all symbols of the equations."""
 
     @property
     def bodies(self) -> tuple[BodyEquations, ...]:
