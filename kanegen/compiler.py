@@ -64,6 +64,7 @@ from kanegen.program.split import split
 from kanegen.recursion.outputs import (
     EQUATIONS,
     ERROR_BOUNDS,
+    composed_of,
     function_signatures,
     method_of_program,
     require_available,
@@ -100,9 +101,9 @@ def compile_candidate(request: Request, candidate: Candidate, progress: Progress
     program = lower(form, [name for name in outputs if name not in fixed], constants)
     progress("optimising")
     program, shared = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
-    module, own = split(
-        program, function_signatures(system, outputs), passes.all_but(without, passes.ON_EACH_FUNCTION), fixed
-    )
+    signatures = function_signatures(system, outputs, composed_of(system, request.integrators))
+    module, own = split(program, signatures, passes.all_but(without, passes.ON_EACH_FUNCTION), fixed)
+    module = replace(module, integrators=request.integrators)
     methods = {name: candidate.methods.get(name, method_of_program(name)) for name in outputs}
     return Compiled(module, methods, (*shared, *own), candidate.reason)
 
@@ -148,7 +149,8 @@ def generate(
 
     Args:
         system: The tree of bodies.
-        outputs: Names among `recursion.outputs.OUTPUTS`; the code for several shares its intermediates.
+        outputs: Names among `recursion.outputs.OUTPUTS`; the code for several shares its intermediates. Also
+            names among `recursion.outputs.INTEGRATORS`, such as "rollout_rk4", which add what they call.
         progress: Function that is called with the name of each stage.
         without: Passes to leave out; see `options.chosen_variant`, as for `precision` and `tier`.
         precision: Arithmetic of the C.

@@ -18,6 +18,7 @@ from kanegen.c.elementary import ELEMENTARY, elementary_header
 from kanegen.c.functions import Code, PrintedFunction, printed_functions
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.nomenclature import nomenclature
+from kanegen.c.printed_steps import printed_steps
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
@@ -92,17 +93,20 @@ class C99:
 
     def _context(self, render_input: RenderInput) -> Context:
         """Return the variables of all templates."""
-        printed = printed_functions(render_input, self)
+        steps, rollouts = printed_steps(render_input)
+        printed = [*printed_functions(render_input, self), *steps]
         variables = context(
             render_input.model,
             render_input.functions,
-            render_input.outputs,
+            (*render_input.outputs, *render_input.steps),
             render_input.operations,
             render_input.variant,
         )
         variables |= {
             "choices": _choices(render_input, printed),
             "functions": printed,
+            "rollouts": rollouts,
+            "steps": [*steps, *rollouts],
             "nomenclature": nomenclature(printed),
             "prepared_places": prepared_places(render_input.model, render_input.prepared),
             "finite_tests": _finite_tests(render_input),
@@ -160,7 +164,8 @@ def _finite_tests(render_input: RenderInput) -> list[FiniteTest]:
         for array in function.outputs
         if usage.variable_runs(parts, array)
     ]
-    precisions = dict.fromkeys(map(render_input.formats.of, outputs))
+    of_states = [render_input.formats.storage] if render_input.steps else []
+    precisions = dict.fromkeys((*map(render_input.formats.of, outputs), *of_states))
     return [FiniteTest(finite_test(one), one.c_type, SIMD.get(one)) for one in precisions]
 
 

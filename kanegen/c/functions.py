@@ -45,6 +45,7 @@ class Code:
         locals: Names of the locals that hold values, in all parts.
         takes_sines: Whether it computes a sine or a cosine by any function.
         elementary: Precision of the functions of a header `kanegen_elementary` that it calls, None without.
+        before: Text of static functions that it calls, which stand before it.
     """
 
     body: list[str]
@@ -54,6 +55,7 @@ class Code:
     locals: frozenset[str] = frozenset()
     takes_sines: bool = False
     elementary: Precision | None = None
+    before: str = ""
 
 
 @dataclass(frozen=True)
@@ -92,34 +94,46 @@ class PrintedFunction:
 
 
 def printed_functions(render_input: RenderInput, target: Target) -> list[PrintedFunction]:
-    """Return every function of a model in C, its form for one state in the dialect of `target`."""
-    return [
-        _printed(render_input, target, function, parts) for function, parts in render_input.programs.items()
-    ]
+    """Return every function of outputs in C, its form for one state in the dialect of `target`."""
+    found = []
+    for function, parts in render_input.programs.items():
+        name = f"{render_input.model.name}_{function.name}"
+        formats = render_input.formats
+        # `prepare` computes at least in double; its results are never rounded to the precision of storage.
+        is_uniform = function.name != PREPARE or formats.every == (formats.preparing,)
+        has_simd = function.fits_simd and formats.arithmetic in SIMD and is_uniform
+        one = scalar_code(render_input, target, function, parts)
+        several = _simd_code(render_input, name, function, parts) if has_simd else None
+        found.append(printed_function(render_input, function, one, several))
+    return found
 
 
-def _printed(
-    render_input: RenderInput, target: Target, function: Function, parts: Sequence[Program]
+def printed_function(
+    render_input: RenderInput, function: Function, one: Code, several: Code | None
 ) -> PrintedFunction:
+    """Return a function with its documentation and its batch form.
+
+    Args:
+        render_input: Model and precisions.
+        function: Arrays and status of the function.
+        one: Body of the form for one state.
+        several: Body of the SIMD form, None where there is none.
+    """
     model, formats = render_input.model.name, render_input.formats
-    name = f"{model}_{function.name}"
-    # `prepare` computes at least in double, and its results are never rounded to the precision of storage.
-    is_uniform = function.name != PREPARE or formats.every == (formats.preparing,)
-    has_simd = function.fits_simd and formats.arithmetic in SIMD and is_uniform
     return PrintedFunction(
-        name=name,
+        name=f"{model}_{function.name}",
         signature=function,
         arguments=argument_list(function, not_finite(render_input.model)),
         prototype=prototype(model, function, formats),
-        code=scalar_code(render_input, target, function, parts),
+        code=one,
         batch_prototype=batch_prototype(model, function, formats),
         batch_notes=batch_notes(function),
         simd_prototype=simd_prototype(model, function, formats),
-        simd_code=_simd_code(render_input, name, function, parts) if has_simd else Code([]),
+        simd_code=several or Code([]),
         simd_call=simd_call(model, function),
         simd_failures=simd_failures(function),
         row_call=row_call(model, function),
-        has_simd=has_simd,
+        has_simd=several is not None,
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.program.cut import LONGEST_PART, cut, workspace_size
-from kanegen.program.ir import EVALUATE, Array, Condition, Module, Program, RowCondition
+from kanegen.program.ir import EVALUATE, STATE_RATES, Array, Condition, Module, Program, RowCondition
 
 PREPARE = "prepare"
 """Name of the function that turns parameters into prepared constants."""
@@ -124,7 +124,7 @@ def prepared_names(functions: Mapping[Function, Sequence[Program]]) -> tuple[str
 
 def requested(module: Module) -> tuple[str, ...]:
     """Return the names of the requested outputs, each of which has a function."""
-    return tuple(name for name in module.functions if name != EVALUATE)
+    return tuple(name for name in module.functions if name not in (EVALUATE, STATE_RATES))
 
 
 def _outputs(program: Program) -> tuple[Array, ...]:

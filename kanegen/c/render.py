@@ -9,6 +9,7 @@ from kanegen.c.description import ModelDescription
 from kanegen.c.folder import with_provenance
 from kanegen.c.formats import require_range
 from kanegen.c.source import Source
+from kanegen.c.steps import rates_name
 from kanegen.c.target import RenderInput, Target
 from kanegen.choices import require_one, several
 from kanegen.errors import OptionError, quoted
@@ -56,7 +57,7 @@ def render(
         )
     target = target_named(target)
     target.require_name(model.name)
-    chosen = _chosen(functions, tuple(module.functions))
+    chosen = _chosen(functions, module)
     if chosen is not None:
         operations = count.operations(select_functions(module, chosen))
     longest = target.longest_part
@@ -75,21 +76,28 @@ def render(
         variant=variant,
         target=target.name,
         module=render_input.selected,
+        rollouts=render_input.rollouts,
+        integrators=tuple(render_input.steps),
     )
 
 
-def _chosen(functions: Iterable[str] | None, known: tuple[str, ...]) -> tuple[str, ...] | None:
+def _chosen(functions: Iterable[str] | None, module: Module) -> tuple[str, ...] | None:
     """Return the names of functions, checked, in the order of the module; None for all.
 
-    `EVALUATE` is the function of all outputs together, also where there is only one output.
+    `EVALUATE` is the function of all outputs together, also where there is only one output. Functions that
+    follow a motion bring the one that computes its rates.
     """
     if functions is None:
         return None
+    known = (*module.functions, *module.integrators)
     together = EVALUATE if EVALUATE in known else known[0]
     chosen = several("functions", "function", functions, dict.fromkeys((*known, EVALUATE)))
     if not chosen:
         raise OptionError(f"functions: name one at least. There are {', '.join(known)}.")
-    return tuple(dict.fromkeys(together if name == EVALUATE else name for name in chosen))
+    needed = {together if name == EVALUATE else name for name in chosen}
+    if needed.intersection(module.integrators):
+        needed.add(rates_name(module.functions))
+    return tuple(name for name in known if name in needed)
 
 
 def target_named(target: Target | str) -> Target:

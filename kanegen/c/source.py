@@ -11,6 +11,7 @@ from kanegen.c.description import ModelDescription
 from kanegen.c.folder import write
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.source_html import source_html
+from kanegen.c.steps import Rollout
 from kanegen.files import path_of
 from kanegen.model.system import System
 from kanegen.options import STRICT, Variant
@@ -25,8 +26,10 @@ class Source:
     Attributes:
         model: Names and sizes of the model.
         outputs: Names of the outputs that the functions fill, such as `("mass_matrix", "forcing")`.
-        functions: Every generated function; all but `prepare` have a batch form, too, and with
+        functions: Every generated function for one state; all but `prepare` have a batch form, too, and with
             `parameters_by_state` that one as well.
+        rollouts: Every generated function that makes many steps, with its batch form.
+        integrators: Names of the functions that follow a motion in steps, such as `("rollout_rk4",)`.
         operations: Operation counts of one evaluation of all outputs: "add", "multiply", "divide", "sqrt",
             "sincos", and "prepare", the operations of the parameter-only step; where they occur, also
             "compare", signs, minima, maxima and conditions, and "function", calls of exp, log, tanh and
@@ -59,6 +62,8 @@ class Source:
     certificate: Mapping[str, Any] = field(default_factory=dict)
     module: Module | None = field(default=None, repr=False, compare=False)
     system: System | None = field(default=None, repr=False, compare=False)
+    rollouts: tuple[Rollout, ...] = ()
+    integrators: tuple[str, ...] = ()
 
     @property
     def parameters_by_state(self) -> bool:

@@ -18,6 +18,7 @@ from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import Function, prepared_names, requested, signatures
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
+from kanegen.c.steps import Rollout, rates_function, step_function
 from kanegen.options import Variant
 from kanegen.program.cut import LONGEST_PART
 from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED, Module, Program
@@ -59,10 +60,24 @@ class RenderInput:
         """Every function that is printed, with its parts."""
         return signatures(self.selected, self.longest_part, self.parameters_by_state)
 
+    @cached_property
+    def steps(self) -> dict[str, Function]:
+        """The function of one step, by the name of every printed function that follows a motion."""
+        integrators = self.selected.integrators
+        rates = rates_function(self.programs) if integrators else None
+        return {name: step_function(name, rates) for name in integrators if rates}
+
+    @property
+    def rollouts(self) -> tuple[Rollout, ...]:
+        """Every function that makes many steps."""
+        found = ((name, step) for name, step in self.steps.items() if step.name != name)
+        return tuple(Rollout(name, step, rates_function(self.programs)) for name, step in found)
+
     @property
     def functions(self) -> tuple[Function, ...]:
-        """Every function that is printed, in the order of the generated code."""
-        return tuple(self.programs)
+        """Every function for one state that is printed, in the order of the generated code."""
+        steps = (step for name, step in self.steps.items() if step.name == name)
+        return (*self.programs, *steps)
 
     @cached_property
     def prepared(self) -> tuple[str, ...]:

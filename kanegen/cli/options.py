@@ -57,7 +57,8 @@ Outputs = Annotated[
         "inverse_dynamics_derivatives, forward_dynamics_derivatives, contact_dynamics_derivatives, "
         "coordinate_rates_derivatives, point_positions_derivatives, point_velocities_derivatives, "
         "point_accelerations_derivatives, kinetic_energy_derivatives, potential_energy_derivatives, "
-        "momentum_derivatives, centroidal_momentum_bias_derivatives, mass_center_derivatives.",
+        "momentum_derivatives, centroidal_momentum_bias_derivatives, mass_center_derivatives, "
+        "step_rk4, rollout_rk4.",
     ),
 ]
 Functions = Annotated[

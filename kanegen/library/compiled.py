@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Self, Unpack
+from typing import Any, Self, TypeVar, Unpack
 
 from numpy.typing import ArrayLike
 
@@ -15,7 +15,8 @@ from kanegen.errors import ArrayError, ModelError, OptionError, counted, quoted
 from kanegen.library.library_html import library_html
 from kanegen.library.native import processor
 from kanegen.library.native.build import Recipe
-from kanegen.library.native.calls import Call, Constants, NativeLibrary, arguments_of
+from kanegen.library.native.calls import NativeLibrary, arguments_of
+from kanegen.library.native.constants import Constants
 from kanegen.library.native.status import OnStatus, StatusReport, checked_on_status, report
 from kanegen.library.results import Evaluation
 from kanegen.model import validation
@@ -24,6 +25,8 @@ from kanegen.model.numbers import finite
 from kanegen.model.parameter_sets import ParameterSets, parameter_sets
 from kanegen.program.ir import EVALUATE, PARAMETERS
 from kanegen.program.precision import precision_named
+
+Found = TypeVar("Found")
 
 
 class CompiledModel:
@@ -135,7 +138,7 @@ class CompiledModel:
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs that were compiled; each is also a method."""
-        return self.source.outputs
+        return (*self.source.outputs, *self.source.integrators)
 
     @property
     def further_inputs(self) -> tuple[str, ...]:
@@ -255,7 +258,7 @@ class CompiledModel:
         Example:
             A, f = kg.build(system).evaluate(x, y)
         """
-        return Evaluation(self.outputs, self._run(EVALUATE, (x, y, ydot, tau, force, torque), inputs))
+        return Evaluation(self.source.outputs, self._run(EVALUATE, (x, y, ydot, tau, force, torque), inputs))
 
     def _run(self, name: str, values: Values, inputs: NamedInputs) -> list[Floats]:
         """Call the C function of an output.
@@ -283,7 +286,9 @@ class CompiledModel:
             return call(self._constants, values, self._on_status)
         return self._with_sets(call, parameters, values)
 
-    def _with_sets(self, call: Call, parameters: ParameterSets, values: Values) -> list[Floats]:
+    def _with_sets(
+        self, call: Callable[[Constants, Values, OnStatus], Found], parameters: ParameterSets, values: Values
+    ) -> Found:
         """Call a C function with other parameters: one set, or a set for each state of the batch.
 
         What is not finite in `prepare` is reported only where the results do not show it.

@@ -18,6 +18,7 @@ from kanegen.library.native.status import OnStatus, checked_on_status
 from kanegen.library.operational import OperationalSpace
 from kanegen.library.quantities import Quantities
 from kanegen.library.quantity_derivatives import QuantityDerivatives
+from kanegen.library.rollouts import Rollouts
 
 
 def load(
@@ -62,6 +63,7 @@ class Library(
     Identification,
     Derivatives,
     QuantityDerivatives,
+    Rollouts,
 ):
     """The functions of a compiled model, with values of its run-time parameters.
 

@@ -11,7 +11,18 @@ from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 from kanegen.model.description import require_system
 from kanegen.model.system import System
 from kanegen.options import Variant
-from kanegen.recursion.outputs import available, chosen, holding, require_available, solving
+from kanegen.program.precision import storage_precision
+from kanegen.recursion.outputs import (
+    INTEGRATORS,
+    OUTPUTS,
+    available,
+    chosen,
+    composed_of,
+    holding,
+    require_available,
+    require_steps,
+    solving,
+)
 from kanegen.reference.independence import require_independent
 from kanegen.reference.range import require_range
 from kanegen.reference.regularity import require_regular
@@ -22,7 +33,7 @@ def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular:
 
     Args:
         system: The tree of bodies.
-        outputs: Names among `OUTPUTS`.
+        outputs: Names among `OUTPUTS` and `INTEGRATORS`.
         variant: The choices between speed and accuracy.
         regular: Whether to refuse outputs that solve with [A], if [A] is singular in every state.
 
@@ -34,8 +45,12 @@ def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular:
             contacts that depend on each other in every state; the message names the
             bodies, the freedoms and the outputs that remain.
     """
-    names = chosen(outputs)
+    asked = chosen(outputs, INTEGRATORS)
     require_system(system)
+    integrators = tuple(name for name in asked if name in INTEGRATORS)
+    require_steps(system, integrators, storage_precision(variant.precision, variant.storage).name)
+    needed = (*asked, *composed_of(system, integrators))
+    names = tuple(name for name in OUTPUTS if name in needed)
     require_range(system)
     require_available(system, names)
     if undefined := solving(names) if regular else ():
@@ -43,7 +58,7 @@ def accept(system: System, outputs: Iterable[str], variant: Variant, *, regular:
         require_regular(system, undefined, [name for name in every if not solving([name])])
     if loaded := holding(names) if regular else ():
         require_independent(system, loaded)
-    return Request(system, names, variant)
+    return Request(system, names, variant, integrators)
 
 
 def reformulated(system: System, speeds: str | None = None, coordinates: str | None = None) -> System:

@@ -21,11 +21,13 @@ class Request:
         system: The tree of bodies.
         outputs: Names of outputs that the system has, in the order of `OUTPUTS`.
         variant: The choices between speed and accuracy.
+        integrators: Names of functions of `INTEGRATORS`; what they are composed of is among the outputs.
     """
 
     system: System
     outputs: tuple[str, ...]
     variant: Variant
+    integrators: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,10 @@ MODEL_DEPENDENT = {
 ARGUMENTS = ("x", "y", "ydot", "tau", "force", "torque", *MODEL_DEPENDENT)
 """Names of all arguments, in the order of the C functions and of the methods of `Library`."""
 
-SHAREABLE = OPTIONAL | MODEL_DEPENDENT.keys()
+STEP = {"step": "the length of the step in s"}
+"""The argument of functions that follow a motion, and its description for error messages."""
+
+SHAREABLE = OPTIONAL | MODEL_DEPENDENT.keys() | STEP.keys()
 """Arguments that may have one value for all states of a batch."""
 
 Values = tuple[object, ...]

@@ -25,6 +25,9 @@ WORKSPACE = "w"
 EVALUATE = "evaluate"
 """Name of the function that computes every requested output, where there are several."""
 
+STATE_RATES = "state_rates"
+"""Name of the function that computes {xdot} and {ydot} together, where steps need both."""
+
 
 class Op(StrEnum):
     """What an instruction computes from its operands."""
@@ -244,10 +247,12 @@ class Module:
         prepare: Computes the array `PREPARED` from the parameters; None for a model without parameters.
         functions: Programs by function name: one for every requested output and, where there are several,
             `EVALUATE`, which computes all of them and shares every intermediate.
+        integrators: Names of the functions that follow a motion in steps, composed of those above.
     """
 
     prepare: Program | None
     functions: dict[str, Program]
+    integrators: tuple[str, ...] = ()
 
     @property
     def together(self) -> Program:

@@ -129,11 +129,12 @@ def select_functions(module: Module, names: Collection[str]) -> Module:
 
     Args:
         module: The functions of a C file.
-        names: Names among `module.functions`.
+        names: Names among `module.functions` and `module.integrators`.
     """
     functions = {name: program for name, program in module.functions.items() if name in names}
+    module = replace(module, integrators=tuple(name for name in module.integrators if name in names))
     if module.prepare is None or len(functions) == len(module.functions):
-        return Module(module.prepare, functions)
+        return replace(module, functions=functions)
     read = {
         instruction.index
         for program in functions.values()
@@ -146,7 +147,8 @@ def select_functions(module: Module, names: Collection[str]) -> Module:
     array = replace(output.array, shape=(len(kept),))
     values = tuple(output.values[place] for place in kept)
     prepare = prune(replace(module.prepare, outputs=(Output(array, values),)))
-    return Module(prepare, {name: _reads(program, array, places) for name, program in functions.items()})
+    functions = {name: _reads(program, array, places) for name, program in functions.items()}
+    return replace(module, prepare=prepare, functions=functions)
 
 
 def _reads(program: Program, array: Array, places: Mapping[int, int]) -> Program:

@@ -17,7 +17,7 @@ from kanegen.cli.options import DEFAULT_OUTPUTS
 from kanegen.model.coordinates import ORIENTATIONS, SPEEDS
 from kanegen.model.right_angles import AS_WRITTEN, FOUR_DECIMALS
 from kanegen.program import passes, precision
-from kanegen.recursion.outputs import EQUATIONS, OUTPUTS
+from kanegen.recursion.outputs import EQUATIONS, INTEGRATORS, OUTPUTS
 from kanegen.studies.bench.peers.registry import PEERS
 from kanegen.symbolic.printing import FORMATS
 
@@ -56,7 +56,7 @@ def help_of(command: str, name: str) -> str:
 @pytest.mark.parametrize(
     ("command", "name", "known"),
     [
-        ("generate", "output", OUTPUTS),
+        ("generate", "output", [*OUTPUTS, *INTEGRATORS]),
         ("generate", "without", passes.PASS_NAMES),
         ("generate", "precision", precision.PRECISIONS),
         ("generate", "tier", options.TIERS),

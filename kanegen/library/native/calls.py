@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -22,6 +21,8 @@ from kanegen.c.interface import PREPARE, Function
 from kanegen.errors import ArrayError, BuildError, OptionError, quoted
 from kanegen.library.native import cache, floating_point, openmp, processor
 from kanegen.library.native.build import Recipe, made
+from kanegen.library.native.constants import Constants
+from kanegen.library.native.rollouts import RolloutCall
 from kanegen.library.native.status import OnStatus, States, Status, naming, report
 from kanegen.model.arguments import (
     ARGUMENTS,
@@ -29,6 +30,7 @@ from kanegen.model.arguments import (
     MODEL_DEPENDENT,
     OPTIONAL,
     SHAREABLE,
+    STEP,
     Floats,
     Values,
     companion,
@@ -38,39 +40,13 @@ from kanegen.model.arguments import (
 )
 from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED
 from kanegen.program.precision import Precision
-from kanegen.recursion.outputs import OUTPUTS
+from kanegen.recursion.outputs import INTEGRATORS, OUTPUTS
 
 EVERY_ARGUMENT = tuple(name for name in ARGUMENTS if name not in MODEL_DEPENDENT)
 """Arguments of the function that computes all outputs, in order."""
 
 _NEVER_UNLOAD = getattr(os, "RTLD_NODELETE", 0)
 """Flag of `dlopen` that keeps a library mapped: the threads of its OpenMP runtime outlive the `Library`."""
-
-Pointers = tuple[Any, ...]
-"""C pointers, each of which keeps its array alive."""
-
-
-@dataclass(frozen=True)
-class Constants:
-    """Prepared constants, the first argument of every `Call`.
-
-    Attributes:
-        pointers: A pointer to the constants of one set of parameters, nothing for a model without parameters
-            and for many sets.
-        array: (C,) constants of one set or (B, C) of a set for each state of a batch; double-double constants
-            have a further last axis of 2. None for a model without parameters.
-        sets: (B, P) parameters of B sets, None for one set, and for a model without parameters.
-    """
-
-    pointers: Pointers = ()
-    array: Floats | None = None
-    sets: Floats | None = None
-
-    def of(self, states: States) -> Constants:
-        """Return the constants of some states of a batch."""
-        if self.array is None or self.sets is None:
-            return self
-        return Constants((), self.array[states], self.sets[states])
 
 
 class NativeLibrary:
@@ -81,6 +57,7 @@ class NativeLibrary:
         path: Path of the shared library.
         named_inputs: Names of the inputs that some function reads and that are passed by name.
         calls: The functions by name without prefix; `EVALUATE` computes all outputs, also where there is one.
+        rollouts: The functions that make many steps, by name without prefix.
         parameter_type: Type of the numbers in arrays of run-time parameters.
     """
 
@@ -123,6 +100,18 @@ class NativeLibrary:
                     before_batch,
                 )
                 for name, function in functions.items()
+            }
+            self.rollouts = {
+                one.name: RolloutCall(
+                    library,
+                    ffi,
+                    arrays,
+                    source.model,
+                    one,
+                    self._arguments(one.step.name, one.step),
+                    before_batch,
+                )
+                for one in source.rollouts
             }
         except (OSError, AttributeError) as error:
             raise BuildError(
@@ -204,8 +193,10 @@ def arguments_of(name: str) -> tuple[str, ...]:
     """Return the arguments of a function other than `prepare`, in order, but for those passed by name.
 
     Args:
-        name: Name of an output, or `EVALUATE`.
+        name: Name of an output, of a function that makes one step, or `EVALUATE`.
     """
+    if name in INTEGRATORS:
+        return (*OUTPUTS["forward_dynamics"].arguments, *STEP)
     return OUTPUTS[name].arguments if name in OUTPUTS else EVERY_ARGUMENT
 
 
@@ -320,10 +311,10 @@ class Call:
     def _general(self, constants: Constants, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
         """Call the C function after conversion of the values, with every check."""
         arrays, batch = self._converted(values)
-        self._require_sets(constants, batch)
+        constants.require(batch, self._inputs[0][0])
         results = [np.empty((*batch, *shape), self._result_dtype) for shape in self._outputs]
         pointers = [
-            *self._constants(constants, batch),
+            *constants.read(batch, self._by_state, self._prepared),
             *map(self._pointer, arrays),
             *map(self._result_pointer, results),
         ]
@@ -341,25 +332,6 @@ class Call:
             report(self._status.of_batch(failed, inputs, results, states), on_status)
         return results
 
-    def _require_sets(self, constants: Constants, batch: tuple[int, ...]) -> None:
-        """Require a set of parameters for each state where there are many sets.
-
-        Raises:
-            ArrayError: If there are more or fewer sets than states.
-        """
-        sets, first = constants.sets, self._inputs[0][0]
-        if sets is not None and batch != sets.shape[:1]:
-            expected = (*batch, sets.shape[1])
-            raise ArrayError(f"parameters: expected shape {expected} to go with {first}, got {sets.shape}.")
-
-    def _constants(self, constants: Constants, batch: tuple[int, ...]) -> Pointers:
-        """Return the pointer to the constants as the function for this batch reads them."""
-        array = constants.array
-        if array is None or not (batch and self._by_state):
-            return constants.pointers
-        full = array if constants.sets is not None else np.broadcast_to(array, (*batch, *array.shape))
-        return (self._prepared(np.ascontiguousarray(full)),)
-
     def _some(self, constants: Constants, arrays: Sequence[Floats], states: States) -> int:
         """Return the status of one state of a batch, or of several how many have another status than 0.
 
@@ -370,7 +342,7 @@ class Call:
         """
         chosen = [np.ascontiguousarray(array[states]) for array in arrays]
         results = [np.empty((len(states), *shape), self._result_dtype) for shape in self._outputs]
-        own = self._constants(constants.of(states), states.shape)
+        own = constants.of(states).read(states.shape, self._by_state, self._prepared)
         pointers = (*own, *map(self._pointer, chosen), *map(self._result_pointer, results))
         return int(self._single(*pointers)) if len(states) == 1 else self._many(len(states), pointers)
 
@@ -405,4 +377,4 @@ def _meaning_of_named_inputs(model: ModelDescription) -> dict[str, str]:
     """Return a description of each input that is passed by name, for error messages."""
     names = model.prescribed_names
     words = {"count": len(names), "prescribed": ", ".join(names)}
-    return {name: meaning.format(**words) for name, meaning in MODEL_DEPENDENT.items()}
+    return {name: meaning.format(**words) for name, meaning in (MODEL_DEPENDENT | STEP).items()}

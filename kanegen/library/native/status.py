@@ -169,11 +169,11 @@ class Status:
             inputs: Arrays that it has read, by name.
             results: Arrays that it has filled.
         """
-        clause = self._clause(status, inputs, results)
+        clause = self.clause(status, inputs, results)
         if status < 0:
             clause = f"the result is not accurate in this state. {clause[0].upper()}{clause[1:]}"
         message = f"{self.name}: {clause}"
-        return StatusReport(message, self._kind(status), is_alone=True)
+        return StatusReport(message, self.kind(status), is_alone=True)
 
     def of_batch(
         self,
@@ -201,30 +201,30 @@ class Status:
         for words, count, first in found:
             status, state = status_of(first), int(first[0])
             here = {name: array[state] for name, array in inputs.items()}
-            clause = self._clause(status, here, [array[state] for array in results])
+            clause = self.clause(status, here, [array[state] for array in results])
             sentences.append(
                 f"in {count} of {len(finite)} states the result {words}; in state {state} {clause}"
             )
-            kinds.append(self._kind(status))
+            kinds.append(self.kind(status))
         message = f"{self.name}: {' Also '.join(sentences)}"
         return StatusReport(message, min(kinds, key=_KINDS.index), is_alone=False, states=failed)
 
-    def _kind(self, status: int) -> str:
+    def kind(self, status: int) -> str:
         """Return the kind of a status other than 0."""
         if status < 0:
             return INACCURATE
         return NOT_FINITE if status == len(self.freedoms) + 1 else MISSING
 
-    def _clause(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> str:
+    def clause(self, status: int, inputs: Mapping[str, Floats], results: Sequence[Floats]) -> str:
         """Return the sentences on a state, without a capital letter at the beginning."""
         row, condition = self._row(status)
-        if self._kind(status) == MISSING:
+        if self.kind(status) == MISSING:
             quantity, failure = self.quantity, self.failure
             if condition:
                 quantity, failure = condition.quantity, condition.failure
             return (
                 f"the {quantity} at {row or self._freedom(status - 1)} is not positive or is NaN: "
-                f"{self._bad_input(inputs) or failure + ' in this state'}."
+                f"{self.bad_input(inputs) or failure + ' in this state'}."
             )
         if status < 0 and condition:
             return f"most digits are lost at {row}: {condition.loss}; a higher precision helps."
@@ -238,12 +238,12 @@ class Status:
             place = _first_infinite(values)
             if place is not None:
                 where = f", at {self._freedom(place[0])}" if array.of_freedoms else ""
-                cause = self._bad_input(inputs)
+                cause = self.bad_input(inputs)
                 reason = f", because {cause}." if cause else self._hint()
                 return f"{_element(array.name, values, place)}{where}{reason}"
         return "a result is not finite."
 
-    def _bad_input(self, inputs: Mapping[str, Floats]) -> str:
+    def bad_input(self, inputs: Mapping[str, Floats]) -> str:
         """Return the clause on an input that has no results in any model: "" if there is none.
 
         Such an input is infinite or NaN, or a quaternion without a length.

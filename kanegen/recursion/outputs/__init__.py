@@ -9,6 +9,15 @@ method of `Library`, and one function of `reference` to compare with.
 
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.inputs import input_arrays
+from kanegen.recursion.outputs.integrators import (
+    INTEGRATORS,
+    METHODS,
+    RATES,
+    Method,
+    composed_of,
+    rates_of,
+    require_steps,
+)
 from kanegen.recursion.outputs.kinematics import MOTIONS_OF_FRAMES
 from kanegen.recursion.outputs.operational import OF_FRAMES
 from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution, Output, Recursion, Subject
@@ -32,12 +41,16 @@ __all__ = [
     "DERIVATIVES",
     "EQUATIONS",
     "ERROR_BOUNDS",
+    "INTEGRATORS",
+    "METHODS",
     "MOTIONS_OF_FRAMES",
     "OF_CONTACTS",
     "OF_FRAMES",
     "OUTPUTS",
+    "RATES",
     "Derivative",
     "ErrorBound",
+    "Method",
     "OfSolution",
     "Output",
     "Recursion",
@@ -45,14 +58,17 @@ __all__ = [
     "accurately_solved",
     "available",
     "chosen",
+    "composed_of",
     "function_signatures",
     "holding",
     "input_arrays",
     "method_of_program",
     "output_array",
     "prerequisites",
+    "rates_of",
     "refined_solutions",
     "require_available",
+    "require_steps",
     "solving",
     "takes_long",
 ]

@@ -8,7 +8,7 @@ from dataclasses import replace
 from kanegen.choices import several
 from kanegen.errors import OptionError
 from kanegen.model.system import System
-from kanegen.program.ir import EVALUATE, Array
+from kanegen.program.ir import EVALUATE, STATE_RATES, Array
 from kanegen.program.split import Signature
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
@@ -17,15 +17,20 @@ from kanegen.recursion.outputs.output import Derivative, ErrorBound, OfSolution
 from kanegen.recursion.outputs.table import OUTPUTS
 
 
-def chosen(outputs: Iterable[str] | str) -> tuple[str, ...]:
+def chosen(outputs: Iterable[str] | str, further: Iterable[str] = ()) -> tuple[str, ...]:
     """Return the names `outputs`, checked, in the order of `OUTPUTS`, each once.
+
+    Args:
+        outputs: Names that a user chose, or a single one.
+        further: Names that there are beside those of `OUTPUTS`, such as `INTEGRATORS`.
 
     Raises:
         OptionError: If `outputs` is empty or contains an unknown name.
     """
-    asked = several("outputs", "output", outputs, OUTPUTS)
+    known = (*OUTPUTS, *further)
+    asked = several("outputs", "output", outputs, known)
     if not asked:
-        raise OptionError(f"no output is asked for. There are {', '.join(OUTPUTS)}.")
+        raise OptionError(f"no output is asked for. There are {', '.join(known)}.")
     return asked
 
 
@@ -114,11 +119,22 @@ def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array
     return replace(array, doc=f"{array.doc}; by {methods[name]}")
 
 
-def function_signatures(system: System, outputs: Sequence[str]) -> dict[str, Signature]:
-    """Return the arrays of each C function: one function per output, and `EVALUATE` for several together."""
+def function_signatures(
+    system: System, outputs: Sequence[str], rates: Sequence[str] = ()
+) -> dict[str, Signature]:
+    """Return the arrays of each C function: one function per output, and `EVALUATE` for several together.
+
+    Args:
+        system: The tree.
+        outputs: Names of the outputs.
+        rates: Those of the outputs that steps need together; where they are two and not all, `STATE_RATES`
+            is their function.
+    """
     arrays = [array.name for array in input_arrays(system)]
     read = {name: {*OUTPUTS[name].inputs, *READ_BY_ALL} for name in outputs}
     groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}
+    if 1 < len(rates) < len(outputs):
+        groups[STATE_RATES] = tuple(rates)
     if len(outputs) > 1:
         groups[EVALUATE] = tuple(outputs)
     return {
