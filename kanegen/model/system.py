@@ -56,6 +56,8 @@ class System(SystemVariations):
         frames: Frames that are fixed in a body or in the ground, beside the bodies' own.
         rotors: Rotors of geared motors, which spin in bodies that carry them.
         contacts: Points and frames that `contact_dynamics` and `contact_forces` hold.
+        geometry: File whose shapes pictures show, the one from which the system was read; None for none. It
+            has no effect on equations, and systems that differ in it alone are equal.
         defaults: Default values, by name, of parameters that have none, as those have that symbols of SymPy
             become. They are kept in the parameters of the system.
 
@@ -74,7 +76,9 @@ class System(SystemVariations):
         for name, kind in PARTS.items():
             validation.store(self, **{name: validation.instances(getattr(self, name), kind, name)})
         validation.store(self, gravity=numbers(self.gravity, (3,), "gravity"))
-        validation.store(self, **with_defaults(self, defaults))
+        validation.store(
+            self, **with_defaults(self, defaults), geometry=validation.file(self.geometry, "geometry")
+        )
         validation.connection(self.connection)
         validation.unique("body name", [body.name for body in self.bodies])
         validation.store(self, frames=checked_frames(self.bodies, self.frames))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 
 from kanegen.model.body import Body
 from kanegen.model.contact import Contact
@@ -32,6 +33,7 @@ class SystemFields:
     frames: tuple[Frame, ...] = ()
     rotors: tuple[Rotor, ...] = ()
     contacts: tuple[Contact, ...] = ()
+    geometry: Path | None = field(default=None, compare=False, repr=False)
 
     @cached_property
     def identifier(self) -> str:

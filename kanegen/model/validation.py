@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -274,3 +275,17 @@ def store(instance: object, **values: Any) -> None:
     """Store checked values in a frozen dataclass, from its `__post_init__`."""
     for name, value in values.items():
         object.__setattr__(instance, name, value)
+
+
+def file(path: object, label: str) -> Path | None:
+    """Return the path of a file, absolute, so that it stays valid in another folder; None stays None.
+
+    Raises:
+        ModelError: If it is no path.
+    """
+    if path is None:
+        return None
+    try:
+        return Path(path).absolute()  # type: ignore[arg-type]
+    except TypeError:
+        raise ModelError(f"{label}: {quoted(path)} is not the path of a file.") from None

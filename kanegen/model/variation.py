@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -150,6 +151,20 @@ class SystemVariations(SystemDescription):
             kg.load("2dof-planar.urdf").with_name("planar").identifier  # 'planar'
         """
         return replace(self, name=name)
+
+    def with_geometry(self, path: str | os.PathLike[str] | None) -> Self:
+        """Return the same system with another file whose shapes pictures show.
+
+        Args:
+            path: A URDF or MJCF file whose links or bodies are frames of this system; None for no shapes.
+
+        Raises:
+            ModelError: If `path` is no path.
+
+        Example:
+            kg.view(kg.load("arm.toml").with_geometry("arm.urdf"))
+        """
+        return replace(self, geometry=validation.file(path, "geometry"))
 
     def with_prescribed(self, names: Iterable[str] | str) -> Self:
         """Return the same system with the motion of some freedoms as an input; they leave {x}, {y}, [A], {f}.

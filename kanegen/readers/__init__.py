@@ -16,8 +16,9 @@ from kanegen.model.right_angles import AS_WRITTEN, checked_tolerance
 from kanegen.model.system import System
 from kanegen.readers.reader import ModelFile, ReadOptions
 from kanegen.readers.registry import reader_of
+from kanegen.readers.visual import Visuals
 
-__all__ = ["load"]
+__all__ = ["load", "visuals_of"]
 
 
 def load(
@@ -55,4 +56,23 @@ def load(
         checked_tolerance(right_angles),
         flag("joint_dynamics", joint_dynamics),
     )
-    return reader_of(file).read(file, options).with_right_angles(options.right_angles)
+    system = reader_of(file).read(file, options).with_right_angles(options.right_angles)
+    return system.with_geometry(file.path)
+
+
+def visuals_of(path: str | os.PathLike[str]) -> Visuals:
+    """Return the shapes by which a model file says how its bodies look; none for a format without shapes.
+
+    Args:
+        path: The file.
+
+    Raises:
+        ReadError: If the file cannot be read.
+        MissingError: If it is an MJCF file and MuJoCo is not installed.
+
+    Example:
+        visuals_of("robot.urdf").shapes
+    """
+    file = ModelFile(Path(path))
+    visuals = reader_of(file).visuals
+    return visuals(file) if visuals else Visuals()

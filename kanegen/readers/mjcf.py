@@ -21,6 +21,7 @@ from kanegen.readers.mjcf_couplings import couplings
 from kanegen.readers.mjcf_forces import compensated_gravity, dry_friction, springs_and_dampers
 from kanegen.readers.mjcf_left_out import LeftOut, left_out, summary
 from kanegen.readers.mjcf_tree import MjcfTree, mjcf_tree
+from kanegen.readers.mjcf_visuals import mjcf_visuals
 from kanegen.readers.reader import ModelFile, Reader, ReadOptions
 
 
@@ -63,7 +64,7 @@ def read_mjcf(file: ModelFile, options: ReadOptions) -> System:
     return system
 
 
-READER = Reader("MJCF", ".xml", read_mjcf, root="mujoco")
+READER = Reader("MJCF", ".xml", read_mjcf, root="mujoco", visuals=mjcf_visuals)
 
 
 def _with_forces(

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from kanegen.model import right_angles
 from kanegen.model.body import Body
 from kanegen.model.coordinates import ANGLES, FREEDOMS, QUATERNION, SPEED_KINDS
+from kanegen.model.frame import GROUND as INERTIAL
 from kanegen.model.frame import Frame as NamedFrame
 from kanegen.model.joint import Joint
 from kanegen.model.limits import Limits
@@ -75,6 +76,15 @@ def mjcf_tree(model: Compiled) -> MjcfTree:
         sites=names.sites,
         renamed=names.renamed,
     )
+
+
+def body_names(model: Compiled) -> list[str]:
+    """Return the name of the frame of each body of a compiled model; that of the world is "ground".
+
+    Example:
+        body_names(compiled(ModelFile(Path("robot.xml"))))[1]
+    """
+    return [INERTIAL, *_Names(model).bodies[1:]]
 
 
 class _Names:

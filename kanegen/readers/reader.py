@@ -11,6 +11,7 @@ from kanegen.errors import ReadError
 from kanegen.model.right_angles import AS_WRITTEN
 from kanegen.model.system import System
 from kanegen.readers.encoding import utf8_text, xml_text
+from kanegen.readers.visual import Visuals
 from kanegen.readers.xml import Element, parse
 
 FRICTION_SMOOTHING = 0.01
@@ -68,12 +69,14 @@ class Reader:
         suffix: Suffix of its files in lower case, with the dot.
         read: Returns the system that a file describes. It raises `ReadError` with file and line.
         root: Name of the root element of an XML format; "" for a format that is not XML.
+        visuals: Returns the shapes of a file, for pictures; None for a format that has none.
     """
 
     format: str
     suffix: str
     read: Callable[[ModelFile, ReadOptions], System]
     root: str = ""
+    visuals: Callable[[ModelFile], Visuals] | None = None
 
 
 def read_text(path: Path) -> str:

@@ -27,6 +27,7 @@ from kanegen.readers.urdf_elements import BALLS, JointLimit, Robot, RobotJoint, 
 from kanegen.readers.urdf_frames import robot_frames, shadowed_joints
 from kanegen.readers.urdf_mimic import mimic_couplings
 from kanegen.readers.urdf_tree import GROUND, MovingLink, robot_tree
+from kanegen.readers.urdf_visuals import urdf_visuals
 from kanegen.readers.urdf_vocabulary import listed, unread
 from kanegen.readers.welding import Frame, weld
 
@@ -77,7 +78,7 @@ def read_urdf(file: ModelFile, options: ReadOptions) -> System:
     return system
 
 
-READER = Reader("URDF", ".urdf", read_urdf, root="robot")
+READER = Reader("URDF", ".urdf", read_urdf, root="robot", visuals=urdf_visuals)
 
 
 @dataclass(frozen=True)

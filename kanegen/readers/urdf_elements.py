@@ -219,7 +219,7 @@ def _rigid(inertial: Element, tolerance: float) -> Rigid:
         raise mass.error(f"mass {quoted(kilograms)} kg is negative.")
     entries = inertial.child("inertia")
     xx, yy, zz, xy, xz, yz = (entries.number(f"i{name}") for name in ("xx", "yy", "zz", "xy", "xz", "yz"))
-    place = _origin(inertial, tolerance)
+    place = origin_of(inertial, tolerance)
     offset = kilograms * dot(place.position, place.position)
     if max(map(abs, (xx, yy, zz, xy, xz, yz))) <= CANCELLED * offset:
         return Rigid(kilograms, place.position)
@@ -237,7 +237,7 @@ def _joint(element: Element, tolerance: float) -> RobotJoint:
         kind=kind,
         parent=element.child("parent").text("link"),
         child=element.child("child").text("link"),
-        origin=_origin(element, tolerance),
+        origin=origin_of(element, tolerance),
         axis=_axis(element, tolerance) if kind in WITH_AXIS else DEFAULT_AXIS,
         mimic=_mimic(element),
         where=element.where,
@@ -314,7 +314,7 @@ def _end(limit: Element, word: str) -> float:
     return math.copysign(math.inf, value) if abs(value) >= UNLIMITED else value
 
 
-def _origin(element: Element, tolerance: float) -> Frame:
+def origin_of(element: Element, tolerance: float) -> Frame:
     """Return the frame that the `<origin>` of an element describes."""
     origin = element.optional("origin")
     if origin is None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kanegen.errors import warn
 from kanegen.model.arrays import SystemArrays
 from kanegen.model.coordinates import COORDINATE_KINDS, FREEDOMS
 from kanegen.model.description import require_system
@@ -16,6 +17,7 @@ from kanegen.model.values_by_name import finite_in_order
 from kanegen.viewer.joints import joints_of
 from kanegen.viewer.scene import Place, Scene, SceneBody, SceneCoordinate, floats, rows
 from kanegen.viewer.skeleton import Skeleton
+from kanegen.viewer.visuals import geometry_of
 
 ELLIPSOIDS = (
     "Bodies without geometry are drawn as the uniform ellipsoids that have their mass and inertia. "
@@ -36,13 +38,20 @@ def scene_of(system: System, x: ArrayLike | Mapping[str, float] | None = None) -
         OptionError: If `system` is none, or `x` has an unknown name or a number that is not finite.
         ArrayError: If `x` has another number of coordinates.
 
+    Warns:
+        KanegenWarning: If a shape of the file of the system cannot be drawn; the body keeps its ellipsoid.
+
     Example:
         scene_of(kg.load("models/eight_body.toml")).size
     """
     require_system(system)
     arrays = system.values()
     skeleton = Skeleton(system, arrays)
-    ground = SceneBody("ground", None, "", 0.0, [0.0] * 3, skeleton.color(0), list(skeleton.shapes(0)))
+    geometry = geometry_of(system, arrays)
+    for sentence in geometry.left_out:
+        warn(f"not drawn: {sentence}")
+    shapes = [[*geometry.shapes.get(k, []), *skeleton.shapes(k)] for k in range(len(system.bodies) + 1)]
+    ground = SceneBody("ground", None, "", 0.0, [0.0] * 3, skeleton.color(0), shapes[0])
     joints = joints_of(system, arrays)
     bodies = [
         SceneBody(
@@ -52,7 +61,7 @@ def scene_of(system: System, x: ArrayLike | Mapping[str, float] | None = None) -
             mass=float(arrays.mass[k - 1]),
             center=floats(arrays.mass_center[k - 1]),
             color=skeleton.color(k),
-            shapes=list(skeleton.shapes(k)),
+            shapes=shapes[k],
         )
         for k, body in enumerate(system.bodies, start=1)
     ]
@@ -67,11 +76,11 @@ def scene_of(system: System, x: ArrayLike | Mapping[str, float] | None = None) -
         ],
         points=[Place(name, k, floats(place)) for name, (k, place) in arrays.forces.points.items()],
         springs=_springs(arrays),
-        meshes=[],
+        meshes=geometry.meshes,
         gravity=floats(arrays.gravity),
         size=skeleton.size,
         start=finite_in_order("x", x, system.coordinate_names, system.neutral_coordinates),
-        notes=[ELLIPSOIDS],
+        notes=[ELLIPSOIDS, *geometry.notes, *(f"Not drawn: {one}" for one in geometry.left_out)],
     )
 
 

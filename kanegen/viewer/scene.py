@@ -59,7 +59,7 @@ class MeshData:
         step: (3,) distance of neighbouring integers in `vertices`.
         vertices: Base64 of (V, 3) 16-bit unsigned integers, little-endian: the coordinates are `origin` plus
             `step` times these.
-        faces: Base64 of (F, 3) 32-bit unsigned integers: vertices of the triangles.
+        faces: Base64 of (F, 3) 16-bit unsigned integers: vertices of the triangles.
     """
 
     name: str

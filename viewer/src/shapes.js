@@ -69,7 +69,7 @@ function meshGeometry({ vertices, faces, origin, step }) {
   integers.forEach((value, i) => (positions[i] = origin[i % 3] + step[i % 3] * value));
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(positions, 3));
-  geometry.setIndex(new BufferAttribute(decode(faces, Uint32Array), 1));
+  geometry.setIndex(new BufferAttribute(decode(faces, Uint16Array), 1));
   return toCreasedNormals(geometry, CREASE);
 }
 
