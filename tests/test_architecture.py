@@ -40,6 +40,7 @@ ORDER = (
     "simulation",
     "interop",
     "viewer",
+    "web",
     "studies",
     "cli",
 )

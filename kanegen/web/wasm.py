@@ -1,0 +1,134 @@
+"""WebAssembly of generated C: one module without imports, which exports every function and its memory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kanegen.c import Source
+from kanegen.c.interface import Function
+from kanegen.c.templates import fill
+from kanegen.choices import flag
+from kanegen.errors import OptionError
+from kanegen.library.native.build import Product, code, made
+from kanegen.program import semantics
+from kanegen.web import toolchain
+
+STACK_BYTES = 1 << 20
+"""Size of the stack of a module. Beyond its end the memory ends, so that an overflow stops the module."""
+
+_HEADERS = "include"
+"""Folder of the headers that stand for those of a C library."""
+
+_RUNTIME = "kanegen_memory.c"
+"""File of the functions that compilers call of themselves."""
+
+_ERROR = "-Werror=implicit-function-declaration"
+"""Flag with which a function of the C library that there is not is an error of the compiler."""
+
+_OWN = {
+    f"{_HEADERS}/math.h": "wasm/math.h",
+    f"{_HEADERS}/string.h": "wasm/string.h",
+    _RUNTIME: "wasm/memory.c",
+}
+"""Templates of the files that are compiled beside generated C, by path."""
+
+
+def wasm_module(source: Source, *, batch: bool = False, simd: bool = False) -> bytes:
+    """Compile generated C to a module of WebAssembly, unless the cache has it already.
+
+    The module imports nothing. It exports each function under its name in C, `memory`, and `__heap_base`, the
+    first address of the memory that is free. With strict semantics every result has the bits that native code
+    gives; only the sign and the payload of a NaN may differ. The same source, options and compiler give the
+    same bytes.
+
+    Args:
+        source: Generated C, from `kanegen.generate`. Choices of a processor are ignored: there is only one.
+        batch: Whether to export also the functions for several states at once.
+        simd: Whether to use vectors of two doubles, which need a browser of 2023 or later. No bit of a result
+            depends on them.
+
+    Raises:
+        BuildError: If there is no compiler for WebAssembly, it fails, or the cache folder cannot be used.
+        OptionError: If the C needs what WebAssembly does not have: long double, sines of a C library, or a
+            mode that flushes subnormal numbers; or it is no C99.
+
+    Example:
+        source = kg.generate(kg.load("models/double_pendulum.toml"), outputs=("forward_dynamics",))
+        Path("double_pendulum.wasm").write_bytes(wasm_module(source))
+    """
+    _require_portable(source)
+    return made(_product(source, flag("batch", batch), flag("simd", simd)), Path.read_bytes)
+
+
+def exports(source: Source, batch: bool = False) -> tuple[str, ...]:
+    """Return the names of the functions that the module of `source` exports.
+
+    Args:
+        source: Generated C.
+        batch: Whether the module has functions for several states at once.
+    """
+    return tuple(
+        f"{source.model.name}_{function.name}{suffix}"
+        for function in source.functions
+        for suffix in _suffixes(function, batch)
+    )
+
+
+def _suffixes(function: Function, batch: bool) -> tuple[str, ...]:
+    """Return the ends of the names in C of a function and its batch form."""
+    return ("", "_batch") if batch and function.has_batch else ("",)
+
+
+def _product(source: Source, batch: bool, simd: bool) -> Product:
+    """Return the module with the commands that make it."""
+    found = toolchain.find()
+    variant = source.variant
+    flags = semantics.compiler_flags(variant.semantics, "portable", variant.optimisation)
+    command = (
+        *found.compile,
+        "-std=c99",
+        _ERROR,
+        *flags,
+        *(("-msimd128",) if simd else ()),
+        "-isystem",
+        _HEADERS,
+    )
+    files = {file: text for file, text in code(source).items() if batch or not file.endswith("_batch.c")}
+    options = (
+        "--no-entry",
+        "--strip-all",
+        "--stack-first",
+        *("-z", f"stack-size={STACK_BYTES}"),
+        "--export=__heap_base",
+        *(f"--export={name}" for name in exports(source, batch)),
+    )
+    return Product(
+        name=f"{source.model.name}.wasm",
+        files={**files, **{path: fill(template) for path, template in _OWN.items()}},
+        compile={
+            **{file: command for file in files if file.endswith(".c")},
+            _RUNTIME: (*command, "-fno-builtin"),  # or a loop that copies would become a call of itself
+        },
+        link=found.link,
+        link_arguments=found.linker_options(options),
+        fingerprints=(found.fingerprint,),
+    )
+
+
+def _require_portable(source: Source) -> None:
+    """Make sure that a source needs nothing that WebAssembly does not have.
+
+    Raises:
+        OptionError: If it does.
+    """
+    variant, needs = source.variant, ""
+    if source.target != "c99":
+        raise OptionError(f"WebAssembly is made of C99, not of {source.target}. Generate C99.")
+    if "long double" in (source.precision, source.storage):
+        needs = "long double. Take precision double-double."
+    elif variant.sincos == "libm":
+        needs = "sine and cosine of a C library. Take sincos shared."
+    elif variant.flushes:
+        needs = "a mode that flushes subnormal numbers. Take strict semantics."
+    if needs:
+        raise OptionError(f"WebAssembly has no {needs}")

@@ -1,0 +1,1 @@
+"""Headers and functions of C that WebAssembly without a C library needs."""

@@ -1,0 +1,194 @@
+"""WebAssembly of generated C beside the native library: the same bits; and what is refused."""
+
+import shlex
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.c import description
+from kanegen.errors import BuildError, OptionError
+from kanegen.library import load
+from kanegen.library.native import commands
+from kanegen.model.arguments import LOADS
+from kanegen.options import TIERS
+from kanegen.program.precision import precision_named
+from kanegen.reference.states import random_states
+from kanegen.web import toolchain
+from kanegen.web.wasm import exports, wasm_module
+from tests.support.paths import ROOT
+from tests.support.random_trees import everything
+from tests.support.wasm import WasmLibrary
+
+STATES = 1000
+OUTPUTS = ("forward_dynamics", "kinetic_energy", "body_poses")
+
+
+def model(name):
+    return kg.load(ROOT / "models" / f"{name}.toml")
+
+
+def bits(array):
+    """The patterns of numbers, with one pattern for every NaN."""
+    array = np.where(np.isnan(array), np.nan, array)
+    return array.view(np.uint8)
+
+
+def inputs_of(system, function, dtype, count, seed=5):
+    """Random inputs of a function by name, a row for each state, but for prepared constants."""
+    states, rng = random_states(system, count, seed), np.random.default_rng(seed)
+    inputs = {array.name: rng.standard_normal((count, *array.shape)) for array in function.inputs}
+    inputs |= {"x": states.x, "y": states.y}
+    for name in inputs.keys() & LOADS.keys():
+        inputs[name][:, list(description(system).unloaded(LOADS[name]))] = 0.0
+    return {
+        array.name: inputs[array.name].astype(dtype) for array in function.inputs if array.name != "prepared"
+    }
+
+
+def compare(system, variant=TIERS["strict"], count=STATES, outputs=OUTPUTS, **options):
+    """Compare functions of one state in WebAssembly, state by state, with native ones."""
+    source = kg.generate(system, outputs, tier=variant)
+    native, wasm = load(source, on_status="ignore"), WasmLibrary(source, **options)
+    constants = {"prepared": prepared(wasm, system)} if system.parameters else {}
+    dtype = precision_named(source.storage).dtype
+    for function in source.functions:
+        if function.name in outputs:
+            inputs = inputs_of(system, function, dtype, count)
+            names = [array.name for array in function.inputs]
+            rows = (
+                {**constants, **dict(zip(inputs, row, strict=True))}
+                for row in zip(*inputs.values(), strict=True)
+            )
+            found = [wasm(function.name, *(row[name] for name in names))[0] for row in rows]
+            expected = native_results(native, function, inputs)
+            assert np.array_equal(bits(np.array(found)), bits(expected)), function.name
+    return wasm
+
+
+def native_results(native, function, inputs):
+    """The results of a native function; the time is one number in a call, so such states go one by one."""
+    call = getattr(native, function.name)
+    if "t" not in inputs:
+        return call(**inputs)
+    rows = zip(*inputs.values(), strict=True)
+    return np.array([call(**dict(zip(inputs, row, strict=True))) for row in rows])
+
+
+def prepared(wasm, system):
+    return wasm("prepare", [parameter.value for parameter in system.parameters])[0]
+
+
+SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("eight_body", "panda_arm", "quarter_car")]
+
+
+@pytest.mark.parametrize("name", ["double_pendulum", "satellite", *SLOW])
+def test_strict_doubles_have_the_bits_of_native_code(name):
+    system = model(name)
+    compare(system)
+
+
+def test_vectors_change_no_bit():
+    wasm = compare(model("scara"), count=200, simd=True)
+    assert b"\xfd" in wasm_module(wasm.source, simd=True)  # the prefix of the instructions of vectors
+
+
+def test_floats_have_the_bits_of_native_code():
+    system = model("double_pendulum")
+    compare(system, TIERS["single"])
+
+
+def test_coarse_sines_have_the_bits_of_native_code():
+    system = model("furuta_pendulum")
+    compare(system, kg.Variant(sincos="polynomial-5"))
+
+
+def test_double_double_has_the_bits_of_native_code():
+    system = model("double_pendulum")
+    compare(system, TIERS["exact"], 200)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_trees_with_all_inputs_have_the_bits_of_native_code(seed):
+    compare(everything(seed, bodies=3), count=40)
+
+
+@pytest.mark.parametrize("simd", [False, True])
+def test_batches_have_the_bits_of_native_code(simd):
+    system = model("double_pendulum")
+    source = kg.generate(system, ("forward_dynamics",))
+    wasm, native = WasmLibrary(source, batch=True, simd=simd), load(source)
+    function = next(one for one in source.functions if one.name == "forward_dynamics")
+    inputs = inputs_of(system, function, np.float64, 33)
+    found, status = wasm.batch("forward_dynamics", prepared(wasm, system), *inputs.values())
+    assert status == 0
+    assert np.array_equal(bits(found), bits(native.forward_dynamics(**inputs)))
+
+
+def test_statuses_are_those_of_native_code():
+    source = kg.generate(model("double_pendulum"), ("forward_dynamics",))
+    wasm = WasmLibrary(source)
+    prepared, status = wasm("prepare", [9.81, 1.0, 1.0, 0.0, 0.7])
+    assert status == 3  # an inertia of 0 is divided by
+    ydot, status = wasm("forward_dynamics", prepared, [0.1, 0.2], [0.0, 0.0], [0.0, 0.0])
+    assert status == 2
+    assert np.isnan(ydot).all()
+
+
+@pytest.mark.parametrize("command", [f"{shlex.quote(sys.executable)} -m ziglang cc", "clang"])
+def test_both_toolchains_give_the_bits_of_native_code(monkeypatch, command):
+    if command == "clang":
+        monkeypatch.setenv(toolchain.VARIABLE, command)
+    else:
+        monkeypatch.setattr(toolchain, "shutil", SimpleNamespace(which=lambda name: None))
+    assert (toolchain.find().option == "-Wl,") == (command == "clang")
+    compare(model("furuta_pendulum"), count=50)
+
+
+def test_modules_are_the_same_bytes_again_and_are_cached(tmp_path, monkeypatch):
+    source = kg.generate(model("planar_pendulum"), ("forward_dynamics",))
+    first = wasm_module(source)
+    monkeypatch.setenv("KANEGEN_CACHE", str(tmp_path))
+    assert wasm_module(source) == first
+    monkeypatch.setattr(commands, "make_all", None)
+    assert wasm_module(source) == first
+
+
+def test_exports_are_the_functions_of_the_header():
+    source = kg.generate(model("planar_pendulum"), ("forward_dynamics",))
+    wasm = WasmLibrary(source, batch=True)
+    assert set(exports(source, batch=True)) < set(wasm.exports.keys())
+    assert {"memory", "__heap_base"} < set(wasm.exports.keys())
+
+
+@pytest.mark.parametrize(
+    ("variant", "mends"),
+    [
+        (kg.Variant(precision="long double"), "Take precision double-double"),
+        (kg.Variant(sincos="libm"), "Take sincos shared"),
+        (kg.Variant(semantics=("flush-to-zero",)), "Take strict semantics"),
+    ],
+)
+def test_what_webassembly_does_not_have_is_refused(variant, mends):
+    source = kg.generate(model("planar_pendulum"), ("forward_dynamics",), tier=variant)
+    with pytest.raises(OptionError, match=mends):
+        wasm_module(source)
+
+
+def test_without_a_compiler_one_line_says_how_to_get_one(monkeypatch):
+    monkeypatch.delenv(toolchain.VARIABLE, raising=False)
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setattr(toolchain, "is_installed", lambda package: False)
+    with pytest.raises(BuildError, match=r"pip install ziglang") as caught:
+        toolchain.find()
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("command", ["gcc", "no-such-compiler", "'"])
+def test_a_named_compiler_that_makes_no_webassembly_is_refused(monkeypatch, command):
+    monkeypatch.setenv(toolchain.VARIABLE, command)
+    with pytest.raises(BuildError, match=toolchain.VARIABLE) as caught:
+        toolchain.find()
+    assert "\n" not in str(caught.value)
