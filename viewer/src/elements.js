@@ -1,5 +1,13 @@
 // Elements of a page. Names of a model become text, never markup.
 
+import css from "uplot/dist/uPlot.min.css";
+import style from "./style.css";
+
+/** Adds the style of pages to the document, once. */
+export function addStyle() {
+  if (!document.getElementById("kg-style")) document.head.append(make("style", { id: "kg-style" }, css, style));
+}
+
 /** Returns an element with attributes, listeners (`onclick`) and children, which are elements or texts. */
 export function make(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);

@@ -1,14 +1,12 @@
 // A whole page: the picture, what is shown, sliders or a plot, and the clock.
 
-import { make, icon, toggle } from "./elements.js";
+import { addStyle, make, icon, toggle } from "./elements.js";
 import { pointOf, poses } from "./kinematics.js";
 import { Motion } from "./motion.js";
 import { Player } from "./player.js";
 import { Plot } from "./plot.js";
 import { Sliders } from "./sliders.js";
 import { CAMERAS, Stage } from "./stage.js";
-import css from "uplot/dist/uPlot.min.css";
-import style from "./style.css";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5];
 const LONGEST_PATH = 4000; // points of a path that are drawn
@@ -26,7 +24,7 @@ export function page(root, data) {
 
 class Page {
   constructor(root, { scene, motion, subtitle = "", paths = [], play = false }) {
-    if (!document.getElementById("kg-style")) document.head.append(make("style", { id: "kg-style" }, css, style));
+    addStyle();
     this.root = root;
     this.scene = scene;
     this.motion = motion && new Motion(scene, motion);

@@ -52,21 +52,26 @@ export class Stage {
   }
 
   #makeBodies() {
-    const maker = new ShapeMaker(this.scene.meshes);
-    this.bodies = this.scene.bodies.map((body, number) => {
+    this.maker = new ShapeMaker(this.scene.meshes);
+    this.bodies = this.scene.bodies.map((_, number) => {
       const group = new Group();
       group.matrixAutoUpdate = false;
-      const hasGeometry = body.shapes.some((shape) => shape.role === "geometry");
-      for (const shape of body.shapes) {
-        const object = maker.make(shape);
-        object.userData = { number, role: shape.role, standsIn: !hasGeometry };
-        group.add(object);
-      }
+      this.#makeShapes(group, number);
       this.world.add(group);
       return group;
     });
     this.hasGeometry = this.scene.bodies.some((body) => body.shapes.some((shape) => shape.role === "geometry"));
     if (this.hasGeometry) this.bodies[0].children.forEach((object) => (object.userData.standsIn = false));
+  }
+
+  #makeShapes(group, number) {
+    const { shapes } = this.scene.bodies[number];
+    const hasGeometry = shapes.some((shape) => shape.role === "geometry");
+    for (const shape of shapes) {
+      const object = this.maker.make(shape);
+      object.userData = { number, role: shape.role, standsIn: !hasGeometry };
+      group.add(object);
+    }
   }
 
   #makeMarkers() {
@@ -182,6 +187,24 @@ export class Stage {
   /** Puts all bodies where {x} and the prescribed values put them. */
   setState(x, prescribed = []) {
     poses(this.scene, x, prescribed, this.poses);
+    this.#refresh();
+  }
+
+  /** Puts all bodies into poses: (N + 1) times twelve numbers, as `poses` returns them. */
+  setPoses(all) {
+    this.poses.set(all);
+    this.#refresh();
+  }
+
+  /** Draws the shapes of the scene anew, where they have changed. */
+  reshape() {
+    this.bodies.forEach((group, number) => {
+      for (const object of group.children.filter((one) => one.isMesh)) {
+        group.remove(object);
+        object.geometry.dispose();
+      }
+      this.#makeShapes(group, number);
+    });
     this.#refresh();
   }
 
