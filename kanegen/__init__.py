@@ -73,7 +73,9 @@ if TYPE_CHECKING:
     from kanegen.model.system import System as System
     from kanegen.options import Variant as Variant
     from kanegen.readers import load as load
+    from kanegen.simulation.events import Event as Event
     from kanegen.simulation.simulate import simulate as simulate
+    from kanegen.simulation.trajectory import Trajectory as Trajectory
     from kanegen.symbolic.equations import Equations as Equations
     from kanegen.viewer.view import View as View
     from kanegen.viewer.view import view as view
@@ -125,7 +127,9 @@ _MODULES = {
     "model.system": ("System",),
     "options": ("Variant",),
     "readers": ("load",),
+    "simulation.events": ("Event",),
     "simulation.simulate": ("simulate",),
+    "simulation.trajectory": ("Trajectory",),
     "symbolic.equations": ("Equations",),
     "viewer.view": ("View", "view"),
 }

@@ -18,6 +18,7 @@ from kanegen.cli.explain import explain
 from kanegen.cli.generate import generate
 from kanegen.cli.info import info
 from kanegen.cli.linearize import linearize
+from kanegen.cli.simulate import simulate
 from kanegen.cli.terminal import fail, notices, show_warnings
 from kanegen.cli.tradeoff import tradeoff
 from kanegen.cli.verify import verify
@@ -32,6 +33,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     equations,
     linearize,
     equilibria,
+    simulate,
     info,
     view,
     explain,

@@ -21,6 +21,9 @@ BAD_INPUT = 2
 FAILED = 1
 """Exit status after a check that ran and did not pass."""
 
+INTERRUPTED = 130
+"""Exit status after Ctrl-C."""
+
 errors = Console(stderr=True, highlight=False, soft_wrap=True)
 """Standard error, for progress, warnings and errors."""
 

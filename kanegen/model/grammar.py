@@ -379,7 +379,9 @@ class _SignalReader(_Reader):
             case _:
                 name = ast.unparse(found)
         if name not in self._variables:
-            raise self._refused(found, f"there is no such variable. {did_you_mean(name, self._variables)}")
+            group = name.partition(".")[0]
+            alike = [one for one in self._variables if one.startswith(f"{group}.")] or self._variables
+            raise self._refused(found, f"there is no such variable. {did_you_mean(name, alike)}")
         return name
 
 

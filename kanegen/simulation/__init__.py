@@ -1,12 +1,19 @@
 """Motion over time: the equations of a compiled model, integrated.
 
-`simulate` is the entry. `motion` has the right side of the equations, `integration` the steps and solvers,
-`trajectory` the result, and `accuracy` its digits and drift. Fixed steps need only NumPy; the adaptive
-solvers are those of SciPy, from the extra `study`.
+`simulate` is the entry; it checks what it is given. `motion` is the right side of the equations, and `inputs`
+what acts from outside: functions, expressions (`signals`) and tables (`input_tables`). `methods` names the
+methods; `integration` has their steps, and `stretches` the states that they make one after the other.
+`running` keeps these and watches for `events`. `trajectory` is the result, with names and units (`elements`),
+as tables and files (`tables`), as a picture, and with its digits and drifts (`accuracy`).
+
+Fixed steps need only NumPy. The adaptive solvers are those of SciPy, from the extra `study`; tables need the
+extra `results`, pictures the extra `plot`.
 """
 
 from kanegen.simulation.accuracy import Drift, mescd
-from kanegen.simulation.simulate import METHODS, simulate
+from kanegen.simulation.events import Event, Occurrence
+from kanegen.simulation.methods import METHODS
+from kanegen.simulation.simulate import library_for, simulate
 from kanegen.simulation.trajectory import Trajectory
 
-__all__ = ["METHODS", "Drift", "Trajectory", "mescd", "simulate"]
+__all__ = ["METHODS", "Drift", "Event", "Occurrence", "Trajectory", "library_for", "mescd", "simulate"]

@@ -1,95 +1,20 @@
-"""Integration of a motion over time: steps of fixed length in NumPy, and the adaptive solvers of SciPy."""
+"""Steps of fixed length in NumPy, and sums of the state and its changes."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 
-from kanegen.errors import SingularError, StatusError
-from kanegen.extras import module
+from kanegen.errors import SingularError
 from kanegen.model.arguments import Floats
-from kanegen.model.arrays import Floats as Doubles
 from kanegen.simulation.motion import Motion, StateLayout
-
-EXTRA = "study"
-"""The extra that installs SciPy."""
 
 _MOST_ITERATIONS = 100
 """Iterations of the implicit midpoint method; each gains a factor of about step times the fastest rate."""
 
-_SLACK = 1e-9
-"""Relative excess of a step over the largest step that is ignored, so that rounding adds no step."""
-
 Step = Callable[[Motion, float, float, Floats], Floats]
 """Function that returns the change of a state in one step, from motion, time (s), step (s) and state."""
-
-
-def integrate_fixed(
-    motion: Motion, start: Floats, times: Doubles, method: Step, step: float, compensated: bool
-) -> Floats:
-    """Integrate in steps of fixed length.
-
-    Each interval between two times is cut into equal steps.
-
-    Args:
-        motion: Right side of the equations of motion.
-        start: (..., k) state at the first time.
-        times: (T,) times at which states are wanted, s.
-        method: Change of the state in one step.
-        step: Largest step, s.
-        compensated: Whether the rounding errors of the additions to the state are compensated.
-
-    Returns:
-        (T, ..., k) states.
-
-    Raises:
-        StatusError: If the state stops being finite.
-    """
-    total = (CompensatedSum if compensated else Sum)(start)
-    keep = LengthKeeper(motion.state, start) if motion.state.homogeneous else None
-    found = [start]
-    for begin, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
-        count = max(1, math.ceil((end - begin) / step * (1 - _SLACK)))
-        length = (end - begin) / count
-        for i in range(count):
-            total.add(method(motion, begin + i * length, length, total.state))
-            if keep is not None:
-                keep(total)
-        if not np.isfinite(total.state).all():
-            raise StatusError(
-                f"at t = {end:.9g} s: the state is not finite. Take a smaller step than {step!r} s."
-            )
-        found.append(total.state)
-    return np.stack(found)
-
-
-def integrate_adaptively(
-    motion: Motion, start: Floats, times: Doubles, method: str, tolerance: float
-) -> Doubles:
-    """Integrate with a solver of SciPy, which chooses its steps.
-
-    Args:
-        motion: Right side of the equations of motion.
-        start: (k,) state at the first time.
-        times: (T,) times at which states are wanted, s.
-        method: Name of the solver in SciPy.
-        tolerance: Relative and absolute error of a step, 1, rad, m, rad/s and m/s.
-
-    Returns:
-        (T, k) states.
-
-    Raises:
-        MissingError: If SciPy is not installed.
-        SingularError: If the solver fails.
-    """
-    solve = module("scipy.integrate", extra=EXTRA).solve_ivp
-    found = solve(motion, (times[0], times[-1]), start, method, t_eval=times, rtol=tolerance, atol=tolerance)
-    if not found.success:
-        raise SingularError(f"at t = {found.t[-1]:.9g} s: {method} gives up. {found.message}")
-    states: Doubles = np.ascontiguousarray(found.y.T)
-    return states
 
 
 def runge_kutta(motion: Motion, time: float, step: float, state: Floats) -> Floats:

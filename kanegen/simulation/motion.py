@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from kanegen.errors import OptionError
 from kanegen.library import Library
 from kanegen.library.native.status import INACCURATE, StatusReport, report
-from kanegen.model.arguments import Floats, NamedInputs
-
-Effort = Callable[[float, Floats, Floats], ArrayLike]
-"""Function that returns {tau}, of the shape of {y}, from the time (s), {x} and {y}."""
-
-PrescribedMotion = Callable[[float], ArrayLike]
-"""Function of the time (s) that returns (3, p) values, rates and accelerations of the prescribed freedoms."""
+from kanegen.model.arguments import Floats
+from kanegen.simulation.inputs import Inputs, Interval
 
 
 @dataclass(frozen=True)
@@ -77,16 +71,16 @@ class Motion:
     Attributes:
         library: Library with the output `forward_dynamics`, and `coordinate_rates` if speeds are no rates.
         state: Layout of the states.
-        effort: Generalized forces beside loads and gravity, or None.
-        prescribed: Motion of the prescribed freedoms, or None if there are none.
+        inputs: What acts from outside.
+        interval: Times (s) between which the present step lies, for inputs that jump at its ends.
         evaluations: Calls of `forward_dynamics` so far; a whole batch is one.
         inaccurate: Reports of results that may be inaccurate, with the time in their messages.
     """
 
     library: Library
     state: StateLayout
-    effort: Effort | None
-    prescribed: PrescribedMotion | None = None
+    inputs: Inputs
+    interval: Interval = (-math.inf, math.inf)
     evaluations: int = 0
     inaccurate: list[StatusReport] = field(default_factory=list)
 
@@ -102,18 +96,20 @@ class Motion:
         The power includes that at the prescribed freedoms, if the library has `prescribed_efforts`.
 
         Raises:
-            OptionError: If the generalized forces have another shape than {y}.
+            OptionError: If a function of the caller returns generalized forces of another shape than {y}.
             StatusError: If a result is missing, as a `SingularError`, or is not finite; or if it may be
                 inaccurate and the library raises on that. The message has the time.
         """
         self.evaluations += 1
-        tau = None if self.effort is None else self._efforts(self.effort, time, x, y)
-        library, inputs = self._library_at(time), self._inputs(time)
-        found = library.forward_dynamics(x, y, tau, **inputs)
-        power = np.zeros(y.shape[:-1], y.dtype) if tau is None else np.sum(y * tau, axis=-1)
-        if self.prescribed is not None and "prescribed_efforts" in library.outputs:
-            efforts = library.prescribed_efforts(x, y, found, **inputs)
-            power = power + efforts @ np.asarray(inputs["prescribed"], y.dtype)[1]
+        library, arguments = self.library_at(time), self._arguments(time, x, y)
+        found = library.forward_dynamics(x, y, **arguments)
+        power = np.zeros(y.shape[:-1], y.dtype)
+        tau = arguments.pop("tau", None)
+        if tau is not None:
+            power = np.sum(y * tau, axis=-1)
+        if "prescribed" in arguments and "prescribed_efforts" in library.outputs:
+            efforts = library.prescribed_efforts(x, y, found, **arguments)
+            power = power + efforts @ np.asarray(arguments["prescribed"], y.dtype)[1]
         return found, power
 
     def rates(self, time: float, x: Floats, y: Floats) -> Floats:
@@ -125,7 +121,14 @@ class Motion:
         """
         if speeds_are_rates(self.library):
             return y
-        return self._library_at(time).coordinate_rates(x, y, **self._inputs(time))
+        arguments = self._arguments(time, x, y)
+        named = {name: arguments[name] for name in self.library.further_inputs if name in arguments}
+        return self.library_at(time).coordinate_rates(x, y, **named)
+
+    def _arguments(self, time: float, x: Floats, y: Floats) -> dict[str, Any]:
+        """Return what acts at a time as arguments of `Library.forward_dynamics`, with the time itself."""
+        found: dict[str, Any] = self.inputs.arguments(time, x, y, self.interval)
+        return found | {"t": time} if "t" in self.library.further_inputs else found
 
     def report_inaccurate(self) -> None:
         """Report once that results may have been inaccurate, with the first time, as the library reports."""
@@ -134,7 +137,7 @@ class Motion:
             message = f"{first.message} {count} of {self.evaluations} evaluations were not accurate."
             report(replace(first, message=message), self.library.on_status)
 
-    def _library_at(self, time: float) -> Library:
+    def library_at(self, time: float) -> Library:
         """Return the library, which passes what it has to report to `_react` with the time (s).
 
         A library that ignores reports does so from the second evaluation on: no motion begins in a state
@@ -157,22 +160,6 @@ class Motion:
             report(replace(found, message=message), self.library.on_status)
         else:
             self.inaccurate.append(replace(found, message=message))
-
-    def _inputs(self, time: float) -> NamedInputs:
-        """Return the inputs that are passed by name: the time, and the prescribed motion at that time."""
-        inputs: NamedInputs = {"t": time} if "t" in self.library.further_inputs else {}
-        return inputs if self.prescribed is None else {**inputs, "prescribed": self.prescribed(time)}
-
-    def _efforts(self, effort: Effort, time: float, x: Floats, y: Floats) -> Floats:
-        """Return the generalized forces, of the type of {y}, after a check of their shape."""
-        tau = np.asarray(effort(time, x, y))
-        if tau.dtype.kind not in "iuf" or tau.shape not in (y.shape, y.shape[-1:]):
-            raise OptionError(
-                f"effort: at t = {time:.9g} s it returned {tau.dtype} of shape {tau.shape}; expected real "
-                f"numbers of shape {y.shape}, one for each speed."
-            )
-        efforts: Floats = tau.astype(y.dtype, copy=False)
-        return efforts
 
 
 def speeds_are_rates(library: Library) -> bool:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from typing import Any
 
 from kanegen.extras import module
-from kanegen.measure.svg import STYLE
+from kanegen.measure.svg import STYLE, svg_text
 from kanegen.model.arguments import Floats
 
 EXTRA = "plot"
 """The extra that brings Matplotlib."""
+
+FORMATS = (".svg", ".png", ".pdf")
+"""Ends of the names of files of pictures."""
 
 WIDTH, HEIGHT = 7.0, 2.2
 """Width of a picture, and height of a panel, in inches."""
@@ -56,3 +60,20 @@ def _draw(panel: Any, times: Floats, name: str, values: Floats) -> None:
     for line in lines[1:]:
         line.set_color(lines[0].get_color())
     lines[0].set_label(name)
+
+
+def picture_file(made: Any, suffix: str) -> bytes:
+    """Return the content of a file of a picture, which has no date in it.
+
+    Args:
+        made: The picture, from `figure`.
+        suffix: One of `FORMATS`.
+    """
+    if suffix == ".svg":
+        with module("matplotlib", extra=EXTRA).rc_context(STYLE):
+            return svg_text(made).encode()
+    content = io.BytesIO()
+    made.savefig(
+        content, format=suffix[1:], dpi=150, metadata={"CreationDate": None} if suffix == ".pdf" else {}
+    )
+    return content.getvalue()

@@ -3,86 +3,86 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen.choices import require_one
-from kanegen.errors import ArrayError, ModelError, OptionError, quoted
+from kanegen.compiler import build
+from kanegen.errors import ArrayError, OptionError, StatusError, quoted
 from kanegen.library import Library
+from kanegen.linear.names import names_of
 from kanegen.model import arguments
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
-from kanegen.model.numbers import finite
+from kanegen.model.system import System
+from kanegen.model.values_by_name import finite_in_order
+from kanegen.options import STRICT, Progress, Variant, quiet
 from kanegen.program import precision as precisions
-from kanegen.simulation.integration import (
-    Leapfrog,
-    Step,
-    implicit_midpoint,
-    integrate_adaptively,
-    integrate_fixed,
-    runge_kutta,
-    semi_implicit_euler,
-)
-from kanegen.simulation.motion import (
-    Effort,
-    Motion,
-    PrescribedMotion,
-    StateLayout,
-    speeds_are_rates,
-)
+from kanegen.recursion.outputs import OUTPUTS, available
+from kanegen.simulation.events import Crossing, Event, Watch, conditions, require_events
+from kanegen.simulation.inputs import Effort, Inputs, InputSource, PrescribedMotion
+from kanegen.simulation.limits import warn_outside_limits
+from kanegen.simulation.methods import METHODS, Method, chosen_method
+from kanegen.simulation.motion import Motion, StateLayout, speeds_are_rates
+from kanegen.simulation.running import Record, ReportTime, run
+from kanegen.simulation.signals import outputs_in
+from kanegen.simulation.stretches import Marks
 from kanegen.simulation.trajectory import Trajectory
 
-ADAPTIVE = ("DOP853", "Radau")
-"""Solvers of SciPy: an explicit one of order 8, and an implicit one of order 5 for stiff systems."""
-
-FIXED: dict[str, Callable[[], Step]] = {
-    "RK4": lambda: runge_kutta,
-    "semi-implicit Euler": lambda: semi_implicit_euler,
-    "leapfrog": Leapfrog,
-    "implicit midpoint": lambda: implicit_midpoint,
-}
-"""Functions that return the step of each method with fixed steps."""
-
-METHODS = (*FIXED, *ADAPTIVE)
-"""Methods of `simulate`: those with fixed steps, and those with a tolerance."""
+__all__ = ["METHODS", "OF_MOTION", "simulate"]
 
 OF_MOTION = ("forward_dynamics", "coordinate_rates")
 """Outputs that a simulation needs; tables and files contain the others."""
 
-TOLERANCE = 1e-10
-"""Tolerance of the adaptive methods unless another is given."""
+OF_DRIFTS = ("kinetic_energy", "potential_energy", "momentum")
+"""Outputs whose drifts tell about the accuracy of a simulation."""
+
+ROWS = 200
+"""Number of intervals between the states of a motion of which only the duration is given."""
 
 
 def simulate(
-    library: Library,
-    x: ArrayLike,
-    y: ArrayLike,
-    times: ArrayLike,
-    method: str = "RK4",
+    model: Library | System,
+    x: ArrayLike | Mapping[str, float] | None = None,
+    y: ArrayLike | Mapping[str, float] | None = None,
+    times: ArrayLike | None = None,
+    method: str | None = None,
     *,
+    every: float | None = None,
     step: float | None = None,
     tolerance: float | None = None,
     compensated: bool = False,
     effort: Effort | None = None,
     prescribed: PrescribedMotion | None = None,
+    inputs: InputSource | Sequence[InputSource] | None = None,
+    hold: str = "zero",
+    events: Iterable[Event | str] | Event | str = (),
+    outputs: Iterable[str] | str | None = None,
+    progress: ReportTime | None = None,
 ) -> Trajectory:
-    """Integrate the motion of a compiled model from one state, or from B of them at once.
+    """Integrate the motion of a model from one state, or from B of them at once.
 
     Args:
-        library: Library with the output `forward_dynamics`, and `coordinate_rates` if speeds are not the
-            rates of coordinates. Fixed steps are computed in the precision of its arrays.
-        x: (m,) or (B, m) coordinates at the first time, rad, m or 1; (B, m) with fixed steps only.
-        y: (n,) or (B, n) generalized speeds at the first time, rad/s and m/s.
-        times: (T,) increasing times at which states are wanted, s; the first is that of `x` and `y`.
-        method: One of `METHODS`. With fixed steps, "RK4" is of order 4 and has the smallest errors for its
-            cost; "implicit midpoint" of order 2, symmetric in time, keeps the energy of a conservative system
-            near its value in long motions, at about 7 evaluations a step; "leapfrog" of order 2 and
-            "semi-implicit Euler" of order 1 do so only where [A] is constant and forces depend on {x} alone,
-            else the energy drifts (docs/accuracy.md has figures). SciPy's adaptive methods are "DOP853",
-            explicit and of order 8, and "Radau", implicit and of order 5, for stiff systems.
+        model: A library with the output `forward_dynamics`, and `coordinate_rates` if speeds are not the
+            rates of coordinates; or a system, for which a library with all that is asked for is built. Fixed
+            steps are computed in the precision of its arrays.
+        x: (m,) or (B, m) coordinates at the first time, rad, m or 1, (B, m) with fixed steps only; or some by
+            name, such as {"pole": 0.3}, where the others are neutral.
+        y: (n,) or (B, n) generalized speeds at the first time, rad/s and m/s; or some by name, where the
+            others are 0.
+        times: (T,) increasing times at which states are wanted, s; the first is that of `x` and `y`. A single
+            number is the duration of a motion that begins at 0.
+        method: One of `METHODS`; by default "RK4" with a step, and "DOP853" without. With fixed steps, "RK4"
+            is of order 4 and has the smallest errors for its cost; "implicit midpoint" of order 2, symmetric
+            in time, keeps the energy of a conservative system near its value in long motions, at about 7
+            evaluations a step; "leapfrog" of order 2 and "semi-implicit Euler" of order 1 do so only where
+            [A] is constant and forces depend on {x} alone, else the energy drifts (docs/accuracy.md has
+            figures). SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit
+            and of order 5, for stiff systems.
+        every: Interval between the states of a motion of which the duration is given, s; by default a 200th
+            of it.
         step: Largest fixed step, s; every interval between two times is cut into equal steps.
         tolerance: Relative and absolute error of a step of the adaptive methods, from 1e-13 to 0.1; 1e-10 by
             default.
@@ -94,11 +94,27 @@ def simulate(
         prescribed: Function of t that returns (3, p) values, rates and second derivatives of the prescribed
             freedoms. If the library has the output `prescribed_efforts`, their work counts as that of
             efforts.
+        inputs: What acts, by name: a freedom for its generalized force (N m, N), a prescribed freedom for its
+            value (rad, m), "force.<body>.x", "torque.<body>.x", "point_force.<point>.x" and
+            "point_moment.<point>.x" for components of loads (N, N m). A table such as {"pole": "0.5*sin(t)"}
+            has numbers, or expressions of t, x.<coordinate> and y.<speed>; the derivatives of a prescribed
+            value are formed. The name of a .csv, .parquet or .npz file, or a table with the column "t" (s),
+            has values over the time. Several of them act together.
+        hold: How values over the time continue to the next one: "zero" keeps them, "linear" draws a line.
+        events: Events that are recorded, or end the motion: texts such as "x.pole > pi/2", or `Event`s.
+        outputs: Outputs that tables and files of the trajectory contain; by default all of the library but
+            accelerations, and energies and momentum for a system.
+        progress: Function that is called with the simulated time (s) from time to time.
+
+    Returns:
+        The trajectory, up to the event that ended it. An exception that breaks the computation off, also the
+        `KeyboardInterrupt` of Ctrl-C, has what was computed so far as its attribute `trajectory`.
 
     Raises:
         ArrayError: If an array has the wrong shape or type.
-        OptionError: If an option does not exist, or does not fit the method or the library, or the motion of
-            prescribed freedoms is missing.
+        OptionError: If an option or a name does not exist, or does not fit the method or the library, an
+            expression cannot be read, or the motion of prescribed freedoms is missing.
+        ReadError: If a table cannot be read.
         MissingError: If an adaptive method is asked for and SciPy is not installed.
         SingularError: If [A] becomes singular or the method gives up; the message has the time.
         StatusError: If accelerations or the state stop being finite, also where the library ignores that; or
@@ -110,79 +126,148 @@ def simulate(
         trajectory = kg.simulate(library, [0.1, 0.2], [0.0, 0.0], np.linspace(0, 10, 101), step=1e-3)
         print(trajectory.energy_drift)
     """
-    _check_method(method, step, tolerance, compensated, effort)
-    _check_library(library, method)
-    _check_prescribed(library, prescribed)
-    start_x, start_y = _first_state(library, x, y)
-    moments = _times(times)
-    layout = StateLayout.of(library)
-    motion = Motion(library, layout, effort, prescribed)
-    start = layout.join(start_x, start_y, np.zeros(start_y.shape[:-1], start_y.dtype))
-    states: Floats
-    if step is None:
-        if start.ndim > 1:
-            raise ArrayError(f"x: method {method!r} takes one state, got {len(start)}.")
-        states = integrate_adaptively(motion, start, moments, method, tolerance or TOLERANCE)
-    else:
-        states = integrate_fixed(motion, start, moments, FIXED[method](), step, compensated)
-    motion.report_inaccurate()
-    inputs: dict[str, Floats] = {}
-    if prescribed is not None:
-        inputs["prescribed"] = np.array([prescribed(time) for time in moments], start.dtype)
-    coordinates = layout.x(states)
-    if layout.homogeneous:
-        factors = layout.lengths(start_x) / layout.lengths(coordinates)
-        coordinates = layout.scaled(coordinates, factors)
-    found = coordinates, layout.y(states), states[..., -1]
-    if effort is not None:
-        rows = zip(moments.tolist(), *found[:2], strict=True)
-        inputs["tau"] = np.array([np.broadcast_to(effort(t, x, y), y.shape) for t, x, y in rows], start.dtype)
-    setting = f"step {step:g} s" if step is not None else f"tolerance {tolerance or TOLERANCE:g}"
-    outputs = tuple(name for name in library.outputs if name not in OF_MOTION)
-    return Trajectory(library, moments, *found, motion.evaluations, inputs, f"{method}, {setting}", outputs)
-
-
-def _check_method(
-    method: str, step: float | None, tolerance: float | None, compensated: bool, effort: Effort | None
-) -> None:
-    """Make sure that the method exists and that its options fit it."""
-    require_one("method", method, METHODS)
-    if method in ADAPTIVE:
-        if step is not None or compensated:
-            raise OptionError(
-                f"method {method!r} chooses its steps: give a tolerance, not a step or compensated."
-            )
-        if tolerance is not None and not 1e-13 <= _number("tolerance", tolerance) <= 0.1:
-            raise OptionError(f"tolerance: {tolerance!r} is not between 1e-13 and 0.1.")
-    elif tolerance is not None:
-        raise OptionError(f"method {method!r} has fixed steps: give a step, not a tolerance.")
-    elif step is None or not 0 < _number("step", step) < math.inf:
-        raise OptionError(f"step: method {method!r} needs a positive number of seconds, got {quoted(step)}.")
+    chosen = chosen_method(method, step, tolerance, compensated)
+    moments = _times(times, every)
+    happenings = require_events(events)
+    library = model if isinstance(model, Library) else library_for(model, happenings, outputs)
+    recorded = _recorded(library, outputs, isinstance(model, System))
+    _check_library(library, chosen)
     if effort is not None and not callable(effort):
         raise OptionError(f"effort: {effort!r} cannot be called. Give a function of t, x and y.")
+    if prescribed is not None and not callable(prescribed):
+        raise OptionError(f"prescribed: {prescribed!r} cannot be called. Give a function of t.")
+    acting = Inputs.of(library, effort, prescribed, inputs, hold)
+    acting.require_span(float(moments[0]), float(moments[-1]))
+    crossings = [Crossing.of(event, library) for event in happenings]
+    start_x, start_y = _first_state(library, x, y)
+    return _Simulation(library, chosen, acting, crossings, recorded).trajectory(
+        start_x, start_y, moments, progress or (lambda time: None)
+    )
 
 
-def _number(name: str, value: Any) -> float:
-    """Return `value` as a float; `name` is that of the argument, for the error message."""
-    try:
-        return finite(value, name)
-    except ModelError as error:
-        raise OptionError(str(error)) from None
+class _Simulation:
+    """One motion with all that is asked of it, checked."""
 
+    def __init__(
+        self,
+        library: Library,
+        method: Method,
+        inputs: Inputs,
+        crossings: Sequence[Crossing],
+        outputs: tuple[str, ...],
+    ) -> None:
+        self._library, self._method, self._inputs = library, method, inputs
+        self._crossings, self._outputs = crossings, outputs
+        self._layout = StateLayout.of(library)
+        self._motion = Motion(library, self._layout, inputs)
 
-def _check_library(library: Library, method: str) -> None:
-    """Make sure that the library has the outputs and the precision that the method needs."""
-    if not isinstance(library, Library):
-        raise OptionError(
-            f'{library!r} is no library. Make one with kg.build(system, ("forward_dynamics",)).'
+    def trajectory(self, x: Floats, y: Floats, times: Doubles, report_time: ReportTime) -> Trajectory:
+        """Return the motion from a first state.
+
+        Raises:
+            StatusError: As `simulate`; the error, like that of an interruption, carries the part before it.
+        """
+        start = self._layout.join(x, y, np.zeros(y.shape[:-1], y.dtype))
+        if start.ndim > 1 and self._method.is_adaptive:
+            raise ArrayError(f"x: method {self._method.name!r} takes one state, got {len(start)}.")
+        if start.ndim > 1 and self._crossings:
+            raise OptionError(f"events: a motion with events begins in one state, not in {len(start)}.")
+        integrator = self._method.integrator(self._motion)
+        watch = Watch(self._motion, integrator, self._crossings) if self._crossings else None
+        record = Record([float(times[0])], [start])
+        marks = Marks.of(times, self._inputs.breaks)
+        try:
+            run(self._motion, integrator, start, marks, watch, record, report_time)
+        except (StatusError, KeyboardInterrupt) as stopped:
+            stopped.trajectory = self._made(record)  # type: ignore[union-attr]
+            raise
+        self._motion.report_inaccurate()
+        return self._made(record)
+
+    def _made(self, record: Record) -> Trajectory:
+        """Return the trajectory of a record."""
+        times, states = record.arrays
+        x, y = self._layout.x(states), self._layout.y(states)
+        if self._layout.homogeneous:
+            factors = self._layout.lengths(x[0]) / self._layout.lengths(x)
+            x = self._layout.scaled(x, factors)
+        found = Trajectory(
+            self._library,
+            times,
+            x,
+            y,
+            states[..., -1],
+            self._motion.evaluations,
+            self._inputs.over(times, x, y),
+            str(self._method),
+            self._outputs,
+            tuple(record.events),
         )
+        warn_outside_limits(found)
+        return found
+
+
+def library_for(
+    system: System,
+    events: Sequence[Event | str] = (),
+    outputs: Iterable[str] | str | None = None,
+    tier: Variant | str = STRICT,
+    progress: Progress = quiet,
+) -> Library:
+    """Build a library with all outputs that a simulation of a system needs.
+
+    Args:
+        system: The tree.
+        events: Events, whose conditions may name outputs.
+        outputs: Outputs that are wanted over the time, beside energies and momentum.
+        tier: Variant of the code, as for `kg.build`.
+        progress: Function that is called with the name of each stage.
+
+    Raises:
+        OptionError: If there is no system, or no output of a name.
+        SingularError: If [A] is singular in every state.
+        BuildError: As `kg.build`.
+
+    Example:
+        library = library_for(system, ["kinetic_energy > 1"])
+    """
+    if not isinstance(system, System):
+        raise OptionError(
+            f'{system!r} is no system and no library. Make one with kg.build(system, ("forward_dynamics",)).'
+        )
+    can = available(system)
+    asked = () if outputs is None else names_of("outputs", outputs)
+    rates = () if system.speeds_are_rates else ("coordinate_rates",)
+    efforts = [name for name in ("prescribed_efforts",) if name in can]
+    named = outputs_in(conditions(events), tuple(OUTPUTS))
+    wanted = dict.fromkeys(("forward_dynamics", *rates, *efforts, *OF_DRIFTS, *asked, *named))
+    return build(system, tuple(wanted), tier=tier, progress=progress)
+
+
+def _recorded(library: Library, outputs: Iterable[str] | str | None, is_built: bool) -> tuple[str, ...]:
+    """Return the outputs that tables and files of the trajectory contain."""
+    if outputs is not None:
+        names = names_of("outputs", outputs)
+        for name in names:
+            if name not in library.outputs:
+                raise OptionError(
+                    f"system {library.name!r} was built without the output {quoted(name)}. It has "
+                    f"{', '.join(library.outputs)}; ask for more with outputs=(...)."
+                )
+        return names
+    for_itself = (*OF_MOTION, *(("prescribed_efforts",) if is_built else ()))
+    return tuple(name for name in library.outputs if name not in for_itself)
+
+
+def _check_library(library: Library, method: Method) -> None:
+    """Make sure that the library has the outputs and the precision that the method needs."""
     if "forward_dynamics" not in library.outputs:
         raise OptionError(
             f"system {library.name!r} was built without the output 'forward_dynamics'. It has "
             f"{', '.join(library.outputs)}; ask for more with outputs=(...)."
         )
     if not speeds_are_rates(library):
-        if method == "leapfrog":
+        if method.name == "leapfrog":
             raise OptionError("method 'leapfrog' is for speeds that are rates of coordinates. Take 'RK4'.")
         if "coordinate_rates" not in library.outputs:
             raise OptionError(
@@ -194,34 +279,29 @@ def _check_library(library: Library, method: str) -> None:
             f"the arrays of system {library.name!r} hold double-double numbers. Build it with "
             'storage="double".'
         )
-    if method in ADAPTIVE and library.storage != "double":
+    if method.is_adaptive and library.storage != "double":
         raise OptionError(
-            f"method {method!r} computes with doubles, but the arrays of system {library.name!r} are "
+            f"method {method.name!r} computes with doubles, but the arrays of system {library.name!r} are "
             f'{library.storage!r}. Build it with storage="double", or take fixed steps.'
         )
 
 
-def _check_prescribed(library: Library, prescribed: PrescribedMotion | None) -> None:
-    """Make sure that the motion of prescribed freedoms is given exactly if there are any."""
-    names = ", ".join(library.prescribed_names)
-    if prescribed is None and names:
-        raise OptionError(
-            f"system {library.name!r} has prescribed freedoms ({names}). Say how they move: "
-            "prescribed=motion, a function of the time that returns values, rates and second derivatives."
-        )
-    if prescribed is not None and not names:
-        raise OptionError(f"prescribed: no freedom of system {library.name!r} is prescribed. Leave it out.")
-    if prescribed is not None and not callable(prescribed):
-        raise OptionError(f"prescribed: {prescribed!r} cannot be called. Give a function of t.")
-
-
-def _first_state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
+def _first_state(library: Library, x: Any, y: Any) -> tuple[Floats, Floats]:
     """Return the coordinates and speeds at the first time in the precision of the library's arrays.
 
     Raises:
         ArrayError: If `x` or `y` has the wrong shape or type, or is not finite.
+        OptionError: If there is no coordinate or speed of a name.
     """
     dtype = precisions.precision_named(library.storage).dtype
+    if x is None or isinstance(x, Mapping):
+        neutral = np.zeros(len(library.coordinate_names))
+        neutral[[places[0] for places in library.source.model.homogeneous]] = 1.0
+        x = finite_in_order("x", x, library.coordinate_names, neutral.tolist())
+    if y is None or isinstance(y, Mapping):
+        y = finite_in_order("y", y, library.speed_names, [0.0] * library.n)
+        batch = np.shape(x)[:-1]
+        y = np.broadcast_to(y, (*batch, library.n))
     first = arguments.state("x", x, (len(library.coordinate_names),), dtype)
     second = arguments.companion("y", y, (library.n,), first.shape[:-1], dtype, "x")
     for name, array in (("x", first), ("y", second)):
@@ -230,15 +310,56 @@ def _first_state(library: Library, x: ArrayLike, y: ArrayLike) -> tuple[Floats, 
     return first, second
 
 
-def _times(times: ArrayLike) -> Doubles:
-    """Return the times as (T,) doubles.
+def _times(times: ArrayLike | None, every: float | None) -> Doubles:
+    """Return the times at which states are wanted, as (T,) doubles.
 
     Raises:
         ArrayError: If there are fewer than two, or they are not finite and increasing.
+        OptionError: If there are none, or a duration is not positive.
     """
+    if times is None:
+        raise OptionError("times: give a duration in s, or times, such as np.linspace(0, 10, 101).")
+    if np.ndim(times) == 0:
+        return _equal_times(_positive("duration", times), every)
+    if every is not None:
+        raise OptionError("every: it goes with a duration. With times, leave it out.")
     moments: Doubles = np.asarray(arguments.floats("times", times, np.dtype(np.float64)), np.float64)
     if moments.ndim != 1 or len(moments) < 2:
         raise ArrayError(f"times: expected at least two in one row, got shape {moments.shape}.")
     if not (np.isfinite(moments).all() and (np.diff(moments) > 0).all()):
         raise ArrayError("times: they must be finite and increase from each to the next.")
     return moments
+
+
+MOST_ROWS = 10_000_000
+"""Largest number of states that a duration and an interval may ask for."""
+
+
+def _equal_times(duration: float, every: float | None) -> Doubles:
+    """Return times from 0 to a duration (s) at equal intervals; the last one may be shorter."""
+    if every is None:
+        return np.linspace(0.0, duration, ROWS + 1)
+    interval = _positive("every", every)
+    count = duration / interval
+    if count > MOST_ROWS:
+        raise OptionError(
+            f"every: {interval!r} s makes more than {MOST_ROWS} states in {duration!r} s. Take a longer "
+            "interval."
+        )
+    whole = round(count) if abs(count - round(count)) < 1e-9 * count else math.floor(count)
+    found: Doubles = interval * np.arange(whole + 1.0)
+    if whole >= count * (1 - 1e-9):
+        found[-1] = duration if whole else 0.0
+    return found if found[-1] == duration else np.append(found, duration)
+
+
+def _positive(name: str, value: Any) -> float:
+    """Return a number of seconds.
+
+    Raises:
+        OptionError: If it is not positive and finite.
+    """
+    is_number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not is_number or not 0 < value < math.inf:
+        raise OptionError(f"{name}: {quoted(value)} is no positive number of seconds.")
+    return float(value)

@@ -18,12 +18,14 @@ from kanegen.library import Library
 from kanegen.linear.names import names_of
 from kanegen.model.arguments import Floats, NamedInputs
 from kanegen.model.arrays import Floats as Doubles
+from kanegen.model.force_elements import ForceElement, JointSpring, Potential, Spring
 from kanegen.model.numbers import value_of
 from kanegen.recursion.outputs import OUTPUTS
 from kanegen.simulation.accuracy import Drift, drift, mescd
 from kanegen.simulation.elements import Axis, Element, axes_of, elements, rate_unit
+from kanegen.simulation.events import Occurrence
 from kanegen.simulation.picture import figure
-from kanegen.simulation.tables import TIME, Group, Table, data_frame, dataset, save
+from kanegen.simulation.tables import TIME, Group, Table, data_frame, dataset, save, writer
 
 
 @dataclass(frozen=True, repr=False)
@@ -42,6 +44,7 @@ class Trajectory:
             times: "tau" (T, n) or (T, B, n), "prescribed" (T, 3, p), "force" (T, N, 3) and so on.
         method: Name of the method with its step or tolerance.
         outputs: Outputs of the library that tables and files contain beside the state.
+        events: Events in the order of their times.
 
     Example:
         trajectory = kg.simulate(library, [0.1, 0.2], [0.0, 0.0], np.linspace(0, 10, 101), step=1e-3)
@@ -57,6 +60,7 @@ class Trajectory:
     inputs: Mapping[str, Floats] = field(default_factory=dict)
     method: str = ""
     outputs: tuple[str, ...] = ()
+    events: tuple[Occurrence, ...] = ()
 
     def __repr__(self) -> str:
         span = f"{len(self.times)} times from {self.times[0]:g} to {self.times[-1]:g} s"
@@ -135,8 +139,31 @@ class Trajectory:
         names = [one.name for one in known or ()]
         if name in names:
             return self._flat(group)[..., names.index(name)]
-        hint = did_you_mean(name, names or (*self.names, *self.library.outputs))
-        raise OptionError(f"the motion of {self.library.name} has no {quoted(name)}. {hint}")
+        raise self._unknown(name, names or (*self.names, *self.library.outputs))
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a column, or of an output or an element of one that is no column.
+
+        Raises:
+            OptionError: If there is no such name.
+
+        Example:
+            trajectory.unit("y.theta3")  # "rad/s"
+        """
+        known = self.units
+        if name in known:
+            return known[name]
+        output = name.partition(".")[0]
+        if output not in self.library.outputs:
+            raise self._unknown(name, (*known, *self.library.outputs))
+        of = elements(self.library.source, output)
+        return next((one.unit for one in of if one.name == name), of[0].unit)
+
+    def _unknown(self, name: str, known: Sequence[str]) -> OptionError:
+        """Return the error that there is no column or output of a name."""
+        return OptionError(
+            f"the motion of {self.library.name} has no {quoted(name)}. {did_you_mean(name, known)}"
+        )
 
     def columns(self) -> dict[str, Floats]:
         """Return all columns by name: (T,) each, or (T, B).
@@ -282,6 +309,44 @@ class Trajectory:
         """
         save(self._table, path)
 
+    def content(self, path: Path) -> bytes:
+        """Return what `save` writes into a file of this name.
+
+        Raises:
+            OptionError: If there is no format of its end.
+            MissingError: If a package of the format is not installed.
+
+        Example:
+            data = trajectory.content(Path("motion.csv"))
+        """
+        return writer(path)(self._table)
+
+    def as_dict(self, names: Sequence[str] | None = None) -> dict[str, Any]:
+        """Return method, accuracy, events and columns as plain data, for JSON.
+
+        Args:
+            names: Names of columns beside the time; by default all.
+
+        Raises:
+            OptionError: If there is no such name.
+
+        Example:
+            json.dumps(trajectory.as_dict(["x.theta3"]))
+        """
+        chosen = self.names[1:] if names is None else names_of("names", names)
+        columns = {name: self.output(name) for name in (TIME, *chosen)}
+        return {
+            "model": self.library.name,
+            "method": self.method,
+            "evaluations": self.evaluations,
+            "caption": self.caption,
+            "events": [
+                {"condition": one.condition, "t": one.time, "direction": one.direction} for one in self.events
+            ],
+            "units": {name: self.unit(name) for name in columns},
+            "columns": {name: np.asarray(values, np.float64).tolist() for name, values in columns.items()},
+        }
+
     def plot(self, names: Sequence[str] | str | None = None) -> Any:
         """Return a picture of the motion, a `matplotlib.figure.Figure`.
 
@@ -301,26 +366,43 @@ class Trajectory:
         """
         chosen = self._plotted if names is None else names_of("plot", names)
         columns = {name: self.output(name) for name in chosen}
-        units = {name: self.units.get(name) or self._unit(name) for name in chosen}
+        units = {name: self.unit(name) for name in chosen}
         return figure(self.library.name, self.times, columns, units, self.caption)
 
     @property
     def caption(self) -> str:
-        """The method, and the drifts of energy and momentum where the library has them, in a few words."""
+        """The method, and the drifts of what should be constant, in a few words.
+
+        The energy less the work of the efforts is constant where no force element dissipates and no loads
+        act, the momentum where nothing acts from outside. The library must have the outputs.
+        """
         parts = [self.method] if self.method else []
         has_energies = {"kinetic_energy", "potential_energy"} <= set(self.library.outputs)
         with suppress(OptionError):  # where nothing moves there is no drift
-            if has_energies and not self._has_loads:
+            if has_energies and self._keeps_energy:
                 parts.append(f"energy less work drifts by {self.energy_drift.largest:.1e}")
         with suppress(OptionError):
-            if "momentum" in self.library.outputs and self._floats:
+            if "momentum" in self.library.outputs and self._keeps_momentum:
                 linear, angular = self.momentum_drift()
                 drifts = f"{linear.largest:.1e} and {angular.largest:.1e}"
                 parts.append(f"linear and angular momentum by {drifts}")
         return "; ".join(parts)
 
     @property
-    def _floats(self) -> bool:
+    def _keeps_energy(self) -> bool:
+        """Whether the energy less the work of the efforts is constant."""
+        system = self.library.source.system
+        driven = "prescribed" in self.inputs and "prescribed_efforts" not in self.library.outputs
+        return (
+            system is not None
+            and not driven
+            and not system.depends_on_time
+            and self.inputs.keys() <= {"tau", "prescribed"}
+            and all(map(stores_energy, system.force_elements))
+        )
+
+    @property
+    def _keeps_momentum(self) -> bool:
         """Whether nothing from outside acts on the bodies, so that their momentum is constant."""
         system = self.library.source.system
         return (
@@ -331,20 +413,10 @@ class Trajectory:
         )
 
     @property
-    def _has_loads(self) -> bool:
-        """Whether loads acted on bodies or points, whose work is not known."""
-        return not self.inputs.keys() <= {"tau", "prescribed"}
-
-    @property
     def _plotted(self) -> tuple[str, ...]:
         """Names of the columns that a picture shows unless others are asked for."""
         outputs = [name for name in self.outputs if len(self._elements[name]) == 1]
         return (*(one.name for group in ("x", "y") for one in self._elements[group]), *outputs)
-
-    def _unit(self, name: str) -> str:
-        """Return the unit of an output, or of an element of one that is no column."""
-        of = elements(self.library.source, name.partition(".")[0])
-        return next((one.unit for one in of if one.name == name), of[0].unit)
 
     def _over_time(self, output: str) -> Doubles:
         """Return an output of the library at every time, called once for all states.
@@ -395,3 +467,15 @@ def _of_all_states(name: str, values: Floats, lead: tuple[int, ...]) -> Floats:
 def _named(group: str, names: Sequence[str], units: Sequence[str]) -> tuple[Element, ...]:
     """Return names and units of the columns of a state or of generalized forces."""
     return tuple(Element(f"{group}.{name}", unit) for name, unit in zip(names, units, strict=True))
+
+
+def stores_energy(element: ForceElement) -> bool:
+    """Return whether a force element stores all energy that it takes: a spring without damping, a potential.
+
+    Example:
+        stores_energy(kg.JointSpring("elbow.theta3", stiffness=40.0))  # True
+    """
+    match element:
+        case JointSpring(damping=damping) | Spring(damping=damping):
+            return value_of(damping) == 0
+    return isinstance(element, Potential)

@@ -18,7 +18,7 @@ from kanegen.program.check import check
 from kanegen.program.ir import Module, Op
 from kanegen.program.precision import precision_named
 from kanegen.simulation import simulate
-from kanegen.simulation.simulate import ADAPTIVE, FIXED
+from kanegen.simulation.methods import ADAPTIVE, FIXED
 from tests.support import systems
 from tests.support.c_compilers import CPP, WARNINGS, C, code, run
 from tests.support.handmade import F, Listing, X, description, source

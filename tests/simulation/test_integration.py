@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 import kanegen as kg
 from kanegen.simulation import simulate
 from kanegen.simulation.integration import CompensatedSum, Sum
-from kanegen.simulation.simulate import FIXED
+from kanegen.simulation.methods import FIXED
 from tests.support.paths import MODELS
 
 STIFFNESS = 6.0

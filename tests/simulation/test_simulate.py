@@ -15,27 +15,10 @@ from scipy.special import ellipj, ellipk
 import kanegen as kg
 from kanegen.simulation import Trajectory, mescd, simulate
 from kanegen.simulation.accuracy import drift
-from kanegen.simulation.simulate import FIXED
+from kanegen.simulation.methods import FIXED
+from tests.support.moving_pendulum import GRAVITY, OUTPUTS, pendulum
 
-GRAVITY = 9.81
 TIMES = np.linspace(0.0, 10.0, 41)
-OUTPUTS = ("forward_dynamics", "kinetic_energy", "potential_energy", "momentum")
-
-
-@functools.cache
-def pendulum(precision: str = "double", outputs: tuple[str, ...] = OUTPUTS) -> kg.Library:
-    """Return a point mass of 1 kg, 1 m from a hinge; it hangs at theta3 = -pi/2."""
-    system = kg.System.from_arrays(
-        connection=[0],
-        mass=[1.0],
-        inertia=np.zeros((1, 3, 3)),
-        mass_center=[[1.0, 0.0, 0.0]],
-        joint_position=[[0.0, 0.0, 0.0]],
-        free=[[False, False, True, False, False, False]],
-        gravity=(0.0, -GRAVITY, 0.0),
-        name="pendulum",
-    )
-    return kg.build(system, outputs, precision=precision)
 
 
 @functools.cache
@@ -212,7 +195,7 @@ def test_options_that_do_not_fit(message: str, options: dict[str, Any]) -> None:
 
 
 def test_libraries_that_do_not_fit() -> None:
-    with pytest.raises(kg.OptionError, match="is no library"):
+    with pytest.raises(kg.OptionError, match="is no system and no library"):
         simulate("pendulum", [0.0], [0.0], TIMES, step=0.1)  # type: ignore[arg-type]
     with pytest.raises(kg.OptionError, match="built without the output 'forward_dynamics'"):
         run("RK4", pendulum(outputs=("mass_matrix",)), step=0.1)

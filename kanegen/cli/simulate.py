@@ -1,0 +1,327 @@
+"""`kanegen simulate`: the motion of a model over time, its events, and files and pictures of it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kanegen.cli.loading import load_system, with_places, with_selection
+from kanegen.cli.options import (
+    AS_WRITTEN,
+    AsJson,
+    Coordinates,
+    FloatingBase,
+    Frames,
+    JointDynamics,
+    Lock,
+    Model,
+    Points,
+    Reactions,
+    RightAngles,
+    Speeds,
+    Tier,
+)
+from kanegen.cli.state_options import X, Y, numbers_by_name
+from kanegen.cli.terminal import INTERRUPTED, errors, fail, notices, print_plain, print_table, progress
+from kanegen.errors import KanegenError, OptionError, counted, quoted
+from kanegen.extras import require
+from kanegen.files import require_writable, write_all
+
+if TYPE_CHECKING:
+    from kanegen.model.system import System
+    from kanegen.simulation import Trajectory
+
+MOST_SHOWN = 12
+"""Largest number of states and events that are printed."""
+
+
+def simulate(  # noqa: PLR0913  (an argument for every option)
+    *,
+    model: Model,
+    duration: Annotated[
+        float | None,
+        typer.Option("--duration", metavar="S", help="Duration in s; --until may end it earlier."),
+    ] = None,
+    every: Annotated[
+        float | None,
+        typer.Option(
+            "--every",
+            metavar="S",
+            help="Interval between the states in s; by default duration/200.",
+        ),
+    ] = None,
+    x: X = None,
+    y: Y = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input",
+            metavar="NAME=EXPRESSION",
+            help="What acts (repeatable), a number or an expression of t, x.NAME and y.NAME, such as "
+            "pole=0.5*sin(t): the generalized force on a freedom, the value of a prescribed freedom, or "
+            "force.BODY.x, torque.BODY.x, point_force.POINT.x, point_moment.POINT.x.",
+            show_default=False,
+        ),
+    ] = None,
+    table: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--inputs",
+            metavar="FILE",
+            help="Values of inputs over the time (repeatable), .csv, .parquet or .npz, with a column t in s.",
+            show_default=False,
+        ),
+    ] = None,
+    hold: Annotated[
+        str,
+        typer.Option("--hold", metavar="NAME", help="How values of --inputs continue: zero or linear."),
+    ] = "zero",
+    event: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--event",
+            metavar="CONDITION",
+            help="Record the times at which this begins to hold (repeatable), such as 'x.pole > pi/2', or at "
+            "which an expression crosses zero.",
+            show_default=False,
+        ),
+    ] = None,
+    until: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--until",
+            metavar="CONDITION",
+            help="End with this event (repeatable), such as 'point_positions.tip.z < 0'.",
+            show_default=False,
+        ),
+    ] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            "--method",
+            metavar="NAME",
+            help="RK4, semi-implicit-euler, leapfrog or implicit-midpoint with a step; DOP853 or Radau, for "
+            "stiff systems, with a tolerance. By default RK4 with a step, and DOP853 without.",
+        ),
+    ] = None,
+    step: Annotated[float | None, typer.Option("--step", metavar="S", help="Largest fixed step, s.")] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            "--tolerance",
+            metavar="TOL",
+            help="Error of an adaptive step, relative and absolute; 1e-10 without.",
+        ),
+    ] = None,
+    compensated: Annotated[
+        bool, typer.Option("--compensated", help="Add fixed steps with a compensated sum.")
+    ] = False,
+    outputs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--output",
+            metavar="NAME",
+            help="Output over the time (repeatable), such as point_positions, body_poses or reaction_loads, "
+            "beside energies and momentum.",
+            show_default=False,
+        ),
+    ] = None,
+    files: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "-o",
+            "--write",
+            metavar="FILE",
+            help="Write all columns (repeatable): .csv, .parquet, .nc (NetCDF) or .npz.",
+            show_default=False,
+        ),
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option("--plot", metavar="FILE", help="Draw the motion: .svg, .png or .pdf."),
+    ] = None,
+    shown: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--show",
+            metavar="NAME",
+            help="Column to print and to draw (repeatable), such as x.pole or point_positions.tip.z.",
+            show_default=False,
+        ),
+    ] = None,
+    tier: Tier = "strict",
+    frames: Frames = None,
+    reactions: Reactions = None,
+    points: Points = None,
+    floating_base: FloatingBase = False,
+    joint_dynamics: JointDynamics = False,
+    right_angles: RightAngles = AS_WRITTEN,
+    speeds: Speeds = None,
+    coordinates: Coordinates = None,
+    lock: Lock = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate the motion of MODEL from the state that --x and --y give, by names; the rest is neutral.
+
+    Ctrl-C ends it: what was computed is written whole and printed, and the exit status is 130.
+    """
+    from kanegen.simulation import Event, library_for
+    from kanegen.simulation import simulate as run
+
+    duration = _duration(duration, until)
+    _require_files(files or [], plot)
+    asked = outputs or []
+    system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
+    system = with_selection(with_places(system, points, None), asked, frames, reactions)
+    events = [*map(Event, event or ()), *(Event(text, terminal=True) for text in until or ())]
+    x0, y0 = (_values(option, texts, system) for option, texts in (("--x", x), ("--y", y)))
+    given = [_expressions(inputs or []), *(table or [])]
+    columns = _columns(shown)
+    groups = (name.partition(".")[0] for name in columns)
+    named = dict.fromkeys([*asked, *(name for name in groups if name not in _STATES)])
+    with progress() as report:
+        library = library_for(system, events, list(named), tier, report)
+    recorded = [name for name in library.outputs if name in (*_DRIFTING, *named)]
+    options: dict[str, Any] = {"every": every, "step": step, "tolerance": tolerance, "hold": hold}
+    options |= {"compensated": compensated, "events": events, "outputs": recorded, "inputs": given}
+    try:
+        with _bar(duration) as report_time:
+            motion = run(library, x0, y0, duration, method, progress=report_time, **options)
+    except (KanegenError, KeyboardInterrupt) as stopped:
+        _finish_broken(stopped, files or [], plot, columns, as_json)
+    _write(motion, files or [], plot, columns)
+    _print(motion, columns, as_json)
+
+
+_STATES = ("t", "x", "y", "tau")
+"""First parts of names of columns that are no outputs."""
+
+_DRIFTING = ("kinetic_energy", "potential_energy", "momentum")
+
+
+def _duration(duration: float | None, until: list[str] | None) -> float:
+    """Return the duration, which must be given also where an event ends the motion: it may not come."""
+    if duration is None:
+        hint = " The event of --until may not come; the duration is the longest." if until else ""
+        raise OptionError(f"--duration: say how long to simulate, in s, such as --duration 10.{hint}")
+    return duration
+
+
+def _values(option: str, texts: list[str] | None, system: System) -> dict[str, float]:
+    """Return values of coordinates or speeds by name."""
+    from kanegen.model.numbers import value_of
+
+    return {name: value_of(number) for name, number in numbers_by_name(option, texts, system).items()}
+
+
+def _expressions(texts: Sequence[str]) -> dict[str, str]:
+    """Return the expressions of inputs by name, from texts such as "pole=0.5*sin(t)"."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise OptionError(f"--input: {quoted(text)} is not NAME=EXPRESSION, such as pole=0.5*sin(t).")
+        if name in found:
+            raise OptionError(f"--input: {quoted(name)} is given twice. Give it once.")
+        found[name] = value
+    return found
+
+
+def _columns(shown: list[str] | None) -> list[str]:
+    """Return the names of columns, of which one option may hold several, separated by commas."""
+    return [name.strip() for text in shown or () for name in text.split(",") if name.strip()]
+
+
+def _require_files(files: Sequence[Path], plot: Path | None) -> None:
+    """Make sure, before the work, that all files can be written.
+
+    Raises:
+        OptionError: If a file has an end of which there is no format.
+        MissingError: If a package of a format is not installed.
+        WriteError: If a file cannot be written.
+    """
+    from kanegen.simulation.picture import EXTRA, FORMATS
+    from kanegen.simulation.tables import writer
+
+    for path in files:
+        writer(path)
+    if plot is not None:
+        if plot.suffix not in FORMATS:
+            raise OptionError(f"--plot: {plot} does not end in {', '.join(FORMATS)}.")
+        require("matplotlib", EXTRA)
+    require_writable(*files, plot)
+
+
+@contextmanager
+def _bar(duration: float) -> Iterator[Callable[[float], None]]:
+    """Yield a function that shows the simulated time in a bar on a terminal, and nothing elsewhere."""
+    if not errors.is_terminal:
+        yield lambda time: None
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    text = TextColumn("t = {task.completed:.4g} of {task.total:.4g} s")
+    with Progress(BarColumn(), text, TimeRemainingColumn(), console=errors, transient=True) as bar:
+        task = bar.add_task("", total=duration)
+        yield lambda time: bar.update(task, completed=time)
+
+
+def _finish_broken(
+    stopped: KanegenError | KeyboardInterrupt,
+    files: Sequence[Path],
+    plot: Path | None,
+    columns: list[str],
+    as_json: bool,
+) -> None:
+    """Write and print what was computed before a motion broke off, then end the command.
+
+    Raises:
+        KanegenError: The error itself, if nothing was computed.
+    """
+    motion: Trajectory | None = getattr(stopped, "trajectory", None)
+    if motion is None:
+        raise stopped
+    if len(motion.times) > 1:
+        _write(motion, files, plot, columns)
+        _print(motion, columns, as_json)
+    written = f" {', '.join(map(str, files))} holds the motion up to then." if files else ""
+    reached = f"t = {motion.times[-1]:.9g} s"
+    if isinstance(stopped, KeyboardInterrupt):
+        notices.release()
+        errors.print(f"[bold red]interrupted[/] after {reached}.{written}")
+        sys.exit(INTERRUPTED)
+    fail(type(stopped)(f"{stopped}{written if len(motion.times) > 1 else ''}"))
+
+
+def _write(motion: Trajectory, files: Sequence[Path], plot: Path | None, columns: list[str]) -> None:
+    """Write all files and the picture, all or none."""
+    from kanegen.simulation.picture import picture_file
+
+    contents: dict[Path, str | bytes] = {path: motion.content(path) for path in files}
+    if plot is not None:
+        contents[plot] = picture_file(motion.plot(columns or None), plot.suffix)
+    write_all(contents)
+
+
+def _print(motion: Trajectory, columns: list[str], as_json: bool) -> None:
+    """Print the motion: the method, its events, and columns at a few times."""
+    names = columns or [name for name in motion.names if name[:2] in ("x.", "y.")]
+    if as_json:
+        typer.echo(json.dumps(motion.as_dict(names), indent=2))
+        return
+    print_plain(f"{motion.library.name}: {motion.caption}, {counted(motion.evaluations, 'evaluation')}")
+    for occurrence in motion.events[:MOST_SHOWN]:
+        print_plain(f"event at {occurrence}")
+    if len(motion.events) > MOST_SHOWN:
+        print_plain(f"and {counted(len(motion.events) - MOST_SHOWN, 'further event')}")
+    count = len(motion.times)
+    rows = range(count) if count <= MOST_SHOWN else [round(k * (count - 1) / 10) for k in range(11)]
+    values = [motion.output(name).reshape(count, -1)[:, 0] for name in names]
+    head = ["t (s)", *(f"{name} ({motion.unit(name)})" for name in names)]
+    print_table(head, [[f"{one[k] + 0.0:.6g}" for one in (motion.times, *values)] for k in rows], left=0)

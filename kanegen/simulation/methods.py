@@ -1,0 +1,112 @@
+"""The methods of integration by name, each with its step or tolerance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from kanegen.choices import require_one
+from kanegen.errors import ModelError, OptionError, quoted
+from kanegen.model.numbers import finite
+from kanegen.simulation.integration import (
+    Leapfrog,
+    Step,
+    implicit_midpoint,
+    runge_kutta,
+    semi_implicit_euler,
+)
+from kanegen.simulation.motion import Motion
+from kanegen.simulation.stretches import AdaptiveSteps, FixedSteps, Integrator
+
+ADAPTIVE = ("DOP853", "Radau")
+"""Solvers of SciPy: an explicit one of order 8, and an implicit one of order 5 for stiff systems."""
+
+FIXED: dict[str, Callable[[], Step]] = {
+    "RK4": lambda: runge_kutta,
+    "semi-implicit Euler": lambda: semi_implicit_euler,
+    "leapfrog": Leapfrog,
+    "implicit midpoint": lambda: implicit_midpoint,
+}
+"""Functions that return the step of each method with fixed steps."""
+
+METHODS = (*FIXED, *ADAPTIVE)
+"""Methods of `simulate`: those with fixed steps, and those with a tolerance."""
+
+TOLERANCE = 1e-10
+"""Tolerance of the adaptive methods unless another is given."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method with its step or tolerance.
+
+    Attributes:
+        name: One of `METHODS`.
+        step: Largest fixed step, s; None for an adaptive method.
+        tolerance: Relative and absolute error of a step of an adaptive method.
+        compensated: Whether fixed steps are added with a compensated sum.
+    """
+
+    name: str
+    step: float | None = None
+    tolerance: float = TOLERANCE
+    compensated: bool = False
+
+    def __str__(self) -> str:
+        if self.step is None:
+            return f"{self.name}, tolerance {self.tolerance:g}"
+        return f"{self.name}, step {self.step:g} s{', compensated' * self.compensated}"
+
+    @property
+    def is_adaptive(self) -> bool:
+        """Whether the method chooses its steps."""
+        return self.step is None
+
+    def integrator(self, motion: Motion) -> Integrator:
+        """Return the method for a motion."""
+        if self.step is None:
+            return AdaptiveSteps(motion, self.name, self.tolerance)
+        return FixedSteps(motion, FIXED[self.name], self.step, self.compensated)
+
+
+def chosen_method(
+    name: str | None, step: float | None, tolerance: float | None, compensated: bool = False
+) -> Method:
+    """Return the method of a caller, by default "RK4" with a step and "DOP853" without.
+
+    Raises:
+        OptionError: If there is no such method, or its options do not fit it.
+    """
+    if name is None:
+        name = "RK4" if step is not None else "DOP853"
+    known = {_plain(one): one for one in METHODS}
+    name = known.get(_plain(name), name) if isinstance(name, str) else name
+    require_one("method", name, METHODS)
+    if name in ADAPTIVE:
+        if step is not None or compensated:
+            raise OptionError(
+                f"method {name!r} chooses its steps: give a tolerance, not a step or compensated."
+            )
+        if tolerance is not None and not 1e-13 <= _number("tolerance", tolerance) <= 0.1:
+            raise OptionError(f"tolerance: {tolerance!r} is not between 1e-13 and 0.1.")
+        return Method(name, tolerance=TOLERANCE if tolerance is None else float(tolerance))
+    if tolerance is not None:
+        raise OptionError(f"method {name!r} has fixed steps: give a step, not a tolerance.")
+    if step is None or not 0 < _number("step", step) < math.inf:
+        raise OptionError(f"step: method {name!r} needs a positive number of seconds, got {quoted(step)}.")
+    return Method(name, float(step), compensated=compensated)
+
+
+def _plain(name: str) -> str:
+    """Return a name without capitals and signs, as in C and on a command line."""
+    return name.lower().replace("-", " ").replace("_", " ")
+
+
+def _number(name: str, value: Any) -> float:
+    """Return `value` as a float; `name` is that of the argument, for the error message."""
+    try:
+        return finite(value, name)
+    except ModelError as error:
+        raise OptionError(str(error)) from None

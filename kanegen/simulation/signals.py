@@ -1,0 +1,108 @@
+"""Signals: expressions of the time, the state and outputs, whose value at many times is wanted."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kanegen.errors import ModelError, OptionError
+from kanegen.library import Library
+from kanegen.model.expression import Expression, Parameter
+from kanegen.model.grammar import parse_signal
+from kanegen.model.nodes import TIME
+from kanegen.reference.arithmetics import Dual
+from kanegen.reference.expressions import evaluate
+from kanegen.simulation.elements import elements
+
+Variables = Mapping[str, np.floating | np.ndarray]
+"""Values of variables by name, such as "t" and "x.pole"."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """An expression of the time, the state and elements of outputs.
+
+    Attributes:
+        text: The expression as it was given.
+        expression: The expression, with numbers in place of parameters.
+    """
+
+    text: str
+    expression: Expression
+
+    @classmethod
+    def of(cls, label: str, text: object, library: Library) -> Signal:
+        """Return the signal of a text.
+
+        Args:
+            label: What the signal is for, with which errors begin.
+            text: The text, or a number.
+            library: The library whose states, outputs and parameters the text may name.
+
+        Raises:
+            OptionError: If the text is no expression, or has a name that is not known.
+        """
+        parameters = library.parameters
+        known = [Parameter(name, value) for name, value in parameters.items()]
+        try:
+            found = parse_signal(text, known, variable_names(library))
+        except ModelError as error:
+            raise OptionError(f"{label}: {error}") from None
+        return cls(str(text), found.map_numbers(float_of))
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs, among whose elements the signal has variables."""
+        groups = (name.partition(".")[0] for name in self.expression.variables)
+        return tuple(dict.fromkeys(group for group in groups if group not in (TIME, "x", "y")))
+
+    @property
+    def depends_on_state(self) -> bool:
+        """Whether the signal depends on anything but the time."""
+        return any(name != TIME for name in self.expression.variables)
+
+    def __call__(self, variables: Variables) -> np.ndarray:
+        """Return the value for values of the variables, of their shape."""
+        with np.errstate(all="ignore"):
+            return np.asarray(evaluate(self.expression, variables, np.float64))
+
+    def with_rates(self, time: float) -> tuple[float, float, float]:
+        """Return value, rate and second derivative at a time (s) of a signal of the time alone.
+
+        The derivatives are exact: dual numbers of dual numbers carry them along.
+        """
+        one, zero = np.float64(1.0), np.float64(0.0)
+        now = Dual(Dual(np.float64(time), one), Dual(one, zero))
+        still = Dual(zero, zero)
+        with np.errstate(all="ignore"):
+            found = evaluate(self.expression, {TIME: now}, lambda c: Dual(Dual(np.float64(c), zero), still))
+        return float(found.value.value), float(found.value.slope), float(found.slope.slope)
+
+
+def float_of(number: float | Parameter) -> float:
+    """Return a number of an expression, the value of a parameter."""
+    return number.value if isinstance(number, Parameter) else number
+
+
+def variable_names(library: Library) -> tuple[str, ...]:
+    """Return all names that a signal may have: t, x.<coordinate>, y.<speed>, elements of outputs."""
+    states = [f"x.{name}" for name in library.coordinate_names] + [
+        f"y.{name}" for name in library.speed_names
+    ]
+    of_outputs = [one.name for name in library.outputs for one in elements(library.source, name)]
+    return (TIME, *states, *of_outputs)
+
+
+def state_variables(library: Library, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the values of states by name, from (..., m) coordinates and (..., n) speeds."""
+    found = {f"x.{name}": x[..., k] for k, name in enumerate(library.coordinate_names)}
+    return found | {f"y.{name}": y[..., k] for k, name in enumerate(library.speed_names)}
+
+
+def outputs_in(texts: Sequence[object], known: Sequence[str]) -> tuple[str, ...]:
+    """Return the outputs of which texts seem to name elements, before a library that has them is built."""
+    words = {word for text in texts for word in re.findall(r"\w+", str(text))}
+    return tuple(name for name in known if name in words)
