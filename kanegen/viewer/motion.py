@@ -11,12 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.errors import ArrayError, OptionError, counted, quoted
-from kanegen.model import arguments
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
+from kanegen.viewer.forces import Force, forces_of
+from kanegen.viewer.numbers import checked, doubles, encoded
 
 MOST_TIMES = 20_000
 """Times that a page holds; of a longer motion every k-th is kept, and a note says so."""
+
+GROUPS = {"x": "Coordinates", "y": "Speeds", "tau": "Generalized forces"}
+"""Names of groups of quantities by the beginning of the names of their columns."""
+
+Quantity = tuple[str, str, str, Floats]
+"""Group, name, unit and (T,) values of a quantity."""
 
 
 @runtime_checkable
@@ -50,23 +57,6 @@ class Series:
 
 
 @dataclass(frozen=True)
-class Force:
-    """A force over time that is drawn as an arrow.
-
-    Attributes:
-        name: Name of the point, frame or body on which it acts.
-        body: Number of the body, 0 for the ground.
-        position: (3,) where it acts, in the body (m).
-        values: Base64 of (T, 3) inertial components in single precision, little-endian (N).
-    """
-
-    name: str
-    body: int
-    position: list[float]
-    values: str
-
-
-@dataclass(frozen=True)
 class Motion:
     """Coordinates over time; the numbers are base64, little-endian.
 
@@ -93,6 +83,19 @@ class Motion:
             motion_of(system, trajectory).as_table()["series"][0]["name"]
         """
         return asdict(self)
+
+    def decoded(self) -> tuple[Floats, Floats, Floats]:
+        """Return (T,) times (s), (T, m) coordinates and (T, p) prescribed values.
+
+        Example:
+            times, x, prescribed = motion.decoded()
+        """
+        times = np.frombuffer(base64.b64decode(self.times), "<f8").astype(np.float64)
+        x, prescribed = (
+            np.frombuffer(base64.b64decode(text), "<f4").astype(np.float64).reshape(len(times), -1)
+            for text in (self.x, self.prescribed)
+        )
+        return times, x, prescribed
 
 
 def motion_of(
@@ -123,20 +126,17 @@ def motion_of(
     notes = []
     if len(kept) < len(times):
         notes.append(f"Of {len(times)} times every {kept[1]}th is kept.")
-    series = [*_states_over_time(system, x, y), *_energies(trajectory, len(times))]
+    series = _series(system, trajectory, x, y)
     for name, values in (plots or {}).items():
         series.append(
-            ("Further quantities", str(name), "", _checked(f"plot {quoted(name)}", values, (len(times),)))
+            ("Further quantities", str(name), "", checked(f"plot {quoted(name)}", values, (len(times),)))
         )
     return Motion(
-        times=_encoded(times[kept], "<f8"),
-        x=_encoded(x[kept], "<f4"),
-        prescribed=_encoded(prescribed[kept], "<f4"),
-        series=[Series(group, name, unit, _encoded(one[kept], "<f8")) for group, name, unit, one in series],
-        forces=[
-            Force(name, *_place(system, name), _encoded(values[kept], "<f4"))
-            for name, values in _forces(forces or {}, len(times)).items()
-        ],
+        times=encoded(times[kept], "<f8"),
+        x=encoded(x[kept], "<f4"),
+        prescribed=encoded(prescribed[kept], "<f4"),
+        series=[Series(group, name, unit, encoded(one[kept], "<f8")) for group, name, unit, one in series],
+        forces=forces_of(system, trajectory, forces or {}, len(times), kept),
         notes=notes,
     )
 
@@ -151,7 +151,7 @@ def _states(system: System, trajectory: Any) -> tuple[Floats, Floats, Floats | N
             "and coordinates."
         )
     moments, states = trajectory if pair else (trajectory.times, trajectory.x)
-    times, x = _doubles("times", moments), _doubles("x", states)
+    times, x = doubles("times", moments), doubles("x", states)
     if times.ndim != 1 or not len(times):
         raise ArrayError(f"times: expected at least one in one row, got shape {times.shape}.")
     if not (np.isfinite(times).all() and (np.diff(times) > 0).all()):
@@ -169,12 +169,12 @@ def _states(system: System, trajectory: Any) -> tuple[Floats, Floats, Floats | N
     _require_same_names(system, trajectory)
     _require_finite(system, times, x)
     y = None if pair else getattr(trajectory, "y", None)
-    speeds = None if y is None else _checked("y", y, (len(times), len(system.freedoms)))
-    driven = None if pair else getattr(trajectory, "prescribed", None)
+    speeds = None if y is None else checked("y", y, (len(times), len(system.freedoms)))
+    driven = None if pair else getattr(trajectory, "inputs", {}).get("prescribed")
     values = (
         np.zeros((len(times), p))
         if driven is None
-        else _checked("prescribed", driven, (len(times), 3, p))[:, 0]
+        else checked("prescribed", driven, (len(times), 3, p))[:, 0]
     )
     return times, x, speeds, values
 
@@ -200,79 +200,40 @@ def _require_finite(system: System, times: Floats, x: Floats) -> None:
         )
 
 
-def _states_over_time(system: System, x: Floats, y: Floats | None) -> list[tuple[str, str, str, Floats]]:
-    """Return coordinates and speeds as groups, names, units and values."""
-    units = [coordinate.unit for coordinate in system.coordinates]
-    found: list[tuple[str, str, str, Floats]] = [
-        (f"Coordinates, {unit}", name, unit, x[:, i])
-        for i, (name, unit) in enumerate(zip(system.coordinate_names, units, strict=True))
-    ]
-    if y is not None:
+def _series(system: System, trajectory: Any, x: Floats, y: Floats | None) -> list[Quantity]:
+    """Return what a trajectory holds over time: all its columns, where it has names for them."""
+    if hasattr(trajectory, "columns") and hasattr(trajectory, "units"):
+        found = [
+            _quantity(name, trajectory.units[name], one)
+            for name, one in trajectory.columns().items()
+            if name != "t"
+        ]
+    else:
+        units = [coordinate.unit for coordinate in system.coordinates]
+        names = zip(system.coordinate_names, units, strict=True)
+        found = [_quantity(f"x.{name}", unit, x[:, i]) for i, (name, unit) in enumerate(names)]
         for i, (name, freedom) in enumerate(zip(system.speed_names, system.freedoms, strict=True)):
-            unit = "rad/s" if freedom.is_angle else "m/s"
-            found.append((f"Speeds, {unit}", name, unit, y[:, i]))
-    return sorted(found, key=lambda one: (one[0].split(",")[0], one[0]))
+            if y is not None:
+                found.append(_quantity(f"y.{name}", "rad/s" if freedom.is_angle else "m/s", y[:, i]))
+    return [*found, *_energies(trajectory, len(x))]
 
 
-def _energies(trajectory: Any, count: int) -> list[tuple[str, str, str, Floats]]:
+def _quantity(name: str, unit: str, values: Floats) -> Quantity:
+    """Return a quantity from the name of its column, such as "x.pole" or "point_positions.tip.z"."""
+    head, dot, tail = name.partition(".")
+    words = GROUPS.get(head, head.replace("_", " ").capitalize())
+    group = words if unit in ("", "1") else f"{words}, {unit}"
+    return group, tail if dot else words, unit, checked(name, values, None)
+
+
+def _energies(trajectory: Any, count: int) -> list[Quantity]:
     """Return the energies of a trajectory whose library computes them."""
     outputs = getattr(getattr(trajectory, "library", None), "outputs", ())
     if not {"kinetic_energy", "potential_energy"} <= set(outputs) or not hasattr(
         trajectory, "kinetic_energy"
     ):
         return []
-    kinetic = _checked("kinetic_energy", trajectory.kinetic_energy, (count,))
-    potential = _checked("potential_energy", trajectory.potential_energy, (count,))
+    kinetic = checked("kinetic_energy", trajectory.kinetic_energy, (count,))
+    potential = checked("potential_energy", trajectory.potential_energy, (count,))
     values = {"kinetic": kinetic, "potential": potential, "sum": kinetic + potential}
     return [("Energies, J", name, "J", one) for name, one in values.items()]
-
-
-def _forces(forces: Mapping[str, ArrayLike], count: int) -> dict[str, Floats]:
-    """Return (T, 3) forces by name; one that does not change may be (3,)."""
-    found = {}
-    for name, values in forces.items():
-        array = _doubles(f"force {quoted(name)}", values)
-        constant = array.shape == (3,)
-        whole = np.broadcast_to(array, (count, 3)) if constant else array
-        found[str(name)] = _checked(f"force {quoted(name)}", whole, (count, 3))
-    return found
-
-
-def _place(system: System, name: str) -> tuple[int, list[float]]:
-    """Return the body of a force and where it acts: at a point, a mass centre, or an origin."""
-    arrays = system.values()
-    if name not in arrays.forces.points and name in (names := [body.name for body in system.bodies]):
-        k = names.index(name) + 1
-        return k, arrays.mass_center[k - 1].tolist()
-    if name not in arrays.forces.points:
-        system.frame(name, "force")
-    body, position = arrays.place(name)
-    return body, position.tolist()
-
-
-def _checked(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """Return finite numbers of a shape.
-
-    Raises:
-        ArrayError: If they have another shape, or one is not finite.
-    """
-    array = _doubles(name, values)
-    if array.shape != shape:
-        raise ArrayError(f"{name}: expected shape {shape}, got {array.shape}.")
-    if not np.isfinite(array).all():
-        raise ArrayError(f"{name}: a number is not finite.")
-    return array
-
-
-def _doubles(name: str, values: object) -> Floats:
-    """Return numbers as doubles.
-
-    Raises:
-        ArrayError: If they are no real numbers.
-    """
-    return np.asarray(arguments.floats(name, values, np.dtype(np.float64)), np.float64)
-
-
-def _encoded(values: Floats, kind: str) -> str:
-    """Return numbers as base64 of a type of NumPy, such as "<f4"."""
-    return base64.b64encode(np.ascontiguousarray(values).astype(kind).tobytes()).decode("ascii")

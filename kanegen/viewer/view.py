@@ -14,6 +14,7 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import OptionError, WriteError, counted, quoted
 from kanegen.files import path_of, write_whole
 from kanegen.model.system import System
+from kanegen.viewer.live import Live
 from kanegen.viewer.making import scene_of
 from kanegen.viewer.motion import HasStates, Motion, motion_of
 from kanegen.viewer.scene import Scene, embedded_json
@@ -27,6 +28,7 @@ class View:
     """A picture of a system, as one page that needs neither a network nor a server.
 
     Attributes:
+        system: The system.
         scene: What the picture shows.
         motion: Its coordinates over time; None for sliders.
         paths: Names of points, frames and bodies whose paths are drawn.
@@ -35,6 +37,7 @@ class View:
         kg.view(system, trajectory).save("motion.html")
     """
 
+    system: System
     scene: Scene
     motion: Motion | None = None
     paths: tuple[str, ...] = ()
@@ -85,6 +88,24 @@ class View:
         if file.suffix.lower() not in (".html", ".htm"):
             raise WriteError(f"{file}: a page ends in .html.")
         write_whole(file, self.html(play))
+
+    def live(self, port: int = 8080, host: str = "127.0.0.1") -> Live:
+        """Start a server whose page shows the picture with sliders, and which the program can move.
+
+        Args:
+            port: Port of the server; if it is taken, the next one that is free.
+            host: Address on which it listens; by default only this machine can reach it.
+
+        Raises:
+            MissingError: If viser is not installed (`pip install 'kanegen[viewer]'`).
+            OptionError: If the server cannot start.
+
+        Example:
+            with kg.view(system).live() as live:
+                print(live.url)
+                live.wait()
+        """
+        return Live(self.system, self.scene, self.motion, host, port)
 
     def _repr_html_(self) -> str:
         """Return the page in a frame, for notebooks."""
@@ -138,12 +159,12 @@ def view(
         for name, given in (("paths", tuple(paths)), ("forces", forces), ("plots", plots)):
             if given:
                 raise OptionError(f"{name}: only with a trajectory. Pass one, or leave {name} out.")
-        return View(scene)
+        return View(system, scene)
     if x is not None:
         raise OptionError("x: the motion has its own start. Leave x out, or the trajectory.")
     motion = motion_of(system, trajectory, forces, plots)
     names = _names(system, paths)
-    return View(replace(scene, notes=[*scene.notes, *motion.notes]), motion, names)
+    return View(system, replace(scene, notes=[*scene.notes, *motion.notes]), motion, names)
 
 
 def _names(system: System, paths: Iterable[str]) -> tuple[str, ...]:

@@ -37,6 +37,11 @@ export function pointOf(all, body, position) {
   return apply(pose, position).map((value, i) => value + pose[9 + i]);
 }
 
+/** Returns the inertial components of a vector, from those in a frame whose `rotation` takes them to the body's. */
+export function turned(all, body, rotation, vector) {
+  return apply(all.subarray(POSE * body, POSE * (body + 1)), apply(rotation, vector));
+}
+
 /** Returns the 6N values of the freedoms: three angles and three translations a body. */
 function freedoms(scene, x, prescribed) {
   const values = new Array(6 * (scene.bodies.length - 1)).fill(undefined);

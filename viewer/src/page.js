@@ -120,7 +120,7 @@ class Page {
 
   #paths(names) {
     const origins = this.scene.bodies.slice(1).map((body, i) => ({ name: body.name, body: i + 1, position: body.center }));
-    const all = [...this.scene.points, ...this.scene.frames.filter((frame) => frame.body), ...origins];
+    const all = [...this.scene.points, ...origins, ...this.scene.frames.filter((frame) => frame.body)];
     this.traced = new Map();
     const places = new Map(all.map((place) => [place.name, place]).reverse());
     if (!this.motion) return make("span", { hidden: true });

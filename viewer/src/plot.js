@@ -42,7 +42,10 @@ export class Plot {
   /** Marks a time. */
   setTime(time) {
     this.time = time;
-    this.plot?.redraw(false, false);
+    if (!this.plot) return;
+    const after = this.times.findIndex((one) => one >= time);
+    this.plot.setLegend({ idx: after < 0 ? this.times.length - 1 : after });
+    this.plot.redraw(false, false);
   }
 
   #size() {

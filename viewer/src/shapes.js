@@ -1,9 +1,14 @@
 // Shapes of bodies, markers of frames and springs, as objects of three.js.
 
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, Float32BufferAttribute, Group,
-  LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, SphereGeometry,
+  BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, ConeGeometry, CylinderGeometry, Group, Matrix4, Mesh,
+  MeshStandardMaterial, SphereGeometry, Vector3,
 } from "three";
+import { Line2 } from "three/addons/lines/Line2.js";
+import { LineGeometry } from "three/addons/lines/LineGeometry.js";
+import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { toCreasedNormals } from "three/addons/utils/BufferGeometryUtils.js";
 import { decode } from "./motion.js";
 
@@ -86,11 +91,34 @@ export function axes(length) {
   return group;
 }
 
-/** Returns line segments between pairs of points. */
-export function lines(points, color, opacity = 1) {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new Float32BufferAttribute(points.flat(), 3));
-  return new LineSegments(geometry, new LineBasicMaterial({ color, transparent: opacity < 1, opacity }));
+/** Returns line segments between pairs of points, of a width in pixels. */
+export function lines(points, color, linewidth = 2) {
+  return new LineSegments2(new LineSegmentsGeometry().setPositions(points.flat()), new LineMaterial({ color, linewidth }));
+}
+
+/** Returns a line through points, of a width in pixels. */
+export function curve(points, color, linewidth = 1.8) {
+  return new Line2(new LineGeometry().setPositions(points.flat()), new LineMaterial({ color, linewidth }));
+}
+
+const HEAD = 0.28; // length of the head of an arrow over its length
+
+/** An arrow: a shaft and a head, which point along any direction. */
+export class Arrow extends Group {
+  constructor(color) {
+    super();
+    const material = new MeshStandardMaterial({ color, roughness: 0.5 });
+    const shaft = new Mesh(new CylinderGeometry(1, 1, 1 - HEAD, 16).translate(0, (1 - HEAD) / 2, 0), material);
+    const head = new Mesh(new ConeGeometry(2.6, HEAD, 24).translate(0, 1 - HEAD / 2, 0), material);
+    this.add(shaft, head);
+  }
+
+  /** Puts the arrow at a point, along a vector of any length but zero, with its own length and radius (m). */
+  set(point, vector, length, radius) {
+    this.position.set(...point);
+    this.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), new Vector3(...vector).normalize());
+    this.scale.set(radius, length, radius);
+  }
 }
 
 const COILS = 8;

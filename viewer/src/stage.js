@@ -1,17 +1,17 @@
 // The picture: bodies where {x} puts them, light, ground, camera, and what can be shown or hidden.
 
 import {
-  AmbientLight, ArrowHelper, Box3, BufferGeometry, Color, DirectionalLight, Float32BufferAttribute, Group,
-  HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, PCFShadowMap, PerspectiveCamera, PlaneGeometry, Quaternion, Raycaster,
+  AmbientLight, Box3, BufferGeometry, Color, DirectionalLight, Float32BufferAttribute, Group, HemisphereLight, LineBasicMaterial,
+  LineSegments, Matrix4, Mesh, PCFShadowMap, PerspectiveCamera, PlaneGeometry, Quaternion, Raycaster,
   Scene as World, ShadowMaterial, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { poses, pointOf, POSE } from "./kinematics.js";
-import { axes, coil, lines, placement, ShapeMaker } from "./shapes.js";
+import { poses, pointOf, POSE, turned } from "./kinematics.js";
+import { Arrow, axes, coil, curve, lines, placement, ShapeMaker } from "./shapes.js";
 
 const THEMES = {
-  light: { background: "#eef1f5", grid: "#c3cad4", center: "#9aa5b4", shadow: 0.22, path: "#d6336c", spring: "#57606f" },
-  dark: { background: "#14181f", grid: "#323b49", center: "#4a5668", shadow: 0.45, path: "#ff7aa8", spring: "#aab4c4" },
+  light: { background: "#eef1f5", grid: "#c3cad4", shadow: 0.22, path: "#d6336c", spring: "#57606f" },
+  dark: { background: "#14181f", grid: "#323b49", shadow: 0.45, path: "#ff7aa8", spring: "#aab4c4" },
 };
 
 const FIELD_OF_VIEW = 36; // degrees
@@ -107,7 +107,7 @@ export class Stage {
   }
 
   #arrow(color) {
-    const arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, color);
+    const arrow = new Arrow(color);
     this.world.add(arrow);
     return arrow;
   }
@@ -147,7 +147,7 @@ export class Stage {
   // The ground lies under the lowest point that the motion reaches; the inertial origin need not be on it.
   #layGround() {
     const reach = this.#reach();
-    const turned = toUp(this.up);
+    const tilt = toUp(this.up);
     const center = this.bounds.getCenter(new Vector3());
     const depth = Math.min(...corners(this.bounds).map((corner) => corner.dot(this.up)));
     const foot = center.clone().addScaledVector(this.up, depth - 0.002 * reach - center.dot(this.up));
@@ -159,7 +159,7 @@ export class Stage {
     const plane = new Mesh(new PlaneGeometry(2 * CELLS * step, 2 * CELLS * step), new ShadowMaterial({ opacity: colors.shadow }));
     plane.receiveShadow = true;
     this.ground.add(grid, plane);
-    this.ground.quaternion.copy(turned);
+    this.ground.quaternion.copy(tilt);
     this.ground.position.copy(foot);
     this.world.add(this.ground);
     this.sun.light.position.copy(center).add(this.sun.aside);
@@ -208,7 +208,10 @@ export class Stage {
     this.#refresh();
   }
 
-  /** Sets forces: each with body, point in the body (m), inertial components (N), and the length of the largest. */
+  /**
+   * Sets forces, and the size of the largest (N): each has the number of its body, its point in the body (m), and
+   * components, which are inertial unless a `rotation` takes them to those of the body.
+   */
   setForces(forces, largest) {
     while (this.forceArrows.length < forces.length) this.forceArrows.push(this.#arrow(FORCE));
     this.forces = { forces, largest };
@@ -218,11 +221,7 @@ export class Stage {
   /** Draws the paths of points: each an array of inertial positions (m). */
   setPaths(paths) {
     this.paths.clear();
-    for (const points of paths) {
-      const geometry = new BufferGeometry();
-      geometry.setAttribute("position", new Float32BufferAttribute(points.flat(), 3));
-      this.paths.add(new Line(geometry, new LineBasicMaterial({ color: THEMES[this.theme].path })));
-    }
+    for (const points of paths) if (points.length > 1) this.paths.add(curve(points, THEMES[this.theme].path));
     this.draw();
   }
 
@@ -330,16 +329,15 @@ export class Stage {
     const { forces = [], largest = 0 } = this.forces ?? {};
     forces.forEach((one, i) => {
       const share = largest ? Math.hypot(...one.force) / largest : 0;
-      this.#point(this.forceArrows[i], one.body, one.position, one.force, share * longest, this.shown.forces ?? true);
+      const vector = one.rotation ? turned(this.poses, one.body, one.rotation, one.force) : one.force;
+      this.#point(this.forceArrows[i], one.body, one.position, vector, share * longest, this.shown.forces ?? true);
     });
   }
 
   #point(arrow, body, position, vector, length, isShown) {
     arrow.visible = isShown && length > 1e-6 * this.scene.size;
     if (!arrow.visible) return;
-    arrow.position.set(...pointOf(this.poses, body, position));
-    arrow.setDirection(new Vector3(...vector).normalize());
-    arrow.setLength(length, Math.min(0.35 * length, 0.05 * this.scene.size), Math.min(0.2 * length, 0.025 * this.scene.size));
+    arrow.set(pointOf(this.poses, body, position), vector, length, 0.006 * this.scene.size);
   }
 
   #refreshLabels() {
