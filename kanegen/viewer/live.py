@@ -67,7 +67,7 @@ class Live:
 
     @property
     def url(self) -> str:
-        """Address of the page."""
+        """Address of the page, for a browser on this machine."""
         return f"http://{self._host}:{self.port}"
 
     def set(self, x: ArrayLike, prescribed: ArrayLike | None = None) -> None:
@@ -116,11 +116,11 @@ class Live:
                 self._server.stop()
 
     def __enter__(self) -> Self:
-        """Return the view."""
+        """Return the view, which serves already."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Stop the server."""
+        """Stop the server at the end of the block."""
         self.close()
 
     def _body(self, k: int) -> Any:
@@ -134,7 +134,7 @@ class Live:
         return frame
 
     def _shape(self, name: str, shape: Shape) -> None:
-        """Add a shape."""
+        """Add a shape below the frame of its body."""
         vertices, faces = self._triangles(shape)
         self._server.scene.add_mesh_simple(
             name,
@@ -197,7 +197,7 @@ class Live:
         return found
 
     def _slider(self, one: SceneCoordinate, value: float) -> Any:
-        """Add the slider of a coordinate."""
+        """Add the slider of a coordinate, from its smallest to its largest value."""
         lower, upper = min(one.lower, value), max(one.upper, value)
         label = one.name if one.unit == "1" else f"{one.name}, {one.unit}"
         return self._server.gui.add_slider(

@@ -32,7 +32,7 @@ class HasStates(Protocol):
 
     @property
     def times(self) -> Any:
-        """(T,) times, s."""
+        """(T,) times that increase, in s."""
 
     @property
     def x(self) -> Any:

@@ -43,8 +43,9 @@ class Page {
     }
     aside.append(this.#header(subtitle), this.#switches(), this.motion ? this.#plot() : this.#sliders(), this.#paths(paths), this.#notes());
     this.#setTheme(this.isDark);
-    if (this.motion) this.stage.include(this.#samples(40));
+    const isFar = this.motion ? this.stage.include(this.#samples(40)) : false;
     this.player.go(this.player.start);
+    this.following.set(isFar);
     this.#drawPaths();
     this.#listen(picture);
     if (play && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play(true);
@@ -94,6 +95,8 @@ class Page {
       if (key) this.keys[key] = chip;
       return chip;
     });
+    this.following = toggle("Follow", false, (value) => stage.follow(value), { title: "The camera follows the mass centre" });
+    chips.push(this.following);
     return make("section", { "aria-label": "Shown" }, make("h2", {}, "Show"), make("div", { class: "kg-chips" }, ...chips));
   }
 

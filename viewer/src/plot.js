@@ -2,6 +2,7 @@
 
 import uPlot from "uplot";
 
+const HEIGHT = 230; // pixels, without the legend
 const COLORS = ["#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1", "#76b7b2", "#9c755f", "#edc948"];
 
 /** A plot of several series of one unit over time. */
@@ -49,7 +50,7 @@ export class Plot {
   }
 
   #size() {
-    return { width: Math.max(160, this.element.clientWidth), height: Math.max(120, this.element.clientHeight - 44) };
+    return { width: Math.max(160, this.element.clientWidth), height: HEIGHT };
   }
 
   #follow(plot) {

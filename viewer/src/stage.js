@@ -16,6 +16,7 @@ const THEMES = {
 
 const FIELD_OF_VIEW = 36; // degrees
 const CELLS = 24; // cells of the grid from its centre to its rim
+const FAR = 2.5; // a motion that is longer than this many lengths of the mechanism is followed
 const FORCE = "#e8590c";
 const WEIGHT = "#1c7ed6";
 
@@ -151,7 +152,7 @@ export class Stage {
     const center = this.bounds.getCenter(new Vector3());
     const depth = Math.min(...corners(this.bounds).map((corner) => corner.dot(this.up)));
     const foot = center.clone().addScaledVector(this.up, depth - 0.002 * reach - center.dot(this.up));
-    const step = niceStep(reach / 3);
+    const step = (this.step = niceStep(reach / 3));
     const colors = THEMES[this.theme];
     if (this.ground) this.world.remove(this.ground);
     this.ground = new Group();
@@ -187,6 +188,7 @@ export class Stage {
   /** Puts all bodies where {x} and the prescribed values put them. */
   setState(x, prescribed = []) {
     poses(this.scene, x, prescribed, this.poses);
+    if (this.isFollowing) this.#moveAlong();
     this.#refresh();
   }
 
@@ -225,22 +227,52 @@ export class Stage {
     this.draw();
   }
 
-  /** Makes room for all poses that a motion reaches, and looks there. */
+  /** Makes room for all poses that a motion reaches; returns whether it goes so far that the camera should follow. */
   include(states) {
-    const box = this.bounds.clone();
-    for (const [x, prescribed] of states) {
+    const boxes = states.map(([x, prescribed]) => {
       poses(this.scene, x, prescribed, this.poses);
-      box.union(this.#measure());
-    }
-    this.bounds = box;
+      return this.#measure();
+    });
+    const whole = boxes.reduce((box, one) => box.union(one), boxes[0].clone());
+    const isFar = lengthOf(whole) > FAR * Math.max(...boxes.map(lengthOf));
+    this.bounds = isFar ? boxes[0] : whole;
     this.#layGround();
     this.look("corner");
+    return isFar;
+  }
+
+  /** Lets the camera follow the mass centre, or not. */
+  follow(isFollowing) {
+    this.isFollowing = isFollowing;
+    this.center = this.#massCenter();
+  }
+
+  #massCenter() {
+    const center = new Vector3();
+    let total = 0;
+    this.scene.bodies.forEach((body, number) => {
+      if (number) center.addScaledVector(new Vector3(...pointOf(this.poses, number, body.center)), body.mass);
+      total += body.mass;
+    });
+    return total ? center.divideScalar(total) : center;
+  }
+
+  // Camera and sun move with the mass centre; the grid moves by whole cells along the ground, so that it never ends.
+  #moveAlong() {
+    const center = this.#massCenter();
+    const shift = center.clone().sub(this.center);
+    this.center = center;
+    for (const one of [this.camera.position, this.controls.target, this.sun.light.position, this.sun.light.target.position]) one.add(shift);
+    const inside = this.ground.worldToLocal(center.clone());
+    const cells = new Vector3(Math.round(inside.x / this.step) * this.step, Math.round(inside.y / this.step) * this.step, 0);
+    this.ground.position.add(cells.applyQuaternion(this.ground.quaternion));
+    this.controls.update();
   }
 
   /** Looks at the centre from a direction of `CAMERAS`. */
   look(name) {
     const direction = new Vector3(...CAMERAS[name]).normalize().applyQuaternion(toUp(this.up));
-    const center = this.bounds.getCenter(new Vector3());
+    const center = this.isFollowing ? this.#massCenter() : this.bounds.getCenter(new Vector3());
     const aspect = Math.max(this.camera.aspect, 1e-3);
     const angle = (FIELD_OF_VIEW * Math.PI) / 360;
     const distance = (1.12 * this.#reach()) / Math.sin(Math.atan(Math.tan(angle) * Math.min(1, aspect)));
@@ -377,6 +409,10 @@ function gridOf(step, color, background) {
   geometry.setAttribute("position", new Float32BufferAttribute(positions, 3));
   geometry.setAttribute("color", new Float32BufferAttribute(colors, 3));
   return new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true }));
+}
+
+function lengthOf(box) {
+  return box.getSize(new Vector3()).length();
 }
 
 function upward(gravity) {
