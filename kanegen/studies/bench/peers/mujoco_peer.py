@@ -36,7 +36,7 @@ def builders(problem: Problem) -> Builders:
 def _build(problem: Problem) -> list[Participant]:
     """Build the only participant, ready to run."""
     folder = require("mujoco")
-    library = _library(folder)
+    library = mujoco_library(folder)
     flags = (*AS_SHIPPED.flags, f"-I{folder / 'include'}")
     libraries = (str(library), f"-Wl,-rpath,{library.parent}", "-lm")
     program = compiled("mujoco", {"mujoco.c": driver("mujoco.c")}, flags, libraries)
@@ -46,7 +46,7 @@ def _build(problem: Problem) -> list[Participant]:
     ]
 
 
-def _library(folder: Path) -> Path:
+def mujoco_library(folder: Path) -> Path:
     """Return the path of MuJoCo's shared library in the package folder."""
     found = sorted([*folder.glob("libmujoco.so*"), *folder.glob("libmujoco*.dylib")])
     if not found:

@@ -27,7 +27,7 @@ FREE_FLYER = "Pinocchio, free-flyer"
 
 TASKS = (Task("equations", EQUATIONS), Task("aba", DYNAMICS), Task("cholesky", DYNAMICS))
 
-_BOOST = (  # Pinocchio's list of joints is longer than Boost's lists are by default
+BOOST = (  # Pinocchio's list of joints is longer than Boost's lists are by default
     "-std=c++17",
     "-DNDEBUG",
     "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
@@ -35,6 +35,7 @@ _BOOST = (  # Pinocchio's list of joints is longer than Boost's lists are by def
     "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
 )
+"""Compiler flags without which Pinocchio's headers do not compile."""
 
 
 def builders(problem: Problem) -> Builders:
@@ -46,7 +47,7 @@ def builders(problem: Problem) -> Builders:
 
 def _with_same_coordinates(problem: Problem) -> list[Participant]:
     """Build the participant in the coordinates of kanegen."""
-    arguments = [problem.write("joints", _table(problem.system, joints(problem.system)))]
+    arguments = [problem.write("joints", joint_table(problem.system, joints(problem.system)))]
     tasks: tuple[Task, ...] = TASKS
     if problem.has_derivatives:
         arguments, tasks = [*arguments, "derivatives"], (*tasks, DERIVATIVES_TASK)
@@ -57,7 +58,7 @@ def _with_free_flyers(problem: Problem) -> list[Participant]:
     """Build the participant with free-flyers."""
     tree = floating_joints(problem.system)
     way = FreeFlyer(problem.system, tree)
-    table = problem.write("free-flyer-joints", _table(problem.system, tree))
+    table = problem.write("free-flyer-joints", joint_table(problem.system, tree))
     states = write_states(way.states(problem.states), problem.folder / "free-flyer-states")
     convert = functools.partial(way.results, states=problem.states)
     return [Participant(FREE_FLYER, NATIVE, (str(_program()),), states, TASKS, (table,), convert)]
@@ -78,7 +79,12 @@ def participant_of_outputs(problem: Problem, tasks: Sequence[Task], body: int) -
     carriers = {k: number for number, joint in enumerate(tree, start=1) for k in joint.bodies}
     numbers = " ".join(str(carriers[k]) for k in range(1, len(problem.system.bodies) + 1))
     names = tuple(task.name for task in tasks)
-    arguments = (problem.write("outputs-joints", _table(problem.system, tree)), numbers, str(body), *names)
+    arguments = (
+        problem.write("outputs-joints", joint_table(problem.system, tree)),
+        numbers,
+        str(body),
+        *names,
+    )
     command = (str(_program("pinocchio_outputs.cpp")),)
     return Participant(PINOCCHIO, NATIVE, command, problem.states_file, tuple(tasks), arguments)
 
@@ -87,12 +93,12 @@ def _program(name: str = "pinocchio.cpp") -> Path:
     """Compile a driver, which takes minutes the first time, and return its path."""
     include = headers("libpinocchio", "pinocchio/algorithm/aba.hpp")
     eigen = headers("cmeel-eigen", "eigen3/Eigen/Core") / "eigen3"
-    flags = (*_BOOST, *NATIVE.flags, f"-I{include}", f"-I{eigen}")
+    flags = (*BOOST, *NATIVE.flags, f"-I{include}", f"-I{eigen}")
     files = {file: driver(file) for file in ("pinocchio_model.h", name)}
     return compiled(name.removesuffix(".cpp"), files, flags)
 
 
-def _table(system: System, tree: Sequence[Joint]) -> str:
+def joint_table(system: System, tree: Sequence[Joint]) -> str:
     """Return the model in the format that drivers/pinocchio_model.h describes."""
     return "\n".join([_words(system.values().gravity), *(_line(joint) for joint in tree), ""])
 
