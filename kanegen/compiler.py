@@ -64,10 +64,10 @@ from kanegen.program.split import split
 from kanegen.recursion.outputs import (
     EQUATIONS,
     ERROR_BOUNDS,
-    composed_of,
     function_signatures,
     method_of_program,
     require_available,
+    together,
 )
 from kanegen.reference.range import require_range
 from kanegen.reference.states import random_states
@@ -101,7 +101,7 @@ def compile_candidate(request: Request, candidate: Candidate, progress: Progress
     program = lower(form, [name for name in outputs if name not in fixed], constants)
     progress("optimising")
     program, shared = passes.run(program, passes.all_but(without, passes.ON_ALL_OUTPUTS))
-    signatures = function_signatures(system, outputs, composed_of(system, request.integrators))
+    signatures = function_signatures(system, outputs, together(system, request.integrators))
     module, own = split(program, signatures, passes.all_but(without, passes.ON_EACH_FUNCTION), fixed)
     module = replace(module, integrators=request.integrators)
     methods = {name: candidate.methods.get(name, method_of_program(name)) for name in outputs}

@@ -6,10 +6,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from kanegen.program.cut import LONGEST_PART, cut, workspace_size
-from kanegen.program.ir import EVALUATE, STATE_RATES, Array, Condition, Module, Program, RowCondition
+from kanegen.program.ir import (
+    EVALUATE,
+    STATE_RATES,
+    STATE_RATES_DERIVATIVES,
+    Array,
+    Condition,
+    Module,
+    Program,
+    RowCondition,
+)
 
 PREPARE = "prepare"
 """Name of the function that turns parameters into prepared constants."""
+
+_TOGETHER = (EVALUATE, STATE_RATES, STATE_RATES_DERIVATIVES)
+"""Names of functions that compute several outputs together."""
 
 LARGEST_BATCH_ROW = 8192
 """Numbers of one state that a batch function keeps on the stack for every SIMD lane,
@@ -124,7 +136,7 @@ def prepared_names(functions: Mapping[Function, Sequence[Program]]) -> tuple[str
 
 def requested(module: Module) -> tuple[str, ...]:
     """Return the names of the requested outputs, each of which has a function."""
-    return tuple(name for name in module.functions if name not in (EVALUATE, STATE_RATES))
+    return tuple(name for name in module.functions if name not in _TOGETHER)
 
 
 def _outputs(program: Program) -> tuple[Array, ...]:

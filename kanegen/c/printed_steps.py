@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from kanegen.c.declarations import not_finite
 from kanegen.c.functions import Code, PrintedFunction, printed_function
 from kanegen.c.simd import SIMD
-from kanegen.c.steps import Printer, Rollout, rates_function
+from kanegen.c.steps import Printer, Rollout
 from kanegen.c.target import RenderInput
 from kanegen.recursion.outputs import INTEGRATORS
 
@@ -44,18 +44,29 @@ class _Text:
     """The text of one file so far.
 
     Attributes:
-        printer: Printer of the form for one state, or of that in lanes.
+        render_input: The model and its functions.
+        lanes: Whether the text is for several states in SIMD lanes.
         printed: Names of helpers that are printed already.
     """
 
-    printer: Printer
+    render_input: RenderInput
+    lanes: bool
     printed: set[str] = field(default_factory=set)
+
+    def printer(self, name: str) -> Printer:
+        """Return the printer of a function."""
+        rates = self.render_input.rates(name)
+        return Printer(self.render_input.model, self.render_input.formats, rates, self.lanes)
 
     def helpers(self, name: str) -> str:
         """Return the helpers that a function needs and that are not printed yet."""
-        printer, method = self.printer, INTEGRATORS[name]
-        needed = [("shared", printer.shared), (method.name, lambda: printer.change(method))]
-        if name not in method.functions[:1]:
+        printer, method = self.printer(name), INTEGRATORS[name]
+        needed = [
+            ("shared", printer.shared),
+            (printer.rates.name, printer.rates_of_state),
+            (f"{method.name} with {printer.rates.name}", lambda: printer.change(method)),
+        ]
+        if name == method.functions[1]:
             needed.append(("hold", printer.hold))
         new = [(one, text) for one, text in needed if one not in self.printed]
         self.printed.update(one for one, _ in new)
@@ -66,16 +77,17 @@ def printed_steps(render_input: RenderInput) -> tuple[list[PrintedFunction], lis
     """Return the functions that make one step, and those that make many."""
     if not render_input.steps:
         return [], []
-    rates, formats = rates_function(render_input.programs), render_input.formats
-    model = render_input.model
-    has_lanes = formats.arithmetic in SIMD and not formats.is_mixed
-    has_lanes &= all(one.fits_simd for one in (rates, *render_input.steps.values()))
-    one = _Text(Printer(model, formats, rates, lanes=False))
-    several = _Text(Printer(model, formats, rates, lanes=has_lanes))
+    model, formats = render_input.model, render_input.formats
+    can = formats.arithmetic in SIMD and not formats.is_mixed
+    lanes = {
+        name: can and function.fits_simd and render_input.rates(name).fits_simd
+        for name, function in render_input.steps.items()
+    }
+    one, several, scalar = (_Text(render_input, lanes=form) for form in (False, True, False))
     steps = []
     for name, function in render_input.steps.items():
         if function.name == name:
-            codes = list(_step_codes(name, [one, several] if has_lanes else [one]))
+            codes = list(_step_codes(name, [one, several] if lanes[name] else [one]))
             steps.append(printed_function(render_input, function, codes[0], (*codes[1:], None)[0]))
     rollouts = [
         PrintedRollout(
@@ -85,8 +97,8 @@ def printed_steps(render_input: RenderInput) -> tuple[list[PrintedFunction], lis
             prototype=rollout.prototype(model.name, formats),
             batch_prototype=rollout.batch_prototype(model.name, formats),
             code=one.helpers(rollout.name) + _text(one, rollout, "rollout"),
-            batch_code=(several.helpers(rollout.name) if has_lanes else "")
-            + _text(several, rollout, "rollout_batch"),
+            batch_code=(several.helpers(rollout.name) if lanes[rollout.name] else "")
+            + _text(several if lanes[rollout.name] else scalar, rollout, "rollout_batch"),
         )
         for rollout in render_input.rollouts
     ]
@@ -97,10 +109,10 @@ def _step_codes(name: str, texts: list[_Text]) -> Iterator[Code]:
     """Yield the code of the function that makes one step, in each form."""
     for text in texts:
         before = text.helpers(name)
-        body = text.printer.step(INTEGRATORS[name]).rstrip("\n").splitlines()
+        body = text.printer(name).step(INTEGRATORS[name]).rstrip("\n").splitlines()
         yield Code(body, before=before)
 
 
 def _text(text: _Text, rollout: Rollout, template: str) -> str:
     """Return the text of a function that makes many steps."""
-    return text.printer.rollout(rollout, template).rstrip("\n")
+    return text.printer(rollout.name).rollout(rollout, template).rstrip("\n")

@@ -9,7 +9,7 @@ from kanegen.c.description import ModelDescription
 from kanegen.c.folder import with_provenance
 from kanegen.c.formats import require_range
 from kanegen.c.source import Source
-from kanegen.c.steps import rates_name
+from kanegen.c.steps import arrays_of_rates
 from kanegen.c.target import RenderInput, Target
 from kanegen.choices import require_one, several
 from kanegen.errors import OptionError, quoted
@@ -57,7 +57,7 @@ def render(
         )
     target = target_named(target)
     target.require_name(model.name)
-    chosen = _chosen(functions, module)
+    chosen = _chosen(functions, module, model.speeds_are_rates)
     if chosen is not None:
         operations = count.operations(select_functions(module, chosen))
     longest = target.longest_part
@@ -81,7 +81,9 @@ def render(
     )
 
 
-def _chosen(functions: Iterable[str] | None, module: Module) -> tuple[str, ...] | None:
+def _chosen(
+    functions: Iterable[str] | None, module: Module, speeds_are_rates: bool
+) -> tuple[str, ...] | None:
     """Return the names of functions, checked, in the order of the module; None for all.
 
     `EVALUATE` is the function of all outputs together, also where there is only one output. Functions that
@@ -95,8 +97,12 @@ def _chosen(functions: Iterable[str] | None, module: Module) -> tuple[str, ...] 
     if not chosen:
         raise OptionError(f"functions: name one at least. There are {', '.join(known)}.")
     needed = {together if name == EVALUATE else name for name in chosen}
-    if needed.intersection(module.integrators):
-        needed.add(rates_name(module.functions))
+    for name in needed.intersection(module.integrators):
+        arrays = arrays_of_rates(name, speeds_are_rates)
+        programs = module.functions.items()
+        needed.add(
+            next(one for one, program in programs if arrays == {o.array.name for o in program.outputs})
+        )
     return tuple(name for name in known if name in needed)
 
 

@@ -8,7 +8,7 @@ and how inputs are held over a step, is printed once a file.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,15 +16,21 @@ from kanegen.c.declarations import declarator, not_finite
 from kanegen.c.description import ModelDescription
 from kanegen.c.dialect import finite_test
 from kanegen.c.formats import Formats
-from kanegen.c.interface import PREPARE, Function
+from kanegen.c.interface import Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
 from kanegen.c.simd import SIMD
 from kanegen.c.templates import fill
-from kanegen.program.ir import EVALUATE, PREPARED, STATE_RATES, Array
-from kanegen.recursion.outputs import INTEGRATORS, RATES, Method
+from kanegen.program.ir import PREPARED, Array
+from kanegen.recursion.outputs import INTEGRATORS, RATES, Method, differentiates
 
 ACCELERATION, COORDINATE_RATES = "acceleration", "xdot"
 """Names of the arrays of {ydot} and {xdot}."""
+
+SLOPES, COORDINATE_SLOPES = (f"{name}_derivatives" for name in RATES)
+"""Names of the arrays of the derivatives of {ydot} and {xdot}."""
+
+DERIVATIVES_OF_STEP = "step_derivatives"
+"""Name of the array of the derivatives of a step."""
 
 NOT_HELD = ("x", "y", "t", PREPARED)
 """Inputs of the rates that are no inputs from outside, which are held over a step."""
@@ -42,21 +48,35 @@ _ROWS = (
 """What the rows of an input of a rollout mean."""
 
 
-def rates_name(functions: Collection[str]) -> str:
-    """Return the name of the function that computes the rates of a state, among the names of functions."""
-    if STATE_RATES in functions:
-        return STATE_RATES
-    return EVALUATE if set(functions) == {*RATES, EVALUATE} else RATES[0]
+def arrays_of_rates(name: str, speeds_are_rates: bool) -> frozenset[str]:
+    """Return the names of the arrays that a function computes of a state in every stage of a step.
+
+    They are {ydot}, {xdot} where it is not {y}, and their derivatives where a step is differentiated.
+
+    Args:
+        name: Name of a function that follows a motion, one of `INTEGRATORS`.
+        speeds_are_rates: Whether {xdot} is {y}.
+    """
+    rates = (ACCELERATION,) if speeds_are_rates else (ACCELERATION, COORDINATE_RATES)
+    if not differentiates(name):
+        return frozenset(rates)
+    return frozenset((*rates, *(f"{output}_derivatives" for output in RATES[: len(rates)])))
 
 
-def rates_function(functions: Iterable[Function]) -> Function:
-    """Return the function that computes the rates of a state: {ydot}, and {xdot} where it is not {y}."""
-    found = {function.name: function for function in functions if function.name != PREPARE}
-    return found[rates_name(found)]
+def rates_function(name: str, functions: Iterable[Function], speeds_are_rates: bool) -> Function:
+    """Return the function that computes the rates of a state for a function that follows a motion.
+
+    Args:
+        name: Name of the function that follows a motion, one of `INTEGRATORS`.
+        functions: The functions of outputs.
+        speeds_are_rates: Whether {xdot} is {y}.
+    """
+    needed = arrays_of_rates(name, speeds_are_rates)
+    return next(one for one in functions if needed == {array.name for array in one.outputs})
 
 
 def step_function(name: str, rates: Function) -> Function:
-    """Return the function that makes one step of a method.
+    """Return the function that makes one step of a method, and differentiates it where its name says so.
 
     Args:
         name: Name of a function of the method, one of `INTEGRATORS`.
@@ -77,15 +97,45 @@ def step_function(name: str, rates: Function) -> Function:
         replace(acceleration, name="y_next", unit=y.unit, doc="{y} after the step"),
     )
     size = x.size + y.size
+    derivatives = _derivatives(arrays[SLOPES], x.size, y.size) if SLOPES in arrays else None
+    outputs = (*following, derivatives) if derivatives else following
+    doc = f"One step by {method.title} of order {method.order}, in {method.evaluations}"
     return Function(
-        name=method.functions[0],
-        doc=f"One step by {method.title} of order {method.order}, in {method.evaluations}.",
+        name=method.derivatives if derivatives else method.functions[0],
+        doc=f"{doc}{', and its derivatives' if derivatives else ''}.",
         inputs=(*rates.inputs, LENGTH),
-        outputs=following,
+        outputs=outputs,
         shared=rates.shared,
-        may_fail=tuple(array.name for array in following) if rates.may_fail else (),
-        workspace=rates.numbers + 7 * size + 3 * sum(array.size for array in held(rates)),
-        may_be_inaccurate=tuple(array.name for array in following) if rates.may_be_inaccurate else (),
+        may_fail=tuple(array.name for array in outputs) if rates.may_fail else (),
+        workspace=rates.numbers
+        + 7 * size
+        + 3 * sum(array.size for array in held(rates))
+        + (4 * derivatives.size if derivatives else 0),
+        may_be_inaccurate=tuple(array.name for array in outputs) if rates.may_be_inaccurate else (),
+    )
+
+
+def _derivatives(slopes: Array, m: int, n: int) -> Array:
+    """Return the array of the derivatives of a step.
+
+    Args:
+        slopes: The array of the derivatives of {ydot}, which has the same columns.
+        m: Number of coordinates.
+        n: Number of freedoms.
+    """
+    ends = {"{x}": m, "{y}": m + n, "{tau}": m + 2 * n, "the run-time parameters": slopes.shape[-1]}
+    first, columns = 0, []
+    for of, end in ends.items():
+        if end > first:
+            columns.append(f"{of} (columns {first} to {end - 1})")
+        first = end
+    return replace(
+        slopes,
+        name=DERIVATIVES_OF_STEP,
+        shape=(m + n, slopes.shape[-1]),
+        unit="units of x and y over those of the columns",
+        doc=f"derivatives of {{x}} and {{y}} after the step by {', then '.join(columns)}",
+        of_freedoms=False,
     )
 
 
@@ -245,6 +295,14 @@ class Printer:
         return next((array for array in self.rates.inputs if array.name == PREPARED), None)
 
     @property
+    def _slopes(self) -> Array | None:
+        return next((array for array in self.rates.outputs if array.name == SLOPES), None)
+
+    @property
+    def _ending(self) -> str:
+        return "_derivatives" if self._slopes else ""
+
+    @property
     def _number(self) -> str:
         return "simd" if self.lanes else self.formats.storage.c_type
 
@@ -252,9 +310,13 @@ class Printer:
         """Return the functions that all methods need."""
         return fill("c99/steps/shared.c", **self._variables)
 
+    def rates_of_state(self) -> str:
+        """Return the function that computes the rates of a state, and their derivatives if it has them."""
+        return fill("c99/steps/slopes.c" if self._slopes else "c99/steps/rates.c", **self._variables)
+
     def change(self, method: Method) -> str:
         """Return the function that computes the change of a state in a step of a method."""
-        return fill(f"c99/steps/{method.name}.c", **self._variables)
+        return fill(f"c99/steps/{method.name}{self._ending}.c", **self._variables)
 
     def hold(self) -> str:
         """Return the functions by which rollouts hold their inputs and store states."""
@@ -262,7 +324,7 @@ class Printer:
 
     def step(self, method: Method) -> str:
         """Return the body of the function that makes one step."""
-        return fill("c99/steps/step.c", method=method.name, **self._variables)
+        return fill(f"c99/steps/step{self._ending}.c", method=method.name, **self._variables)
 
     def rollout(self, one: Rollout, template: str) -> str:
         """Return a function that makes many steps, from one state or from many.
@@ -318,6 +380,26 @@ class Printer:
             "magnitude": simd.pattern(simd.sign - 1) if simd else "",
             "bits": simd.size if simd else 0,
             "rates_at": self._rates_at(width),
+            "constant": (lambda text: f"simd_of({text})") if self.lanes else (lambda text: text),
+            **(self._of_slopes(self._slopes, m, n) if self._slopes else {}),
+        }
+
+    def _of_slopes(self, slopes: Array, m: int, n: int) -> dict[str, Any]:
+        """Return the variables of derivatives: their columns, and the call at a stage of a step."""
+        columns = slopes.shape[-1]
+        shared = f"{PREPARED}, " if self._prepared else ""
+
+        def text(state: str, time: str) -> str:
+            time = f"{time}, " if self._has_time else ""
+            return (
+                f"{self.model.name}_slopes{self._form}({shared}{state}, inputs, {time}rates, slopes, status);"
+            )
+
+        return {
+            "columns": columns,
+            "rate_columns": columns - n,
+            "parameter_columns": columns - m - 2 * n,
+            "slopes_at": text,
         }
 
     def _parameters(self) -> str:
@@ -334,6 +416,7 @@ class Printer:
         places = {one["name"]: f"inputs + {one['offset']}" if one["offset"] else "inputs" for one in inputs}
         places |= {"x": "state", "y": f"state + {m}", "t": "&t"}
         places |= {COORDINATE_RATES: "rates", ACCELERATION: f"rates + {m}"}
+        places |= {SLOPES: f"slopes + {m * self._slopes.shape[-1]}"} if self._slopes else {}
         arrays = (*self.rates.inputs, *self.rates.outputs)
         arguments = [places.get(array.name, array.name) for array in arrays]
         if self.lanes and self.rates.may_be_inaccurate:

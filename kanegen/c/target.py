@@ -63,15 +63,17 @@ class RenderInput:
     @cached_property
     def steps(self) -> dict[str, Function]:
         """The function of one step, by the name of every printed function that follows a motion."""
-        integrators = self.selected.integrators
-        rates = rates_function(self.programs) if integrators else None
-        return {name: step_function(name, rates) for name in integrators if rates}
+        return {name: step_function(name, self.rates(name)) for name in self.selected.integrators}
+
+    def rates(self, name: str) -> Function:
+        """Return the function that computes the rates of a state for a function that follows a motion."""
+        return rates_function(name, self.programs, self.model.speeds_are_rates)
 
     @property
     def rollouts(self) -> tuple[Rollout, ...]:
         """Every function that makes many steps."""
         found = ((name, step) for name, step in self.steps.items() if step.name != name)
-        return tuple(Rollout(name, step, rates_function(self.programs)) for name, step in found)
+        return tuple(Rollout(name, step, self.rates(name)) for name, step in found)
 
     @property
     def functions(self) -> tuple[Function, ...]:

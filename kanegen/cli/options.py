@@ -58,7 +58,7 @@ Outputs = Annotated[
         "coordinate_rates_derivatives, point_positions_derivatives, point_velocities_derivatives, "
         "point_accelerations_derivatives, kinetic_energy_derivatives, potential_energy_derivatives, "
         "momentum_derivatives, centroidal_momentum_bias_derivatives, mass_center_derivatives, "
-        "step_rk4, rollout_rk4.",
+        "step_rk4, rollout_rk4, step_rk4_derivatives.",
     ),
 ]
 Functions = Annotated[

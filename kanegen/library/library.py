@@ -18,7 +18,7 @@ from kanegen.library.native.status import OnStatus, checked_on_status
 from kanegen.library.operational import OperationalSpace
 from kanegen.library.quantities import Quantities
 from kanegen.library.quantity_derivatives import QuantityDerivatives
-from kanegen.library.rollouts import Rollouts
+from kanegen.library.step_derivatives import StepDerivatives
 
 
 def load(
@@ -63,7 +63,7 @@ class Library(
     Identification,
     Derivatives,
     QuantityDerivatives,
-    Rollouts,
+    StepDerivatives,
 ):
     """The functions of a compiled model, with values of its run-time parameters.
 

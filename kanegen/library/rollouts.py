@@ -50,7 +50,7 @@ class Rollouts(CompiledModel):
     def methods(self) -> tuple[str, ...]:
         """Names of the methods for which the library has steps or rollouts, such as "rk4"."""
         own = self.source.integrators
-        return tuple(name for name, method in METHODS.items() if {*method.functions}.intersection(own))
+        return tuple(name for name, method in METHODS.items() if {*method.every_function}.intersection(own))
 
     def step(
         self,

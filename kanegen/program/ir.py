@@ -28,6 +28,9 @@ EVALUATE = "evaluate"
 STATE_RATES = "state_rates"
 """Name of the function that computes {xdot} and {ydot} together, where steps need both."""
 
+STATE_RATES_DERIVATIVES = "state_rates_derivatives"
+"""Name of the function that computes these rates and their derivatives together, for derivatives of steps."""
+
 
 class Op(StrEnum):
     """What an instruction computes from its operands."""

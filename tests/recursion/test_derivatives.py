@@ -9,13 +9,12 @@ import kanegen as kg
 from kanegen.compiler import compile_module
 from kanegen.program.count import count
 from kanegen.recursion.outputs import DERIVATIVES
-from kanegen.reference import equations as reference
 from kanegen.reference.kinematics import kinematics
 from tests.support import systems
 from tests.support.cases import slow_except
+from tests.support.complex_steps import STEP, dynamics, state
 from tests.support.orientation_trees import (
     ANGULAR_VELOCITY,
-    angle_state,
     close,
     mixed,
     values,
@@ -23,26 +22,8 @@ from tests.support.orientation_trees import (
 )
 from tests.support.paths import MODELS
 
-STEP = 1e-30
-
 DYNAMICS = [f"{name}_derivatives" for name in ("forcing", "inverse_dynamics", "forward_dynamics")]
 """The outputs of this module; `test_quantity_derivatives` has the others."""
-
-
-def random_inputs(system: kg.System, seed: int) -> dict[str, np.ndarray]:
-    """Return a state away from gimbal lock, with quaternions of any length."""
-    found = angle_state(system.with_coordinates("angles"), seed)
-    if len(system.coordinates) > len(system.freedoms):
-        found["x"] = np.random.default_rng(seed).uniform(-1.0, 1.0, len(system.coordinates))
-    return found
-
-
-def dynamics(system: kg.System, inputs: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return [A] and {f} by the reference, for real or complex numbers."""
-    kind = np.result_type(inputs["x"], inputs["y"])
-    x, y = inputs["x"].astype(kind), inputs["y"].astype(kind)
-    loads = inputs["force"], inputs["torque"]
-    return reference.mass_matrix(system, x), reference.forcing(system, x, y, *loads)
 
 
 def expected(system: kg.System, inputs: dict[str, np.ndarray], name: str) -> np.ndarray:
@@ -78,7 +59,7 @@ SYSTEMS = {
 @pytest.mark.parametrize("seed", slow_except(range(3), 1))
 def test_derivatives_agree_with_complex_steps(seed: int, kind: str, name: str) -> None:
     system = SYSTEMS[kind](seed)
-    inputs = random_inputs(system, seed)
+    inputs = state(system, seed)
     right = expected(system, inputs, name)
     close(values(system, inputs, name)[name], right, 1e-11)
 
@@ -87,7 +68,7 @@ def test_derivatives_agree_with_complex_steps(seed: int, kind: str, name: str) -
 def test_derivatives_share_intermediates_with_their_outputs(seed: int) -> None:
     """No value changes, and the intermediates are shared."""
     system = mixed(seed).with_speeds(ANGULAR_VELOCITY)
-    inputs = random_inputs(system, seed)
+    inputs = state(system, seed)
     names = ("forward_dynamics", "forward_dynamics_derivatives", "inverse_dynamics")
     together = values(system, inputs, *names)
     for name, array in zip(names, ("acceleration", names[1], "generalized_force"), strict=True):

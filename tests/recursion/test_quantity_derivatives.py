@@ -16,10 +16,9 @@ from kanegen.reference.matrices import skew
 from kanegen.reference.momentum import centroidal_momentum
 from tests.support import moving_bodies
 from tests.support.cases import slow_except
-from tests.support.orientation_trees import KINDS, angle_state, close, tree_of_kind, values
+from tests.support.complex_steps import STEP, rates_of, state
+from tests.support.orientation_trees import KINDS, close, tree_of_kind, values
 from tests.support.paths import MODELS
-
-STEP = 1e-30
 
 NAMES = tuple(name for name in DERIVATIVES if "dynamics" not in name and "forcing" not in name)
 
@@ -30,38 +29,6 @@ def pointed(kind: str, seed: int) -> kg.System:
     system = tree_of_kind(kind, seed)
     places = {"inner": 1, "outer": system.number_of_bodies}
     return system.with_points({name: (k, rng.normal(size=3)) for name, k in places.items()})
-
-
-def state(system: kg.System, seed: int) -> dict[str, np.ndarray]:
-    """Return a state away from gimbal lock, with quaternions of any length."""
-    found = angle_state(system.with_coordinates("angles"), seed)
-    if len(system.coordinates) > len(system.freedoms):
-        found["x"] = np.random.default_rng(seed).uniform(-1.0, 1.0, len(system.coordinates))
-    return found
-
-
-def rates_of(system: kg.System, x: Any, y: Any) -> Any:
-    """Return {xdot}: Eq. (8) solved for the rates of angles, and half the product of quaternion and omega."""
-    bodies = kinematics(system.values(), x, y)
-    found = np.zeros(len(x), np.result_type(x, y))
-    for place, coordinate in enumerate(system.coordinates):
-        joint = system.bodies[coordinate.body - 1].joint
-        if coordinate.is_translation or joint.speeds_are_rates:
-            found[place] = y[system.freedom_names.index(system.coordinate_names[place])]
-    for k, body in enumerate(system.bodies, start=1):
-        if body.joint.speeds_are_rates:
-            continue
-        places = [i for i, c in enumerate(system.coordinates) if c.body == k and not c.is_translation]
-        omega = bodies[k - 1].relative_omega
-        if len(places) == 4:
-            e0, e = x[places[0]], x[places[1:]]
-            found[places] = np.concatenate([[-(e @ omega)], e0 * omega + np.cross(e, omega)]) / 2
-        else:
-            (s2, s3), (c2, c3) = np.sin(x[places[1:]]), np.cos(x[places[1:]])
-            one, zero = np.ones_like(s2), np.zeros_like(s2)
-            block = np.array([[c2 * c3, s3, zero], [-c2 * s3, c3, zero], [s2, zero, one]])
-            found[places] = np.linalg.solve(block, omega)
-    return found
 
 
 def of_points(system: kg.System, x: Any, y: Any, ydot: Any) -> dict[str, Any]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 from kanegen.choices import several
 from kanegen.errors import OptionError
 from kanegen.model.system import System
-from kanegen.program.ir import EVALUATE, STATE_RATES, Array
+from kanegen.program.ir import EVALUATE, Array
 from kanegen.program.split import Signature
 from kanegen.recursion.outputs.contacts import OF_CONTACTS
 from kanegen.recursion.outputs.inputs import READ_BY_ALL, input_arrays
@@ -120,21 +121,20 @@ def output_array(system: System, name: str, methods: Mapping[str, str]) -> Array
 
 
 def function_signatures(
-    system: System, outputs: Sequence[str], rates: Sequence[str] = ()
+    system: System, outputs: Sequence[str], together: Mapping[str, tuple[str, ...]] = MappingProxyType({})
 ) -> dict[str, Signature]:
     """Return the arrays of each C function: one function per output, and `EVALUATE` for several together.
 
     Args:
         system: The tree.
         outputs: Names of the outputs.
-        rates: Those of the outputs that steps need together; where they are two and not all, `STATE_RATES`
-            is their function.
+        together: Outputs that are also computed together by a function of their own, by its name, unless they
+            are all or just one.
     """
     arrays = [array.name for array in input_arrays(system)]
     read = {name: {*OUTPUTS[name].inputs, *READ_BY_ALL} for name in outputs}
     groups: dict[str, tuple[str, ...]] = {name: (name,) for name in outputs}
-    if 1 < len(rates) < len(outputs):
-        groups[STATE_RATES] = tuple(rates)
+    groups |= {name: group for name, group in together.items() if 1 < len(group) < len(outputs)}
     if len(outputs) > 1:
         groups[EVALUATE] = tuple(outputs)
     return {
