@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from kanegen.errors import ReadError as ReadError
     from kanegen.errors import SingularError as SingularError
     from kanegen.errors import StatusError as StatusError
+    from kanegen.errors import SweepError as SweepError
     from kanegen.errors import WriteError as WriteError
     from kanegen.library.library import Library as Library
     from kanegen.linear.linear_model import LinearModel as LinearModel
@@ -76,6 +77,11 @@ if TYPE_CHECKING:
     from kanegen.simulation.events import Event as Event
     from kanegen.simulation.simulate import simulate as simulate
     from kanegen.simulation.trajectory import Trajectory as Trajectory
+    from kanegen.sweeps.job import RolloutJob as RolloutJob
+    from kanegen.sweeps.results import SweepResult as SweepResult
+    from kanegen.sweeps.sampling import Sampling as Sampling
+    from kanegen.sweeps.sweep import open_sweep as open_sweep
+    from kanegen.sweeps.sweep import sweep as sweep
     from kanegen.symbolic.equations import Equations as Equations
     from kanegen.viewer.view import View as View
     from kanegen.viewer.view import view as view
@@ -96,6 +102,7 @@ _MODULES = {
         "ReadError",
         "SingularError",
         "StatusError",
+        "SweepError",
         "WriteError",
     ),
     "library.library": ("Library",),
@@ -130,6 +137,10 @@ _MODULES = {
     "simulation.events": ("Event",),
     "simulation.simulate": ("simulate",),
     "simulation.trajectory": ("Trajectory",),
+    "sweeps.job": ("RolloutJob",),
+    "sweeps.results": ("SweepResult",),
+    "sweeps.sampling": ("Sampling",),
+    "sweeps.sweep": ("open_sweep", "sweep"),
     "symbolic.equations": ("Equations",),
     "viewer.view": ("View", "view"),
 }

@@ -129,6 +129,10 @@ class BuildError(KanegenError):
     """
 
 
+class SweepError(KanegenError):
+    """A worker of a sweep failed or ended; the message names the chunk of rows that it computed."""
+
+
 class MissingError(KanegenError):
     """An optional package is not installed, or another program lacks a feature that is needed."""
 

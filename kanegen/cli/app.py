@@ -19,6 +19,7 @@ from kanegen.cli.generate import generate
 from kanegen.cli.info import info
 from kanegen.cli.linearize import linearize
 from kanegen.cli.simulate import simulate
+from kanegen.cli.sweep import sweep
 from kanegen.cli.terminal import fail, notices, show_warnings
 from kanegen.cli.tradeoff import tradeoff
 from kanegen.cli.verify import verify
@@ -39,6 +40,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     explain,
     bench,
     tradeoff,
+    sweep,
 )
 """All commands, in the order in which `kanegen --help` lists them."""
 
