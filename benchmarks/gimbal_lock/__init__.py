@@ -1,0 +1,1 @@
+"""The demonstration of gimbal lock: one motion in angle rates, in angular velocity and with a quaternion."""
