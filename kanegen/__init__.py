@@ -23,6 +23,8 @@ __version__ = "0.1.0"
 """The version of kanegen, which the code that it generates also carries."""
 
 if TYPE_CHECKING:
+    from kanegen.browser.page import WebPage as WebPage
+    from kanegen.browser.web import web as web
     from kanegen.c.source import Source as Source
     from kanegen.compiler import bound as bound
     from kanegen.compiler import build as build
@@ -88,6 +90,8 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "c.source": ("Source",),
+    "browser.page": ("WebPage",),
+    "browser.web": ("web",),
     "compiler": ("bound", "build", "compare", "derive", "equilibria", "generate", "linearize"),
     "errors": (
         "ArrayError",

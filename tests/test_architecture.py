@@ -40,7 +40,7 @@ ORDER = (
     "simulation",
     "interop",
     "viewer",
-    "web",
+    "browser",
     "sweeps",
     "studies",
     "cli",

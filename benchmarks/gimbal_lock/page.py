@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 import kanegen as kg
+from kanegen.browser.page import Competitor, Formulation, Start, WebPage, reference_of
+from kanegen.browser.starts import State
 from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, quiet
 from kanegen.viewer.making import scene_of
-from kanegen.web.page import Competitor, Formulation, Start, WebPage, reference_of
-from kanegen.web.starts import State
 
 MODEL = Path(__file__).parent / "t_handle.toml"
 
@@ -20,7 +20,7 @@ SPIN = 6.0
 """Speed about the stem (rad/s)."""
 
 DISTURBANCES = (1e-3, 1e-2, 1e-1)
-"""Speeds about the bar over that about the stem. The smaller one is, the nearer the axes come to gimbal lock."""
+"""Speeds about the bar over that about the stem: the smaller, the nearer the axes come to gimbal lock."""
 
 STEP = 1e-3
 """Length of a step (s)."""
@@ -32,32 +32,32 @@ FORMULATIONS = {
     "angle rates": (
         "angles",
         "angle_rates",
-        "Three angles and their rates: [A] is singular in gimbal lock, and accelerations are as large as they like "
-        "near it.",
+        "Three angles and their rates: [A] is singular in gimbal lock, and accelerations have no bound near "
+        "it.",
     ),
     "angular velocity": (
         "angles",
         "angular_velocity",
-        "Three angles and the components of the angular velocity: accelerations stay small, but the rates of the "
-        "angles grow near gimbal lock.",
+        "Three angles and the components of the angular velocity: accelerations stay small, but the rates of "
+        "the angles have no bound near gimbal lock.",
     ),
     "quaternion": (
         "quaternion",
         "angular_velocity",
-        "Four elements of a quaternion and the components of the angular velocity: no orientation is special.",
+        "A quaternion and the components of the angular velocity: no orientation is special.",
     ),
 }
-"""Coordinates, speeds and one sentence by the name of a formulation. The last one is that of the reference."""
+"""Coordinates, speeds and one sentence by the name of a formulation; the last one is the reference's."""
 
 NOTES = (
-    "A handle in the shape of a T turns about its stem, the axis of middle inertia. This spin turns over again and "
-    "again. Each quarter of a turn takes the middle one of its 1-2-3 angles to a right angle, where two of the "
-    "axes coincide: gimbal lock.",
-    "The three motions begin in one state and make the same steps of the classical Runge-Kutta method, in double "
-    "precision. They differ in nothing but coordinates and speeds. What they compute is C that kanegen generates, "
-    "compiled to WebAssembly.",
-    "The error is the largest angle (rad) or distance (m) between a body and where the reference has it: a motion "
-    "with a quaternion, in double-double arithmetic and in shorter steps.",
+    "A handle in the shape of a T turns about its stem, the axis of middle inertia. It turns over again and "
+    "again. Twice a turn it takes the middle one of the 1-2-3 angles to a right angle, where two of "
+    "their axes coincide: gimbal lock.",
+    "The three motions begin in one state and make the same steps of the classical Runge-Kutta method, in "
+    "double precision. They differ in nothing but coordinates and speeds. What computes them is C that "
+    "kanegen generates, compiled to WebAssembly.",
+    "The error is the largest angle (rad) or distance (m) between a body and where the reference has it: a "
+    "motion with a quaternion, in double-double arithmetic and in shorter steps.",
 )
 
 

@@ -24,6 +24,7 @@ from kanegen.cli.terminal import fail, notices, show_warnings
 from kanegen.cli.tradeoff import tradeoff
 from kanegen.cli.verify import verify
 from kanegen.cli.view import view
+from kanegen.cli.web import web
 from kanegen.errors import KanegenError
 
 COMMANDS: tuple[Callable[..., None], ...] = (
@@ -37,6 +38,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     simulate,
     info,
     view,
+    web,
     explain,
     bench,
     tradeoff,

@@ -53,9 +53,9 @@ def web(
 
     Without --x and --y the joints begin away from their neutral position.
     """
+    from kanegen.browser.web import web as page
     from kanegen.files import require_writable
     from kanegen.model.numbers import value_of
-    from kanegen.web.web import web as page
 
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     pairs = (("--x", x), ("--y", y))

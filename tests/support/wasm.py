@@ -3,8 +3,8 @@
 import numpy as np
 import wasmtime
 
+from kanegen.browser.wasm import wasm_module
 from kanegen.c.formats import formats
-from kanegen.web.wasm import wasm_module
 
 ALIGNMENT = 16
 PAGE = 65536

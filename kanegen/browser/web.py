@@ -8,13 +8,13 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from kanegen.browser.page import Competitor, Formulation, Start, WebPage, reference_of
+from kanegen.browser.starts import start_of
 from kanegen.errors import ModelError, OptionError, counted, quoted
 from kanegen.model.description import require_system
 from kanegen.model.system import System
 from kanegen.options import TIERS, Progress, Variant, quiet
 from kanegen.viewer.making import scene_of
-from kanegen.web.page import Competitor, Formulation, Start, WebPage, reference_of
-from kanegen.web.starts import start_of
 
 STEP = 1e-3
 """Length of a step unless another is given (s)."""
@@ -121,13 +121,13 @@ def _require_free(system: System) -> None:
     """
     if system.prescribed:
         raise OptionError(
-            f"system {quoted(system.name)} has prescribed freedoms ({', '.join(system.prescribed_names[:8])}), "
-            "whose motion a page does not know. Lock them, or take kg.simulate and kg.view."
+            f"system {quoted(system.name)} has prescribed freedoms, such as {system.prescribed_names[0]}. "
+            "A page does not know their motion. Lock them, or take kg.simulate and kg.view."
         )
     if system.contacts:
         raise OptionError(
             f"system {quoted(system.name)} has contacts, which steps do not hold. Leave them out by "
-            "System.with_contacts([]), on the command line --contacts ''."
+            "System.with_contacts([])."
         )
 
 

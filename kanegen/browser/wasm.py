@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from kanegen.browser import toolchain
 from kanegen.c import Source
 from kanegen.c.interface import Function
 from kanegen.c.templates import fill
@@ -11,7 +12,6 @@ from kanegen.choices import flag
 from kanegen.errors import OptionError
 from kanegen.library.native.build import Product, code, made
 from kanegen.program import semantics
-from kanegen.web import toolchain
 
 STACK_BYTES = 1 << 20
 """Size of the stack of a module. Beyond its end the memory ends, so that an overflow stops the module."""

@@ -46,10 +46,9 @@ def start_of(
     Args:
         system: The tree.
         scene: Its picture, which has the ranges of its coordinates.
-        x: (m,) coordinates, or some of them by name (rad, m, 1). Joints that are not named are turned away from
-            their neutral position, so that something moves; where coordinates are given, the others are
-            neutral.
-        y: (n,) speeds, or some of them by name (rad/s, m/s); others are 0.
+        x: (m,) coordinates, or some of them by name (rad, m, 1); the others are neutral.
+        y: (n,) speeds, or some of them by name (rad/s, m/s); the others are 0. Without `x` and `y` the joints
+            are turned away from their neutral position, so that something moves.
 
     Raises:
         OptionError: If a name does not exist, or a value is no finite number.

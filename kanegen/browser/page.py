@@ -1,4 +1,4 @@
-"""`WebPage`: motions in a browser by the C of several variants, beside a reference in double-double arithmetic.
+"""`WebPage`: motions in a browser by the C of several variants, beside a reference in double-double numbers.
 
 A page holds formulations, of each of which there is a picture, and competitors, which are motions by the C of
 one variant in one formulation. All make the same steps; their errors are distances between bodies, so that
@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from kanegen.browser.modules import PageModule
+from kanegen.browser.starts import State
 from kanegen.c.templates import fill, raw
 from kanegen.errors import WriteError
 from kanegen.files import path_of, write_whole
@@ -20,8 +22,6 @@ from kanegen.model.system import System
 from kanegen.options import STRICT, TIERS, Variant
 from kanegen.recursion.outputs.integrators import RATES
 from kanegen.viewer.scene import Scene, embedded_json
-from kanegen.web.modules import PageModule
-from kanegen.web.starts import State
 
 STEP = "step_rk4"
 """The function that makes the steps of competitors."""
@@ -44,8 +44,8 @@ class Formulation:
         system: The tree.
         scene: Its picture.
         module: Positions of bodies and points, and energies, in double precision.
-        places: Mass centres and joints among the points of `module`, where parameters may move them: number of
-            the body, "center" or "joint", number of the body whose joint it is, and row.
+        places: Mass centres and joints among the points of `module`, where parameters may move them: number
+            of the body, "center" or "joint", number of the body whose joint it is, and row.
     """
 
     system: System
@@ -151,11 +151,11 @@ class WebPage:
             text = kg.web(system).html()
         """
         return fill(
-            "web/page.html",
+            "browser/page.html",
             title=html.escape(self.title),
             viewer=raw("viewer/viewer.js").rstrip(),
-            style=raw("web/page.css").rstrip(),
-            scripts=[raw(f"web/{name}").rstrip() for name in _SCRIPTS],
+            style=raw("browser/page.css").rstrip(),
+            scripts=[raw(f"browser/{name}").rstrip() for name in _SCRIPTS],
             data=embedded_json(self._table(play)),
         )
 
@@ -292,7 +292,13 @@ def _parameters(system: System) -> list[dict[str, Any]]:
         return min(near, far), max(near, far)
 
     return [
-        {"name": one.name, "unit": "", "value": float(one.value), "lower": ends(one.value)[0], "upper": ends(one.value)[1]}
+        {
+            "name": one.name,
+            "unit": "",
+            "value": float(one.value),
+            "lower": ends(one.value)[0],
+            "upper": ends(one.value)[1],
+        }
         for one in system.parameters
     ]
 

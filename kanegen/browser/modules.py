@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from kanegen.browser.wasm import wasm_module
 from kanegen.c import Source
 from kanegen.c.c99 import C99
 from kanegen.c.formats import formats
@@ -17,7 +18,6 @@ from kanegen.options import Variant
 from kanegen.program.ir import Array
 from kanegen.program.precision import DOUBLE_DOUBLE
 from kanegen.recursion.outputs.integrators import INTEGRATORS
-from kanegen.web.wasm import wasm_module
 
 _SHORT_PARTS = C99(longest_part=150)
 """C whose functions consist of short parts. The time of compilers for WebAssembly grows with the square of

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import kanegen as kg
+from kanegen.browser import toolchain
+from kanegen.browser.wasm import exports, wasm_module
 from kanegen.c import description
 from kanegen.errors import BuildError, OptionError
 from kanegen.library import load
@@ -16,8 +18,6 @@ from kanegen.model.arguments import LOADS
 from kanegen.options import TIERS
 from kanegen.program.precision import precision_named
 from kanegen.reference.states import random_states
-from kanegen.web import toolchain
-from kanegen.web.wasm import exports, wasm_module
 from tests.support.paths import ROOT
 from tests.support.random_trees import everything
 from tests.support.wasm import WasmLibrary
