@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes viewer cost-reports closed-forms validation truth docs clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -68,6 +68,10 @@ validation: $(VENV)/.tests
 # Compute the exact numbers of five trees again and rewrite docs/truth; takes some seconds.
 truth: $(VENV)/.tests
 	$(BIN)/python -m benchmarks.validation.truth
+
+# Simulate every model and rewrite the moving pictures of docs/gallery; takes a minute.
+gallery: $(VENV)/.docs
+	PYTHONPATH=docs $(BIN)/python -m website.gallery
 
 # Make the site of the pages in docs/ in build/site; notebooks run the first time and when their code changes.
 docs: $(VENV)/.docs

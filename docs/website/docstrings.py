@@ -18,7 +18,8 @@ _SPECIAL = re.compile(r"([\\*|_])")
 def prose(text: str) -> str:
     """Return a text in which only `code` has a meaning for reStructuredText."""
     parts = re.split(r"(`[^`]*`)", text)
-    return "".join(part if part.startswith("`") else _SPECIAL.sub(r"\\\1", part) for part in parts)
+    escaped = (part if part.startswith("`") else _SPECIAL.sub(r"\\\1", part) for part in parts)
+    return re.sub(r"(`[^`]*`)(?=\w)", r"\1\\ ", "".join(escaped))
 
 
 def _sections(lines: list[str]) -> Iterator[tuple[str, list[str]]]:

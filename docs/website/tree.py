@@ -10,6 +10,7 @@ from sphinx.application import Sphinx
 
 INDEX_PAGES = (
     "index",
+    "tutorials/index",
     "guides",
     "trust",
     "cost",

@@ -93,10 +93,10 @@ def _cleaned(docstring: str) -> list[str]:
 
 def test_what_is_no_markup_stays_as_it_is() -> None:
     lines = restructured(
-        ["The error |computed - exact| of `x_`, times 2*x_.", "", "Returns:", "    (n,), rad: or m.", "",
+        ["The error |computed - exact| of `x_`s, times 2*x_.", "", "Returns:", "    (n,), rad: or m.", "",
          "Raises:", "    OptionError: If `x` is", "        missing.", "", "Example:", "    kg.load(path)"]
     )  # fmt: skip
-    assert lines[0] == r"The error \|computed - exact\| of `x_`, times 2\*x\_."
+    assert lines[0] == r"The error \|computed - exact\| of `x_`\ s, times 2\*x\_."
     assert ":returns: (n,), rad: or m." in lines
     assert ":raises OptionError: If `x` is missing." in lines
     assert "   kg.load(path)" in lines
