@@ -190,7 +190,7 @@ def test_reports_name_the_state_and_the_parameter(library: kg.Library) -> None:
     sets[5, library.parameter_names.index("l1")] = 0.0
     message = (
         "forward_dynamics: in 2 of 9 states the result does not exist or is not finite; in state 3 the pivot "
-        "of [A] at freedom 'q2' of body 'lower' is not positive or is NaN: parameters[3] is nan."
+        "of [A] at freedom 'q2' of body 'lower' is not positive or is NaN: parameter 'm2' is nan."
     )
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -227,3 +227,21 @@ def test_the_c_is_clean_and_the_example_runs(
     usual = kg.generate(pendulum, precision=precision).write(tmp_path / "usual")
     run(*C[compiler], "-std=c99", "-O1", *files, "-lm", "-o", "example", folder=usual)
     assert run("./example", folder=folder) == run("./example", folder=usual)
+
+
+def test_rollouts_and_steps_take_sets_too(pendulum: kg.System) -> None:
+    library = kg.build(pendulum, ("rollout_rk4", "step_rk4"), flags=QUICK, parameters_by_state=True)
+    x, y, sets = drawn(library, 13)
+    found = library.rollout(x, y, steps=20, step=0.01, every=5, parameters=sets)
+    for i in range(13):
+        own = library.with_parameters(dict(zip(library.parameter_names, sets[i], strict=True)))
+        alone = own.rollout(x[i], y[i], steps=20, step=0.01, every=5)
+        assert bits(found.x[i]) == bits(alone.x)
+        assert bits(found.y[i]) == bits(alone.y)
+    ends = library.step(x, y, step=0.01, parameters=sets)
+    assert bits(library.rollout(x, y, steps=1, step=0.01, parameters=sets).x[:, 1]) == bits(ends[0])
+    sets[4, library.parameter_names.index("l2")] = np.inf
+    with pytest.warns(kg.KanegenWarning, match=r"first in state 4, after 0 of 20 .* parameter 'l2' is inf"):
+        library.rollout(x, y, steps=20, step=0.01, parameters=sets)
+    with pytest.warns(kg.KanegenWarning, match=r"after 0 of 20 .* parameter 'l2' is inf"):
+        library.rollout(x[4], y[4], steps=20, step=0.01, parameters=sets[4])

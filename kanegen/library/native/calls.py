@@ -180,7 +180,8 @@ class NativeLibrary:
                 "for all states of a batch. Build it with parameters_by_state=True."
             )
         (array,) = prepare(Constants(), (sets,), naming(changed, on_status))
-        return Constants((), array, sets) if sets.ndim > 1 else Constants((self._prepared(array),), array)
+        pointers = () if sets.ndim > 1 else (self._prepared(array),)
+        return Constants(pointers, array, sets, tuple(name for name, _ in self.source.model.parameters))
 
     def _arguments(self, name: str, function: Function) -> tuple[str, ...]:
         """Return the names of the values that a call takes, in the order of the table of outputs."""
@@ -305,7 +306,7 @@ class Call:
             # An optional value that was left out is zero, and cannot be why a result is not finite.
             read = {name: values[k] for name, k, _ in self._inputs}
             inputs = {name: value for name, value in read.items() if isinstance(value, np.ndarray)}
-            report(self._status.of_state(status, inputs, results), on_status)
+            report(self._status.of_state(status, inputs | constants.inputs, results), on_status)
         return results
 
     def _general(self, constants: Constants, values: Values, on_status: OnStatus = "ignore") -> list[Floats]:
@@ -319,15 +320,14 @@ class Call:
             *map(self._result_pointer, results),
         ]
         inputs = {name: array for (name, *_), array in zip(self._inputs, arrays, strict=True)}
-        if constants.sets is not None:
-            inputs[PARAMETERS] = constants.sets
         if not batch or self._batch is None:
             status = self._single(*pointers)
             if status and on_status != "ignore":
-                report(self._status.of_state(status, inputs, results), on_status)
+                report(self._status.of_state(status, inputs | constants.inputs, results), on_status)
             return results
         failed = self._many(batch[0], pointers)
         if failed and on_status != "ignore":
+            inputs |= constants.inputs if constants.sets is not None else {}
             states = partial(self._some, constants, arrays)
             report(self._status.of_batch(failed, inputs, results, states), on_status)
         return results

@@ -256,7 +256,7 @@ class RolloutCall:
         """
         status, made, y = found
         if not made.ndim:
-            clause, kind = self._clause(status, inputs, int(made), course)
+            clause, kind = self._clause(status, inputs, constants, int(made), course)
             return StatusReport(f"{self._name}: {clause}", kind, is_alone=False)
         concerned = np.flatnonzero(made < course.steps)
         lost = [k for k in concerned if not np.isfinite(y[k, -1]).all()]
@@ -265,20 +265,21 @@ class RolloutCall:
             name: Input(np.ascontiguousarray(one.array[first]), one.rows) if one.array.size else one
             for name, one in inputs.items()
         }
-        own = constants.of(np.array([first]))
-        if own.array is not None and own.sets is not None:
-            own = Constants((self._prepared(np.ascontiguousarray(own.array[0])),), own.array[0])
+        own = constants.alone(first, self._prepared)
         code, *_ = self._called(own, alone, (), course)
-        clause, kind = self._clause(code, alone, int(made[first]), course)
+        clause, kind = self._clause(code, alone, own, int(made[first]), course)
         message = f"{self._name}: in {status} of {len(made)} states, first in state {first}, {clause}"
         return StatusReport(message, kind, is_alone=False, states=status)
 
-    def _clause(self, status: int, inputs: Mapping[str, Input], made: int, course: Course) -> tuple[str, str]:
+    def _clause(
+        self, status: int, inputs: Mapping[str, Input], constants: Constants, made: int, course: Course
+    ) -> tuple[str, str]:
         """Return the sentence on a state, and the kind of its status."""
         start = float(inputs["t"].array.reshape(-1)[0]) if "t" in inputs else 0.0
         when = f"after {made} of {course.steps} steps, at t = {start + made * course.step:.9g} s,"
         kind = self._status.kind(status)
-        first: dict[str, Floats] = {name: one.array for name, one in inputs.items() if one.array.size}
+        arrays: dict[str, Floats] = {name: one.array for name, one in inputs.items() if one.array.size}
+        first = arrays | constants.inputs
         if kind == NOT_FINITE:
             cause = self._status.bad_input(first) if made == 0 else ""
             advice = f"because {cause}" if cause else "a smaller step may avoid this"
