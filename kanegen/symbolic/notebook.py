@@ -2,8 +2,8 @@
 
     display([*matrix("[A]", "A", form.A, names, "equations.A", symmetric=True)])
 
-What is too long is cut, with the Python that gives the rest. A notebook shows LaTeX by MathJax, which has the
-commands of amsmath and no others.
+What is too long is cut, with the Python that gives the rest. Notebooks show LaTeX by MathJax, and
+the site by MathML, so that only commands of amsmath occur that both have.
 """
 
 from __future__ import annotations
@@ -96,8 +96,7 @@ def conditions(positive: Iterable[Expr], names: Mapping[Symbol, str]) -> Iterato
 
 def cut(left_out: int, what: str, hint: str) -> str:
     """Return the line that says what is left out, and the Python that gives it."""
-    python = "".join(_SPECIAL.get(letter, letter) for letter in hint).replace(" ", r"\ ")
-    return rf"&\text{{… {left_out} more {what}: }} \mathtt{{{python}}}"
+    return "&" + words(f"… {left_out} more {what}: {hint}")
 
 
 def words(text: str) -> str:
@@ -110,4 +109,4 @@ def _shortened(lines: list[str]) -> Iterator[str]:
     """Yield the first lines of an entry, and how many more it has."""
     yield from lines[:MOST_LINES_OF_ENTRY]
     if (rest := len(lines) - MOST_LINES_OF_ENTRY) > 0:
-        yield rf"+ \dots \text{{ ({rest} more lines)}}"
+        yield rf"+ \ldots \text{{ ({rest} more lines)}}"
