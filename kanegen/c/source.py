@@ -80,6 +80,11 @@ class Source:
         """Name of the precision of states, loads and results, in `precision.PRECISIONS`."""
         return precisions.storage_precision(self.variant.precision, self.variant.storage).name
 
+    def __repr__(self) -> str:
+        """Name of the system, language and precision, and the outputs."""
+        language = f"{self.target} in {self.precision}"
+        return f"<Source of {self.model.shown}: {language}, {', '.join(self.outputs)}>"
+
     def _repr_html_(self) -> str:
         """The functions, what they cost, and the files, for a notebook."""
         return source_html(self.model.shown, self.functions, self.operations, self.files, self.variant)

@@ -163,6 +163,11 @@ class Report:
         plain: dict[str, Any] = _plain(data)
         return plain
 
+    def __repr__(self) -> str:
+        """Name of the system, the verdict and the largest error; `print` shows the table."""
+        verdict = "passed" if self.passed else "FAILED"
+        return f"<Report of {self.system}: {verdict}, largest error {self.max_error:.1e}>"
+
     def _repr_html_(self) -> str:
         """The verdict, the errors and the worst entries, for a notebook."""
         rows = [row for accuracy in self.accuracies for row in _rows(accuracy)]

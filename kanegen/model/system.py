@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, replace
 from typing import Any, Self
 
-from kanegen.errors import ModelError, WriteError, quoted
+from kanegen.errors import ModelError, WriteError, counted, quoted
 from kanegen.files import path_of, write_whole
 from kanegen.model import output_rows, validation
 from kanegen.model.arrays import SystemArrays, bodies_from_arrays, rotor_arrays, system_arrays
@@ -201,6 +201,11 @@ class System(SystemVariations):
             kg.load("models/eight_body.toml").picture().write("tree.svg")
         """
         return Picture(system_svg(self))
+
+    def __repr__(self) -> str:
+        """Name and size of the system; `as_table` has all of it."""
+        bodies = counted(self.number_of_bodies, "body", "bodies")
+        return f"<System {self.name}: {bodies}, {counted(len(self.freedoms), 'freedom')}>"
 
     def _repr_html_(self) -> str:
         """The tree as a picture, the order of {x} and {y}, and what acts, for a notebook."""

@@ -107,6 +107,10 @@ class Equilibria:
         first, *others = self._search()
         return "\n".join([f"{self.name}: {first}", *others, *map(str, self.found)]) + "\n"
 
+    def __repr__(self) -> str:
+        """Name of the system and the number of equilibria; `print` shows them."""
+        return f"<Equilibria of {self.name}: {len(self.found)}>"
+
     def _repr_html_(self) -> str:
         """All equilibria, and how the search went, for a notebook."""
         first, *others = self._search()

@@ -64,6 +64,11 @@ class Bounds:
         lines += ["The box, to 6 digits:", *(f"  {line}" for line in statement.lines(self.box))]
         return "\n".join([*lines, *(f"Assumed: {sentence}" for sentence in self.assumptions)])
 
+    def __repr__(self) -> str:
+        """Name of the model, its precision and the largest bounds; `print` shows the box, too."""
+        largest = ", ".join(f"{name} {bound:.1e}" for name, bound in self.largest.items())
+        return f"<Bounds of {self.model}, {self.precision}: {largest}>"
+
     def _repr_html_(self) -> str:
         """The largest bound of each output, the box, and what the proof assumes, for a notebook."""
         rows = [(name, self.unbounded.get(name) or bound, *others) for name, bound, *others in self._rows()]

@@ -122,6 +122,10 @@ class Programs:
         ]
         return "\n".join([f"{self.system.name}: {self._summary}", *table, *self.notes])
 
+    def __repr__(self) -> str:
+        """Name of the system and the names of the programs; `print` shows the table."""
+        return f"<Programs of {self.system.name}: {', '.join(self.names)}>"
+
     def _repr_html_(self) -> str:
         """The table of the largest errors, and what is absent, for a notebook."""
         return html.shown(

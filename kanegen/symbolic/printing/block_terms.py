@@ -16,6 +16,10 @@ class Formula(ABC):
     def text(self) -> str:
         """Return the formula in plain text."""
 
+    def __repr__(self) -> str:
+        """The formula in plain text."""
+        return f"<{self.text()}>"
+
     def _repr_latex_(self) -> str:
         """The formula for a notebook, in several lines if it is long."""
         return notebook.display(f"&{notation.latex(line)}" for line in notation.lines(self.text()))
@@ -43,7 +47,7 @@ class Kind(Enum):
     MASS_CENTER = "{{r'_{K}}}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Factor(Formula):
     """One matrix or column of body K on its lower body J.
 
@@ -62,7 +66,7 @@ class Factor(Formula):
         return str(self.kind.value.format(K=self.body, J=self.lower))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Product(Formula):
     """A product of matrices and columns that is not multiplied out.
 
@@ -77,7 +81,7 @@ class Product(Formula):
         return "".join(f"({f.text()})" if isinstance(f, Sum) else f.text() for f in self.factors)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Row(Formula):
     """A row of 3 x 3 blocks.
 
@@ -100,7 +104,7 @@ class Row(Formula):
         return f"[{', '.join(parts)}]"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sum(Formula):
     """A sum of terms with their signs.
 
