@@ -4,8 +4,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
+NOTEBOOKS := $(notdir $(basename $(wildcard docs/notebooks/*.md)))
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs clean
+.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
@@ -77,6 +78,12 @@ gallery: $(VENV)/.docs
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -c docs/website docs build/site --nitpicky --fail-on-warning --keep-going --quiet
 	@echo "Open build/site/index.html"
+
+# Run the notebooks in docs/notebooks and write them with their results into build/ipynb, for Jupyter.
+notebooks: $(VENV)/.docs
+	mkdir -p build/ipynb
+	for page in $(NOTEBOOKS); do $(BIN)/mystnb-to-jupyter --overwrite docs/notebooks/$$page.md build/ipynb/$$page.ipynb || exit; done
+	cd build/ipynb && ../../$(BIN)/jupyter-execute --inplace $(NOTEBOOKS:%=%.ipynb)
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

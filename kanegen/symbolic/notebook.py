@@ -9,7 +9,7 @@ the site by MathML, so that only commands of amsmath occur that both have.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
@@ -19,11 +19,11 @@ from kanegen.symbolic.printers import LINE, latex, latex_lines, latex_matrix, ma
 MOST_ENTRIES = 36
 """Number of entries up to which a matrix may be shown whole."""
 
-MOST_LINES = 20
+MOST_LINES = 24
 """Number of lines up to which the entries of a matrix are shown."""
 
 MOST_LINES_OF_ENTRY = 3
-"""Number of lines up to which an entry is shown."""
+"""Number of lines up to which an entry is shown where there is no room for all."""
 
 _SPECIAL = {
     **{character: f"\\{character}" for character in "{}_&%$#"},
@@ -69,15 +69,33 @@ def matrix(
     places = [(i, j) for i in range(rows) for j in range(i if symmetric else 0, columns) if value[i, j] != 0]
     yield rf"{notation.latex(name)} &\in \mathbb{{R}}^{{{rows} \times {columns}}}, \text{{ with}}"
     left = MOST_LINES
-    for count, (i, j) in enumerate(places):
-        index = f"{i + 1}" if columns == 1 else f"{i + 1},{j + 1}"
-        lines = [*_shortened(latex_lines(value[i, j], names))]
-        left -= len(lines)
+    for count, (entry, (i, j)) in enumerate(zip(_entries(value, places, names), places, strict=True)):
+        left -= len(entry)
         if left < 0:
             yield cut(len(places) - count, "entries that are not zero", hint)
             return
-        yield f"{letter}_{{{index}}} &= {lines[0]}"
-        yield from (f"&\\quad {line}" for line in lines[1:])
+        index = f"{i + 1}" if columns == 1 else f"{i + 1},{j + 1}"
+        yield f"{letter}_{{{index}}} &= {entry[0]}"
+        yield from (f"&\\quad {line}" for line in entry[1:])
+
+
+def _entries(
+    value: ImmutableMatrix, places: Sequence[tuple[int, int]], names: Mapping[Symbol, str]
+) -> Iterator[list[str]]:
+    """Yield the lines of entries in order: whole if there is room for all of them, else long ones cut."""
+    room = MOST_LINES
+    found: list[list[str]] = []
+    for i, j in places:
+        found.append(latex_lines(value[i, j], names))
+        room -= len(found[-1])
+        if room < 0:
+            break
+    else:
+        yield from found
+        return
+    yield from map(_shortened, found)
+    for i, j in places[len(found) :]:
+        yield _shortened(latex_lines(value[i, j], names))
 
 
 def equation(name: str, value: Expr, names: Mapping[Symbol, str], hint: str) -> Iterator[str]:
@@ -105,8 +123,9 @@ def words(text: str) -> str:
     return "".join(parts)
 
 
-def _shortened(lines: list[str]) -> Iterator[str]:
-    """Yield the first lines of an entry, and how many more it has."""
-    yield from lines[:MOST_LINES_OF_ENTRY]
-    if (rest := len(lines) - MOST_LINES_OF_ENTRY) > 0:
-        yield rf"+ \ldots \text{{ ({rest} more lines)}}"
+def _shortened(lines: list[str]) -> list[str]:
+    """Return the first lines of an entry, and how many more it has."""
+    rest = len(lines) - MOST_LINES_OF_ENTRY
+    if rest < 2:
+        return lines
+    return [*lines[:MOST_LINES_OF_ENTRY], rf"+ \ldots \text{{ ({rest} more lines)}}"]
