@@ -1,5 +1,7 @@
 """Formulas as MathML, which browsers print themselves: no script, no font and no network is needed."""
 
+from xml.etree import ElementTree
+
 from docutils import nodes
 from docutils.utils.math import MathError
 from docutils.utils.math.latex2mathml import tex2mathml
@@ -9,12 +11,35 @@ from sphinx.writers.html5 import HTML5Translator
 
 _LOGGER = logging.getLogger(__name__)
 
+_NAMESPACE = "http://www.w3.org/1998/Math/MathML"
+
+
+def mathml(text: str, *, as_block: bool) -> str:
+    r"""Return a formula of TeX as MathML.
+
+    The converter sets the index of a letter with an accent, as in \dot{q}_1, under the letter, as below a
+    sum; here it stands beside the letter.
+
+    Raises:
+        MathError: If there is no MathML for something in it.
+    """
+    ElementTree.register_namespace("", _NAMESPACE)
+    root = ElementTree.fromstring(tex2mathml(text, as_block=as_block))
+    for element in root.iter(f"{{{_NAMESPACE}}}munderover"):
+        letter, index, accent = element
+        if letter.tag != f"{{{_NAMESPACE}}}mo":
+            element.tag = f"{{{_NAMESPACE}}}msub"
+            accented = ElementTree.Element(f"{{{_NAMESPACE}}}mover", accent="true")
+            accented.extend([letter, accent])
+            element[:] = [accented, index]
+    return ElementTree.tostring(root, encoding="unicode")
+
 
 def _print(translator: HTML5Translator, node: nodes.Element, *, as_block: bool) -> None:
     """Write a formula; one that has no MathML stays TeX, with a warning."""
     text = node.astext()
     try:
-        body = tex2mathml(text, as_block=as_block)
+        body = mathml(text, as_block=as_block)
     except MathError as error:
         _LOGGER.warning("no MathML: %s", error, location=node, type="mathml")
         body = f"<code>{translator.encode(text)}</code>"

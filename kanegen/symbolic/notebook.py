@@ -14,7 +14,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.symbolic import notation
-from kanegen.symbolic.printers import LINE, latex, latex_lines, latex_matrix, matrix_width
+from kanegen.symbolic.printers import latex, latex_lines, latex_matrix, matrix_width
+
+LINE = 76
+"""Width in characters after which a long sum continues in the next line: a notebook beside its margins."""
 
 MOST_ENTRIES = 36
 """Number of entries up to which a matrix may be shown whole."""
@@ -86,7 +89,7 @@ def _entries(
     room = MOST_LINES
     found: list[list[str]] = []
     for i, j in places:
-        found.append(latex_lines(value[i, j], names))
+        found.append(latex_lines(value[i, j], names, LINE))
         room -= len(found[-1])
         if room < 0:
             break
@@ -95,12 +98,12 @@ def _entries(
         return
     yield from map(_shortened, found)
     for i, j in places[len(found) :]:
-        yield _shortened(latex_lines(value[i, j], names))
+        yield _shortened(latex_lines(value[i, j], names, LINE))
 
 
 def equation(name: str, value: Expr, names: Mapping[Symbol, str], hint: str) -> Iterator[str]:
     """Yield the lines of a quantity; `name` is in plain text and `hint` is Python that gives the quantity."""
-    first, *others = latex_lines(value, names)
+    first, *others = latex_lines(value, names, LINE)
     yield f"{words(name)} &= {first}"
     yield from (f"&\\quad {line}" for line in others[: MOST_LINES - 1])
     if len(others) >= MOST_LINES:

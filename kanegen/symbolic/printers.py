@@ -106,19 +106,20 @@ def matrix_width(value: ImmutableMatrix, names: Mapping[Symbol, str]) -> int:
     return sum(width + 2 for width in widest)
 
 
-def latex_lines(expr: Expr, names: Mapping[Symbol, str]) -> list[str]:
+def latex_lines(expr: Expr, names: Mapping[Symbol, str], width: int = LINE) -> list[str]:
     """Return `expr` in LaTeX, a long one broken before the signs of its sums, also of those in parentheses.
 
     Args:
         expr: An expression.
         names: LaTeX of symbols; all others are printed by their names.
+        width: Width of a line in characters.
     """
     whole = latex(expr, names)
-    if _visible_width(whole) <= LINE:
+    if _visible_width(whole) <= width:
         return [whole]
     lines: list[str] = []
     for part in _between_signs(_SIZED.sub(_fixed_size, whole)):
-        if lines and _visible_width(lines[-1] + part) <= LINE:
+        if lines and _visible_width(lines[-1] + part) <= width:
             lines[-1] += part
         else:
             lines.append(part.lstrip())

@@ -8,6 +8,7 @@ from docutils.core import publish_doctree
 from docutils.utils import Reporter
 from mdit_py_plugins.anchors.index import slugify
 from website.docstrings import restructured
+from website.mathml import mathml
 from website.tree import INDEX_PAGES, children
 
 import kanegen as kg
@@ -89,6 +90,12 @@ def _cleaned(docstring: str) -> list[str]:
     lines = rest.splitlines()
     margin = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
     return [first.strip(), *(line[margin:] for line in lines)]
+
+
+def test_the_index_of_a_rate_stands_beside_it() -> None:
+    printed = mathml(r"\dot{q}_{1} + \sum_{k}^{n} x", as_block=True)
+    assert re.search(r"<msub>\s*<mover accent=.true.>\s*<mi>q</mi>\s*<mo[^>]*>˙</mo>", printed)
+    assert "<munderover>" in printed  # of the sum
 
 
 def test_what_is_no_markup_stays_as_it_is() -> None:
