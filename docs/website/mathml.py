@@ -24,7 +24,8 @@ def mathml(text: str, *, as_block: bool) -> str:
         MathError: If there is no MathML for something in it.
     """
     ElementTree.register_namespace("", _NAMESPACE)
-    root = ElementTree.fromstring(tex2mathml(text, as_block=as_block))
+    printed = tex2mathml(text, as_block=as_block).replace("&ApplyFunction;", "\u2061")
+    root = ElementTree.fromstring(printed)
     for element in root.iter(f"{{{_NAMESPACE}}}munderover"):
         letter, index, accent = element
         if letter.tag != f"{{{_NAMESPACE}}}mo":

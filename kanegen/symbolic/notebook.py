@@ -37,13 +37,19 @@ _SPECIAL = {
 }
 """LaTeX of formulas for characters that MathJax does not show within text."""
 
+_LARGER = re.compile(r"\\big[lr](?![A-Za-z])")
+"""Commands that make a bracket larger."""
+
 _PARTS = re.compile(rf"[{re.escape(''.join(_SPECIAL))}]|[^{re.escape(''.join(_SPECIAL))}]+")
 """Special characters, and the words between them."""
 
 
 def display(lines: Iterable[str]) -> str:
-    """Return lines of LaTeX, each with an & where they are aligned, as one formula of a notebook."""
-    body = " \\\\\n".join(lines).replace("<", r"\lt ")
+    """Return lines of LaTeX, each with an & where they are aligned, as one formula of a notebook.
+
+    Brackets keep the size of letters: what converts LaTeX to MathML loses the lines between larger ones.
+    """
+    body = _LARGER.sub("", " \\\\\n".join(lines)).replace("<", r"\lt ")
     return f"$$\n\\begin{{aligned}}\n{body}\n\\end{{aligned}}\n$$"
 
 

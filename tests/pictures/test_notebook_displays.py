@@ -6,16 +6,17 @@ import re
 from collections.abc import Callable
 from html.parser import HTMLParser
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 import sympy
-from docutils.utils.math.latex2mathml import tex2mathml
+from website.mathml import mathml
 
 import kanegen as kg
 from kanegen.pictures.html import MOST_ROWS
 from kanegen.symbolic.printing import Blocks
-from tests.support.paths import MODELS
+from tests.support.paths import MODELS, ROOT
 from tests.support.random_trees import everything
 
 HOSTILE = "<script>alert('1')</script> & \"Ωメカ\" مفصل"
@@ -161,11 +162,16 @@ def test_a_large_linear_model_says_where_its_matrices_are() -> None:
 
 
 def formulas(text: str) -> str:
-    """Return a formula for a notebook, after it was read by the converter to MathML that the site uses."""
+    """Return a formula for a notebook, after the converter of the site has read it and lost nothing."""
     assert text.startswith("$$\n\\begin{aligned}\n") and text.endswith("\n\\end{aligned}\n$$")
     assert text.count("$") == 4
     assert "<" not in text
-    tex2mathml(text.strip("$\n"), as_block=True)
+    printed = mathml(text.strip("$\n"), as_block=True)
+    for function in ("sin", "cos"):
+        assert len(re.findall(rf"\\{function}(?![a-z])", text)) == printed.count(f">{function}<")
+    assert text.count(r"\dot{") == printed.count(">˙<")
+    aligned = ElementTree.fromstring(printed).findall(".//*[@class='ams-align']")
+    assert max(map(len, aligned)) == text.count("\n") - 3  # rows and lines
     return text
 
 
@@ -191,6 +197,11 @@ def test_long_equations_are_cut_with_a_hint(name: str, n: int) -> None:
 def test_a_closed_form_says_where_it_holds() -> None:
     shown = formulas(kg.derive(model("quarter_car")).closed_form()._repr_latex_())
     assert r"\text{where }" in shown and "> 0" in shown
+
+
+def test_no_line_of_a_long_entry_is_lost() -> None:
+    shown = formulas(kg.derive(kg.load(ROOT / "examples" / "arm.urdf"))._repr_latex_())
+    assert shown.count(r"\dot") > 10 and "more" not in shown
 
 
 def test_blocks_and_their_rows() -> None:

@@ -93,7 +93,7 @@ def _cleaned(docstring: str) -> list[str]:
 
 
 def test_the_index_of_a_rate_stands_beside_it() -> None:
-    printed = mathml(r"\dot{q}_{1} + \sum_{k}^{n} x", as_block=True)
+    printed = mathml(r"\dot{q}_{1} + \sum_{k}^{n} \sin x", as_block=True)
     assert re.search(r"<msub>\s*<mover accent=.true.>\s*<mi>q</mi>\s*<mo[^>]*>˙</mo>", printed)
     assert "<munderover>" in printed  # of the sum
 
