@@ -125,7 +125,7 @@ def motion_of(
     kept = np.arange(0, len(times), -(-len(times) // MOST_TIMES))
     notes = []
     if len(kept) < len(times):
-        notes.append(f"Of {len(times)} times every {kept[1]}th is kept.")
+        notes.append(f"Of {len(times)} times 1 in {kept[1]} is kept.")
     series = _series(system, trajectory, x, y)
     for name, values in (plots or {}).items():
         series.append(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 import shutil
 from collections.abc import Iterator
@@ -22,7 +23,7 @@ ARGUMENTS = """
 """.split()
 """Arguments without which it asks the network for things, or draws nothing without a graphics card."""
 
-WIDE, NARROW = (1280, 800), (420, 800)
+WIDE, NARROW = (900, 480), (360, 640)
 """Sizes of windows (pixels)."""
 
 
@@ -79,8 +80,8 @@ class OpenPage:
     def picture(self) -> NDArray[np.float64]:
         """Return the picture as (height, width, 3) values from 0 to 1."""
         self.settle()
-        data = self.page.locator(".kg-stage canvas").screenshot()
-        return np.asarray(matplotlib.image.imread(io.BytesIO(data)), np.float64)[..., :3]
+        data = self.page.evaluate("document.querySelector('.kg-stage canvas').toDataURL()").partition(",")[2]
+        return np.asarray(matplotlib.image.imread(io.BytesIO(base64.b64decode(data))), np.float64)[..., :3]
 
     def close(self) -> None:
         """Close the page."""

@@ -35,7 +35,7 @@ export class Plot {
           value: (_, value) => (value == null ? "" : `${value.toPrecision(4)} ${one.unit}`),
         })),
       ],
-      hooks: { ready: [(plot) => this.#follow(plot)], draw: [(plot) => this.#drawCursor(plot, style)] },
+      hooks: { ready: [(plot) => this.#follow(plot), () => this.setTime(this.time)], draw: [(plot) => this.#drawCursor(plot, style)] },
     };
     this.plot = new uPlot(options, [times, ...series.map((one) => one.values)], this.element);
   }
@@ -43,7 +43,7 @@ export class Plot {
   /** Marks a time. */
   setTime(time) {
     this.time = time;
-    if (!this.plot) return;
+    if (!this.plot || time === undefined) return;
     const after = this.times.findIndex((one) => one >= time);
     this.plot.setLegend({ idx: after < 0 ? this.times.length - 1 : after });
     this.plot.redraw(false, false);

@@ -16,9 +16,8 @@ export class Sliders {
   }
 
   #row(one, value) {
-    const width = one.upper - one.lower;
     const [lower, upper] = [Math.min(one.lower, value), Math.max(one.upper, value)];
-    const input = make("input", { type: "range", min: lower, max: upper, step: width / 1000, "aria-label": `${one.name}, ${one.unit}` });
+    const input = make("input", { type: "range", min: lower, max: upper, step: "any", "aria-label": `${one.name}, ${one.unit}` });
     input.value = value;
     const output = make("output", {}, withUnit(value, one.unit));
     const kind = this.scene.prescribed.includes(one) ? ", prescribed" : "";

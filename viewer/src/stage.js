@@ -16,7 +16,7 @@ const THEMES = {
 
 const FIELD_OF_VIEW = 36; // degrees
 const CELLS = 24; // cells of the grid from its centre to its rim
-const FAR = 2.5; // a motion that is longer than this many lengths of the mechanism is followed
+const FAR = 5; // a motion that fills a box of more than this many lengths of the tree is followed
 const FORCE = "#e8590c";
 const WEIGHT = "#1c7ed6";
 
@@ -234,9 +234,11 @@ export class Stage {
       return this.#measure();
     });
     const whole = boxes.reduce((box, one) => box.union(one), boxes[0].clone());
-    const isFar = lengthOf(whole) > FAR * Math.max(...boxes.map(lengthOf));
+    const isFar = lengthOf(whole) > FAR * this.scene.size;
     this.bounds = isFar ? boxes[0] : whole;
     this.#layGround();
+    poses(this.scene, ...states[0], this.poses);
+    this.follow(isFar);
     this.look("corner");
     return isFar;
   }
