@@ -5,15 +5,15 @@ Helpers that several of them call stand before the first that needs them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from kanegen.c.declarations import not_finite
 from kanegen.c.functions import Code, PrintedFunction, printed_function
+from kanegen.c.interface import Function
 from kanegen.c.simd import SIMD
-from kanegen.c.steps import Printer, Rollout
+from kanegen.c.step_printer import StepPrinter, change_name
+from kanegen.c.steps import Rollout, composed
 from kanegen.c.target import RenderInput
-from kanegen.recursion.outputs import INTEGRATORS
 
 
 @dataclass(frozen=True)
@@ -40,55 +40,54 @@ class PrintedRollout:
 
 
 @dataclass
-class _Text:
-    """The text of one file so far.
+class _File:
+    """The steps in one file of a model.
 
     Attributes:
-        render_input: The model and its functions.
-        lanes: Whether the text is for several states in SIMD lanes.
-        printed: Names of helpers that are printed already.
+        printer: Printer of the form for one state, or of that in lanes.
+        printed: Names of helpers and methods that are printed already.
     """
 
-    render_input: RenderInput
-    lanes: bool
+    printer: StepPrinter
     printed: set[str] = field(default_factory=set)
 
-    def printer(self, name: str) -> Printer:
-        """Return the printer of a function."""
-        rates = self.render_input.rates(name)
-        return Printer(self.render_input.model, self.render_input.formats, rates, self.lanes)
+    def before(self, name: str, text: str) -> str:
+        """Return the helpers that the text of a function calls and that are not printed yet.
 
-    def helpers(self, name: str) -> str:
-        """Return the helpers that a function needs and that are not printed yet."""
-        printer, method = self.printer(name), INTEGRATORS[name]
-        needed = [
-            ("shared", printer.shared),
-            (printer.rates.name, printer.rates_of_state),
-            (f"{method.name} with {printer.rates.name}", lambda: printer.change(method)),
-        ]
-        if name == method.functions[1]:
-            needed.append(("hold", printer.hold))
-        new = [(one, text) for one, text in needed if one not in self.printed]
-        self.printed.update(one for one, _ in new)
-        return "".join(text() for _, text in new).rstrip("\n")
+        Args:
+            name: Name of the function, one of `INTEGRATORS`.
+            text: The text.
+        """
+        change = self.printer.change(name)
+        helpers = {one: self.printer.helper(one) for one in self.printer.helpers(text + change)}
+        parts = {**helpers, change_name(name): change}
+        if "hold" in parts:
+            parts["hold"] = parts.pop("hold")
+        new = [one for one in parts if one not in self.printed]
+        self.printed.update(new)
+        return "".join(parts[one] for one in new).rstrip("\n")
 
 
 def printed_steps(render_input: RenderInput) -> tuple[list[PrintedFunction], list[PrintedRollout]]:
     """Return the functions that make one step, and those that make many."""
     if not render_input.steps:
         return [], []
-    model, formats = render_input.model, render_input.formats
+    functions = {function.name: function for function in render_input.programs}
+    formats, model = render_input.formats, render_input.model
     can = formats.arithmetic in SIMD and not formats.is_mixed
     lanes = {
-        name: can and function.fits_simd and render_input.rates(name).fits_simd
-        for name, function in render_input.steps.items()
+        name: can
+        and all(one.fits_simd for one in (step, *composed(name, functions.values(), model.speeds_are_rates)))
+        for name, step in render_input.steps.items()
     }
-    one, several, scalar = (_Text(render_input, lanes=form) for form in (False, True, False))
+    single, batch, scalar = (
+        _File(StepPrinter(model, formats, functions, has_lanes)) for has_lanes in (False, can, False)
+    )
     steps = []
     for name, function in render_input.steps.items():
         if function.name == name:
-            codes = list(_step_codes(name, [one, several] if lanes[name] else [one]))
-            steps.append(printed_function(render_input, function, codes[0], (*codes[1:], None)[0]))
+            one, several = _step(single, function), _step(batch, function) if lanes[name] else None
+            steps.append(printed_function(render_input, function, one, several))
     rollouts = [
         PrintedRollout(
             name=f"{model.name}_{rollout.name}",
@@ -96,23 +95,22 @@ def printed_steps(render_input: RenderInput) -> tuple[list[PrintedFunction], lis
             arguments=rollout.argument_list(not_finite(model)),
             prototype=rollout.prototype(model.name, formats),
             batch_prototype=rollout.batch_prototype(model.name, formats),
-            code=one.helpers(rollout.name) + _text(one, rollout, "rollout"),
-            batch_code=(several.helpers(rollout.name) if lanes[rollout.name] else "")
-            + _text(several if lanes[rollout.name] else scalar, rollout, "rollout_batch"),
+            code=_rollout(single, rollout, "rollout"),
+            batch_code=_rollout(batch if lanes[rollout.name] else scalar, rollout, "rollout_batch"),
         )
         for rollout in render_input.rollouts
     ]
     return steps, rollouts
 
 
-def _step_codes(name: str, texts: list[_Text]) -> Iterator[Code]:
-    """Yield the code of the function that makes one step, in each form."""
-    for text in texts:
-        before = text.helpers(name)
-        body = text.printer(name).step(INTEGRATORS[name]).rstrip("\n").splitlines()
-        yield Code(body, before=before)
+def _step(file: _File, function: Function) -> Code:
+    """Return the code of the function that makes one step."""
+    body = file.printer.step(function)
+    return Code(body.rstrip("\n").splitlines(), before=file.before(function.name, body))
 
 
-def _text(text: _Text, rollout: Rollout, template: str) -> str:
-    """Return the text of a function that makes many steps."""
-    return text.printer(rollout.name).rollout(rollout, template).rstrip("\n")
+def _rollout(file: _File, rollout: Rollout, template: str) -> str:
+    """Return the text of a function that makes many steps, behind helpers that it is the first to need."""
+    text = file.printer.rollout(rollout, template).rstrip("\n")
+    needs_helpers = template == "rollout" or file.printer.lanes
+    return (file.before(rollout.name, text) if needs_helpers else "") + "\n" + text.lstrip("\n")

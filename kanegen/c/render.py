@@ -17,6 +17,7 @@ from kanegen.options import NO_DECISIONS, STRICT, Variant
 from kanegen.program import count
 from kanegen.program.ir import EVALUATE, Module
 from kanegen.program.split import select_functions
+from kanegen.recursion.outputs import INTEGRATORS, differentiates
 
 TARGETS: dict[str, Target] = {target.name: target for target in (C99_TARGET,)}
 """The targets that users can name."""
@@ -98,6 +99,7 @@ def _chosen(
         raise OptionError(f"functions: name one at least. There are {', '.join(known)}.")
     needed = {together if name == EVALUATE else name for name in chosen}
     for name in needed.intersection(module.integrators):
+        needed.update(() if differentiates(name) else INTEGRATORS[name].called)
         arrays = arrays_of_rates(name, speeds_are_rates)
         programs = module.functions.items()
         needed.add(

@@ -1,26 +1,20 @@
-"""Functions that follow a motion in steps of fixed length, in C: their interface, and their text.
+"""Functions that follow a motion in steps of fixed length, in C: their interface as plain data.
 
-A step is composed of the function that computes the rates of a state. A method is a template, which is filled
-twice: for one state, and for several in SIMD lanes. What all methods share, such as the addition to the state
-and how inputs are held over a step, is printed once a file.
+A step has the arguments of forward dynamics and its own length; a rollout has rows of those that it holds
+over steps. `step_printer` has their text.
 """
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
-from kanegen.c.declarations import declarator, not_finite
-from kanegen.c.description import ModelDescription
-from kanegen.c.dialect import finite_test
+from kanegen.c.declarations import declarator
 from kanegen.c.formats import Formats
 from kanegen.c.interface import Function
 from kanegen.c.layout import BREAK, WIDTH, columns, wrap
-from kanegen.c.simd import SIMD
-from kanegen.c.templates import fill
-from kanegen.program.ir import PREPARED, Array
+from kanegen.program.ir import PREPARED, Array, Condition
 from kanegen.recursion.outputs import INTEGRATORS, RATES, Method, differentiates
 
 ACCELERATION, COORDINATE_RATES = "acceleration", "xdot"
@@ -32,11 +26,12 @@ SLOPES, COORDINATE_SLOPES = (f"{name}_derivatives" for name in RATES)
 DERIVATIVES_OF_STEP = "step_derivatives"
 """Name of the array of the derivatives of a step."""
 
-NOT_HELD = ("x", "y", "t", PREPARED)
-"""Inputs of the rates that are no inputs from outside, which are held over a step."""
 
 LENGTH = Array("step", (), "s", "length of the step")
 """The array of the length of a step."""
+
+NOT_HELD = ("x", "y", "t", PREPARED, LENGTH.name)
+"""Inputs of steps that are no inputs from outside, which are held over a step."""
 
 
 _ROWS = (
@@ -75,43 +70,60 @@ def rates_function(name: str, functions: Iterable[Function], speeds_are_rates: b
     return next(one for one in functions if needed == {array.name for array in one.outputs})
 
 
-def step_function(name: str, rates: Function) -> Function:
+def composed(name: str, functions: Iterable[Function], speeds_are_rates: bool) -> tuple[Function, ...]:
+    """Return the functions that a function which follows a motion calls; the first computes rates.
+
+    Args:
+        name: Name of the function that follows a motion, one of `INTEGRATORS`.
+        functions: The functions of outputs.
+        speeds_are_rates: Whether {xdot} is {y}.
+    """
+    every = tuple(functions)
+    called = () if differentiates(name) else INTEGRATORS[name].called
+    return (rates_function(name, every, speeds_are_rates), *(one for one in every if one.name in called))
+
+
+def step_function(name: str, functions: Iterable[Function], speeds_are_rates: bool) -> Function:
     """Return the function that makes one step of a method, and differentiates it where its name says so.
 
     Args:
         name: Name of a function of the method, one of `INTEGRATORS`.
-        rates: The function that computes the rates.
+        functions: The functions of outputs.
+        speeds_are_rates: Whether {xdot} is {y}.
     """
-    method = INTEGRATORS[name]
+    method, called = INTEGRATORS[name], composed(name, functions, speeds_are_rates)
+    rates = called[0]
     arrays = {array.name: array for array in (*rates.inputs, *rates.outputs)}
-    x, y, acceleration = arrays["x"], arrays["y"], arrays[ACCELERATION]
-    following = (
+    x, y = arrays["x"], arrays["y"]
+    condition = _condition(method, arrays[ACCELERATION].condition)
+    outputs = tuple(
         replace(
-            acceleration,
-            name="x_next",
-            shape=x.shape,
-            unit=x.unit,
-            doc="{x} after the step",
-            of_freedoms=False,
-        ),
-        replace(acceleration, name="y_next", unit=y.unit, doc="{y} after the step"),
+            one,
+            name=f"{one.name}_next",
+            doc=f"{{{one.name}}} after the step",
+            condition=condition,
+            of_freedoms=one is y,
+        )
+        for one in (x, y)
     )
-    size = x.size + y.size
     derivatives = _derivatives(arrays[SLOPES], x.size, y.size) if SLOPES in arrays else None
-    outputs = (*following, derivatives) if derivatives else following
-    doc = f"One step by {method.title} of order {method.order}, in {method.evaluations}"
+    outputs = (*outputs, derivatives) if derivatives else outputs
+    names = tuple(array.name for array in outputs)
+    may_fail = bool(method.condition[0]) or any(function.may_fail for function in called)
+    further = ", and its derivatives" if derivatives else ""
     return Function(
         name=method.derivatives if derivatives else method.functions[0],
-        doc=f"{doc}{', and its derivatives' if derivatives else ''}.",
+        doc=f"One step by {method.title} of order {method.order}{further}: {method.cost}.",
         inputs=(*rates.inputs, LENGTH),
         outputs=outputs,
         shared=rates.shared,
-        may_fail=tuple(array.name for array in outputs) if rates.may_fail else (),
-        workspace=rates.numbers
-        + 7 * size
+        may_fail=names if may_fail else (),
+        workspace=sum(one.numbers for one in called)
+        + 8 * (x.size + y.size)
         + 3 * sum(array.size for array in held(rates))
+        + (y.size**2 if method.needs else 0)
         + (4 * derivatives.size if derivatives else 0),
-        may_be_inaccurate=tuple(array.name for array in outputs) if rates.may_be_inaccurate else (),
+        may_be_inaccurate=names if any(function.may_be_inaccurate for function in called) else (),
     )
 
 
@@ -139,14 +151,21 @@ def _derivatives(slopes: Array, m: int, n: int) -> Array:
     )
 
 
-def held(rates: Function) -> list[Array]:
+def _condition(method: Method, condition: Condition) -> Condition:
+    """Return the condition under which the state after a step exists: that of {ydot}, and of the method."""
+    quantity, failure = method.condition
+    if not quantity:
+        return condition
+    return replace(
+        condition,
+        quantity=f"{condition.quantity} or {quantity}",
+        failure=f"{condition.failure}, or {failure},",
+    )
+
+
+def held(function: Function) -> list[Array]:
     """Return the inputs from outside that are held over a step, such as generalized forces."""
-    return [array for array in rates.inputs if array.name not in NOT_HELD]
-
-
-def has_time(rates: Function) -> bool:
-    """Return whether rates depend on the time."""
-    return any(array.name == "t" for array in rates.inputs)
+    return [array for array in function.inputs if array.name not in NOT_HELD]
 
 
 @dataclass(frozen=True)
@@ -156,12 +175,10 @@ class Rollout:
     Attributes:
         name: Name without the prefix of the model.
         step: The function that makes one of its steps.
-        rates: The function that computes the rates of a state.
     """
 
     name: str
     step: Function
-    rates: Function
 
     @property
     def method(self) -> Method:
@@ -174,19 +191,19 @@ class Rollout:
         return f"Many steps by {self.method.title} of order {self.method.order}, with states on the way."
 
     @property
-    def has_time(self) -> bool:
-        """Whether the time of the start is an argument."""
-        return has_time(self.rates)
+    def inputs(self) -> tuple[Array, ...]:
+        """Arrays that it reads, without the length of a step."""
+        return self.step.inputs[:-1]
 
     @property
     def held(self) -> list[Array]:
         """The inputs from outside, each of which has one row or several for each state."""
-        return held(self.rates)
+        return held(self.step)
 
     def _arguments(self, formats: Formats, state: str, made: str) -> Iterator[str]:
         """Yield the declarations of the arguments; `state` declares an array of a state."""
         kind = formats.storage.c_type
-        for array in self.rates.inputs:
+        for array in self.inputs:
             if array in self.held:
                 yield f"const {kind} *{array.name}"
                 yield f"size_t {array.name}_rows"
@@ -208,10 +225,10 @@ class Rollout:
 
     def row_call(self, model: str) -> list[str]:
         """Return the call of the form for one state with state `i` of a batch, indented for its loop."""
-        x, y = (next(array for array in self.rates.inputs if array.name == name) for name in "xy")
+        x, y = (next(array for array in self.inputs if array.name == name) for name in "xy")
         arguments = []
-        for array in self.rates.inputs:
-            if array.name in self.rates.shared:
+        for array in self.inputs:
+            if array.name in self.step.shared:
                 arguments.append(array.name)
             elif array in self.held:
                 rows = f"{array.name}_rows"
@@ -231,14 +248,14 @@ class Rollout:
             infinite: Name of the status of a result that is not finite.
         """
         rows: list[tuple[str, str, str, str]] = []
-        for array in self.rates.inputs:
+        for array in self.inputs:
             described = f"{array.doc} ({array.unit})"
             if array in self.held:
                 rows.append(("@param[in]", array.name, f"[rows * {array.size}]", described))
                 rows.append(("@param[in]", f"{array.name}_rows", "", f"number of rows of {array.name}"))
             else:
                 rows.append(("@param[in]", array.name, f"[{array.size}]", described))
-        x, y = (array for array in self.rates.inputs if array.name in "xy")
+        x, y = (array for array in self.inputs if array.name in "xy")
         rows += [
             ("@param[in]", "step", "[1]", "length of a step (s)"),
             ("@param[in]", "steps", "", "number of steps"),
@@ -259,182 +276,3 @@ class Rollout:
             *columns(rows, width=WIDTH - len(" * ")),
             *textwrap.wrap(returned, WIDTH - len(" * "), subsequent_indent="    "),
         ]
-
-
-@dataclass(frozen=True)
-class Printer:
-    """The text of functions that follow a motion, for one state or for several in lanes.
-
-    Attributes:
-        model: Names and sizes of the model.
-        formats: Precisions of arrays and arithmetic.
-        rates: The function that computes the rates of a state.
-        lanes: Whether the text is for several states in SIMD lanes.
-    """
-
-    model: ModelDescription
-    formats: Formats
-    rates: Function
-    lanes: bool
-    _variables: dict[str, Any] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        """Compute the variables of the templates."""
-        object.__setattr__(self, "_variables", self._context())
-
-    @property
-    def _form(self) -> str:
-        return "_simd" if self.lanes else ""
-
-    @property
-    def _has_time(self) -> bool:
-        return has_time(self.rates)
-
-    @property
-    def _prepared(self) -> Array | None:
-        return next((array for array in self.rates.inputs if array.name == PREPARED), None)
-
-    @property
-    def _slopes(self) -> Array | None:
-        return next((array for array in self.rates.outputs if array.name == SLOPES), None)
-
-    @property
-    def _ending(self) -> str:
-        return "_derivatives" if self._slopes else ""
-
-    @property
-    def _number(self) -> str:
-        return "simd" if self.lanes else self.formats.storage.c_type
-
-    def shared(self) -> str:
-        """Return the functions that all methods need."""
-        return fill("c99/steps/shared.c", **self._variables)
-
-    def rates_of_state(self) -> str:
-        """Return the function that computes the rates of a state, and their derivatives if it has them."""
-        return fill("c99/steps/slopes.c" if self._slopes else "c99/steps/rates.c", **self._variables)
-
-    def change(self, method: Method) -> str:
-        """Return the function that computes the change of a state in a step of a method."""
-        return fill(f"c99/steps/{method.name}{self._ending}.c", **self._variables)
-
-    def hold(self) -> str:
-        """Return the functions by which rollouts hold their inputs and store states."""
-        return fill("c99/steps/hold.c", **self._variables)
-
-    def step(self, method: Method) -> str:
-        """Return the body of the function that makes one step."""
-        return fill(f"c99/steps/step{self._ending}.c", method=method.name, **self._variables)
-
-    def rollout(self, one: Rollout, template: str) -> str:
-        """Return a function that makes many steps, from one state or from many.
-
-        Args:
-            one: The function.
-            template: "rollout" or "rollout_batch".
-        """
-        model = self.model.name
-        return fill(
-            f"c99/steps/{template}.c",
-            method=one.method.name,
-            prototype=one.prototype(model, self.formats),
-            batch_prototype=one.batch_prototype(model, self.formats),
-            row_call=one.row_call(model),
-            **self._variables,
-        )
-
-    def _context(self) -> dict[str, Any]:
-        """Return the variables of the templates."""
-        storage = self.formats.storage
-        m, n = len(self.model.coordinate_names), len(self.model.freedom_names)
-        simd = SIMD.get(storage)
-        inputs, width = [], 0
-        for array in held(self.rates):
-            inputs.append({"name": array.name, "size": array.size, "offset": width})
-            width += array.size
-        return {
-            "own": self.model.name,
-            "form": self._form,
-            "lanes": self.lanes,
-            "number": self._number,
-            "real": storage.c_type,
-            "status": "step_status" if self.lanes else "int",
-            "rates": self.rates,
-            "m": m,
-            "n": n,
-            "size": m + n,
-            "held": inputs,
-            "width": width,
-            "has_t": self._has_time,
-            "prepared": self._prepared,
-            "constants": self._prepared.size if self._prepared and not self.rates.shared else 0,
-            "parameters": self._parameters(),
-            "call": self._call(inputs, m),
-            "are_speeds": COORDINATE_RATES not in (array.name for array in self.rates.outputs),
-            "quaternions": self.model.homogeneous,
-            "root": "simd_sqrt" if self.lanes else storage.c_function("sqrt"),
-            "literal": storage.literal,
-            "zero": storage.literal(0.0),
-            "all_finite": finite_test(storage),
-            "not_finite": not_finite(self.model),
-            "magnitude": simd.pattern(simd.sign - 1) if simd else "",
-            "bits": simd.size if simd else 0,
-            "rates_at": self._rates_at(width),
-            "constant": (lambda text: f"simd_of({text})") if self.lanes else (lambda text: text),
-            **(self._of_slopes(self._slopes, m, n) if self._slopes else {}),
-        }
-
-    def _of_slopes(self, slopes: Array, m: int, n: int) -> dict[str, Any]:
-        """Return the variables of derivatives: their columns, and the call at a stage of a step."""
-        columns = slopes.shape[-1]
-        shared = f"{PREPARED}, " if self._prepared else ""
-
-        def text(state: str, time: str) -> str:
-            time = f"{time}, " if self._has_time else ""
-            return (
-                f"{self.model.name}_slopes{self._form}({shared}{state}, inputs, {time}rates, slopes, status);"
-            )
-
-        return {
-            "columns": columns,
-            "rate_columns": columns - n,
-            "parameter_columns": columns - m - 2 * n,
-            "slopes_at": text,
-        }
-
-    def _parameters(self) -> str:
-        """Return the declarations of the first parameters of functions that need the rates."""
-        number, shared = self._number, []
-        if self._prepared:
-            is_common = not self.lanes or PREPARED in self.rates.shared
-            shared.append(f"const {self.formats.of(PREPARED).c_type if is_common else number} *{PREPARED}")
-        time = [f"{number} t"] if self._has_time else []
-        return ", ".join([*shared, f"const {number} *state", f"const {number} *inputs", *time])
-
-    def _call(self, inputs: Sequence[dict[str, Any]], m: int) -> list[str]:
-        """Return the lines of the call of the function that computes the rates."""
-        places = {one["name"]: f"inputs + {one['offset']}" if one["offset"] else "inputs" for one in inputs}
-        places |= {"x": "state", "y": f"state + {m}", "t": "&t"}
-        places |= {COORDINATE_RATES: "rates", ACCELERATION: f"rates + {m}"}
-        places |= {SLOPES: f"slopes + {m * self._slopes.shape[-1]}"} if self._slopes else {}
-        arrays = (*self.rates.inputs, *self.rates.outputs)
-        arguments = [places.get(array.name, array.name) for array in arrays]
-        if self.lanes and self.rates.may_be_inaccurate:
-            arguments.append("&accurate")
-        text = f"{self.model.name}_{self.rates.name}{self._form}({f',{BREAK}'.join(arguments)});"
-        if not self.lanes:
-            text = f"const int found = {text}"
-        elif self.rates.may_fail:
-            text = f"status->exist &= {text}"
-        return wrap(text)
-
-    def _rates_at(self, width: int) -> Any:
-        """Return the function that prints the call of the rates at a stage of a step."""
-        shared = f"{PREPARED}, " if self._prepared else ""
-
-        def text(state: str, place: int, time: str, rates: str) -> str:
-            inputs = f"inputs + {width * place}" if place else "inputs"
-            time = f"{time}, " if self._has_time else ""
-            return f"{self.model.name}_rates{self._form}({shared}{state}, {inputs}, {time}{rates}, status);"
-
-        return text

@@ -18,7 +18,7 @@ from kanegen.c.formats import Formats, formats
 from kanegen.c.interface import Function, prepared_names, requested, signatures
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.sincos import Sincos, sincos_named
-from kanegen.c.steps import Rollout, rates_function, step_function
+from kanegen.c.steps import Rollout, step_function
 from kanegen.options import Variant
 from kanegen.program.cut import LONGEST_PART
 from kanegen.program.ir import EVALUATE, PARAMETERS, PREPARED, Module, Program
@@ -63,17 +63,13 @@ class RenderInput:
     @cached_property
     def steps(self) -> dict[str, Function]:
         """The function of one step, by the name of every printed function that follows a motion."""
-        return {name: step_function(name, self.rates(name)) for name in self.selected.integrators}
-
-    def rates(self, name: str) -> Function:
-        """Return the function that computes the rates of a state for a function that follows a motion."""
-        return rates_function(name, self.programs, self.model.speeds_are_rates)
+        are_rates = self.model.speeds_are_rates
+        return {name: step_function(name, self.programs, are_rates) for name in self.selected.integrators}
 
     @property
     def rollouts(self) -> tuple[Rollout, ...]:
         """Every function that makes many steps."""
-        found = ((name, step) for name, step in self.steps.items() if step.name != name)
-        return tuple(Rollout(name, step, self.rates(name)) for name, step in found)
+        return tuple(Rollout(name, step) for name, step in self.steps.items() if step.name != name)
 
     @property
     def functions(self) -> tuple[Function, ...]:

@@ -77,7 +77,8 @@ class Rollouts(CompiledModel):
             inputs: Inputs that only some systems have, as in `forcing`; `t` is the time before the step.
 
         Returns:
-            (m,) or (B, m) coordinates and (n,) or (B, n) speeds after the step. Quaternions have length 1.
+            (m,) or (B, m) coordinates and (n,) or (B, n) speeds after the step. Quaternions keep their
+            lengths.
 
         Raises:
             ArrayError: If an argument has the wrong shape or type, or a body that takes no loads gets one.

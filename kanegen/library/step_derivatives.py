@@ -59,8 +59,8 @@ class StepDerivatives(Rollouts):
 
         The derivatives are those of the method itself, by the chain rule through its stages, and not those of
         the exact motion; they have no error but rounding. The four elements of a quaternion count as free
-        numbers before the step, and have length 1 after it. So a change along the quaternion before the step
-        has no effect on it, and what comes out is tangential to the unit sphere; with the matrix [H] of
+        numbers before the step, and keep their length over it. So a change along the quaternion before the
+        step is one along it after the step, and changes nothing else; with the matrix [H] of
         {xdot} = [H]{y}, `coordinate_rates_derivatives` by {y}, [A] [H] is by small turns instead.
 
         Args:

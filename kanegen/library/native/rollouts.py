@@ -117,9 +117,9 @@ class RolloutCall:
             partial(_cffi_backend.from_buffer, ffi.typeof(f"{one}[]")) for one in types
         )
         self._dtype, self._arguments = arrays.storage.dtype, arguments
-        self._inputs = [array for array in rollout.rates.inputs if array.name != PREPARED]
+        self._inputs = [array for array in rollout.inputs if array.name != PREPARED]
         self._held = {array.name for array in rollout.held}
-        self._by_state = PREPARED not in rollout.rates.shared
+        self._by_state = PREPARED not in rollout.step.shared
         self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
         self._takes_loads, self._system = model.takes_loads, model.shown
 
@@ -228,7 +228,8 @@ class RolloutCall:
             given = given[None] if lead else given[None, None]
         given = np.broadcast_to(given, (*(batch or (1,)), *given.shape[1:]))
         self._require_unloaded(name, given)
-        return Input(np.ascontiguousarray(given), given.shape[1])
+        rows = given.shape[1]
+        return Input(np.ascontiguousarray(given if batch else given[0]), rows)
 
     def _require_unloaded(self, name: str, rows: Floats) -> None:
         """Refuse loads on bodies or points that take none; `rows` is (B, R, *shape)."""

@@ -38,14 +38,22 @@ class Method:
         name: Its name in C and Python, such as "rk4".
         title: Its name in a sentence, such as "the explicit Euler method".
         order: Order of the error of a motion over a fixed time.
-        evaluations: Evaluations of {ydot} in a step, in words.
+        cost: What a step costs, in words.
+        needs: Outputs that its steps call by themselves, beside the function of all rates of a state.
+        needs_further: Outputs that they call beside these where speeds are no rates of coordinates; None if
+            the method is for speeds that are rates.
+        condition: Quantity whose sign and size the method tests beside those of its outputs, and what it
+            means that it is not positive; "" where there is none.
         has_derivatives: Whether there is a function that differentiates a step.
     """
 
     name: str
     title: str
     order: int
-    evaluations: str
+    cost: str
+    needs: tuple[str, ...] = ()
+    needs_further: tuple[str, ...] | None = ()
+    condition: tuple[str, str] = ("", "")
     has_derivatives: bool = False
 
     @property
@@ -63,11 +71,54 @@ class Method:
         """Names of all functions that there are."""
         return (*self.functions, self.derivatives) if self.has_derivatives else self.functions
 
+    @property
+    def called(self) -> tuple[str, ...]:
+        """Outputs that its steps may call by themselves, in any system."""
+        return (*self.needs, *(self.needs_further or ()))
+
 
 METHODS = {
     method.name: method
     for method in (
-        Method("rk4", "the classical Runge-Kutta method", 4, "four evaluations of the rates", True),
+        Method("euler", "the explicit Euler method", 1, "one evaluation of the rates"),
+        Method(
+            "semi_implicit_euler",
+            "the semi-implicit Euler method, speeds first,",
+            1,
+            "one evaluation of {ydot} and one of {xdot}",
+            RATES[:1],
+            RATES[1:],
+        ),
+        Method(
+            "rk4",
+            "the classical Runge-Kutta method",
+            4,
+            "four evaluations of the rates",
+            has_derivatives=True,
+        ),
+        Method(
+            "implicit_midpoint",
+            "the implicit midpoint rule",
+            2,
+            "as many evaluations of the rates as a fixed-point iteration takes, about seven",
+        ),
+        Method(
+            "variational_midpoint",
+            "the variational midpoint rule, which is symplectic and keeps momenta,",
+            2,
+            "an iteration as long as that of the implicit midpoint rule, with [C], {f} and [A]^-1",
+            ("mass_matrix", "forcing", "coriolis_matrix", "forward_dynamics", "mass_matrix_inverse"),
+            None,
+        ),
+        Method(
+            "linearly_implicit",
+            "the Rosenbrock method ROS2, which is L-stable,",
+            2,
+            "two evaluations of {ydot} and one of the derivatives of {f}",
+            ("mass_matrix", "inverse_dynamics_derivatives"),
+            ("coordinate_rates_derivatives",),
+            ("pivot of the matrix of the step", "the step is too long for the method"),
+        ),
     )
 }
 """The methods by name, in the order of the generated C."""
@@ -104,7 +155,10 @@ def composed_of(system: System, integrators: Iterable[str]) -> tuple[str, ...]:
         system: The tree.
         integrators: Names of `INTEGRATORS`.
     """
-    needed = {name for group in together(system, integrators).values() for name in group}
+    names = tuple(integrators)
+    needed = {name for group in together(system, names).values() for name in group}
+    for method in (INTEGRATORS[name] for name in names if not differentiates(name)):
+        needed.update(method.needs if system.speeds_are_rates else method.called)
     return tuple(name for name in OUTPUTS if name in needed)
 
 
@@ -128,6 +182,12 @@ def require_steps(system: System, integrators: Iterable[str], storage: str) -> N
             raise OptionError(
                 f"output {name!r}: system {quoted(system.name)} has contacts, which steps do not hold. Leave "
                 "them out by System.with_contacts([])."
+            )
+        if INTEGRATORS[name].needs_further is None and not system.speeds_are_rates:
+            raise OptionError(
+                f"output {name!r}: its method is for speeds that are rates of coordinates, and system "
+                f"{quoted(system.name)} has others. Take implicit_midpoint, or angles with their rates by "
+                'coordinates="angles" and speeds="angle_rates".'
             )
         if system.prescribed:
             raise OptionError(
