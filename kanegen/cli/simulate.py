@@ -173,6 +173,7 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
     """
     from kanegen.simulation import Event, library_for
     from kanegen.simulation import simulate as run
+    from kanegen.simulation.methods import chosen_method
 
     duration = _duration(duration, until)
     _require_files(files or [], plot)
@@ -185,9 +186,10 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
     columns = _columns(shown)
     groups = (name.partition(".")[0] for name in columns)
     named = dict.fromkeys([*asked, *(name for name in groups if name not in _STATES)])
+    chosen = chosen_method(method, step, tolerance, compensated)
     with progress() as report:
-        library = library_for(system, events, list(named), tier, report)
-    recorded = [name for name in library.outputs if name in (*_DRIFTING, *named)]
+        library = library_for(system, events, list(named), chosen.name, tier, report)
+    recorded = [name for name in library.source.outputs if name in (*_DRIFTING, *named)]
     options: dict[str, Any] = {"every": every, "step": step, "tolerance": tolerance, "hold": hold}
     options |= {"compensated": compensated, "events": events, "outputs": recorded, "inputs": given}
     try:

@@ -9,7 +9,9 @@ from typing import Any
 
 from kanegen.choices import require_one
 from kanegen.errors import ModelError, OptionError, quoted
+from kanegen.model.arguments import Floats
 from kanegen.model.numbers import finite
+from kanegen.simulation.compiled_steps import CompiledSteps, runs_in_c
 from kanegen.simulation.integration import (
     Leapfrog,
     Step,
@@ -64,10 +66,12 @@ class Method:
         """Whether the method chooses its steps."""
         return self.step is None
 
-    def integrator(self, motion: Motion) -> Integrator:
-        """Return the method for a motion."""
+    def integrator(self, motion: Motion, start: Floats) -> Integrator:
+        """Return the method for a motion from a first state; it runs in C where the library has it there."""
         if self.step is None:
             return AdaptiveSteps(motion, self.name, self.tolerance)
+        if runs_in_c(self.name, motion, start):
+            return CompiledSteps(motion, self.name, FIXED[self.name](), self.step, self.compensated)
         return FixedSteps(motion, FIXED[self.name], self.step, self.compensated)
 
 

@@ -107,7 +107,7 @@ class Motion:
         tau = arguments.pop("tau", None)
         if tau is not None:
             power = np.sum(y * tau, axis=-1)
-        if "prescribed" in arguments and "prescribed_efforts" in library.outputs:
+        if "prescribed" in arguments and "prescribed_efforts" in library.source.outputs:
             efforts = library.prescribed_efforts(x, y, found, **arguments)
             power = power + efforts @ np.asarray(arguments["prescribed"], y.dtype)[1]
         return found, power

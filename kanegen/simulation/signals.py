@@ -92,7 +92,7 @@ def variable_names(library: Library) -> tuple[str, ...]:
     states = [f"x.{name}" for name in library.coordinate_names] + [
         f"y.{name}" for name in library.speed_names
     ]
-    of_outputs = [one.name for name in library.outputs for one in elements(library.source, name)]
+    of_outputs = [one.name for name in library.source.outputs for one in elements(library.source, name)]
     return (TIME, *states, *of_outputs)
 
 

@@ -21,6 +21,8 @@ from kanegen.model.values_by_name import finite_in_order
 from kanegen.options import STRICT, Progress, Variant, quiet
 from kanegen.program import precision as precisions
 from kanegen.recursion.outputs import OUTPUTS, available
+from kanegen.recursion.outputs.integrators import ROLLOUT
+from kanegen.simulation.compiled_steps import IN_C
 from kanegen.simulation.events import Crossing, Event, Watch, conditions, require_events
 from kanegen.simulation.inputs import Effort, Inputs, InputSource, PrescribedMotion
 from kanegen.simulation.limits import warn_outside_limits
@@ -81,8 +83,8 @@ def simulate(
             [A] is constant and forces depend on {x} alone, else the energy drifts (docs/accuracy.md has
             figures). SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit
             and of order 5, for stiff systems.
-        every: Interval between the states of a motion of which the duration is given, s; by default a 200th
-            of it.
+        every: Interval between the states of a motion of which the duration is given, s; by default about a
+            200th of it, in whole steps.
         step: Largest fixed step, s; every interval between two times is cut into equal steps.
         tolerance: Relative and absolute error of a step of the adaptive methods, from 1e-13 to 0.1; 1e-10 by
             default.
@@ -127,9 +129,9 @@ def simulate(
         print(trajectory.energy_drift)
     """
     chosen = chosen_method(method, step, tolerance, compensated)
-    moments = _times(times, every)
+    moments = _times(times, every, chosen.step)
     happenings = require_events(events)
-    library = model if isinstance(model, Library) else library_for(model, happenings, outputs)
+    library = model if isinstance(model, Library) else library_for(model, happenings, outputs, chosen.name)
     recorded = _recorded(library, outputs, isinstance(model, System))
     _check_library(library, chosen)
     if effort is not None and not callable(effort):
@@ -172,7 +174,7 @@ class _Simulation:
             raise ArrayError(f"x: method {self._method.name!r} takes one state, got {len(start)}.")
         if start.ndim > 1 and self._crossings:
             raise OptionError(f"events: a motion with events begins in one state, not in {len(start)}.")
-        integrator = self._method.integrator(self._motion)
+        integrator = self._method.integrator(self._motion, start)
         watch = Watch(self._motion, integrator, self._crossings) if self._crossings else None
         record = Record([float(times[0])], [start])
         marks = Marks.of(times, self._inputs.breaks)
@@ -211,6 +213,7 @@ def library_for(
     system: System,
     events: Sequence[Event | str] = (),
     outputs: Iterable[str] | str | None = None,
+    method: str | None = None,
     tier: Variant | str = STRICT,
     progress: Progress = quiet,
 ) -> Library:
@@ -220,6 +223,7 @@ def library_for(
         system: The tree.
         events: Events, whose conditions may name outputs.
         outputs: Outputs that are wanted over the time, beside energies and momentum.
+        method: Name of a method, whose steps then run in C if there are such.
         tier: Variant of the code, as for `kg.build`.
         progress: Function that is called with the name of each stage.
 
@@ -240,7 +244,8 @@ def library_for(
     rates = () if system.speeds_are_rates else ("coordinate_rates",)
     efforts = [name for name in ("prescribed_efforts",) if name in can]
     named = outputs_in(conditions(events), tuple(OUTPUTS))
-    wanted = dict.fromkeys(("forward_dynamics", *rates, *efforts, *OF_DRIFTS, *asked, *named))
+    steps = [f"{ROLLOUT}{IN_C[method]}"] if method in IN_C else []
+    wanted = dict.fromkeys(("forward_dynamics", *rates, *efforts, *OF_DRIFTS, *asked, *named, *steps))
     return build(system, tuple(wanted), tier=tier, progress=progress)
 
 
@@ -249,27 +254,27 @@ def _recorded(library: Library, outputs: Iterable[str] | str | None, is_built: b
     if outputs is not None:
         names = names_of("outputs", outputs)
         for name in names:
-            if name not in library.outputs:
+            if name not in library.source.outputs:
                 raise OptionError(
                     f"system {library.name!r} was built without the output {quoted(name)}. It has "
-                    f"{', '.join(library.outputs)}; ask for more with outputs=(...)."
+                    f"{', '.join(library.source.outputs)}; ask for more with outputs=(...)."
                 )
         return names
     for_itself = (*OF_MOTION, *(("prescribed_efforts",) if is_built else ()))
-    return tuple(name for name in library.outputs if name not in for_itself)
+    return tuple(name for name in library.source.outputs if name not in for_itself)
 
 
 def _check_library(library: Library, method: Method) -> None:
     """Make sure that the library has the outputs and the precision that the method needs."""
-    if "forward_dynamics" not in library.outputs:
+    if "forward_dynamics" not in library.source.outputs:
         raise OptionError(
             f"system {library.name!r} was built without the output 'forward_dynamics'. It has "
-            f"{', '.join(library.outputs)}; ask for more with outputs=(...)."
+            f"{', '.join(library.source.outputs)}; ask for more with outputs=(...)."
         )
     if not speeds_are_rates(library):
         if method.name == "leapfrog":
             raise OptionError("method 'leapfrog' is for speeds that are rates of coordinates. Take 'RK4'.")
-        if "coordinate_rates" not in library.outputs:
+        if "coordinate_rates" not in library.source.outputs:
             raise OptionError(
                 f"system {library.name!r} has speeds that are no rates of coordinates, and was built without "
                 "the output 'coordinate_rates'. Ask for it with outputs=(...)."
@@ -310,7 +315,7 @@ def _first_state(library: Library, x: Any, y: Any) -> tuple[Floats, Floats]:
     return first, second
 
 
-def _times(times: ArrayLike | None, every: float | None) -> Doubles:
+def _times(times: ArrayLike | None, every: float | None, step: float | None) -> Doubles:
     """Return the times at which states are wanted, as (T,) doubles.
 
     Raises:
@@ -320,7 +325,8 @@ def _times(times: ArrayLike | None, every: float | None) -> Doubles:
     if times is None:
         raise OptionError("times: give a duration in s, or times, such as np.linspace(0, 10, 101).")
     if np.ndim(times) == 0:
-        return _equal_times(_positive("duration", times), every)
+        duration = _positive("duration", times)
+        return _equal_times(duration, every or _usual_interval(duration, step))
     if every is not None:
         raise OptionError("every: it goes with a duration. With times, leave it out.")
     moments: Doubles = np.asarray(arguments.floats("times", times, np.dtype(np.float64)), np.float64)
@@ -335,10 +341,13 @@ MOST_ROWS = 10_000_000
 """Largest number of states that a duration and an interval may ask for."""
 
 
-def _equal_times(duration: float, every: float | None) -> Doubles:
+def _usual_interval(duration: float, step: float | None) -> float:
+    """Return the interval (s) between states where none is given: whole steps, or a share of the duration."""
+    return duration / ROWS if step is None else step * max(1, round(duration / step / ROWS))
+
+
+def _equal_times(duration: float, every: float) -> Doubles:
     """Return times from 0 to a duration (s) at equal intervals; the last one may be shorter."""
-    if every is None:
-        return np.linspace(0.0, duration, ROWS + 1)
     interval = _positive("every", every)
     count = duration / interval
     if count > MOST_ROWS:

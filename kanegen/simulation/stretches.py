@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from kanegen.errors import SingularError
+from kanegen.errors import SingularError, StatusError
 from kanegen.extras import module
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
@@ -106,10 +106,24 @@ class FixedSteps:
     def stretches(self, start: Floats, marks: Marks, every: bool) -> Iterator[Stretch]:
         """Yield the motion from a first state, see `Integrator`."""
         total = (CompensatedSum if self.compensated else Sum)(start)
+        rows = _Rows(float(marks.times[0]), start)
+        try:
+            for row in self._rows(total, marks, every):
+                rows.add(*row)
+                if rows.are_due:
+                    yield rows.stretch()
+        except (StatusError, KeyboardInterrupt):
+            if rows.count > 1:  # what was computed before
+                yield rows.stretch()
+            raise
+        if rows.count > 1:
+            yield rows.stretch()
+
+    def _rows(self, total: Sum, marks: Marks, every: bool) -> Iterator[tuple[float, Floats, bool]]:
+        """Yield the time and the state after each step that is stored, and whether it is wanted."""
         layout = self.motion.state
-        keep = LengthKeeper(layout, start) if layout.homogeneous else None
-        method, rows = self.method(), _Rows(float(marks.times[0]), start)
-        wanted = marks.wanted[1:].tolist()
+        keep = LengthKeeper(layout, total.state) if layout.homogeneous else None
+        method, wanted = self.method(), marks.wanted[1:].tolist()
         for (begin, end), is_wanted in zip(pairwise(marks.times.tolist()), wanted, strict=True):
             self.motion.interval = begin, end
             count = steps_between(begin, end, self.step)
@@ -118,13 +132,10 @@ class FixedSteps:
                 total.add(method(self.motion, begin + i * length, length, total.state))
                 if keep is not None:
                     keep(total)
-                if i == count - 1 or every:
-                    after = end if i == count - 1 else begin + (i + 1) * length
-                    rows.add(after, total.state, is_wanted and i == count - 1)
-                if rows.are_due:
-                    yield rows.stretch()
-        if rows.count > 1:
-            yield rows.stretch()
+                if i == count - 1:
+                    yield end, total.state, is_wanted
+                elif every:
+                    yield begin + (i + 1) * length, total.state, False
 
     def advance(self, time: float, state: Floats, until: float) -> Floats:
         """Return the state at a later time (s) by one step from the state at `time`."""

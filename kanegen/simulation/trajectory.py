@@ -131,15 +131,15 @@ class Trajectory:
         if name == TIME:
             return self.times
         group = name.partition(".")[0]
-        if name in self.library.outputs:
+        if name in self.library.source.outputs:
             return self._over_time(name)
         known = self._elements.get(group)
-        if known is None and group in self.library.outputs:
+        if known is None and group in self.library.source.outputs:
             known = elements(self.library.source, group)
         names = [one.name for one in known or ()]
         if name in names:
             return self._flat(group)[..., names.index(name)]
-        raise self._unknown(name, names or (*self.names, *self.library.outputs))
+        raise self._unknown(name, names or (*self.names, *self.library.source.outputs))
 
     def unit(self, name: str) -> str:
         """Return the unit of a column, or of an output or an element of one that is no column.
@@ -154,8 +154,8 @@ class Trajectory:
         if name in known:
             return known[name]
         output = name.partition(".")[0]
-        if output not in self.library.outputs:
-            raise self._unknown(name, (*known, *self.library.outputs))
+        if output not in self.library.source.outputs:
+            raise self._unknown(name, (*known, *self.library.source.outputs))
         of = elements(self.library.source, output)
         return next((one.unit for one in of if one.name == name), of[0].unit)
 
@@ -377,12 +377,12 @@ class Trajectory:
         act, the momentum where nothing acts from outside. The library must have the outputs.
         """
         parts = [self.method] if self.method else []
-        has_energies = {"kinetic_energy", "potential_energy"} <= set(self.library.outputs)
+        has_energies = {"kinetic_energy", "potential_energy"} <= set(self.library.source.outputs)
         with suppress(OptionError):  # where nothing moves there is no drift
             if has_energies and self._keeps_energy:
                 parts.append(f"energy less work drifts by {self.energy_drift.largest:.1e}")
         with suppress(OptionError):
-            if "momentum" in self.library.outputs and self._keeps_momentum:
+            if "momentum" in self.library.source.outputs and self._keeps_momentum:
                 linear, angular = self.momentum_drift()
                 drifts = f"{linear.largest:.1e} and {angular.largest:.1e}"
                 parts.append(f"linear and angular momentum by {drifts}")
@@ -392,7 +392,7 @@ class Trajectory:
     def _keeps_energy(self) -> bool:
         """Whether the energy less the work of the efforts is constant."""
         system = self.library.source.system
-        driven = "prescribed" in self.inputs and "prescribed_efforts" not in self.library.outputs
+        driven = "prescribed" in self.inputs and "prescribed_efforts" not in self.library.source.outputs
         return (
             system is not None
             and not driven
@@ -427,7 +427,7 @@ class Trajectory:
         if output == "forward_dynamics":
             return self._accelerations
         arguments: dict[str, Floats] = {"x": self.x, "y": self.y, **self.inputs}
-        if "ydot" in OUTPUTS[output].inputs and output in self.library.outputs:
+        if "ydot" in OUTPUTS[output].inputs and output in self.library.source.outputs:
             arguments["ydot"] = self._accelerations
         return self._evaluated(output, arguments)
 

@@ -1,0 +1,164 @@
+"""Fixed steps that run in C: the rollouts of a library, in parts between which results are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from kanegen.errors import StatusError
+from kanegen.model.arguments import Floats, LoadInputs
+from kanegen.recursion.outputs.integrators import ROLLOUT
+from kanegen.simulation.integration import Step
+from kanegen.simulation.motion import Motion
+from kanegen.simulation.stretches import Marks, Stretch, steps_between
+
+IN_C = {"RK4": "rk4"}
+"""Methods that the C has, with the end of the names of their functions."""
+
+EVALUATIONS = {"RK4": 4}
+"""Evaluations of {ydot} in a step of each of these methods."""
+
+_LONGEST = 1024
+"""Number of steps of a rollout, so that a motion that is interrupted loses no more."""
+
+_ALIKE = 1e-12
+"""Relative difference of intervals that rounding of their ends makes."""
+
+
+def runs_in_c(method: str, motion: Motion, start: Floats) -> bool:
+    """Return whether the rollouts of a library compute a motion.
+
+    The library must have them, nothing may act from outside, whose work is integrated in NumPy, and
+    quaternions must have length 1, which rollouts give them.
+    """
+    layout = motion.state
+    return (
+        f"{ROLLOUT}{IN_C.get(method)}" in motion.library.source.integrators
+        and motion.inputs.are_absent
+        and (not layout.homogeneous or bool((np.abs(layout.lengths(start) - 1) < 1e-12).all()))
+    )
+
+
+@dataclass(frozen=True)
+class CompiledSteps:
+    """Steps of fixed length in C: each interval between two marks is cut into equal steps.
+
+    Attributes:
+        motion: Right side of the equations of motion, on which nothing acts from outside.
+        method: One of `IN_C`.
+        one_step: The same step in NumPy, which says what fails where a step fails.
+        step: Largest step, s.
+        compensated: Whether the rounding errors of the additions to the state are compensated.
+    """
+
+    motion: Motion
+    method: str
+    one_step: Step
+    step: float
+    compensated: bool = False
+
+    def stretches(self, start: Floats, marks: Marks, every: bool) -> Iterator[Stretch]:
+        """Yield the motion from a first state, see `Integrator`."""
+        state = start
+        for first, last, count in _alike(marks, self.step):
+            stored = 1 if every else count
+            at_once = max(1, _LONGEST // count)
+            for left in range(first, last, at_once):
+                right = min(left + at_once, last)
+                for stretch in self._parts(state, marks, (left, right), count, stored):
+                    yield stretch
+                    state = stretch.states[-1]
+
+    def _parts(
+        self, state: Floats, marks: Marks, ends: tuple[int, int], count: int, stored: int
+    ) -> Iterator[Stretch]:
+        """Yield the steps of some equal intervals, or of a part of one interval at a time.
+
+        Args:
+            state: State at the first mark.
+            marks: Times at which steps end.
+            ends: Numbers of the first and the last mark.
+            count: Number of steps of each interval.
+            stored: Number of steps between stored states: 1 or `count`.
+        """
+        left, right = ends
+        begin, end = float(marks.times[left]), float(marks.times[right])
+        total = count * (right - left)
+        length = (end - begin) / total
+        done = 0
+        while done < total:
+            part = min(total - done, _LONGEST)
+            rows = stored if part % stored == 0 else part
+            states, made = self._rollout(state, begin + done * length, part, length, rows)
+            places = done + rows * np.arange(len(states))
+            times = np.asarray(begin + places * length, np.float64)
+            whole, rest = np.divmod(places, count)
+            at_mark = rest == 0
+            times[at_mark] = marks.times[left + whole[at_mark]]
+            wanted = at_mark & marks.wanted[np.minimum(left + whole, right)]
+            wanted[0] = False
+            yield Stretch(times, states, wanted)
+            if made < part:
+                self._explain(states, times, made, length, rows)
+            done, state = done + part, states[-1]
+
+    def _rollout(
+        self, state: Floats, time: float, steps: int, length: float, every: int
+    ) -> tuple[Floats, int]:
+        """Return the states of some steps, the first state included, and after how many steps one fails."""
+        motion, layout = self.motion, self.motion.state
+        motion.evaluations += EVALUATIONS[self.method] * steps
+        inputs: LoadInputs = {"t": time} if "t" in motion.library.further_inputs else {}
+        found = motion.library.with_on_status("ignore").rollout(
+            layout.x(state),
+            layout.y(state),
+            steps=steps,
+            step=length,
+            every=every,
+            method=IN_C[self.method],
+            compensated=self.compensated,
+            **inputs,
+        )
+        x, y = found.x, found.y
+        if state.ndim > 1:
+            x, y = np.moveaxis(x, 1, 0), np.moveaxis(y, 1, 0)
+        whole: Floats = layout.join(x, y, np.zeros(y.shape[:-1], y.dtype))
+        return whole, int(np.min(found.made))
+
+    def _explain(self, states: Floats, times: Floats, made: int, length: float, rows: int) -> None:
+        """Say why a step fails or may be inaccurate, by the same steps in NumPy.
+
+        Raises:
+            StatusError: If accelerations are missing or not finite; the message has the time.
+        """
+        row = made // rows
+        time, state = float(times[row]), states[row]
+        for _ in range(made - row * rows + 1):
+            change = self.one_step(self.motion, time, length, state)
+            time, state = time + length, state + change
+            if not np.isfinite(state).all():
+                return
+
+    def advance(self, time: float, state: Floats, until: float) -> Floats:
+        """Return the state at a later time (s) by one step from the state at `time`."""
+        states, made = self._rollout(state, time, 1, until - time, 1)
+        if made < 1 and not np.isfinite(states[-1]).all():
+            raise StatusError(f"at t = {until:.9g} s: the state is not finite.")
+        last: Floats = states[-1]
+        return last
+
+
+def _alike(marks: Marks, step: float) -> Iterator[tuple[int, int, int]]:
+    """Yield first and last mark of intervals of one length, and the number of steps of each of them."""
+    first, before = 0, 0.0
+    times = marks.times.tolist()
+    for k, (begin, end) in enumerate(pairwise(times)):
+        length = end - begin
+        if k > first and abs(length - before) > _ALIKE * max(abs(end), length):
+            yield first, k, steps_between(times[first], times[first + 1], step)
+            first = k
+        before = length
+    yield first, len(times) - 1, steps_between(times[first], times[first + 1], step)

@@ -1,0 +1,118 @@
+"""Motions by rollouts in C: the states of the steps in NumPy, events, and steps that fail."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from kanegen.simulation import compiled_steps
+from kanegen.simulation.compiled_steps import CompiledSteps
+from tests.support.paths import MODELS
+
+OUTPUTS = ("forward_dynamics", "coordinate_rates", "kinetic_energy", "potential_energy")
+IRREGULAR = np.array([0.0, 0.1, 0.2, 0.25, 0.9, 1.55, 2.2, 2.5])
+
+
+@pytest.fixture(scope="module")
+def libraries() -> tuple[kg.Library, kg.Library]:
+    """A free body with a quaternion that carries a wheel: a library with rollouts, and one without."""
+    body = kg.Body("bus", 0, 2.0, np.diag([1.0, 2.0, 2.5]), mass_center=(0.1, 0.0, 0.2))
+    hinge = kg.Joint(position=(0.3, 0.0, 0.1), free=(False, False, True, False, False, False))
+    wheel = kg.Body("wheel", 1, 0.5, np.diag([0.1, 0.1, 0.2]), mass_center=(0.05, 0.0, 0.0), joint=hinge)
+    system = kg.System("bus", (body, wheel)).with_coordinates("quaternion")
+    flags = "-O0 -ffp-contract=off"
+    return kg.build(system, (*OUTPUTS, "rollout_rk4"), flags=flags), kg.build(system, OUTPUTS, flags=flags)
+
+
+def start(library: kg.Library, batch: tuple[int, ...] = ()) -> dict[str, Any]:
+    x = np.zeros((*batch, len(library.coordinate_names)))
+    x[..., 0] = 1.0
+    y = np.broadcast_to(np.linspace(0.1, 0.8, library.n), (*batch, library.n)).copy()
+    if batch:
+        y *= np.linspace(0.5, 1.5, *batch)[:, None]
+    return {"x": x, "y": y}
+
+
+@pytest.mark.parametrize("batch", [(), (3,)])
+@pytest.mark.parametrize("compensated", [False, True])
+@pytest.mark.parametrize("times", [IRREGULAR, np.linspace(0, 2, 11), [0.0, 2.0], np.linspace(0, 3, 3001)])
+def test_states_are_those_of_the_steps_in_numpy(
+    libraries: tuple[kg.Library, kg.Library],
+    batch: tuple[int, ...],
+    compensated: bool,
+    times: Any,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Rounding alone differs: a step adds a few roundings, which a motion of 3 s hardly grows."""
+    monkeypatch.setattr(compiled_steps, "_LONGEST", 64)
+    found, expected = (
+        kg.simulate(library, **start(library, batch), times=times, step=0.01, compensated=compensated)
+        for library in libraries
+    )
+    assert np.array_equal(found.times, times)
+    assert found.evaluations == expected.evaluations
+    assert np.abs(found.x - expected.x).max() < 1e-12
+    assert np.abs(found.y - expected.y).max() < 1e-12
+
+
+def test_the_rollouts_are_used_where_nothing_acts(
+    libraries: tuple[kg.Library, kg.Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[int] = []
+    rollout = CompiledSteps._rollout
+    monkeypatch.setattr(
+        CompiledSteps, "_rollout", lambda self, *rest: calls.append(1) or rollout(self, *rest)
+    )
+    for library in libraries:
+        kg.simulate(library, **start(library), times=1.0, step=0.01)
+        kg.simulate(library, **start(library), times=1.0, step=0.01, inputs={"wheel.theta3": 1.0})
+        turned = start(library)
+        turned["x"][0] = 2.0  # rollouts would give the quaternion length 1
+        kg.simulate(library, **turned, times=1.0, step=0.01)
+    assert len(calls) == 1
+
+
+def test_events_are_those_of_the_steps_in_numpy(libraries: tuple[kg.Library, kg.Library]) -> None:
+    events = ["x.wheel.theta3 > 0.2", kg.Event("x.wheel.theta3 - 0.35", terminal=True)]
+    found, expected = (
+        kg.simulate(library, **start(library), times=3.0, step=0.01, events=events) for library in libraries
+    )
+    assert [one.condition for one in found.events] == [one.condition for one in expected.events]
+    assert len(found.events) == 2
+    for one, other in zip(found.events, expected.events, strict=True):
+        assert one.time == pytest.approx(other.time, abs=1e-12)
+        assert np.abs(one.x - other.x).max() < 1e-12
+    assert found.times[-1] == found.events[-1].time
+
+
+def test_the_time_reaches_forces_that_depend_on_it() -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    driven = system.with_force_elements(kg.Drive("q1", kg.parse("3*sin(5*t) - 0.1*y.q1")))
+    found, expected = (
+        kg.simulate(
+            kg.build(driven, ("forward_dynamics", *more), flags="-O0"),
+            {"q1": 0.3},
+            None,
+            IRREGULAR,
+            step=0.01,
+        )
+        for more in (("rollout_rk4",), ())
+    )
+    assert np.abs(found.x - expected.x).max() < 1e-12
+
+
+def test_a_step_that_fails_is_named_and_what_was_before_is_kept() -> None:
+    """A drive that grows without end: the state overflows."""
+    system = kg.load(MODELS / "double_pendulum.toml")
+    driven = system.with_force_elements(kg.Drive("q1", kg.parse("exp(20*y.q1**2) + 10")))
+    library = kg.build(driven, ("forward_dynamics", "rollout_rk4"), flags="-O0")
+    with pytest.raises(kg.StatusError) as error:
+        kg.simulate(library, {"q1": 0.3}, None, 5.0, every=0.01, step=0.01)
+    assert str(error.value).startswith("at t = ")
+    kept = error.value.trajectory  # type: ignore[attr-defined]
+    assert len(kept.times) > 2
+    assert np.isfinite(kept.x).all() and np.isfinite(kept.y).all()
+    assert kept.times[-1] < 5.0
