@@ -40,7 +40,7 @@ def linearize(
         typer.Option(
             "--format",
             metavar="FORMAT",
-            help="Form of the result: text, latex, json, python. Symbols: no json.",
+            help="Form of the result: text, markdown, latex, json, python. Symbols: no json.",
         ),
     ] = "text",
     symbolic: Annotated[

@@ -43,7 +43,7 @@ class LinearModel(StateSpace):
         return model_html(self)
 
     def render(self, format_: str = "text") -> str:
-        """Return the model as "text", "latex", "json" or "python".
+        """Return the model as "text", "markdown", "latex", "json" or "python".
 
         Raises:
             OptionError: If there is no such format.

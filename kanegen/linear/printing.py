@@ -1,4 +1,4 @@
-"""A linear model as text, LaTeX, JSON or Python."""
+"""A linear model as text, Markdown, LaTeX, JSON or Python."""
 
 from __future__ import annotations
 
@@ -93,6 +93,31 @@ def conclusions(model: StateSpace) -> Iterator[str]:
         )
 
 
+def markdown(model: StateSpace) -> str:
+    """Return matrices and modes as tables in Markdown, and what follows from them as sentences."""
+    parts = [
+        f"# {model.name}: small deviations",
+        f"d/dt xi = A xi + B u about {'; '.join(about(model))}.",
+    ]
+    rows, columns = names_of_sides(model)
+    for name, sides in MATRICES.items():
+        matrix: Floats = getattr(model, name)
+        if matrix.size:
+            cells = ([f"{value:.6g}" for value in row] for row in matrix.tolist())
+            lines = [[row, *values] for row, values in zip(rows[name], cells, strict=True)]
+            parts += [f"## {name}, {sides}", _markdown_table([["", *columns[name]], *lines])]
+    words = ([value, kind, " ".join(facts), shape] for value, kind, *facts, shape in mode_words(model.modes))
+    parts += ["## Modes", _markdown_table([["eigenvalue", "mode", "", "shape"], *words])]
+    return "\n\n".join([*parts, *conclusions(model)]) + "\n"
+
+
+def _markdown_table(rows: Sequence[Sequence[str]]) -> str:
+    """Return a table in Markdown whose first row is its head; a bar in a name stays a bar."""
+    lines = [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
+    lines.insert(1, "|" + " --- |" * len(rows[0]))
+    return "\n".join(lines)
+
+
 def latex(model: StateSpace) -> str:
     """Return the matrices as LaTeX, for the package amsmath."""
     rows, columns = names_of_sides(model)
@@ -177,6 +202,7 @@ def _mode_as_dict(mode: Mode) -> dict[str, Any]:
 
 FORMATS: dict[str, Callable[[StateSpace], str]] = {
     "text": text,
+    "markdown": markdown,
     "latex": latex,
     "json": lambda model: json.dumps(as_dict(model), indent=2) + "\n",
     "python": python,

@@ -30,6 +30,10 @@ def test_symbols() -> None:
     assert "about x.pendulum = pi\n" in done.stdout
     assert "A[y.pendulum, x.pendulum] = -9.81*length*mass*(arm_inertia + arm_length**2*mass)/(" in done.stdout
     assert "bmatrix" in kanegen("linearize", FURUTA, "--symbolic", "--format", "latex").stdout
+    table = kanegen("linearize", FURUTA, "--format", "markdown").stdout
+    assert "| d y.pendulum | 0 | 97.258 | 0 | 0 |" in table
+    widths = {line.count("|") for line in table.partition("## B")[0].splitlines() if line.startswith("|")}
+    assert widths == {6}  # five columns
 
 
 @pytest.mark.parametrize(
@@ -40,8 +44,14 @@ def test_symbols() -> None:
         (["--tau", "pendulum=1", "--tau", "pendulum=2"], "--tau: 'pendulum' has two values. Give one."),
         (["--y", "pendulum=open('x')"], "there is no function 'open'"),
         (["--x", "pendulum=__import__"], "--x pendulum: expression '__import__': there is no parameter"),
-        (["--format", "yaml"], "unknown format 'yaml'. Known are 'text', 'latex', 'json', 'python'."),
-        (["--symbolic", "--format", "json"], "unknown format 'json'. Known are 'text', 'latex', 'python'."),
+        (
+            ["--format", "yaml"],
+            "unknown format 'yaml'. Known are 'text', 'markdown', 'latex', 'json', 'python'.",
+        ),
+        (
+            ["--symbolic", "--format", "json"],
+            "unknown format 'json'. Known are 'text', 'markdown', 'latex', 'python'.",
+        ),
         (["--input", "arm"], "inputs: there is no freedom 'arm'"),
     ],
 )

@@ -153,7 +153,7 @@ def test_blocks_of_trees_of_every_kind_are_printed(seed: int) -> None:
         assert ("{ω'_t,K}" in rows) == bool(system.prescribed)
 
 
-@pytest.mark.parametrize("form", ["text", "latex", "python"])
+@pytest.mark.parametrize("form", ["text", "markdown", "latex", "python"])
 def test_linear_model(form: str) -> None:
     pole = derive(kg.load(MODELS / "cart_pole.toml"))
     assert render(pole, form, only="linear") == render_linear_model(pole.linearize(), form)

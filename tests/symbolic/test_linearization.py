@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -189,7 +190,11 @@ def test_formats() -> None:
     text = render_linear_model(model)
     assert "B[y.cart_position, tau.cart_position] = 4/(4*cart_mass + pole_mass)" in text
     assert "C[x.pole, x.pole] = 1" in text
-    assert r"\begin{bmatrix}" in render_linear_model(model, "latex")
+    latex, markdown = (render_linear_model(model, form) for form in ("latex", "markdown"))
+    assert re.findall(r"\\begin{bmatrix}.*?\\end{bmatrix}", latex, re.DOTALL) == re.findall(
+        r"\\begin{bmatrix}.*?\\end{bmatrix}", markdown, re.DOTALL
+    )
+    assert "- inputs: tau.cart_position" in markdown
     space: dict[str, Any] = {}
     exec(render_linear_model(model, "python"), space)
     found = space["matrices"](*(model.parameters[symbol] for symbol in model.symbols))

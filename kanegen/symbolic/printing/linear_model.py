@@ -1,4 +1,4 @@
-"""A symbolic linear model as text, LaTeX or Python."""
+"""A symbolic linear model as text, Markdown, LaTeX or Python."""
 
 from __future__ import annotations
 
@@ -26,13 +26,9 @@ def render_linear_model(model: SymbolicLinearModel, format_: str = "text") -> st
 
 def _text(model: SymbolicLinearModel) -> str:
     """Return a line for each entry that is not zero."""
-    state = [*zip(model.state_names, (*model.x, *model.y), strict=True), *_efforts(model)]
-    about = ", ".join(_equation(name, value) for name, value in state if value != 0) or "zero"
+    about, *others = _about(model)
     lines = [f"{model.name}: small deviations, d/dt xi = A xi + B u, about {about}"]
-    if not model.is_equilibrium:
-        rates = zip(model.state_names, (*model.xdot, *model.ydot), strict=True)
-        moving = ", ".join(_equation(f"d/dt {name}", value) for name, value in rates if value != 0)
-        lines.append(f"  not at rest: {moving}")
+    lines += [f"  {line}" for line in others]
     for name in MATRICES:
         lines += [
             f"  {_equation(f'{name}[{row}, {column}]', value)}"
@@ -41,16 +37,40 @@ def _text(model: SymbolicLinearModel) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _about(model: SymbolicLinearModel) -> Iterator[str]:
+    """Yield what is not zero in the state of the model, and what moves where it is not at rest."""
+    state = [*zip(model.state_names, (*model.x, *model.y), strict=True), *_efforts(model)]
+    yield ", ".join(_equation(name, value) for name, value in state if value != 0) or "zero"
+    if not model.is_equilibrium:
+        rates = zip(model.state_names, (*model.xdot, *model.ydot), strict=True)
+        moving = ", ".join(_equation(f"d/dt {name}", value) for name, value in rates if value != 0)
+        yield f"not at rest: {moving}"
+
+
+def _markdown(model: SymbolicLinearModel) -> str:
+    """Return the state, the names and the matrices that are not empty in Markdown."""
+    about = "; ".join(_about(model))
+    parts = [f"# {model.name}: small deviations", f"$\\dot{{\\xi}} = A\\xi + Bu$ about {about}."]
+    names = {"states": model.state_names, "inputs": model.input_names, "outputs": model.output_names}
+    parts.append("\n".join(f"- {kind}: {', '.join(one)}" for kind, one in names.items() if one))
+    parts += [f"$$\n{formula}\n$$" for formula in _formulas(model)]
+    return "\n\n".join(parts) + "\n"
+
+
 def _latex(model: SymbolicLinearModel) -> str:
     """Return the matrices that are not empty as LaTeX, for the package amsmath."""
-    parts = [f"% {model.name}: states {', '.join(model.state_names)}; inputs {', '.join(model.input_names)}"]
+    head = f"% {model.name}: states {', '.join(model.state_names)}; inputs {', '.join(model.input_names)}"
+    return "\n".join([head, *(f"\\[ {formula} \\]" for formula in _formulas(model))]) + "\n"
+
+
+def _formulas(model: SymbolicLinearModel) -> Iterator[str]:
+    """Yield the matrices that are not empty in LaTeX, a line for each row."""
     for name in MATRICES:
         matrix: ImmutableMatrix = getattr(model, name)
         if len(matrix):
             rows = (" & ".join(printers.latex(one, model.names) for one in row) for row in matrix.tolist())
             body = " \\\\\n".join(rows)
-            parts.append(f"\\[ {name} = \\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}} \\]")
-    return "\n".join(parts) + "\n"
+            yield f"{name} = \\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
 
 
 def _python(model: SymbolicLinearModel) -> str:
@@ -103,6 +123,7 @@ def _equation(name: str, value: Expr) -> str:
 
 LINEAR_FORMATS: dict[str, Callable[[SymbolicLinearModel], str]] = {
     "text": _text,
+    "markdown": _markdown,
     "latex": _latex,
     "python": _python,
 }
