@@ -47,6 +47,7 @@ nb_merge_streams = True
 
 # Functions and classes. Types of properties are links only where they are public.
 default_role = "code"
+toc_object_entries_show_parents = "hide"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autodoc_preserve_defaults = True

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator
 from textwrap import dedent
 
+from docutils import nodes
 from sphinx.application import Sphinx
 
 _HEADING = re.compile(r"^(Args|Attributes|Returns|Yields|Raises|Example|Examples):$")
@@ -96,7 +97,15 @@ def _process(app: Sphinx, what: str, name: str, value: object, options: object, 
     lines[:] = restructured(lines)
 
 
+def _use_dashes(app: Sphinx, doctree: nodes.document) -> None:
+    """Put a dash where Sphinx puts two hyphens, between the name of an argument and what is said of it."""
+    for text in list(doctree.findall(nodes.Text)):
+        if text == " -- ":
+            text.parent.replace(text, nodes.Text(" – "))  # noqa: RUF001
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Connect the docstrings with Sphinx."""
     app.connect("autodoc-process-docstring", _process)
+    app.connect("doctree-read", _use_dashes)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,9 +1,10 @@
 """Pages of the repository's files and folders to which the documents link, such as models and generated C.
 
 On a forge such a link leads to the file. The site has a page for it, with highlighted text, so that it needs
-nothing but itself.
+nothing but itself. A page of HTML, such as a picture of a mechanism, is copied as it is.
 """
 
+import shutil
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
@@ -31,6 +32,8 @@ def _page_of(path: Path) -> str | None:
     """Return the name of the page of a file or folder, or None if it gets none."""
     if not path.exists() or not path.is_relative_to(ROOT):
         return None
+    if path.suffix == ".html":
+        return f"{_PAGES}/{path.relative_to(ROOT).with_suffix('').as_posix()}"
     if path.is_file() and (path.stat().st_size > LONGEST or path.suffix in {".svg", ".png", ".json"}):
         return None
     return f"{_PAGES}/{path.relative_to(ROOT).as_posix()}"
@@ -86,11 +89,21 @@ def _pages(app: Sphinx) -> Iterator[tuple[str, dict[str, Any], str]]:
     paths = {Path(path) for linked in _links(app).values() for path in linked}
     folders = {path for path in paths if path.is_dir()}
     files = {file for folder in folders for file in folder.rglob("*") if file.is_file() and _page_of(file)}
-    for path in sorted(paths | files):
+    for path in sorted(path for path in paths | files if path.suffix != ".html"):
         body = _folder_page(path) if path.is_dir() else _file_page(path)
         name = path.relative_to(ROOT).as_posix()
         context = {"title": name, "body": f"<article><h1>{escape(name)}</h1>{body}</article>"}
         yield f"{_PAGES}/{name}", context, "page.html"
+
+
+def _copy_pages(app: Sphinx, exception: Exception | None) -> None:
+    """Copy the pages of HTML to which documents link."""
+    paths = {Path(path) for linked in _links(app).values() for path in linked}
+    for path in () if exception else sorted(paths):
+        if path.suffix == ".html":
+            copy = Path(app.outdir) / _PAGES / path.relative_to(ROOT)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, copy)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -98,4 +111,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("doctree-read", _link_files, priority=400)  # before files for loading down are collected
     app.connect("env-purge-doc", _forget)
     app.connect("html-collect-pages", _pages)
+    app.connect("build-finished", _copy_pages)
     return {"parallel_read_safe": False, "parallel_write_safe": True}

@@ -253,7 +253,8 @@ class Dynamics(CompiledModel):
         """Return a proven bound on the error of each entry of given accelerations {ydot}.
 
         The accelerations may come from any program. The bound holds for the state and the loads as they are
-        passed, in this precision, and includes the rounding of its own computation (docs/accuracy.md).
+        passed, in this precision, and includes the rounding of its own computation, as
+        docs/acceleration-errors.md says.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.
