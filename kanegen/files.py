@@ -139,6 +139,34 @@ def temporary_folder(parent: Path) -> Iterator[Path]:
             _close(lock)
 
 
+@contextmanager
+def locked(folder: Path, wait: bool = True) -> Iterator[None]:
+    """Keep other processes from locking a folder, where the file system has locks.
+
+    Args:
+        folder: The folder.
+        wait: Whether to wait for another process that has locked it.
+
+    Raises:
+        BlockingIOError: If another process has locked it and `wait` is false.
+        OSError: If the folder cannot be opened.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        except BlockingIOError:
+            raise
+        except OSError:  # the file system has no locks
+            pass
+        yield
+    finally:
+        _close(descriptor)
+
+
 def reason(error: OSError | ValueError) -> str:
     """Return the words of the operating system for an error, or those of Python for a path that cannot be."""
     return getattr(error, "strerror", None) or str(error)

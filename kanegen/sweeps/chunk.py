@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kanegen.library import Library
+from kanegen.library.native import cache
 from kanegen.model.arrays import Flags, Floats
 from kanegen.sweeps.bands import Bins, bins_of, merged
 from kanegen.sweeps.inputs import Inputs
@@ -25,7 +26,8 @@ _PROGRAMS: dict[str, Program] = {}
 _MOST_PROGRAMS = 16
 """Programs that a process keeps open."""
 
-_LOCK = threading.Lock()
+_OPENING, _LOCK = threading.Lock(), threading.Lock()
+"""Locks of threads: one opens a program while others wait, and one changes the table of programs."""
 
 
 @dataclass(frozen=True)
@@ -82,11 +84,12 @@ class PackedProgram:
 
     def open(self) -> Program:
         """Return the program; a process loads its library once, and a machine compiles it once."""
-        with _LOCK:
+        with _OPENING:
             program = _PROGRAMS.get(self.digest)
             if program is None:
-                program = pickle.loads(self.content)
-        _keep(self.digest, program)
+                with cache.one_process():
+                    program = pickle.loads(self.content)
+                _keep(self.digest, program)
         return program
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -20,11 +19,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from kanegen.errors import ReadError, WriteError, quoted
-from kanegen.files import make_folder, path_of, reason, temporary_folder, write_whole
+from kanegen.files import locked, make_folder, path_of, reason, temporary_folder, write_whole
 from kanegen.model.arrays import Floats
-
-if sys.platform != "win32":
-    import fcntl
 
 MANIFEST = "sweep.json"
 """File that says what a sweep is."""
@@ -264,21 +260,15 @@ def _one_process(path: Path) -> Iterator[None]:
     Raises:
         WriteError: If another process writes it.
     """
-    if sys.platform == "win32":
-        yield
-        return
     make_folder(path / TABLE)
-    descriptor = os.open(path / TABLE, os.O_RDONLY)
-    try:
+    with ExitStack() as stack:
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            stack.enter_context(locked(path / TABLE, wait=False))
         except BlockingIOError:
             raise WriteError(f"{path}: another process runs this sweep.") from None
-        except OSError:  # the file system has no locks
-            pass
+        except OSError as error:
+            raise WriteError(f"{path / TABLE}: cannot be opened: {reason(error)}.") from None
         yield
-    finally:
-        os.close(descriptor)
 
 
 TABLE = "table"

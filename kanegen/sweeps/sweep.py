@@ -110,10 +110,10 @@ def sweep(
         raise OptionError(f"job: {quoted(job)} is no job. Make one with kg.RolloutJob(duration, step).")
     require_format(format)
     design = read_design(system, axes, _sampling(samples))
-    plan = make_plan(system, design, job, "memory" if folder is None else format, chunk_rows)
-    layout = Layout(plan.manifest)
     with ExitStack() as stack:
         found = stack.enter_context(workers_of(executor, workers))
+        plan = make_plan(system, design, job, "memory" if folder is None else format, chunk_rows)
+        layout = Layout(plan.manifest)
         staging = None if folder is None else stack.enter_context(prepared_folder(folder, layout))
         store, bands = _stores(layout, staging)
         try:

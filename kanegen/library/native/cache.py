@@ -18,7 +18,7 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -26,7 +26,7 @@ from typing import TypeVar
 import platformdirs
 
 from kanegen.errors import BuildError
-from kanegen.files import reason, temporary_folder
+from kanegen.files import locked, reason, temporary_folder
 from kanegen.library.native import environment, ownership
 
 VARIABLE = "KANEGEN_CACHE"
@@ -181,6 +181,24 @@ def clear(unused_for: float = 0.0) -> list[Entry]:
             return []
         _require_private(root)
         return _remove(root, unused)
+
+
+@contextmanager
+def one_process() -> Iterator[None]:
+    """Let other processes of this machine that ask for it wait, where the file system has locks.
+
+    Several processes that need the same new library then compile it once, and not each of them.
+
+    Raises:
+        BuildError: If the cache folder cannot be used.
+    """
+    root = folder()
+    with ExitStack() as stack:
+        with _reported(root):
+            if not root.is_dir():
+                _make_private(root)
+            stack.enter_context(locked(root))
+        yield
 
 
 @contextmanager
