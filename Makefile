@@ -1,4 +1,4 @@
-# Two commands set everything up by themselves: `make demo` and `make test`.
+# Three commands set everything up by themselves: `make view`, `make demo` and `make test`.
 
 PYTHON ?= python3
 VENV := .venv
@@ -6,7 +6,13 @@ BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 NOTEBOOKS := $(notdir $(basename $(wildcard docs/notebooks/*.md)))
 
-.PHONY: demo test slow lint generated bench growth extremes tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
+.PHONY: demo view test slow lint generated bench growth extremes tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
+
+# Simulate an arm and show its motion in the browser.
+view: $(VENV)/.kanegen
+	mkdir -p build
+	$(BIN)/kanegen view examples/arm.urdf --duration 10 --x shoulder_joint=1.2 --y column_joint=0.14 \
+		--path forearm -o build/arm.html --open
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)

@@ -51,7 +51,7 @@ def checkout(tmp_path: Path) -> Path:
 
 def test_commands_and_c_of_the_readme(checkout: Path) -> None:
     commands = [line.partition("#")[0].split() for line in COMMANDS if line.startswith("kanegen ")]
-    assert len(commands) == 4
+    assert len(commands) == 5
     for _, *arguments in commands:
         assert run([sys.executable, "-m", "kanegen", *arguments], checkout)
     (code,) = (text for language, text in BLOCKS if language == "c")

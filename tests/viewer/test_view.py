@@ -19,7 +19,7 @@ from kanegen.viewer.motion import MOST_TIMES, motion_of
 from kanegen.viewer.poses import body_poses
 from kanegen.viewer.scene import embedded_json
 from tests.support.command import kanegen
-from tests.support.paths import MODELS
+from tests.support.paths import MODELS, ROOT
 
 TIMES = np.linspace(0.0, 1.0, 11)
 X = np.stack([TIMES, -TIMES], axis=1)
@@ -209,3 +209,12 @@ def test_a_picture_needs_no_compiler_and_no_sympy() -> None:
         [sys.executable, "-c", code, model], capture_output=True, text=True, check=True
     ).stdout
     assert printed.strip() == "[]"
+
+
+def test_python_of_the_document_runs(tmp_path: Path) -> None:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    text = (ROOT / "docs" / "view.md").read_text(encoding="utf-8")
+    code = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)[0]
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
+    for name in ("arm.html", "arm-moving.html"):
+        assert "kanegenViewer.page" in (tmp_path / name).read_text(encoding="utf-8")

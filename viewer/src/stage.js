@@ -129,8 +129,8 @@ export class Stage {
 
   #makeLight() {
     const reach = this.#reach();
-    this.world.add(new AmbientLight("#ffffff", 0.25), new HemisphereLight("#ffffff", "#a9b3c2", 0.85));
-    const sun = new DirectionalLight("#fff7ea", 2.0);
+    this.world.add(new AmbientLight("#ffffff", 0.25), new HemisphereLight("#ffffff", "#b4bdca", 1.0));
+    const sun = new DirectionalLight("#fff7ea", 2.3);
     const aside = new Vector3(0.7, -0.9, 1.8).applyQuaternion(toUp(this.up)).multiplyScalar(2 * reach);
     sun.castShadow = true;
     sun.shadow.mapSize.set(2048, 2048);
