@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 MODEL := models/eight_body.toml
 NOTEBOOKS := $(notdir $(basename $(wildcard docs/notebooks/*.md)))
 
-.PHONY: demo view test slow lint generated bench growth extremes tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
+.PHONY: demo view test slow lint generated bench growth extremes gimbal-lock tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
 
 # Simulate an arm and show its motion in the browser.
 view: $(VENV)/.kanegen
@@ -50,6 +50,11 @@ growth: $(VENV)/.bench
 # Try the C where arithmetic is hardest and rewrite docs/extremes.md; takes about half an hour.
 extremes: $(VENV)/.tests $(VENV)/.bench
 	$(BIN)/python -m tests.battery
+
+# Write the demonstration of gimbal lock, build/gimbal-lock.html, and its picture at the top of the README; takes a
+# minute and needs Chromium.
+gimbal-lock: $(VENV)/.tests
+	$(BIN)/python -m benchmarks.gimbal_lock
 
 # Study speed against accuracy of three models and rewrite docs/tradeoff; takes about three quarters of an hour.
 tradeoff: $(VENV)/.bench

@@ -1,4 +1,4 @@
-"""Options of the whole suite, and what keeps it quick: its own cache, cheap compilation, rare collection."""
+"""Options and the browser of the whole suite, and what keeps it quick: its own cache, cheap compilation."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ import importlib
 import os
 import signal
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.support.browser import chromium
 from tests.support.paths import ROOT
 
 os.environ["KANEGEN_CACHE"] = str(ROOT / ".pytest_cache" / "kanegen")
@@ -53,3 +55,10 @@ def pytest_configure() -> None:
         return tuple("-O0" if flag == "-O2" and is_strict else flag for flag in flags)
 
     selftest.sound_flags = unoptimised
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """One browser for all tests of pages in a process."""
+    with chromium() as found:
+        yield found

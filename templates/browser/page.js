@@ -65,7 +65,7 @@ class Page {
     const { mechanism, runner } = this.reference;
     this.energy = mechanism.energy(runner.x, runner.y);
     this.chart.clear();
-    this.#show();
+    this.show();
   }
 
   /** Makes a number of steps of all motions. */
@@ -112,12 +112,13 @@ class Page {
     }
     this.owed = made < asked ? 0 : this.owed - made;
     if (asked) this.pace = 0.95 * (this.pace ?? 1) + (0.05 * made) / asked;
-    this.#show();
+    this.show();
     if (this.reference.runner.stopped || this.competitors.every((one) => one.runner.stopped)) this.play(false);
     else requestAnimationFrame((later) => this.#tick(later));
   }
 
-  #show() {
+  /** Draws the present states, and their errors. */
+  show() {
     const all = this.reference.mechanism.poses(this.reference.runner.x).slice();
     const errors = this.competitors.map((one) => {
       one.poses = one.mechanism.poses(one.runner.x);
@@ -219,7 +220,7 @@ class Page {
   #one() {
     this.play(false);
     this.advance(1);
-    this.#show();
+    this.show();
   }
 
   #table() {
@@ -238,7 +239,7 @@ class Page {
     const choose = () => {
       this.shown = place;
       this.rows.forEach((row, i) => row.element.classList.toggle("kw-chosen", i === place));
-      this.#show();
+      this.show();
     };
     const label = canChoose ? make("button", { type: "button", title: `${text} Show this motion in the picture.`, onclick: choose }, dot, name) : make("span", { title: text }, dot, name);
     const element = make("tr", { class: canChoose && place === 0 ? "kw-chosen" : "" }, make("th", { scope: "row" }, label), error, rate, energy);

@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import matplotlib.image
 import numpy as np
 from numpy.typing import NDArray
 
@@ -80,6 +79,8 @@ class OpenPage:
     def picture(self) -> NDArray[np.float64]:
         """Return the picture as (height, width, 3) values from 0 to 1."""
         self.settle()
+        import matplotlib.image  # noqa: PLC0415 - which takes a second
+
         data = self.page.evaluate("document.querySelector('.kg-stage canvas').toDataURL()").partition(",")[2]
         return np.asarray(matplotlib.image.imread(io.BytesIO(base64.b64decode(data))), np.float64)[..., :3]
 
