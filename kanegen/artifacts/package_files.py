@@ -25,5 +25,6 @@ def readme(source: Source) -> dict[str, str]:
 def _variables(source: Source) -> Context:
     variables = context(source.model, source.functions, source.outputs, source.operations, source.variant)
     return variables | {
-        "elementary": [name for name in source.files if name.startswith("kanegen_elementary")]
+        "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],
+        "parameters_by_state": source.parameters_by_state,
     }

@@ -222,6 +222,7 @@ def test_the_c_is_clean_and_the_example_runs(
     source = kg.generate(pendulum, precision=precision, parameters_by_state=True)
     folder = source.write(tmp_path / "out")
     assert " *     parameters: by state\n" in source.files["double_pendulum.h"]
+    assert "`double_pendulum_prepare_batch` fills a row of `prepared` for each" in source.files["README.md"]
     files = ("double_pendulum.c", "double_pendulum_batch.c", "main.c")
     run(*C[compiler], "-std=c99", "-O1", *WARNINGS, *files, "-lm", "-o", "example", folder=folder)
     usual = kg.generate(pendulum, precision=precision).write(tmp_path / "usual")
