@@ -28,6 +28,7 @@ HELPERS = {
     "note": ("{}_note(", "step_status"),
     "rates": ("{}_rates",),
     "slopes": ("{}_slopes", "{}_moved", "{}_chain"),
+    "elimination": ("{}_eliminate", "{}_substitute"),
     "larger": ("{}_larger", "{}_select"),
     "advance": ("{}_advance",),
     "hold": ("{}_hold", "{}_store"),
@@ -202,12 +203,18 @@ class StepPrinter:
             "slopes_at": self._slopes_at,
         }
 
-    def _slopes_at(self, state: str, time: str) -> str:
-        """Return the call of the rates of a state and their derivatives."""
+    def _slopes_at(self, state: str, time: str, rates: str = "rates", status: str = "status") -> str:
+        """Return the call of the rates of a state and their derivatives, which are filled into `slopes`.
+
+        Args:
+            state: The state.
+            time: Expression of the time.
+            rates: The array to fill with rates.
+            status: Pointer to the status.
+        """
         arguments = [PREPARED] * bool(self._prepared) + [state, "inputs"] + [time] * self._has_time
-        return (
-            f"{self.model.name}_slopes{self._form}({', '.join([*arguments, 'rates', 'slopes', 'status'])});"
-        )
+        arguments += [rates, "slopes", status]
+        return f"{self.model.name}_slopes{self._form}({', '.join(arguments)});"
 
     def _places(self) -> dict[str, tuple[int, int]]:
         """Return offset and size of each input that is held, among all of them in one row."""

@@ -111,9 +111,10 @@ def step_function(name: str, functions: Iterable[Function], speeds_are_rates: bo
     names = tuple(array.name for array in outputs)
     may_fail = bool(method.condition[0]) or any(function.may_fail for function in called)
     further = ", and its derivatives" if derivatives else ""
+    cost = method.cost_with_derivatives if derivatives else method.cost
     return Function(
         name=method.derivatives if derivatives else method.functions[0],
-        doc=f"One step by {method.title} of order {method.order}{further}: {method.cost}.",
+        doc=f"One step by {method.title} of order {method.order}{further}: {cost}.",
         inputs=(*rates.inputs, LENGTH),
         outputs=outputs,
         shared=rates.shared,

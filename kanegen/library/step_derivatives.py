@@ -61,7 +61,7 @@ class StepDerivatives(Rollouts):
         the exact motion; they have no error but rounding. The four elements of a quaternion count as free
         numbers before the step, and keep their length over it. So a change along the quaternion before the
         step is one along it after the step, and changes nothing else; with the matrix [H] of
-        {xdot} = [H]{y}, `coordinate_rates_derivatives` by {y}, [A] [H] is by small turns instead.
+        {xdot} = [H]{y}, `coordinate_rates_derivatives` by {y}, `A[:, :m] @ H` is by small turns instead.
 
         Args:
             x: (m,) or (B, m) coordinates, rad, m or 1.

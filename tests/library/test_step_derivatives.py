@@ -6,6 +6,7 @@ states, and its imaginary part is the derivative (Squire and Trapp 1998).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,10 +23,12 @@ from tests.support.paths import MODELS
 
 QUICK = "-O1 -ffp-contract=off"
 OUTPUT = "step_rk4_derivatives"
+DIFFERENTIATED = [name for name, method in METHODS.items() if method.has_derivatives]
+OUTPUTS = tuple(METHODS[name].derivatives for name in DIFFERENTIATED)
 LENGTH = 0.02
 
 
-def rk4(system: kg.System, given: dict[str, Any]) -> Any:
+def step(system: kg.System, method: str, given: dict[str, Any]) -> Any:
     """Return {x, y} after a step, with [A] and {f} of the reference; quaternions keep their lengths."""
     start = np.concatenate([given["x"], given["y"]])
     m = len(system.coordinates)
@@ -36,12 +39,7 @@ def rk4(system: kg.System, given: dict[str, Any]) -> Any:
             [rates_of(system, now[:m], now[m:]), np.linalg.solve(matrix, forcing + given["tau"])]
         )
 
-    h = LENGTH
-    one = rates(start)
-    two = rates(start + h / 2 * one)
-    three = rates(start + h / 2 * two)
-    four = rates(start + h * three)
-    end = start + h / 6 * (one + 2 * two + 2 * three + four)
+    end = start + change(method, rates, start, m)
     for k, body in enumerate(system.bodies, start=1):
         if body.joint.coordinates == "quaternion":
             places = [i for i, c in enumerate(system.coordinates) if c.body == k and not c.is_translation]
@@ -50,41 +48,63 @@ def rk4(system: kg.System, given: dict[str, Any]) -> Any:
     return end
 
 
-def expected(system: kg.System, given: dict[str, Any]) -> tuple[Any, Any]:
+def change(method: str, rates: Callable[[Any], Any], start: Any, m: int) -> Any:
+    """Return the change of a state in a step of one of `METHODS`, before quaternions get their lengths."""
+    h, one = LENGTH, rates(start)
+    match method:
+        case "euler":
+            return h * one
+        case "semi_implicit_euler":
+            faster = np.concatenate([start[:m], (start + h * one)[m:]])
+            return h * np.concatenate([rates(faster)[:m], one[m:]])
+        case "implicit_midpoint":
+            for _ in range(40):  # a contraction by about 1/10, so that nothing is left of the start
+                one = rates(start + h / 2 * one)
+            return h * one
+    two = rates(start + h / 2 * one)
+    three = rates(start + h / 2 * two)
+    return h / 6 * (one + 2 * two + 2 * three + rates(start + h * three))
+
+
+def expected(system: kg.System, method: str, given: dict[str, Any]) -> tuple[Any, Any]:
     """Return the end of a step and its derivatives by {x}, {y} and {tau}."""
     columns = []
     for name in ("x", "y", "tau"):
         for place in range(len(given[name])):
             moved = {one: given[one].astype(complex) for one in ("x", "y", "tau")}
             moved[name][place] += 1j * STEP
-            columns.append(rk4(system, given | moved).imag / STEP)
-    return rk4(system, given), np.stack(columns, axis=1)
+            columns.append(step(system, method, given | moved).imag / STEP)
+    return step(system, method, given), np.stack(columns, axis=1)
 
 
 @pytest.mark.parametrize("kind", slow_except(KINDS[:3], "quaternions"))
 @pytest.mark.parametrize("seed", slow_except(range(3), 1))
 def test_complex_steps_through_the_reference(seed: int, kind: str) -> None:
     system = tree_of_kind(kind, seed)
-    library = kg.build(system, OUTPUT, flags=QUICK)
+    library = kg.build(system, OUTPUTS, functions=OUTPUTS, flags="-O0 -ffp-contract=off")
     given = state(system, seed)
     loads = {name: given[name] for name in ("force", "torque")}
-    end, slopes = expected(system, given)
-    found = library.step_derivatives(given["x"], given["y"], given["tau"], step=LENGTH, **loads)
+    state_before = given["x"], given["y"], given["tau"]
     m, n = len(system.coordinates), len(system.freedoms)
-    assert found.A.shape == (m + n, m + n)
-    assert found.B.shape == (m + n, n)
     # [A]^-1 of the reference is a solution with a matrix whose condition is that of the tree.
     condition = np.linalg.cond(dynamics(system, given)[0])
     room = 1e-14 * max(condition, 1e3)
-    assert np.abs(np.concatenate([found.x, found.y]) - end).max() <= room * np.abs(end).max()
-    for part, right in ((found.A, slopes[:, : m + n]), (found.B, slopes[:, m + n :])):
-        assert np.abs(part - right).max() <= room * np.abs(right).max()
+    for method in DIFFERENTIATED:
+        end, slopes = expected(system, method, given)
+        found = library.step_derivatives(*state_before, step=LENGTH, method=method, **loads)
+        assert found.A.shape == (m + n, m + n)
+        assert found.B.shape == (m + n, n)
+        assert np.abs(np.concatenate([found.x, found.y]) - end).max() <= room * np.abs(end).max(), method
+        for part, right in ((found.A, slopes[:, : m + n]), (found.B, slopes[:, m + n :])):
+            assert np.abs(part - right).max() <= room * np.abs(right).max(), method
 
 
 @pytest.fixture(scope="module")
 def crane() -> kg.Library:
     system = kg.load(MODELS / "gantry_crane.toml")
-    return kg.build(system, ("step_rk4", OUTPUT), flags=QUICK, parameters_by_state=True)
+    return kg.build(
+        system, ("step_rk4", "step_implicit_midpoint", *OUTPUTS), flags=QUICK, parameters_by_state=True
+    )
 
 
 def states(library: kg.Library, count: int) -> tuple[Any, Any, Any]:
@@ -97,7 +117,7 @@ def test_parameters_by_differences_in_long_double(crane: kg.Library) -> None:
     wide = kg.build(system, "step_rk4", tier=Variant("long double"), flags=QUICK)
     x, y, tau = (one[0] for one in states(crane, 1))
     usual = np.array(list(crane.parameters.values()), np.longdouble)
-    found = crane.step_derivatives(x, y, tau, step=LENGTH)
+    found = crane.step_derivatives(x, y, tau, step=LENGTH, method="rk4")
     assert found.P.shape == (2 * crane.n, len(usual))
     for place in range(len(usual)):
         ends = []
@@ -114,14 +134,16 @@ def test_a_batch_has_the_bits_of_its_states(crane: kg.Library) -> None:
     x, y, tau = states(crane, 13)
     usual = np.array(list(crane.parameters.values()))
     sets = usual * np.random.default_rng(6).uniform(0.8, 1.2, (13, len(usual)))
-    many = crane.step_derivatives(x, y, tau, step=LENGTH, parameters=sets)
-    for i in range(13):
-        one = crane.step_derivatives(x[i], y[i], tau[i], step=LENGTH, parameters=sets[i])
-        for name in ("x", "y", "A", "B", "P"):
-            assert (getattr(many, name)[i] == getattr(one, name)).all(), name
-    ends = crane.step(x, y, tau, step=LENGTH, parameters=sets)
-    assert np.abs(many.x - ends[0]).max() <= 1e-15 * np.abs(ends[0]).max()
-    assert np.abs(many.y - ends[1]).max() <= 1e-14 * np.abs(ends[1]).max()
+    for method in DIFFERENTIATED:
+        many = crane.step_derivatives(x, y, tau, step=LENGTH, method=method, parameters=sets)
+        for i in range(0, 13, 3):
+            one = crane.step_derivatives(x[i], y[i], tau[i], step=LENGTH, method=method, parameters=sets[i])
+            for name in ("x", "y", "A", "B", "P"):
+                assert (getattr(many, name)[i] == getattr(one, name)).all(), (method, name)
+        if METHODS[method].functions[0] in crane.outputs:
+            ends = crane.step(x, y, tau, step=LENGTH, method=method, parameters=sets)
+            assert np.abs(many.x - ends[0]).max() <= 1e-15 * np.abs(ends[0]).max()
+            assert np.abs(many.y - ends[1]).max() <= 1e-14 * np.abs(ends[1]).max()
 
 
 def test_a_longer_quaternion_is_longer_after_the_step_and_changes_nothing_else() -> None:
@@ -147,7 +169,7 @@ def test_other_precisions(precision: str, crane: kg.Library) -> None:
     library = kg.build(system, OUTPUT, tier=Variant(precision), flags=QUICK)
     x, y, tau = states(crane, 5)
     found = library.step_derivatives(x, y, tau, step=LENGTH)
-    right = crane.step_derivatives(x, y, tau, step=LENGTH)
+    right = crane.step_derivatives(x, y, tau, step=LENGTH, method="rk4")
     size = np.abs(right.A).max()
     assert np.abs(found.A - right.A).max() <= (1e-4 if precision == "float" else 1e-13) * size
     assert found.A.dtype == np.dtype({"float": np.float32}.get(precision, np.longdouble))
@@ -157,7 +179,7 @@ def test_what_is_missing_is_said(crane: kg.Library) -> None:
     x, y, tau = states(crane, 3)
     x[1, 0] = np.nan
     with pytest.warns(kg.KanegenWarning, match=r"^step_rk4_derivatives: in 1 of 3 .* x\[0\] is nan"):
-        found = crane.step_derivatives(x, y, tau, step=LENGTH)
+        found = crane.step_derivatives(x, y, tau, step=LENGTH, method="rk4")
     assert np.isnan(found.A[1]).all()
     assert np.isfinite(found.A[[0, 2]]).all()
     plain = kg.build(kg.load(MODELS / "gantry_crane.toml"), "step_rk4", flags=QUICK)
@@ -172,7 +194,7 @@ def test_what_is_missing_is_said(crane: kg.Library) -> None:
 @pytest.mark.parametrize("compiler", slow_except(C, "gcc"))
 @pytest.mark.parametrize("kind", slow_except(("double_pendulum", "satellite"), "satellite"))
 def test_the_c_is_clean(kind: str, compiler: str, tmp_path: Any) -> None:
-    source = kg.generate(kg.load(MODELS / f"{kind}.toml"), OUTPUT)
+    source = kg.generate(kg.load(MODELS / f"{kind}.toml"), OUTPUTS)
     folder = source.write(tmp_path / "out")
     for file in (f"{kind}.c", f"{kind}_batch.c", "main.c"):
         run(*C[compiler], "-std=c99", "-O1", *WARNINGS, "-c", file, "-o", "object.o", folder=folder)

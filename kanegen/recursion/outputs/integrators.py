@@ -44,7 +44,7 @@ class Method:
             the method is for speeds that are rates.
         condition: Quantity whose sign and size the method tests beside those of its outputs, and what it
             means that it is not positive; "" where there is none.
-        has_derivatives: Whether there is a function that differentiates a step.
+        cost_with_derivatives: What a step costs that is differentiated, in words; "" where there is none.
     """
 
     name: str
@@ -54,12 +54,17 @@ class Method:
     needs: tuple[str, ...] = ()
     needs_further: tuple[str, ...] | None = ()
     condition: tuple[str, str] = ("", "")
-    has_derivatives: bool = False
+    cost_with_derivatives: str = ""
 
     @property
     def functions(self) -> tuple[str, str]:
         """Names of its functions, that of one step first."""
         return STEP + self.name, ROLLOUT + self.name
+
+    @property
+    def has_derivatives(self) -> bool:
+        """Whether there is a function that differentiates a step."""
+        return bool(self.cost_with_derivatives)
 
     @property
     def derivatives(self) -> str:
@@ -80,7 +85,13 @@ class Method:
 METHODS = {
     method.name: method
     for method in (
-        Method("euler", "the explicit Euler method", 1, "one evaluation of the rates"),
+        Method(
+            "euler",
+            "the explicit Euler method",
+            1,
+            "one evaluation of the rates",
+            cost_with_derivatives="one evaluation of rates and derivatives",
+        ),
         Method(
             "semi_implicit_euler",
             "the semi-implicit Euler method, speeds first,",
@@ -88,19 +99,21 @@ METHODS = {
             "one evaluation of {ydot} and one of {xdot}",
             RATES[:1],
             RATES[1:],
+            cost_with_derivatives="one evaluation of rates and derivatives, two if {xdot} is not {y}",
         ),
         Method(
             "rk4",
             "the classical Runge-Kutta method",
             4,
             "four evaluations of the rates",
-            has_derivatives=True,
+            cost_with_derivatives="four evaluations of rates and derivatives",
         ),
         Method(
             "implicit_midpoint",
             "the implicit midpoint rule",
             2,
             "as many evaluations of the rates as a fixed-point iteration takes, about seven",
+            cost_with_derivatives="about five evaluations of rates and derivatives, by Newton's method",
         ),
         Method(
             "variational_midpoint",
