@@ -164,9 +164,7 @@ def test_linear_model(form: str) -> None:
 def test_errors() -> None:
     with pytest.raises(OptionError, match=r"unknown part 'block'. Did you mean 'blocks'\?"):
         render(EIGHT, only="block")
-    with pytest.raises(OptionError, match="no Python of blocks alone"):
-        render(EIGHT, "python", only="blocks")
-    with pytest.raises(OptionError, match="no Python of one body alone"):
+    with pytest.raises(OptionError, match=r"no Python of the rows of \[A\] and \{f\} of one body"):
         render(EIGHT, "python", body=2)
     with pytest.raises(ModelError, match="no body or frame 'nobody'"):
         render(EIGHT, body="nobody")

@@ -15,6 +15,7 @@ from kanegen.symbolic.printers import escaped
 from kanegen.symbolic.printing.document import Extent, document
 from kanegen.symbolic.printing.linear_model import render_linear_model
 from kanegen.symbolic.printing.prose import prose
+from kanegen.symbolic.printing.python_blocks import python_blocks
 from kanegen.symbolic.printing.python_module import python_module
 from kanegen.symbolic.printing.statements import Part, Section, Statement
 
@@ -72,13 +73,15 @@ def render(
         if body is not None:
             raise OptionError("body: a linear model is one of the whole system. Leave the body out.")
         return render_linear_model(equations.linearize(), format)
-    if format == "python" and (only == "blocks" or body is not None):
-        what = "blocks" if only == "blocks" else "one body"
+    if format == "python" and body is not None and only != "blocks":
         raise OptionError(
-            f"format: there is no Python of {what} alone, only of the whole [A] and {{f}}. Print text, "
-            "markdown or latex, or all equations."
+            "format: there is no Python of the rows of [A] and {f} of one body. Print its blocks (only="
+            '"blocks"), text, markdown or latex, or all equations.'
         )
     extent = Extent(parts, _number(equations, body))
+    if format == "python" and only == "blocks":
+        named = equations if equations.intermediates else derive(equations.system, intermediates=True)
+        return python_blocks(named, extent.body)
     if only != "blocks" and (form := _closed_form(equations, closed, everywhere=format == "python")):
         return FORMATS[format](derive(equations.system, intermediates=False), form, extent)
     named = equations if equations.intermediates else derive(equations.system, intermediates=True)
