@@ -14,6 +14,10 @@ _LOGGER = logging.getLogger(__name__)
 _NAMESPACE = "http://www.w3.org/1998/Math/MathML"
 
 
+_ROWS = {"math", "mrow", "mtd", "mstyle"}
+"""Elements whose parts stand in a row."""
+
+
 def mathml(text: str, *, as_block: bool) -> str:
     r"""Return a formula of TeX as MathML.
 
@@ -24,7 +28,7 @@ def mathml(text: str, *, as_block: bool) -> str:
         MathError: If there is no MathML for something in it.
     """
     ElementTree.register_namespace("", _NAMESPACE)
-    printed = tex2mathml(text, as_block=as_block).replace("&ApplyFunction;", "\u2061")
+    printed = tex2mathml(text, as_block=as_block).replace("<mo>&ApplyFunction;</mo>", "")
     root = ElementTree.fromstring(printed)
     for element in root.iter(f"{{{_NAMESPACE}}}munderover"):
         letter, index, accent = element
@@ -33,7 +37,40 @@ def mathml(text: str, *, as_block: bool) -> str:
             accented = ElementTree.Element(f"{{{_NAMESPACE}}}mover", accent="true")
             accented.extend([letter, accent])
             element[:] = [accented, index]
+    for element in list(root.iter()):
+        if element.tag.rpartition("}")[2] in _ROWS:
+            element[:] = _spaced(list(element))
     return ElementTree.tostring(root, encoding="unicode")
+
+
+def _spaced(children: list[ElementTree.Element]) -> list[ElementTree.Element]:
+    """Return the parts of a row with the thin spaces that TeX puts around the name of a function."""
+    if not any(_is_function(child) for child in children):
+        return children
+    found: list[ElementTree.Element] = []
+    for child, following in zip(children, [*children[1:], None], strict=True):
+        if _is_function(child) and found and not found[-1].tag.endswith("}mo"):
+            found.append(_thin_space())
+        found.append(child)
+        if _is_function(child) and following is not None and not _text(following).startswith("("):
+            found.append(_thin_space())
+    return found
+
+
+def _is_function(element: ElementTree.Element) -> bool:
+    """Say whether an element is the name of a function, such as cos, or a power of it."""
+    kind = element.tag.rpartition("}")[2]
+    if kind in {"msup", "msub"}:
+        return _is_function(element[0])
+    return kind == "mi" and len(element.text or "") > 1 and (element.text or "").isascii()
+
+
+def _text(element: ElementTree.Element) -> str:
+    return "".join(element.itertext()).strip()
+
+
+def _thin_space() -> ElementTree.Element:
+    return ElementTree.Element(f"{{{_NAMESPACE}}}mspace", width="0.17em")
 
 
 def _print(translator: HTML5Translator, node: nodes.Element, *, as_block: bool) -> None:

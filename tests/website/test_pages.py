@@ -98,6 +98,13 @@ def test_the_index_of_a_rate_stands_beside_it() -> None:
     assert "<munderover>" in printed  # of the sum
 
 
+def test_names_of_functions_stand_apart() -> None:
+    printed = re.sub(r"\s*\n\s*", "", mathml(r"2 \cos^{2}{x} - \sin{(a + b)}", as_block=True))
+    space = r'<mspace width="0.17em" />'
+    assert f"<mn>2</mn>{space}<msup><mi>cos</mi><mn>2</mn></msup>{space}<mi>x</mi>" in printed
+    assert '<mo>−</mo><mi>sin</mi><mrow><mo stretchy="false">(</mo>' in printed  # noqa: RUF001
+
+
 def test_what_is_no_markup_stays_as_it_is() -> None:
     lines = restructured(
         ["The error |computed - exact| of `x_`s, times 2*x_.", "", "Returns:", "    (n,), rad: or m.", "",
