@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import pickle
 import threading
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -68,7 +69,7 @@ class PackedProgram:
 
     Attributes:
         digest: Digest of its content.
-        content: The program as `pickle` writes it.
+        content: The program as `pickle` writes it, compressed, since every task carries it.
     """
 
     digest: str
@@ -77,7 +78,7 @@ class PackedProgram:
     @classmethod
     def of(cls, program: Program) -> PackedProgram:
         """Pack a program; this process uses it as it is."""
-        content = pickle.dumps(program, protocol=pickle.HIGHEST_PROTOCOL)
+        content = zlib.compress(pickle.dumps(program, protocol=pickle.HIGHEST_PROTOCOL), level=1)
         packed = cls(hashlib.sha256(content).hexdigest(), content)
         _keep(packed.digest, program)
         return packed
@@ -88,7 +89,7 @@ class PackedProgram:
             program = _PROGRAMS.get(self.digest)
             if program is None:
                 with cache.one_process():
-                    program = pickle.loads(self.content)
+                    program = pickle.loads(zlib.decompress(self.content))
                 _keep(self.digest, program)
         return program
 

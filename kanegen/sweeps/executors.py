@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
@@ -129,8 +130,20 @@ def _dask(address: str, seconds: float) -> Iterator[Any]:
     try:
         yield client
     finally:
-        with suppress(Exception):  # a scheduler that has ended meanwhile
+        with suppress(Exception), _silent("distributed.client"):  # a scheduler that has ended meanwhile
             client.close()
+
+
+@contextmanager
+def _silent(name: str) -> Iterator[None]:
+    """Suppress what a package logs, such as that a connection is lost that is given up anyway."""
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def _of_client(client: Any, name: str) -> Workers:

@@ -101,7 +101,9 @@ def _result(future: Future[Finished], number: int) -> Finished:
     except BrokenExecutor as error:
         raise SweepError(f"chunk {number}: a worker ended ({error}).") from error
     except CancelledError:
-        raise SweepError(f"chunk {number} was cancelled.") from None
+        raise SweepError(
+            f"chunk {number}: the executor gave it up, as a cluster does whose scheduler has ended."
+        ) from None
     except Exception as error:
         raise SweepError(
             f"chunk {number}: {type(error).__name__}: {' '.join(str(error).split())}."

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import OptionError, SweepError, quoted
+from kanegen.errors import OptionError, SweepError, counted, quoted, warn
 from kanegen.files import path_of
 from kanegen.model.arrays import Floats
 from kanegen.model.system import System
@@ -178,6 +178,7 @@ class _Run:
         self._rows = sum(map(self._layout.size, self._finished))
         self._failed = int(np.count_nonzero(store.columns([REASON])[REASON] != "")) if self._finished else 0
         self._new, self._start = 0, time.monotonic()
+        self._outside: dict[str, int] = {}
         for number in self._finished:
             self._compact(number)
 
@@ -185,6 +186,13 @@ class _Run:
         """Compute the chunks that are missing."""
         self._tell()
         run(self._tasks(), workers, self._take)
+        if self._outside:
+            parts = [f"{counted(rows, 'row')} of those of {name}" for name, rows in self._outside.items()]
+            first, *others = parts
+            words = ", and ".join(
+                [first.replace("of those of", "begin outside of the limits of", 1), *others]
+            )
+            warn(f"sweep: {words}.")
 
     def _tasks(self) -> Iterator[Task]:
         """Yield the chunks that are missing."""
@@ -195,7 +203,21 @@ class _Run:
                 if variant not in packed:
                     packed[variant] = PackedProgram.of(self._plan.programs[variant])
                 columns = self._plan.design.columns(first, last)
+                self._watch_limits(columns)
                 yield Task(number, packed[variant], columns, last - first, self._unusable(columns))
+
+    def _watch_limits(self, columns: Mapping[str, Floats]) -> None:
+        """Count the rows that begin outside of the limits of a coordinate or a speed."""
+        system = self._plan.system
+        limits = system.limits
+        speeds = zip(system.speed_names, -limits.speed, limits.speed, strict=True)
+        ranges = {f"y.{name}": (low, high) for name, low, high in speeds}
+        positions = zip(system.coordinate_names, limits.lower, limits.upper, strict=True)
+        ranges |= {f"x.{name}": (low, high) for name, low, high in positions}
+        for name, values in columns.items():
+            low, high = ranges.get(name, (-np.inf, np.inf))
+            if rows := int(np.count_nonzero((values < low) | (values > high))):
+                self._outside[name] = self._outside.get(name, 0) + rows
 
     def _unusable(self, columns: Mapping[str, Floats]) -> dict[int, str]:
         """Return why no model has the parameters of a row, by its place."""

@@ -1,0 +1,80 @@
+"""Sweeps of systems with quaternions, loads, limits, forces that depend on the time, and accelerations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import kanegen as kg
+from tests.support.paths import MODELS
+
+OUTPUTS = ("forward_dynamics", "rollout_rk4")
+
+
+def test_a_free_body_with_a_quaternion_and_loads() -> None:
+    """Rows have the bits of single rollouts; without a load nothing moves."""
+    system = kg.load(MODELS / "satellite.toml").with_coordinates("quaternion")
+    body = next(one.name for one in system.bodies if one.loads)
+    spin = system.speed_names[0]
+    job = kg.RolloutJob(1.0, 0.05, results=("end.x", "end.y", "drift.kinetic_energy"), every=5)
+    axes = {f"torque.{body}.x": [0.0, 0.3], f"y.{spin}": [0.0, 0.5]}
+    found = kg.sweep(system, axes, job)
+    library = kg.build(system, OUTPUTS)
+    for _, row in found.table.iterrows():
+        x, y = np.array(system.neutral_coordinates), np.zeros(library.n)
+        y[0] = row[f"y.{spin}"]
+        torque = np.zeros((len(system.bodies), 3))
+        torque[[one.name for one in system.bodies].index(body), 0] = row[f"torque.{body}.x"]
+        path = library.rollout(x, y, torque=torque, steps=20, step=0.05)
+        names = [f"end.x.{name}" for name in system.coordinate_names]
+        assert row[names].tolist() == path.x[-1].tolist()
+    assert found.column("drift.kinetic_energy")[0] == 0
+    assert found.column("drift.kinetic_energy")[2] > 0
+
+
+def test_rows_that_begin_outside_the_limits_give_a_warning() -> None:
+    system = kg.load(MODELS / "cart_pole.toml")
+    cart = system.freedom_names[0]
+    limited = system.with_limits({cart: {"position": (-1.0, 1.0), "speed": 2.0}})
+    job = kg.RolloutJob(0.1, 0.05, results=f"end.x.{cart}")
+    axes = {f"x.{cart}": [0.0, -3.0], f"y.{cart}": [0.0, 2.5, -2.5]}
+    message = f"outside of limits of the model: x.{cart} in 3 rows, y.{cart} in 4 rows."
+    with pytest.warns(kg.KanegenWarning, match=message.replace(".", r"\.")):
+        kg.sweep(limited, axes, job)
+
+
+def test_a_force_that_depends_on_the_time() -> None:
+    """A mass on a rail with the force 2 sin(3 t): the motion is known, also over several blocks of times."""
+    body = kg.Body(
+        "cart",
+        0,
+        kg.Parameter("m", 1.0),
+        np.eye(3),
+        (0, 0, 0),
+        kg.Joint(name="rail", free=(False, False, False, True, False, False)),
+    )
+    rail = kg.System("rail", (body,), (0, 0, 0)).with_force_elements(kg.Drive("rail", kg.parse("2*sin(3*t)")))
+    job = kg.RolloutJob(2.0, 0.01, results=("path.x.rail", "max.forward_dynamics"))
+    found = kg.sweep(rail, {"m": [0.5, 2.0]}, job)
+    t = np.arange(201) * 0.01
+    for mass, path, largest in zip(
+        (0.5, 2.0), found.column("path.x.rail"), found.column("max.forward_dynamics.rail"), strict=True
+    ):
+        exact = 2 / mass * (t / 3 - np.sin(3 * t) / 9)
+        assert np.abs(path - exact).max() < 2 / mass * (3 * 0.01) ** 4 / 100
+        assert largest == pytest.approx(2 / mass * np.sin(3 * t).max(), rel=1e-15)
+
+
+def test_inputs_of_the_time_are_right_within_steps() -> None:
+    """An input 2 sin(3 t) is evaluated at the stages of RK4, so that the error has order 4."""
+    system = kg.load(MODELS / "cart_pole.toml")
+    cart = system.freedom_names[0]
+
+    def end(step: float) -> float:
+        job = kg.RolloutJob(1.0, step, results=f"end.x.{cart}")
+        return float(kg.sweep(system, {f"tau.{cart}": "2*sin(3*t)"}, job).column(f"end.x.{cart}")[0])
+
+    errors = [abs(end(1 / count) - end(1 / 640)) for count in (20, 40)]
+    assert 3.6 < math.log2(errors[0] / errors[1]) < 4.4
