@@ -7,6 +7,7 @@ states, and its imaginary part is the derivative (Squire and Trapp 1998).
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,7 @@ def expected(system: kg.System, method: str, given: dict[str, Any]) -> tuple[Any
 @pytest.mark.parametrize("seed", slow_except(range(3), 1))
 def test_complex_steps_through_the_reference(seed: int, kind: str) -> None:
     system = tree_of_kind(kind, seed)
-    library = kg.build(system, OUTPUTS, functions=OUTPUTS, flags="-O0 -ffp-contract=off")
+    library = built(system)
     given = state(system, seed)
     loads = {name: given[name] for name in ("force", "torque")}
     state_before = given["x"], given["y"], given["tau"]
@@ -105,6 +106,12 @@ def crane() -> kg.Library:
     return kg.build(
         system, ("step_rk4", "step_implicit_midpoint", *OUTPUTS), flags=QUICK, parameters_by_state=True
     )
+
+
+@cache
+def built(system: kg.System) -> kg.Library:
+    """Return a library of nothing but the derivatives of steps."""
+    return kg.build(system, OUTPUTS, functions=OUTPUTS, flags="-O0 -ffp-contract=off")
 
 
 def states(library: kg.Library, count: int) -> tuple[Any, Any, Any]:
@@ -148,9 +155,8 @@ def test_a_batch_has_the_bits_of_its_states(crane: kg.Library) -> None:
 
 def test_a_longer_quaternion_is_longer_after_the_step_and_changes_nothing_else() -> None:
     system = tree_of_kind("quaternions", 1)
-    library = kg.build(system, OUTPUT, flags=QUICK)
     given = state(system, 1)
-    found = library.step_derivatives(given["x"], given["y"], given["tau"], step=LENGTH)
+    found = built(system).step_derivatives(given["x"], given["y"], given["tau"], step=LENGTH, method="rk4")
     for k, body in enumerate(system.bodies, start=1):
         if body.joint.coordinates == "quaternion":
             places = [i for i, c in enumerate(system.coordinates) if c.body == k and not c.is_translation]
@@ -194,7 +200,7 @@ def test_what_is_missing_is_said(crane: kg.Library) -> None:
 @pytest.mark.parametrize("compiler", slow_except(C, "gcc"))
 @pytest.mark.parametrize("kind", slow_except(("double_pendulum", "satellite"), "satellite"))
 def test_the_c_is_clean(kind: str, compiler: str, tmp_path: Any) -> None:
-    source = kg.generate(kg.load(MODELS / f"{kind}.toml"), OUTPUTS)
+    source = kg.generate(kg.load(MODELS / f"{kind}.toml"), OUTPUTS, functions=OUTPUTS)
     folder = source.write(tmp_path / "out")
     for file in (f"{kind}.c", f"{kind}_batch.c", "main.c"):
         run(*C[compiler], "-std=c99", "-O1", *WARNINGS, "-c", file, "-o", "object.o", folder=folder)
