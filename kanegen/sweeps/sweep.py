@@ -187,12 +187,8 @@ class _Run:
         self._tell()
         run(self._tasks(), workers, self._take)
         if self._outside:
-            parts = [f"{counted(rows, 'row')} of those of {name}" for name, rows in self._outside.items()]
-            first, *others = parts
-            words = ", and ".join(
-                [first.replace("of those of", "begin outside of the limits of", 1), *others]
-            )
-            warn(f"sweep: {words}.")
+            parts = [f"{name} in {counted(rows, 'row')}" for name, rows in self._outside.items()]
+            warn(f"the first state is outside of limits of the model: {', '.join(parts)}.")
 
     def _tasks(self) -> Iterator[Task]:
         """Yield the chunks that are missing."""
