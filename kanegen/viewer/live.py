@@ -17,7 +17,7 @@ from kanegen.errors import OptionError
 from kanegen.model.system import System
 from kanegen.viewer.meshes import EXTRA
 from kanegen.viewer.numbers import checked
-from kanegen.viewer.poses import body_poses, quaternion
+from kanegen.viewer.poses import body_poses, wxyz
 from kanegen.viewer.scene import MeshData, Scene, SceneCoordinate, Shape
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ class Live:
             color=tuple(int(shape.color[i : i + 2], 16) for i in (1, 3, 5)),
             opacity=shape.opacity if shape.opacity < 1 else None,
             side="double",
-            wxyz=quaternion(np.array(shape.rotation).reshape(3, 3)),
+            wxyz=wxyz(np.array(shape.rotation).reshape(3, 3)),
             position=np.array(shape.position),
         )
 
@@ -182,7 +182,7 @@ class Live:
             height=6 * size,
             cell_size=0.25 * size,
             section_size=size,
-            wxyz=quaternion(turn),
+            wxyz=wxyz(turn),
             position=up * (float((origins @ up).min()) - 0.1 * size),
         )
 
@@ -220,7 +220,7 @@ class Live:
             return
         with self._server.atomic():
             for frame, rotation, origin in zip(self._frames, rotations, origins, strict=True):
-                frame.wxyz, frame.position = quaternion(rotation), origin
+                frame.wxyz, frame.position = wxyz(rotation), origin
 
     def _play(self, motion: Motion) -> None:
         """Play a motion again and again, in a thread of its own, while a box is checked."""

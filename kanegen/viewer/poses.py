@@ -33,14 +33,14 @@ def body_poses(arrays: SystemArrays, x: ArrayLike, prescribed: ArrayLike = ()) -
     return np.array(rotations), np.array(origins)
 
 
-def quaternion(rotation: Floats) -> Floats:
+def wxyz(rotation: Floats) -> Floats:
     """Return a rotation matrix as (4,) quaternion w, x, y, z of length 1.
 
     The largest element is computed from the diagonal and the others from it, so that none is a small
     difference (Shepperd 1978).
 
     Example:
-        quaternion(np.eye(3))  # [1, 0, 0, 0]
+        wxyz(np.eye(3))  # [1, 0, 0, 0]
     """
     m = rotation
     squares = np.array([1 + np.trace(m), *(1 + 2 * m.diagonal() - np.trace(m))])

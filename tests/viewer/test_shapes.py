@@ -18,7 +18,7 @@ from kanegen import extras
 from kanegen.interop.pinocchio import state_map
 from kanegen.viewer.ellipsoids import THINNEST, equivalent_ellipsoid
 from kanegen.viewer.making import scene_of
-from kanegen.viewer.poses import body_poses, quaternion
+from kanegen.viewer.poses import body_poses, wxyz
 from kanegen.viewer.scene import Scene, Shape
 from tests.support.mujoco_models import DATA, MujocoModel
 from tests.support.robots import robot_file
@@ -223,6 +223,6 @@ def test_quaternions_are_those_of_rotations() -> None:
     turns = [random_rotation(rng) for _ in range(40)]
     turns += [np.diag([1.0, -1, -1]), np.diag([-1.0, 1, -1]), np.diag([-1.0, -1, 1]), np.eye(3)]
     for turn in turns:
-        w, x, y, z = quaternion(turn)
+        w, x, y, z = wxyz(turn)
         expected = trimesh.transformations.quaternion_matrix([w, x, y, z])[:3, :3]
         assert turn == pytest.approx(expected, abs=1e-14)
