@@ -28,12 +28,22 @@ from kanegen.cli.options import (
     Tier,
 )
 from kanegen.cli.state_options import X, Y, numbers_by_name
-from kanegen.cli.terminal import INTERRUPTED, errors, fail, notices, print_plain, print_table, progress
+from kanegen.cli.terminal import (
+    FAILED,
+    INTERRUPTED,
+    errors,
+    fail,
+    notices,
+    print_plain,
+    print_table,
+    progress,
+)
 from kanegen.errors import KanegenError, OptionError, counted, quoted
 from kanegen.extras import require
 from kanegen.files import require_writable, write_all
 
 if TYPE_CHECKING:
+    from kanegen.library import Library
     from kanegen.model.system import System
     from kanegen.simulation import Trajectory
 
@@ -119,6 +129,15 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
             help="Error of an adaptive step, relative and absolute; 1e-10 without.",
         ),
     ] = None,
+    error: Annotated[
+        float | None,
+        typer.Option(
+            "--error",
+            metavar="E",
+            help="Error of the motion, such as 1e-6, in place of a method with step or tolerance, which are "
+            "chosen by measurement, with the precision. Exit status 1 if it cannot be promised to the end.",
+        ),
+    ] = None,
     compensated: Annotated[
         bool, typer.Option("--compensated", help="Add fixed steps with a compensated sum.")
     ] = False,
@@ -186,19 +205,30 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
     columns = _columns(shown)
     groups = (name.partition(".")[0] for name in columns)
     named = dict.fromkeys([*asked, *(name for name in groups if name not in _STATES)])
-    chosen = chosen_method(method, step, tolerance, compensated)
-    with progress() as report:
-        library = library_for(system, events, list(named), chosen.name, tier, report)
-    recorded = [name for name in library.source.outputs if name in (*_DRIFTING, *named)]
+    source: System | Library = system
+    if error is None:
+        chosen = chosen_method(method, step, tolerance, compensated)
+        with progress() as report:
+            source = library_for(system, events, list(named), chosen.name, tier, report)
+    recorded = list(dict.fromkeys([*_DRIFTING, *named]))
     options: dict[str, Any] = {"every": every, "step": step, "tolerance": tolerance, "hold": hold}
-    options |= {"compensated": compensated, "events": events, "outputs": recorded, "inputs": given}
+    options |= {
+        "error": error,
+        "method": method,
+        "compensated": compensated,
+        "events": events,
+        "outputs": recorded,
+        "inputs": given,
+    }
     try:
         with _bar(duration) as report_time:
-            motion = run(library, x0, y0, duration, method, progress=report_time, **options)
+            motion = run(source, x0, y0, duration, progress=report_time, **options)
     except (KanegenError, KeyboardInterrupt) as stopped:
         _finish_broken(stopped, files or [], plot, columns, as_json)
     _write(motion, files or [], plot, columns)
     _print(motion, columns, as_json)
+    if motion.promise is not None and not motion.promise.is_kept:
+        raise typer.Exit(FAILED)
 
 
 _STATES = ("t", "x", "y", "tau")
@@ -318,6 +348,8 @@ def _print(motion: Trajectory, columns: list[str], as_json: bool) -> None:
         typer.echo(json.dumps(motion.as_dict(names), indent=2))
         return
     print_plain(f"{motion.library.name}: {motion.caption}, {counted(motion.evaluations, 'evaluation')}")
+    for line in str(motion.promise or "").splitlines():
+        print_plain(line)
     for occurrence in motion.events[:MOST_SHOWN]:
         print_plain(f"event at {occurrence}")
     if len(motion.events) > MOST_SHOWN:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -126,6 +126,10 @@ class Inputs:
         found._check_once(known)
         found._check_prescribed()
         return found
+
+    def of_library(self, library: Library) -> Inputs:
+        """Return the same inputs for the same model in another precision."""
+        return self if library is self.library else replace(self, library=library)
 
     def _check_once(self, known: Mapping[str, Place]) -> None:
         """Make sure that no input is given twice."""

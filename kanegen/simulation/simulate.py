@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kanegen.compiler import build
-from kanegen.errors import ArrayError, OptionError, StatusError, quoted
+from kanegen.errors import ArrayError, OptionError, StatusError, quoted, warn
 from kanegen.library import Library
 from kanegen.linear.names import names_of
 from kanegen.model import arguments
@@ -22,7 +24,9 @@ from kanegen.options import STRICT, Progress, Variant, quiet
 from kanegen.program import precision as precisions
 from kanegen.recursion.outputs import OUTPUTS, available
 from kanegen.recursion.outputs.integrators import ROLLOUT
+from kanegen.simulation.choice import Problem, choose
 from kanegen.simulation.compiled_steps import IN_C
+from kanegen.simulation.elements import rate_unit
 from kanegen.simulation.events import Crossing, Event, Watch, conditions, require_events
 from kanegen.simulation.inputs import Effort, Inputs, InputSource, PrescribedMotion
 from kanegen.simulation.limits import warn_outside_limits
@@ -41,6 +45,12 @@ OF_MOTION = ("forward_dynamics", "coordinate_rates")
 OF_DRIFTS = ("kinetic_energy", "potential_energy", "momentum")
 """Outputs whose drifts tell about the accuracy of a simulation."""
 
+SMALLEST_ERROR, LARGEST_ERROR = 1e-15, 0.1
+"""Errors that may be asked for."""
+
+MANY, LOOSE = 8, 1e-5
+"""Number of states from which on single precision may pay, and the error from which on it may do."""
+
 ROWS = 200
 """Number of intervals between the states of a motion of which only the duration is given."""
 
@@ -55,6 +65,7 @@ def simulate(
     every: float | None = None,
     step: float | None = None,
     tolerance: float | None = None,
+    error: float | None = None,
     compensated: bool = False,
     effort: Effort | None = None,
     prescribed: PrescribedMotion | None = None,
@@ -88,6 +99,12 @@ def simulate(
         step: Largest fixed step, s; every interval between two times is cut into equal steps.
         tolerance: Relative and absolute error of a step of the adaptive methods, from 1e-13 to 0.1; 1e-10 by
             default.
+        error: Error of the trajectory, from 1e-15 to 0.1, in place of method, step and tolerance: of
+            coordinates in rad and 1, and of others and of speeds over the largest one of the same unit.
+            Motions with ever smaller steps are compared, and the cheapest method that keeps the error is
+            taken; for a system also the precision is chosen. What is known stands in the attribute `promise`
+            of the trajectory. Where the error cannot be promised up to the end, as in a chaotic motion, there
+            is a warning with the time up to which it can.
         compensated: Whether fixed steps are added to the state with Kahan's compensated sum. In long
             simulations the rounding errors of these additions are most of the error, above all in single
             precision.
@@ -128,9 +145,12 @@ def simulate(
         trajectory = kg.simulate(library, [0.1, 0.2], [0.0, 0.0], np.linspace(0, 10, 101), step=1e-3)
         print(trajectory.energy_drift)
     """
-    chosen = chosen_method(method, step, tolerance, compensated)
-    moments = _times(times, every, chosen.step)
     happenings = require_events(events)
+    if error is None:
+        chosen = chosen_method(method, step, tolerance, compensated)
+    else:
+        chosen = _open_method(error, method, step, tolerance, compensated)
+    moments = _times(times, every, chosen.step if error is None else None)
     library = model if isinstance(model, Library) else library_for(model, happenings, outputs, chosen.name)
     recorded = _recorded(library, outputs, isinstance(model, System))
     _check_library(library, chosen)
@@ -141,10 +161,90 @@ def simulate(
     acting = Inputs.of(library, effort, prescribed, inputs, hold)
     acting.require_span(float(moments[0]), float(moments[-1]))
     crossings = [Crossing.of(event, library) for event in happenings]
-    start_x, start_y = _first_state(library, x, y)
-    return _Simulation(library, chosen, acting, crossings, recorded).trajectory(
-        start_x, start_y, moments, progress or (lambda time: None)
-    )
+    first = _first_state(library, x, y)
+    promise = None
+    if error is not None:
+        libraries = _Precisions(library, model if isinstance(model, System) else None, happenings, outputs)
+        problem = _problem(libraries, acting, first, moments, error)
+        chosen, precision, promise = choose(problem, float(error))
+        library = libraries[precision]
+        acting = acting.of_library(library)
+        first = _first_state(library, *first)
+    motion = _Simulation(library, chosen, acting, crossings, recorded)
+    found = motion.trajectory(*first, moments, progress or (lambda time: None))
+    if promise is None:
+        return found
+    if not promise.is_kept and promise.kept_until < found.times[-1]:
+        warn(promise.refusal)
+    return replace(found, promise=promise)
+
+
+def _open_method(error: float, *given: object) -> Method:
+    """Return the method whose steps a library must have where the method is chosen later.
+
+    Raises:
+        OptionError: If the error is no number in its range, or another choice is given beside it.
+    """
+    if any(one not in (None, False) for one in given):
+        raise OptionError("error: it chooses method, step and precision. Leave the others out, or the error.")
+    is_number = isinstance(error, int | float | np.number) and not isinstance(error, bool)
+    if not is_number or not SMALLEST_ERROR <= error <= LARGEST_ERROR:
+        raise OptionError(f"error: {quoted(error)} is not between {SMALLEST_ERROR:g} and {LARGEST_ERROR:g}.")
+    return Method("RK4", 1.0)
+
+
+class _Precisions:
+    """Libraries of a system in several precisions, each built when it is first needed."""
+
+    def __init__(
+        self,
+        library: Library,
+        system: System | None,
+        events: Sequence[Event | str],
+        outputs: Iterable[str] | str | None,
+    ) -> None:
+        """Begin with the library at hand, which is the only one where the system is not given."""
+        self._known = {library.storage: library}
+        self._system, self._events, self._outputs = system, events, outputs
+
+    def names(self, states: int, error: float) -> tuple[str, ...]:
+        """Return the precisions that can be had, the cheapest first.
+
+        Single precision pays where an instruction of C holds several states.
+        """
+        if self._system is None:
+            return tuple(self._known)
+        pays = states >= MANY and error >= LOOSE
+        return (*(("float",) if pays else ()), "double", "long double")
+
+    def __getitem__(self, precision: str) -> Library:
+        """Return the library in a precision."""
+        if precision not in self._known and self._system is not None:
+            tier = Variant(precision=precision)
+            self._known[precision] = library_for(self._system, self._events, self._outputs, "RK4", tier)
+        return self._known[precision]
+
+
+def _problem(
+    libraries: _Precisions, inputs: Inputs, first: tuple[Floats, Floats], times: Doubles, error: float
+) -> Problem:
+    """Return the motion whose error is asked for."""
+    model, m = inputs.library.source.model, first[0].shape[-1]
+    start = np.concatenate([np.asarray(part, np.float64) for part in first], axis=-1)
+
+    def solve(method: Method, precision: str, state: Doubles, moments: Doubles) -> tuple[Doubles, int]:
+        """Return the states and the evaluations of a motion, up to where it breaks off."""
+        library = libraries[precision]
+        motion = _Simulation(library, method, inputs.of_library(library), (), ())
+        dtype = precisions.precision_named(library.storage).dtype
+        x, y = (np.ascontiguousarray(part, dtype) for part in (state[..., :m], state[..., m:]))
+        states, evaluations = motion.states(x, y, moments)
+        return np.asarray(states[..., :-1], np.float64), evaluations
+
+    names = libraries.names(len(start) if start.ndim > 1 else 1, error)
+    units = (*model.coordinate_units, *(rate_unit(unit) for unit in model.freedom_units))
+    in_c = inputs.are_absent and f"{ROLLOUT}rk4" in inputs.library.source.integrators
+    return Problem(solve, start, times, units, names, in_c)
 
 
 class _Simulation:
@@ -162,6 +262,19 @@ class _Simulation:
         self._crossings, self._outputs = crossings, outputs
         self._layout = StateLayout.of(library)
         self._motion = Motion(library, self._layout, inputs)
+
+    def states(self, x: Floats, y: Floats, times: Doubles) -> tuple[Floats, int]:
+        """Return (T, ..., k) states and the evaluations of a motion, up to where it breaks off."""
+        start = self._layout.join(x, y, np.zeros(y.shape[:-1], y.dtype))
+        record = Record([float(times[0])], [start])
+        marks = Marks.of(times, self._inputs.breaks)
+        with suppress(StatusError):
+            integrator = self._method.integrator(self._motion, start)
+            run(self._motion, integrator, start, marks, None, record, lambda time: None)
+        states = record.arrays[1]
+        if self._layout.homogeneous:
+            states = self._layout.scaled(states, self._layout.lengths(start) / self._layout.lengths(states))
+        return states, self._motion.evaluations
 
     def trajectory(self, x: Floats, y: Floats, times: Doubles, report_time: ReportTime) -> Trajectory:
         """Return the motion from a first state.

@@ -25,6 +25,7 @@ from kanegen.simulation.accuracy import Drift, drift, mescd
 from kanegen.simulation.elements import Axis, Element, axes_of, elements, rate_unit
 from kanegen.simulation.events import Occurrence
 from kanegen.simulation.picture import figure
+from kanegen.simulation.promise import Promise
 from kanegen.simulation.tables import TIME, Group, Table, data_frame, dataset, save, writer
 
 
@@ -45,6 +46,7 @@ class Trajectory:
         method: Name of the method with its step or tolerance.
         outputs: Outputs of the library that tables and files contain beside the state.
         events: Events in the order of their times.
+        promise: What is known about the error, where one was asked for.
 
     Example:
         trajectory = kg.simulate(library, [0.1, 0.2], [0.0, 0.0], np.linspace(0, 10, 101), step=1e-3)
@@ -61,6 +63,7 @@ class Trajectory:
     method: str = ""
     outputs: tuple[str, ...] = ()
     events: tuple[Occurrence, ...] = ()
+    promise: Promise | None = None
 
     def __repr__(self) -> str:
         span = f"{len(self.times)} times from {self.times[0]:g} to {self.times[-1]:g} s"
@@ -340,6 +343,7 @@ class Trajectory:
             "method": self.method,
             "evaluations": self.evaluations,
             "caption": self.caption,
+            "promise": None if self.promise is None else self.promise.as_dict(),
             "events": [
                 {"condition": one.condition, "t": one.time, "direction": one.direction} for one in self.events
             ],

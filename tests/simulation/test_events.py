@@ -15,7 +15,11 @@ from kanegen.simulation.events import _first
 from tests.support.moving_pendulum import GRAVITY, pendulum
 from tests.support.paths import MODELS
 
-METHODS: list[dict[str, Any]] = [{"step": 0.01}, {"tolerance": 1e-12}, {"method": "Radau", "tolerance": 1e-9}]
+METHODS = [
+    {"step": 0.01},
+    {"tolerance": 1e-12},
+    pytest.param({"method": "Radau", "tolerance": 1e-9}, marks=pytest.mark.slow),
+]
 
 
 @functools.cache
