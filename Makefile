@@ -85,7 +85,8 @@ truth: $(VENV)/.tests
 gallery: $(VENV)/.docs
 	PYTHONPATH=docs $(BIN)/python -m website.gallery
 
-# Make the site of the pages in docs/ in build/site; notebooks run the first time and when their code changes.
+# Make the site of the pages in docs/ in build/site. Notebooks run, and motions are simulated, the first time and when
+# their code changes; that takes two minutes.
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -c docs/website docs build/site --nitpicky --fail-on-warning --keep-going --quiet
 	@echo "Open build/site/index.html"

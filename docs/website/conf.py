@@ -2,12 +2,14 @@
 
 The pages are plain Markdown that reads well without Sphinx. What a site needs beyond that is in the modules
 beside this one: `tree` makes the tree of pages from lists of links, `repository` makes pages of the files
-that they link to, `command_line` describes the commands, and `mathml` prints formulas.
+that they link to, `command_line` describes the commands and `docstrings` the functions, `mathml` prints
+formulas, `gallery` and `moving_picture` draw motions, and `live` makes pages on which they can be played.
 """
 
 import sys
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[2]))
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import kanegen
@@ -25,6 +27,7 @@ extensions = [
     "sphinx_copybutton",
     "website.command_line",
     "website.docstrings",
+    "website.live",
     "website.mathml",
     "website.repository",
     "website.tree",

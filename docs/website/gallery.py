@@ -267,12 +267,22 @@ SCENES = (
 """What the gallery shows, in this order."""
 
 
+def simulated(scene: Scene) -> tuple[kg.System, kg.Library, Trajectory]:
+    """Return the system of a scene, its library, and its motion with a state for every frame."""
+    system = kg.load(ROOT / "models" / f"{scene.model}.toml")
+    library = kg.build(system, ("forward_dynamics", "inverse_dynamics", "coordinate_rates", "body_poses"))
+    times = np.linspace(0.0, scene.seconds, round(FRAMES * scene.seconds * scene.slowness) + 1)
+    start = {**dict(zip(system.coordinate_names, system.neutral_coordinates, strict=True)), **scene.x}
+    x = np.array([start[name] for name in system.coordinate_names])
+    y = np.array([scene.y.get(name, 0.0) for name in system.speed_names])
+    effort = scene.control(system, library) if scene.control else None
+    step, prescribed = 2e-3 / scene.slowness, scene.prescribed
+    return system, library, kg.simulate(library, x, y, times, step=step, effort=effort, prescribed=prescribed)
+
+
 def picture(scene: Scene) -> str:
     """Return the moving picture of a motion."""
-    system = kg.load(ROOT / "models" / f"{scene.model}.toml")
-    outputs = ("forward_dynamics", "inverse_dynamics", "coordinate_rates", "body_poses")
-    library = kg.build(system, outputs)
-    motion = _motion(scene, system, library)
+    system, library, motion = simulated(scene)
     driven = {"prescribed": motion.inputs["prescribed"]} if scene.prescribed else {}
     poses = library.body_poses(motion.x, **driven)
     rotations, origins = poses[..., :3, :], poses[..., 3, :]
@@ -283,17 +293,6 @@ def picture(scene: Scene) -> str:
     camera = Camera.of(scene.up, scene.toward, scene.height)
     seconds, title = scene.seconds * scene.slowness, f"{scene.model}: {scene.words}"
     return moving_svg(scene_of(system), seconds, rotations, origins, camera, traces, title)
-
-
-def _motion(scene: Scene, system: kg.System, library: kg.Library) -> Trajectory:
-    """Return the trajectory of a scene, a state for every frame."""
-    times = np.linspace(0.0, scene.seconds, round(FRAMES * scene.seconds * scene.slowness) + 1)
-    start = {**dict(zip(system.coordinate_names, system.neutral_coordinates, strict=True)), **scene.x}
-    x = np.array([start[name] for name in system.coordinate_names])
-    y = np.array([scene.y.get(name, 0.0) for name in system.speed_names])
-    effort = scene.control(system, library) if scene.control else None
-    step = 2e-3 / scene.slowness
-    return kg.simulate(library, x, y, times, step=step, effort=effort, prescribed=scene.prescribed)
 
 
 def page() -> str:

@@ -1,11 +1,14 @@
 """The site as `make docs` makes it: no warning, no dead link, nothing from a network."""
 
+import re
 import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from website.gallery import SCENES
+from website.live import moving_page
 
 from tests.support.paths import ROOT
 
@@ -34,9 +37,10 @@ class _Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, _Page]:
-    """The pages of the site by their paths, with notebooks that have not run."""
+    """The pages of the site by their paths, with notebooks that have not run and no live pages."""
     folder = tmp_path_factory.mktemp("site")
-    options = ["--nitpicky", "--fail-on-warning", "--keep-going", "--quiet", "-D", "nb_execution_mode=off"]
+    options = ["--nitpicky", "--fail-on-warning", "--keep-going", "--quiet"]
+    options += ["-D", "nb_execution_mode=off", "-D", "live_pages=0"]
     command = [sys.executable, "-m", "sphinx", "-c", "docs/website", "docs", str(folder), *options]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -60,3 +64,11 @@ def test_every_link_of_the_site_leads_to_a_place_in_it(site: dict[Path, _Page]) 
                 aim = (path.parent / name).resolve() if name else path
                 assert aim.exists(), f"{path.name} links to {target}"
                 assert not anchor or aim not in site or anchor in site[aim].anchors, f"{path.name}: {target}"
+
+
+@pytest.mark.slow
+def test_a_live_page_has_the_motion_of_the_gallery() -> None:
+    scene = next(scene for scene in SCENES if scene.model == "quarter_car")
+    text = moving_page(scene)
+    assert '"name":"quarter_car"' in text and '"motion":{' in text
+    assert "https://" not in re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
