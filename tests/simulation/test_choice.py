@@ -65,6 +65,7 @@ def test_an_error_that_only_a_higher_precision_keeps_chooses_it() -> None:
     assert 0.3 < promise.growth.factors[-1] / math.cosh(math.sqrt(GRAVITY) * 8) < 10
 
 
+@pytest.mark.slow
 def test_a_chaotic_motion_is_refused_where_rounding_decides() -> None:
     double = kg.load(MODELS / "double_pendulum.toml")
     with pytest.warns(kg.KanegenWarning, match="cannot be promised after t = .* the motion is chaotic"):
@@ -133,13 +134,6 @@ def test_what_is_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(kg.OptionError) as error:
         kg.simulate(pendulum(), [0.0], [0.0], 1.0, **options)
     assert message in str(error.value)
-
-
-def test_the_command_says_what_it_promises() -> None:
-    model = str(MODELS / "double_pendulum.toml")
-    done = kanegen("simulate", model, "--duration", "2", "--x", "q1=0.3", "--error", "1e-5")
-    assert "largest error " in done.stdout
-    assert "one digit more takes 1.8 times the evaluations" in done.stdout
 
 
 @pytest.mark.slow
