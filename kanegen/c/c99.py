@@ -18,7 +18,7 @@ from kanegen.c.elementary import ELEMENTARY, elementary_header
 from kanegen.c.functions import Code, PrintedFunction, printed_functions
 from kanegen.c.interface import PREPARE, Function
 from kanegen.c.nomenclature import nomenclature
-from kanegen.c.printed_steps import printed_steps
+from kanegen.c.printed_steps import PrintedRollout, printed_steps
 from kanegen.c.simd import SIMD, Simd
 from kanegen.c.target import Printed, RenderInput
 from kanegen.c.templates import fill
@@ -107,7 +107,7 @@ class C99:
             "functions": printed,
             "rollouts": rollouts,
             "steps": [*steps, *rollouts],
-            "nomenclature": nomenclature(printed),
+            "nomenclature": nomenclature(printed, _text_of_steps(steps, rollouts)),
             "prepared_places": prepared_places(render_input.model, render_input.prepared),
             "finite_tests": _finite_tests(render_input),
             "vector_sincos": max(function.code.vector_sincos for function in printed),
@@ -117,6 +117,12 @@ class C99:
             "batch_headers": _header_names(function.simd_code for function in printed),
         }
         return {**variables, "declarations": fill("c99/declarations.h", **variables)}
+
+
+def _text_of_steps(steps: Sequence[PrintedFunction], rollouts: Sequence[PrintedRollout]) -> str:
+    """Return the text for one state of all functions that follow a motion."""
+    bodies = ["\n".join((one.code.before, *one.code.body)) for one in steps]
+    return "\n".join([*bodies, *(one.code for one in rollouts)])
 
 
 def _header_names(codes: Iterable[Code]) -> list[str]:

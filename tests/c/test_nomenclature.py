@@ -11,14 +11,19 @@ from kanegen.options import Variant
 from kanegen.program.semantics import FLUSH, RELAXED
 from kanegen.recursion.legend import Entry, entries, expression, legend, shown
 from kanegen.recursion.meanings import FREEDOMS, MARKS, PLACES
-from kanegen.recursion.outputs import available
+from kanegen.recursion.outputs import INTEGRATORS, available
 from tests.support import systems
 from tests.support.paths import MODEL_FILES, MODELS
 
 EQUATIONS = ("mass_matrix", "forcing")
 TYPES = "arithmetic_mode|double|float|long double|kanegen_double_double|simd|int"
 LOCAL = re.compile(rf"^    (?:const )?(?:{TYPES}) ([^;\n()=]*?)((?: = [^\n]*)?);$", re.MULTILINE)
-PRINTED = {"t1, t2, ...": r"t\d+_*", "sines, cosines": "sines|cosines"}
+PRINTED = {
+    "t1, t2, ...": r"t\d+_*",
+    "sines, cosines": "sines|cosines",
+    "half, sixth": "half|sixth",
+    "square_1, factor_1, ...": r"(square|factor)_\d+",
+}
 ENDINGS = re.compile(f"_*(?:{'|'.join(expression(pattern).pattern for pattern, _ in MARKS)})$")
 CONTROL = {"i", "rows", "valid", "within_margin", "carries", "found"}
 """Locals of loops and of the status of a batch, which need no explanation."""
@@ -169,6 +174,14 @@ def test_names_of_contacts(solver, refinement):
             system.with_contacts(contacts), outputs, tier=Variant(solver=solver, refinement=refinement)
         )
     )
+
+
+@pytest.mark.parametrize("name", ["double_pendulum", "satellite"])
+def test_names_of_steps(name):
+    system = kg.load(MODELS / f"{name}.toml")
+    names = [name for name, method in INTEGRATORS.items() if method.needs_further is not None]
+    check(kg.generate(system, INTEGRATORS if system.speeds_are_rates else names))
+    check(kg.generate(system, ("rollout_rk4",)))
 
 
 def test_a_name_that_nobody_explains():
