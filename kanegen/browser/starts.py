@@ -64,11 +64,15 @@ def start_of(
 
 
 def _moved(system: System, scene: Scene) -> list[float]:
-    """Return coordinates away from the neutral position."""
+    """Return coordinates away from the neutral position, and the middle one of three angles from its zero.
+
+    Where the first and the last angle turn about the same axis, zero is gimbal lock.
+    """
     found = []
     for one, coordinate in zip(scene.coordinates, system.coordinates, strict=True):
-        whole = sum(system.bodies[coordinate.body - 1].joint.moving[:3])
-        if one.unit != "rad" or whole > 1:
+        angles = sum(system.bodies[coordinate.body - 1].joint.moving[:3])
+        is_alone = angles == 1 or (angles == 3 and coordinate.index == 1)
+        if one.unit != "rad" or not is_alone:
             found.append(one.neutral)
         elif one.is_limited:
             room = max(one.upper - one.neutral, one.lower - one.neutral, key=abs)

@@ -7,11 +7,14 @@ from pathlib import Path
 from kanegen.browser import toolchain
 from kanegen.c import Source
 from kanegen.c.interface import Function
+from kanegen.c.simd import SIMD
+from kanegen.c.sincos import SHARED
 from kanegen.c.templates import fill
 from kanegen.choices import flag
 from kanegen.errors import OptionError
 from kanegen.library.native.build import Product, code, made
 from kanegen.program import semantics
+from kanegen.program.precision import DOUBLE
 
 STACK_BYTES = 1 << 20
 """Size of the stack of a module. Beyond its end the memory ends, so that an overflow stops the module."""
@@ -19,8 +22,8 @@ STACK_BYTES = 1 << 20
 _HEADERS = "include"
 """Folder of the headers that stand for those of a C library."""
 
-_RUNTIME = "kanegen_memory.c"
-"""File of the functions that compilers call of themselves."""
+_RUNTIME = "runtime"
+"""Folder of the functions that stand for those of a C library."""
 
 _ERROR = "-Werror=implicit-function-declaration"
 """Flag with which a function of the C library that there is not is an error of the compiler."""
@@ -28,7 +31,9 @@ _ERROR = "-Werror=implicit-function-declaration"
 _OWN = {
     f"{_HEADERS}/math.h": "wasm/math.h",
     f"{_HEADERS}/string.h": "wasm/string.h",
-    _RUNTIME: "wasm/memory.c",
+    f"{_RUNTIME}/memory.c": "wasm/memory.c",
+    f"{_RUNTIME}/mathematics.c": "wasm/mathematics.c",
+    f"{_RUNTIME}/kanegen_sincos.h": "c99/kanegen_sincos.h",
 }
 """Templates of the files that are compiled beside generated C, by path."""
 
@@ -39,7 +44,8 @@ def wasm_module(source: Source, *, batch: bool = False, simd: bool = False) -> b
     The module imports nothing. It exports each function under its name in C, `memory`, and `__heap_base`, the
     first address of the memory that is free. With strict semantics every result has the bits that native code
     gives; only the sign and the payload of a NaN may differ. The same source, options and compiler give the
-    same bytes.
+    same bytes. Where sines of states are in single precision or polynomials, sines of parameters are
+    kanegen's own, not those of a C library, from which they may differ in the last place.
 
     Args:
         source: Generated C, from `kanegen.generate`. Choices of a processor are ignored: there is only one.
@@ -74,6 +80,16 @@ def exports(source: Source, batch: bool = False) -> tuple[str, ...]:
     )
 
 
+def library_files() -> dict[str, str]:
+    """Return headers and functions that stand for those of a C library, by path.
+
+    Example:
+        sorted(library_files())[0]  # 'include/math.h'
+    """
+    variables = {"precision": DOUBLE, "sincos": SHARED[DOUBLE], "simd": SIMD[DOUBLE]}
+    return {path: fill(template, **variables) for path, template in _OWN.items()}
+
+
 def _suffixes(function: Function, batch: bool) -> tuple[str, ...]:
     """Return the ends of the names in C of a function and its batch form."""
     return ("", "_batch") if batch and function.has_batch else ("",)
@@ -102,12 +118,14 @@ def _product(source: Source, batch: bool, simd: bool) -> Product:
         "--export=__heap_base",
         *(f"--export={name}" for name in exports(source, batch)),
     )
+    own = library_files()
+    by_itself = (*command, "-fno-builtin")  # or a loop that copies would become a call of itself
     return Product(
         name=f"{source.model.name}.wasm",
-        files={**files, **{path: fill(template) for path, template in _OWN.items()}},
+        files={**files, **own},
         compile={
             **{file: command for file in files if file.endswith(".c")},
-            _RUNTIME: (*command, "-fno-builtin"),  # or a loop that copies would become a call of itself
+            **{file: by_itself for file in own if file.endswith(".c")},
         },
         link=found.link,
         link_arguments=found.linker_options(options),

@@ -32,7 +32,7 @@ VARIANTS = {
 _NOTES = (
     "Every motion is computed in this page, by the C that kanegen generates for this model, compiled to "
     "WebAssembly. All make the same steps of the classical Runge-Kutta method, without loads and "
-    "generalized forces beside those of the model.",
+    "generalized forces beside those of the model. Joints do not stop at their limits.",
     "The error is the largest angle (rad) or distance (m) between a body and where the reference has it. The "
     "reference has double-double arithmetic, of about 32 digits. With steps of the same length it shows "
     "errors of rounding alone; with shorter steps those of the method, too.",

@@ -9,7 +9,7 @@ const CHUNK = 4; // steps between two looks at the clock
 const MEASURED = 4; // time of a measurement of evaluations (ms)
 const PAUSE = 700; // time between two such measurements (ms)
 const KEPT = 4; // measurements of which the fastest is shown: others are disturbed by what else runs
-const AHEAD = [5, 5e-3, 40]; // length of the motion that pictures make room for (s), its steps (s), states of it
+const AHEAD = [2, 5e-3, 40]; // length of the motion that pictures make room for (s), its steps (s), states of it
 const COLORS = ["#2f6fde", "#e8590c", "#2b9348", "#b5179e", "#8d6e00"];
 
 /** Makes the page of `data` in an element, and resolves once its modules are compiled. */

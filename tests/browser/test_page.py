@@ -152,6 +152,21 @@ def test_pages_of_robots_are_small_and_show_a_picture(browser, folder, robot):
     found.close()
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_pages_of_random_trees_agree_with_the_reference(browser, folder, seed):
+    """With force elements, parameters, couplings, all kinds of joints, and forces that depend on the time."""
+    system = everything(seed, bodies=3).with_contacts([])
+    found = opened(browser, folder, kg.web(system, step=1e-4))
+    found.page.evaluate("kanegenWeb.shown.advance(10); kanegenWeb.shown.show()")
+    errors = found.page.evaluate("kanegenWeb.shown.competitors.map((one) => [one.name, one.error])")
+    double, single = dict(errors)["double"], dict(errors)["float"]
+    assert double < 1e-10
+    assert double < single
+    assert found.messages == [] == found.requests
+    found.close()
+
+
 def test_the_reference_sums_pairs_of_doubles_exactly_enough(pendulum):
     rng = np.random.default_rng(0)
     high, factors = rng.standard_normal((2, 40)), rng.standard_normal(40)

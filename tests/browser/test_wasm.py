@@ -1,19 +1,22 @@
 """WebAssembly of generated C beside the native library: the same bits; and what is refused."""
 
+import math
 import shlex
 import sys
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import wasmtime
 
 import kanegen as kg
 from kanegen.browser import toolchain
-from kanegen.browser.wasm import exports, wasm_module
+from kanegen.browser.wasm import exports, library_files, wasm_module
 from kanegen.c import description
 from kanegen.errors import BuildError, OptionError
 from kanegen.library import load
 from kanegen.library.native import commands
+from kanegen.library.native.build import write
 from kanegen.model.arguments import LOADS
 from kanegen.options import TIERS
 from kanegen.program.precision import precision_named
@@ -192,3 +195,71 @@ def test_a_named_compiler_that_makes_no_webassembly_is_refused(monkeypatch, comm
     with pytest.raises(BuildError, match=toolchain.VARIABLE) as caught:
         toolchain.find()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("tier", ["exact", "single"])
+def test_random_trees_in_other_precisions_have_the_bits_of_native_code(tier, seed):
+    compare(everything(seed, bodies=2), TIERS[tier], count=20, outputs=("forward_dynamics",))
+
+
+@pytest.fixture(scope="module")
+def mathematics(tmp_path_factory):
+    """The functions that stand for those of a C library, in WebAssembly."""
+    folder, found = tmp_path_factory.mktemp("mathematics"), toolchain.find()
+    write({**library_files(), "probe.c": PROBE}, folder)
+    names = ("sin", "cos", "ldexp", "frexp")
+    flags = "-std=c99 -O2 -ffp-contract=off -fno-builtin -isystem include -c".split()
+    files = {"probe.o": "probe.c", "mathematics.o": "runtime/mathematics.c", "memory.o": "runtime/memory.c"}
+    commands.make_all(
+        {made: [*found.compile, *flags, file, "-o", made] for made, file in files.items()}, folder
+    )
+    options = found.linker_options(("--no-entry", *(f"--export=my_{name}" for name in names)))
+    commands.make([*found.link, "-o", "probe.wasm", *files, *options], "probe.wasm", folder)
+    store = wasmtime.Store()
+    module = wasmtime.Module(store.engine, (folder / "probe.wasm").read_bytes())
+    exports_ = wasmtime.Instance(store, module, []).exports(store)
+    return lambda name, *arguments: exports_[f"my_{name}"](store, *arguments)
+
+
+PROBE = """
+#include <math.h>
+double my_sin(double x);
+double my_cos(double x);
+double my_ldexp(double x, int n);
+double my_frexp(double x, int whole);
+double my_sin(double x) { return sin(x); }
+double my_cos(double x) { return cos(x); }
+double my_ldexp(double x, int n) { return ldexp(x, n); }
+double my_frexp(double x, int whole) { int k; const double m = frexp(x, &k); return whole ? k : m; }
+"""
+
+SUBNORMAL = 5e-324
+
+NUMBERS = (0.0, -0.0, 1.0, -0.75, 1.5e300, 2.5e-308, SUBNORMAL, -3 * SUBNORMAL, 1 + 2**-52)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_powers_of_two_are_those_of_python(mathematics, number):
+    significand, exponent = math.frexp(number)
+    assert math.copysign(1, mathematics("frexp", number, 0)) == math.copysign(1, number)
+    assert (mathematics("frexp", number, 0), mathematics("frexp", number, 1)) == (significand, exponent)
+    for power in (*range(-1080, 1080, 27), -3000, -2200, -2099, 2047, 2100, 3000):
+        try:
+            expected = math.ldexp(number, power)
+        except OverflowError:
+            expected = math.copysign(math.inf, number)
+        assert mathematics("ldexp", number, power) == expected, power
+
+
+def test_numbers_that_are_not_finite_have_no_power_of_two(mathematics):
+    assert mathematics("frexp", math.inf, 0) == math.inf
+    assert math.isnan(mathematics("frexp", math.nan, 0))
+    assert mathematics("ldexp", -math.inf, -2000) == -math.inf
+
+
+def test_sines_of_parameters_are_within_the_last_place(mathematics):
+    for angle in (0.0, 1.0, -2.5, 1e5, 1e22, 1e-300):
+        for name, exact in (("sin", math.sin(angle)), ("cos", math.cos(angle))):
+            assert abs(mathematics(name, angle) - exact) <= 1.5 * math.ulp(exact)
