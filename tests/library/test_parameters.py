@@ -16,6 +16,8 @@ import pytest
 
 import kanegen as kg
 from kanegen.options import TIERS, Variant
+from kanegen.recursion.outputs import OUTPUTS as TABLE
+from kanegen.recursion.outputs import available
 from kanegen.reference import equations as reference
 from kanegen.reference.states import random_states
 from tests.support.c_compilers import WARNINGS, C, run
@@ -246,3 +248,21 @@ def test_rollouts_and_steps_take_sets_too(pendulum: kg.System) -> None:
         library.rollout(x, y, steps=20, step=0.01, parameters=sets)
     with pytest.warns(kg.KanegenWarning, match=r"after 0 of 20 .* parameter 'l2' is inf"):
         library.rollout(x[4], y[4], steps=20, step=0.01, parameters=sets[4])
+
+
+@pytest.mark.slow
+def test_every_output_takes_sets() -> None:
+    system = kg.load(MODELS / "gantry_crane.toml").with_points({"hook": (1, (0, 0, 0.1))})
+    names = available(system)
+    library = kg.build(system, names, flags="-O0", parameters_by_state=True, on_status="ignore")
+    rng = np.random.default_rng(0)
+    usual = np.array(list(library.parameters.values()))
+    sets = usual * rng.uniform(0.8, 1.2, (5, len(usual)))
+    given = dict(zip(("x", "y", "ydot", "tau"), rng.normal(size=(4, 5, library.n)), strict=True))
+    owners = [library.with_parameters(dict(zip(library.parameter_names, own, strict=True))) for own in sets]
+    for name in names:
+        inputs = {one: given[one] for one in TABLE[name].arguments if one in given}
+        many = getattr(library, name)(**inputs, parameters=sets)
+        for i, owner in enumerate(owners):
+            alone = getattr(owner, name)(**{one: value[i] for one, value in inputs.items()})
+            assert bits(many[i]) == bits(alone), name
