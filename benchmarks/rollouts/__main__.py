@@ -3,7 +3,7 @@
     python -m benchmarks.rollouts [--model NAME] [--states N] [--peer-states N] [--steps N] [--step S]
                                   [--rounds N] [--file FILE]
 
-Run it on a quiet machine. Pinocchio takes minutes to compile the first time.
+Run it on a quiet machine. It takes about ten minutes, and Pinocchio some to compile the first time.
 """
 
 from __future__ import annotations

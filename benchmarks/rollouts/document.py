@@ -22,6 +22,9 @@ rounds. kanegen follows {states} states, one after the other (*RK4*) and all in 
 others follow the first {few} of them. *differs by* is the largest difference of x and y from the first row
 after {compared} steps, relative to the largest entry: programs with the same method agree to rounding.
 
+In rows with *a parameter* the mass of the last body is open until run time, with one value for all states or
+with one *by state*.
+
 kanegen and Pinocchio compute the same four evaluations of forward dynamics a step. MuJoCo's `mj_step`
 without contacts, constraints and actuators computes more than accelerations, such as the places of sites
 and cameras; with `implicitfast` it evaluates them once a step, by another method, of order 1. SciPy's

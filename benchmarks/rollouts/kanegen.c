@@ -1,7 +1,9 @@
 /* Driver of rollouts of kanegen's C by the classical Runge-Kutta method, from one state a call and from all at once,
- * for a model without loads and parameters whose speeds are the rates of its coordinates.
+ * for a model without loads whose speeds are the rates of its coordinates.
  *
- * Compile with -DHEADER=<"header of the model"> -DMODEL=<its name>. Arguments: length of a step (s), number of steps.
+ * Compile with -DHEADER=<"header of the model"> -DMODEL=<its name>, and for a model with parameters with
+ * -DPREPARED=<number of prepared constants> -DDEFAULTS=<values of the parameters, separated by commas>, and
+ * -DBY_STATE=<1 if each state has its own, else 0>. Arguments: length of a step (s), number of steps.
  */
 #include "driver.h"
 
@@ -14,6 +16,13 @@
 #define SINGLE NAMED(MODEL, rollout_rk4)
 #define BATCH NAMED(MODEL, rollout_rk4_batch)
 
+#ifdef PREPARED
+static double *prepared; /* a row for each state, or one */
+#define CONSTANTS(state) prepared + BY_STATE * PREPARED * (state),
+#else
+#define CONSTANTS(state)
+#endif
+
 static States pool;
 static double length, *x_path, *y_path; /* start and end of each state */
 static size_t steps, *made;
@@ -21,13 +30,13 @@ static size_t steps, *made;
 static void single(size_t state)
 {
     const size_t row = state * pool.n;
-    SINGLE(pool.x + row, pool.y + row, pool.tau + row, 1, &length, steps, steps, 0, x_path, y_path, made);
+    SINGLE(CONSTANTS(state) pool.x + row, pool.y + row, pool.tau + row, 1, &length, steps, steps, 0, x_path, y_path, made);
 }
 
 static void batch(size_t state)
 {
     (void)state;
-    BATCH(pool.count, pool.x, pool.y, pool.tau, 1, &length, steps, steps, 0, x_path, y_path, made);
+    BATCH(pool.count, CONSTANTS(0) pool.x, pool.y, pool.tau, 1, &length, steps, steps, 0, x_path, y_path, made);
 }
 
 static void give(double *to, size_t state)
@@ -58,6 +67,11 @@ void driver_setup(const States *states, int argc, char **argv)
     x_path = aligned_numbers(2 * pool.count * pool.n);
     y_path = aligned_numbers(2 * pool.count * pool.n);
     made = calloc(pool.count, sizeof *made);
+#ifdef PREPARED
+    static const double defaults[] = {DEFAULTS};
+    prepared = aligned_numbers(pool.count * PREPARED);
+    for (size_t k = 0; k < pool.count; k++) NAMED(MODEL, prepare)(defaults, prepared + k * PREPARED);
+#endif
 }
 
 size_t driver_tasks(const Task **tasks)

@@ -9,10 +9,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from kanegen import compiler
+from kanegen.c.interface import PREPARE
 from kanegen.errors import MissingError
 from kanegen.extras import headers, require
 from kanegen.library import load
 from kanegen.library.native.build import code
+from kanegen.model.numbers import Parameter, value_of
+from kanegen.model.system import System
 from kanegen.reference.states import ActuatedStates
 from kanegen.studies.bench.building import compiled, driver
 from kanegen.studies.bench.comparison import KANEGEN
@@ -97,6 +100,8 @@ def builders(problem: Problem, many: ActuatedStates, machine: Sequence[str]) -> 
     yield PINOCCHIO, lambda: _pinocchio(problem)
     for setting in settings:
         yield f"{KANEGEN} {setting.name}", lambda setting=setting: _kanegen(problem, states, setting)
+    for by_state in (False, True):
+        yield KANEGEN, lambda by_state=by_state: _kanegen(problem, states, NATIVE, by_state)
     yield MUJOCO, lambda: _mujoco(problem)
     yield SCIPY, lambda: _scipy(problem)
 
@@ -109,11 +114,32 @@ def _own(name: str) -> str:
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _kanegen(problem: Problem, states: Path, setting: Setting) -> Entrant:
-    """Build kanegen's C, from one state a call with this processor's instructions and from all at once."""
-    system, n = problem.system, len(problem.system.freedoms)
-    source = compiler.generate(system, (ROLLOUT,))
+def with_payload(system: System) -> System:
+    """Return the system with the mass of its last body that has one as a run-time parameter."""
+    bodies = list(system.bodies)
+    k = max(k for k, body in enumerate(bodies) if value_of(body.mass) > 0)
+    bodies[k] = replace(bodies[k], mass=Parameter("payload", value_of(bodies[k].mass)))
+    return replace(system, bodies=tuple(bodies))
+
+
+def _kanegen(problem: Problem, states: Path, setting: Setting, by_state: bool | None = None) -> Entrant:
+    """Build kanegen's C, from one state a call and from all at once.
+
+    Args:
+        problem: The model.
+        states: File of all states.
+        setting: Compiler setting.
+        by_state: Whether each state has its own mass of the last body, or all have one; None for a number.
+    """
+    n = len(problem.system.freedoms)
+    system = problem.system if by_state is None else with_payload(problem.system)
+    source = compiler.generate(system, (ROLLOUT,), parameters_by_state=bool(by_state))
     defined = {"HEADER": f'"{system.identifier}.h"', "MODEL": system.identifier}
+    if by_state is not None:
+        prepare = next(function for function in source.functions if function.name == PREPARE)
+        defined["PREPARED"] = str(prepare.outputs[0].size)
+        defined["DEFAULTS"] = ", ".join(repr(value) for _, value in source.model.parameters)
+        defined["BY_STATE"] = str(int(by_state))
     flags = [*setting.flags, "-I.", *(f"-D{name}={value}" for name, value in defined.items())]
     program = compiled(f"{KANEGEN}_{ROLLOUT}", {"kanegen.c": _own("kanegen.c"), **code(source)}, flags)
     tasks = (_task("single", n), _task("batch", n, batch=True))
@@ -126,7 +152,8 @@ def _kanegen(problem: Problem, states: Path, setting: Setting) -> Entrant:
         tasks,
         convert=lambda results: {name: values[:first] for name, values in results.items()},
     )
-    return Entrant(participant, {"single": "RK4", "batch": "RK4, batch"})
+    words = {None: "", False: ", a parameter", True: ", a parameter by state"}[by_state]
+    return Entrant(participant, {"single": f"RK4{words}", "batch": f"RK4, batch{words}"})
 
 
 def _pinocchio(problem: Problem) -> Entrant:

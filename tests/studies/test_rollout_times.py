@@ -55,7 +55,9 @@ def require_same(entrant: Entrant, expected: np.ndarray, tolerance: float) -> No
 
 def test_the_driver_of_kanegen(arm: kg.System, states: ActuatedStates, problem: Problem) -> None:
     many = write_states(states, problem.folder / "many")
-    require_same(participants._kanegen(problem, many, STRICT_AVX2), ends(arm, states), 1e-14)
+    expected = ends(arm, states)
+    for by_state in (None, True):
+        require_same(participants._kanegen(problem, many, STRICT_AVX2, by_state), expected, 1e-14)
 
 
 @pytest.mark.slow
