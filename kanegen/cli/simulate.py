@@ -165,6 +165,10 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
         Path | None,
         typer.Option("--plot", metavar="FILE", help="Draw the motion: .svg, .png or .pdf."),
     ] = None,
+    view: Annotated[
+        Path | None,
+        typer.Option("--view", metavar="FILE.html", help="Write a page in which the model moves."),
+    ] = None,
     shown: Annotated[
         list[str] | None,
         typer.Option(
@@ -193,9 +197,10 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
     from kanegen.simulation import Event, library_for
     from kanegen.simulation import simulate as run
     from kanegen.simulation.methods import chosen_method
+    from kanegen.viewer.view import view as picture
 
     duration = _duration(duration, until)
-    _require_files(files or [], plot)
+    _require_files(files or [], plot, view)
     asked = outputs or []
     system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
     system = with_selection(with_places(system, points, None), asked, frames, reactions)
@@ -226,6 +231,8 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
     except (KanegenError, KeyboardInterrupt) as stopped:
         _finish_broken(stopped, files or [], plot, columns, as_json)
     _write(motion, files or [], plot, columns)
+    if view is not None:
+        picture(system, motion).save(view)
     _print(motion, columns, as_json)
     if motion.promise is not None and not motion.promise.is_kept:
         raise typer.Exit(FAILED)
@@ -270,7 +277,7 @@ def _columns(shown: list[str] | None) -> list[str]:
     return [name.strip() for text in shown or () for name in text.split(",") if name.strip()]
 
 
-def _require_files(files: Sequence[Path], plot: Path | None) -> None:
+def _require_files(files: Sequence[Path], plot: Path | None, view: Path | None) -> None:
     """Make sure, before the work, that all files can be written.
 
     Raises:
@@ -287,7 +294,9 @@ def _require_files(files: Sequence[Path], plot: Path | None) -> None:
         if plot.suffix not in FORMATS:
             raise OptionError(f"--plot: {plot} does not end in {', '.join(FORMATS)}.")
         require("matplotlib", EXTRA)
-    require_writable(*files, plot)
+    if view is not None and view.suffix.lower() not in (".html", ".htm"):
+        raise OptionError(f"--view: {view} does not end in .html.")
+    require_writable(*files, plot, view)
 
 
 @contextmanager

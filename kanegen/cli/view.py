@@ -26,6 +26,7 @@ from kanegen.errors import OptionError
 if TYPE_CHECKING:
     from kanegen.model.system import System
     from kanegen.simulation.trajectory import Trajectory
+    from kanegen.viewer.stored import StoredMotion
     from kanegen.viewer.view import View
 
 FRAMES = 60
@@ -34,7 +35,8 @@ FRAMES = 60
 Values = Mapping[str, float]
 
 
-def view(
+def view(  # noqa: PLR0913  (an argument for every option)
+    *,
     model: Model,
     output: Annotated[
         Path | None,
@@ -58,6 +60,15 @@ def view(
             show_default=False,
         ),
     ] = None,
+    motion: Annotated[
+        Path | None,
+        typer.Option(
+            "--motion",
+            metavar="FILE",
+            help="Show the motion in this .csv, .parquet or .npz file, as kanegen simulate --write makes it.",
+            show_default=False,
+        ),
+    ] = None,
     step: Annotated[
         float, typer.Option("--step", metavar="S", help="Step of the simulation (s), by RK4.")
     ] = 1e-3,
@@ -66,7 +77,7 @@ def view(
         typer.Option(
             "--path",
             metavar="NAME",
-            help="Draw the path of this point, frame or body (repeatable); only with --duration.",
+            help="Draw the path of this point, frame or body (repeatable); only for a motion.",
             show_default=False,
         ),
     ] = None,
@@ -98,7 +109,7 @@ def view(
     without shapes are drawn as the uniform ellipsoids that have their mass and inertia, with their joints and
     the lines between them.
     """
-    _check(output, live, duration, y, paths)
+    _check(output, live, duration, motion, y, paths)
     system = load_system(model, floating_base, right_angles, None, coordinates, lock, joint_dynamics)
     system = with_places(system, points, None)
     system = system if geometry is None else system.with_geometry(geometry)
@@ -109,7 +120,9 @@ def view(
         for option, given in (("--x", x), ("--y", y))
     ]
     with progress() as report:
-        picture = _picture(system, state[0], state[1], duration, step, paths or [], report)
+        found = _motion(system, state[0], state[1], duration, step, motion, report)
+        report("drawing")
+        picture = _picture(system, state[0], found, paths or [])
     if live:
         _serve(picture, port, open_)
         return
@@ -121,15 +134,22 @@ def view(
 
 
 def _check(
-    output: Path | None, live: bool, duration: float | None, y: list[str] | None, paths: list[str] | None
+    output: Path | None,
+    live: bool,
+    duration: float | None,
+    motion: Path | None,
+    y: list[str] | None,
+    paths: list[str] | None,
 ) -> None:
     """Make sure, before any work, that the options fit each other and that the page can be written."""
     from kanegen.files import require_writable
 
     if live and output is not None:
         raise OptionError("--live writes no file. Leave --output out, or --live.")
+    if duration is not None and motion is not None:
+        raise OptionError("--duration simulates, --motion has been simulated. Leave one out.")
     if duration is None:
-        for option, given in (("--y", y), ("--path", paths)):
+        for option, given in (("--y", y), ("--path", None if motion else paths)):
             if given:
                 raise OptionError(f"{option}: only for a motion. Add --duration, or leave {option} out.")
     elif not 0 < duration < float("inf"):
@@ -137,24 +157,28 @@ def _check(
     require_writable(output)
 
 
-def _picture(
+def _motion(
     system: System,
     x: Values,
     y: Values,
     duration: float | None,
     step: float,
-    paths: list[str],
+    file: Path | None,
     report: Callable[[str], None],
-) -> View:
+) -> Trajectory | StoredMotion | None:
+    """Return the motion that is simulated or read; None for a picture with sliders."""
+    if file is not None:
+        from kanegen.viewer.stored import stored_motion
+
+        return stored_motion(system, file)
+    return None if duration is None else _simulated(system, x, y, duration, step, report)
+
+
+def _picture(system: System, x: Values, motion: Trajectory | StoredMotion | None, paths: list[str]) -> View:
     """Return the picture of a system, with sliders or with a motion."""
     from kanegen.viewer.view import view as picture
 
-    if duration is None:
-        report("drawing")
-        return picture(system, x=x)
-    trajectory = _simulated(system, x, y, duration, step, report)
-    report("drawing")
-    return picture(system, trajectory, paths=paths)
+    return picture(system, x=x) if motion is None else picture(system, motion, paths=paths)
 
 
 def _simulated(
@@ -163,21 +187,14 @@ def _simulated(
     """Return the motion of a system; prescribed freedoms rest at 0."""
     import numpy as np
 
-    from kanegen import compiler
-    from kanegen.model.values_by_name import finite_in_order
     from kanegen.simulation import simulate
 
-    start = finite_in_order("x", x, system.coordinate_names, system.neutral_coordinates)
-    speeds = finite_in_order("y", y, system.speed_names, [0.0] * len(system.freedoms))
-    times = np.linspace(0.0, duration, max(2, round(FRAMES * duration) + 1))
-    report("compiling")
-    outputs = ("forward_dynamics", "coordinate_rates", "kinetic_energy", "potential_energy")
-    library = compiler.build(system, outputs)
     report("simulating")
     still = np.zeros((3, len(system.prescribed)))
-    return simulate(
-        library, start, speeds, times, step=step, prescribed=(lambda _: still) if still.size else None
-    )
+    outputs = ("kinetic_energy", "potential_energy")
+    prescribed = (lambda _: still) if still.size else None
+    options = {"step": step, "every": 1 / FRAMES, "outputs": outputs, "prescribed": prescribed}
+    return simulate(system, x, y, duration, **options)  # type: ignore[arg-type]
 
 
 def _serve(picture: View, port: int, open_: bool) -> None:

@@ -99,7 +99,7 @@ def read_table(
         label, columns = "inputs", {str(name): _column(name, values) for name, values in source.items()}
     else:
         path = path_of(source)
-        label, columns = str(path), _read(path)
+        label, columns = str(path), read_columns(path)
     if TIME not in columns:
         raise OptionError(f"{label}: there is no column {TIME!r}, the time in s. Add it.")
     times = columns.pop(TIME)
@@ -125,7 +125,7 @@ def read_table(
     return InputTable(label, times, names, values, hold)
 
 
-def _read(path: Path) -> dict[str, Floats]:
+def read_columns(path: Path) -> dict[str, Floats]:
     """Return the columns of a file by name."""
     if path.suffix not in _READERS:
         raise OptionError(
