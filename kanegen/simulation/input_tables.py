@@ -181,7 +181,10 @@ def _parquet(path: Path) -> dict[str, Floats]:
 
 
 def _npz(path: Path) -> dict[str, Floats]:
-    """Return the arrays of an NPZ file with one axis; arrays of objects are not read."""
+    """Return the arrays of an NPZ file with one axis, and the columns of a saved motion.
+
+    Arrays of objects are not read.
+    """
     try:
         with np.load(path, allow_pickle=False) as arrays:
             found = {name: arrays[name] for name in arrays.files}
@@ -190,7 +193,20 @@ def _npz(path: Path) -> dict[str, Floats]:
     numbers = {
         name: values for name, values in found.items() if values.ndim == 1 and values.dtype.kind in "iuf"
     }
-    return {name: _column(name, values, str(path)) for name, values in numbers.items()}
+    columns = {name: _column(name, values, str(path)) for name, values in numbers.items()}
+    return columns | _of_saved_motion(found)
+
+
+def _of_saved_motion(arrays: Mapping[str, Any]) -> dict[str, Floats]:
+    """Return the columns of the arrays that `Trajectory.save` writes: one array a group, and all names."""
+    names = [str(name) for name in arrays.get("names", ()) if str(name) != TIME]
+    times = arrays.get(TIME)
+    if times is None:
+        return {}
+    groups = [values for name, values in arrays.items() if name not in (TIME, "names", "units")]
+    flat = [values.reshape(len(times), -1) for values in groups if len(values) == len(times)]
+    columns = np.concatenate(flat, axis=1).T if flat else ()
+    return dict(zip(names, columns, strict=True)) if len(columns) == len(names) else {}
 
 
 def _column(name: Any, values: Any, label: str = "inputs") -> Floats:

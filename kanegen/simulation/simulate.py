@@ -357,7 +357,7 @@ def library_for(
     rates = () if system.speeds_are_rates else ("coordinate_rates",)
     efforts = [name for name in ("prescribed_efforts",) if name in can]
     named = outputs_in(conditions(events), tuple(OUTPUTS))
-    steps = [f"{ROLLOUT}{IN_C[method]}"] if method in IN_C else []
+    steps = [f"{ROLLOUT}{IN_C[method]}"] if method in IN_C and not system.prescribed else []
     wanted = dict.fromkeys(("forward_dynamics", *rates, *efforts, *OF_DRIFTS, *asked, *named, *steps))
     return build(system, tuple(wanted), tier=tier, progress=progress)
 

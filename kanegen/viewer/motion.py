@@ -157,9 +157,10 @@ def _states(system: System, trajectory: Any) -> tuple[Floats, Floats, Floats | N
     if not (np.isfinite(times).all() and (np.diff(times) > 0).all()):
         raise ArrayError("times: they must be finite and increase from each to the next.")
     if x.ndim == 3:
+        times_first = x.shape[0] == len(times)  # of a trajectory; in a rollout the motions are first
         raise OptionError(
-            f"trajectory: it holds {counted(x.shape[1], 'motion')}. Pass one of them, such as "
-            "(trajectory.times, trajectory.x[:, 0])."
+            f"trajectory: it holds {counted(x.shape[int(times_first)], 'motion')}. Pass one of them, such as "
+            f"(trajectory.times, trajectory.x[{':, 0' if times_first else '0'}])."
         )
     if x.shape != (len(times), m):
         raise OptionError(

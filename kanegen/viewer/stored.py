@@ -67,8 +67,8 @@ def stored_motion(system: System, path: str | os.PathLike[str]) -> StoredMotion:
     missing = [name for name in needed if name not in columns]
     if missing:
         raise OptionError(
-            f"{file}: there is no column {quoted(missing[0])}. A motion of {quoted(system.name)} has the columns "
-            f"{', '.join(needed[:6])}{' and so on' if len(needed) > 6 else ''}."
+            f"{file}: there is no column {quoted(missing[0])}. A motion of {quoted(system.name)} has the "
+            f"columns {', '.join(needed[:6])}{' and so on' if len(needed) > 6 else ''}."
         )
     times = columns.pop(TIME)
     x = np.stack([columns[name] for name in needed[1:]], axis=1)
@@ -78,9 +78,8 @@ def stored_motion(system: System, path: str | os.PathLike[str]) -> StoredMotion:
 
 def _units(system: System, names: tuple[str, ...]) -> dict[str, str]:
     """Return the units of columns."""
-    known = {
-        f"x.{name}": one.unit for name, one in zip(system.coordinate_names, system.coordinates, strict=True)
-    }
+    coordinates = zip(system.coordinate_names, system.coordinates, strict=True)
+    known: dict[str, str] = {f"x.{name}": one.unit for name, one in coordinates}
     for name, freedom in zip(system.speed_names, system.freedoms, strict=True):
         known[f"y.{name}"] = "rad/s" if freedom.is_angle else "m/s"
     return {name: known.get(name, "") for name in names}

@@ -18,6 +18,7 @@ import kanegen as kg
 from kanegen.viewer.motion import MOST_TIMES, motion_of
 from kanegen.viewer.poses import body_poses
 from kanegen.viewer.scene import embedded_json
+from kanegen.viewer.stored import stored_motion
 from tests.support.command import kanegen
 from tests.support.paths import MODELS, ROOT
 
@@ -197,6 +198,61 @@ def test_the_command_writes_a_page_with_a_motion(tmp_path: Path, monkeypatch: py
     data = json.loads(re.search(r'id="kanegen-data">(.*)</script>', text)[1])
     assert data["paths"] == ["lower"]
     assert data["motion"]["series"][0]["name"] == "q1"
+
+
+def test_a_motion_in_a_file_is_shown(
+    library: kg.Library, pendulum: kg.System, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Files of every format that a trajectory writes and that holds columns."""
+    monkeypatch.chdir(tmp_path)
+    trajectory = kg.simulate(library, [0.5, 0.2], [0.0, 1.0], TIMES, step=0.01)
+    for name in ("motion.csv", "motion.npz", "motion.parquet"):
+        trajectory.save(name)
+        motion = kg.view(pendulum, stored_motion(pendulum, name)).motion
+        assert motion.decoded()[1] == pytest.approx(trajectory.x, rel=1e-6)
+        assert {"Coordinates, rad", "Speeds, rad/s"} <= {one.group for one in motion.series}
+    model = str(MODELS / "double_pendulum.toml")
+    kanegen("view", model, "--motion", "motion.csv", "--path", "lower", "-o", "shown.html")
+    assert (tmp_path / "shown.html").stat().st_size > 500_000
+    for options, message in (
+        (["--motion", "none.csv"], "none.csv: cannot be read: No such file or directory."),
+        (["--motion", "motion.csv", "--duration", "1"], "--duration simulates, --motion has been simulated."),
+        (["--motion", "motion.txt"], "motion.txt: there is no format '.txt'."),
+    ):
+        assert message in kanegen("view", model, *options, status=2).stderr
+    other = kanegen("view", str(MODELS / "cart_pole.toml"), "--motion", "motion.csv", status=2)
+    assert (
+        "motion.csv: there is no column 'x.pole'. A motion of 'cart_pole' has the columns t" in other.stderr
+    )
+
+
+def test_simulate_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    model = str(MODELS / "double_pendulum.toml")
+    kanegen("simulate", model, "--duration", "0.5", "--step", "0.01", "--view", "motion.html")
+    assert "kanegenViewer.page" in (tmp_path / "motion.html").read_text()
+    refused = kanegen("simulate", model, "--duration", "0.5", "--view", "motion.txt", status=2)
+    assert "--view: motion.txt does not end in .html." in refused.stderr
+
+
+def test_prescribed_freedoms_rest_and_move(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    model = str(MODELS / "quarter_car.toml")
+    kanegen("view", model, "--duration", "0.1", "--step", "0.01", "-o", "car.html")
+    system = kg.load(model)
+    inputs = np.zeros((11, 3, 1))
+    inputs[:, 0, 0] = TIMES
+    motion = motion_of(system, SimpleNamespace(times=TIMES, x=0 * X, inputs={"prescribed": inputs}))
+    assert motion.decoded()[2][:, 0] == pytest.approx(TIMES, rel=1e-6)
+
+
+def test_rollouts_are_motions(pendulum: kg.System) -> None:
+    library = kg.build(pendulum, outputs=("rollout_rk4",))
+    rollout = library.rollout([0.5, 0.2], [0.0, 1.0], steps=10, step=0.01)
+    assert kg.view(pendulum, rollout).motion.decoded()[1] == pytest.approx(rollout.x, rel=1e-6)
+    several = library.rollout(np.zeros((3, 2)), np.zeros((3, 2)), steps=10, step=0.01)
+    with pytest.raises(kg.OptionError, match=r"it holds 3 motions\. .* trajectory\.x\[0\]"):
+        kg.view(pendulum, several)
 
 
 def test_a_picture_needs_no_compiler_and_no_sympy() -> None:
