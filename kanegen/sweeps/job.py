@@ -31,9 +31,9 @@ class RolloutJob:
         method: Name of the method in C, such as "rk4"; see docs/rollouts.md.
         results: Names of results, each a statistic and a quantity: "end.x" is the last coordinates,
             "max.y.elbow" the largest speed, "drift.energy" the largest change of energy. Statistics are
-            "end", "max", "min", "time_of_max", "time_of_min", "mean", "rms", "drift", and "path" for the
-            values at all times. Quantities are "x", "y", "x.<coordinate>", "y.<speed>", "energy", and every
-            output or element of one, such as "point_positions.tip.z".
+            "end", "max", "min", "time_of_max", "time_of_min", "time_of_zero", "mean", "rms", "drift", and
+            "path" for the values at all times. Quantities are "x", "y", "x.<coordinate>", "y.<speed>",
+            "energy", and every output or element of one, such as "point_positions.tip.z".
         every: Results, other than those at the end, are those at every `every`-th step.
         bands: Names of quantities whose distribution over all rows is kept at every `every`-th step, without
             keeping the motions; see `SweepResult.bands`.

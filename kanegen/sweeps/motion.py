@@ -163,9 +163,15 @@ class Motion:
         time = (first + made) * self._job.step
         state = self._states(np.array([time]), last.x[:, -1:], last.y[:, -1:], rows)
         messages: list[str] = []
-        state.library = self._library.with_on_status(lambda report: messages.append(report.message))
-        state.array("forward_dynamics")
-        numbers = np.concatenate([state.x, state.y], axis=-1).ravel()
+        library = self._library.with_on_status(lambda report: messages.append(report.message))
+        x, y = state.x[0, 0], state.y[0, 0]
+        arguments: dict[str, Any] = {
+            name: own[0] for name, own in state.arguments.items() if name != "parameters"
+        }
+        if self._sets:
+            arguments["parameters"] = {name: float(own[row]) for name, own in self._sets.items()}
+        library.forward_dynamics(x, y, **arguments)
+        numbers = np.concatenate([x, y])
         names = [f"x.{name}" for name in self._library.coordinate_names]
         names += [f"y.{name}" for name in self._library.speed_names]
         values = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, numbers, strict=True))

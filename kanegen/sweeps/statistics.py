@@ -141,6 +141,37 @@ class Drift:
         return self._largest
 
 
+class TimeOfZero:
+    """The first time at which the value is 0 or changes its sign; NaN where it does not.
+
+    Between two times the value is taken to change linearly.
+    """
+
+    def __init__(self) -> None:
+        self._before: tuple[Floats, Floats] | None = None
+
+    def add(self, times: Floats, values: Floats) -> None:
+        """Look for changes of sign from the last value of the block before."""
+        if self._before is None:
+            self._found = np.where(values[:, 0] == 0, times[0], np.nan)
+        else:
+            times = np.concatenate([self._before[0], times])
+            values = np.concatenate([self._before[1], values], axis=1)
+        first, second = values[:, :-1], values[:, 1:]
+        crosses = (second == 0) | (first * second < 0)
+        if crosses.any():
+            place = crosses.argmax(axis=1)[:, None]
+            a, b = (np.take_along_axis(one, place, axis=1)[:, 0] for one in (first, second))
+            begin, end = times[place[:, 0]], times[place[:, 0] + 1]
+            is_new = np.isnan(self._found) & crosses.any(axis=1)
+            self._found = np.where(is_new, begin + (end - begin) * (a / (a - b)), self._found)
+        self._before = times[-1:], values[:, -1:].copy()
+
+    def result(self) -> Floats:
+        """Return (B, E) times, s, with NaN for none."""
+        return self._found
+
+
 class Path:
     """All values, one for each time."""
 
@@ -165,6 +196,7 @@ STATISTICS: Mapping[str, type[Statistic]] = {
     "min": Minimum,
     "time_of_max": TimeOfMaximum,
     "time_of_min": TimeOfMinimum,
+    "time_of_zero": TimeOfZero,
     "mean": Mean,
     "rms": RootMeanSquare,
     "drift": Drift,
@@ -172,5 +204,5 @@ STATISTICS: Mapping[str, type[Statistic]] = {
 }
 """All statistics by the first part of the name of a result, such as "max.y.elbow"."""
 
-IN_SECONDS = ("time_of_max", "time_of_min")
+IN_SECONDS = ("time_of_max", "time_of_min", "time_of_zero")
 """Statistics that are times; the others have the unit of the quantity."""

@@ -67,6 +67,26 @@ def test_a_force_that_depends_on_the_time() -> None:
         assert largest == pytest.approx(2 / mass * np.sin(3 * t).max(), rel=1e-15)
 
 
+def test_methods_are_an_axis() -> None:
+    system = kg.load(MODELS / "double_pendulum.toml")
+    axes = {"x.q1": 1.0, "method": ["rk4", "euler", "implicit_midpoint"]}
+    job = kg.RolloutJob(1.0, 0.01, results="drift.energy")
+    drifts = kg.sweep(system, axes, job).column("drift.energy")
+    assert drifts[0] < 1e-6 < drifts[2] < 1e-3 < drifts[1]
+
+
+def test_a_singular_state_is_a_reason() -> None:
+    """A point mass at distance 0 from its hinge has no acceleration; the reason names the freedom."""
+    hinge = kg.Joint(name="hinge", free=(False, False, True, False, False, False))
+    rod = kg.Body("rod", 0, 1.0, np.zeros((3, 3)), (kg.Parameter("l", 1.0), 0, 0), hinge)
+    job = kg.RolloutJob(0.1, 0.05, results="end.x.hinge")
+    found = kg.sweep(kg.System("rod", (rod,)), {"l": [1.0, 0.0]}, job)
+    assert list(found.reasons) == [1]
+    start = "in the step from t = 0 s, x.hinge = 0, y.hinge = 0: forward_dynamics: "
+    assert found.reasons[1].startswith(start)
+    assert "at freedom 'hinge' of body 'rod'" in found.reasons[1]
+
+
 def test_inputs_of_the_time_are_right_within_steps() -> None:
     """An input 2 sin(3 t) is evaluated at the stages of RK4, so that the error has order 4."""
     system = kg.load(MODELS / "cart_pole.toml")

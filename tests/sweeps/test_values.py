@@ -123,7 +123,8 @@ def test_statistics_over_time() -> None:
     """Each against NumPy on the path; 200 times are several blocks."""
     names = ("path.y.q1", *(f"{one}.y.q1" for one in ("end", "max", "min", "mean", "rms", "drift")))
     axes = {"m2": [0.7], "x.q1": [0.4, 2.5]}
-    what = job(2.0, results=(*names, "time_of_max.y.q1", "time_of_min.y.q1"), every=1, bands=())
+    times_of = ("time_of_max.y.q1", "time_of_min.y.q1", "time_of_zero.y.q1")
+    what = job(2.0, results=(*names, *times_of), every=1, bands=())
     table = kg.sweep(pendulum(), axes, what).table
     times = np.arange(201) * 0.01
     for _, row in table.iterrows():
@@ -135,6 +136,26 @@ def test_statistics_over_time() -> None:
         assert row["drift.y.q1"] == np.abs(path - path[0]).max()
         assert row["time_of_max.y.q1"] == times[path.argmax()]
         assert row["time_of_min.y.q1"] == times[path.argmin()]
+        assert row["time_of_zero.y.q1"] == 0
+
+
+def test_times_of_zeros() -> None:
+    """The first change of sign of the angle, in the first block of times and in later ones."""
+    axes = {"m2": [0.7], "x.q1": [-0.4, 2.5, 3.1, 3.141]}
+    found = kg.sweep(
+        pendulum(), axes, job(2.0, results=("time_of_zero.x.q1", "path.x.q1"), every=1, bands=())
+    )
+    times = np.arange(201) * 0.01
+    zeros = found.column("time_of_zero.x.q1")
+    for zero, path in zip(zeros, found.column("path.x.q1"), strict=True):
+        places = np.flatnonzero(np.diff(np.sign(path)))
+        if len(places):
+            assert times[places[0]] < zero < times[places[0] + 1]
+            assert np.interp(zero, times, path) == pytest.approx(0, abs=1e-14)
+        else:
+            assert np.isnan(zero)
+    assert zeros[0] < 0.64 < zeros[1]
+    assert np.isnan(zeros[-1])
 
 
 def test_variants_are_axes() -> None:
