@@ -23,8 +23,12 @@ def readme(source: Source) -> dict[str, str]:
 
 
 def _variables(source: Source) -> Context:
-    variables = context(source.model, source.functions, source.outputs, source.operations, source.variant)
+    outputs, steps = (*source.outputs, *source.integrators), [one.step for one in source.rollouts]
+    variables = context(source.model, source.functions, outputs, source.operations, source.variant, steps)
+    described = {one.name: one.doc for one in source.functions}
+    described |= {one.name: one.doc for one in source.rollouts}
     return variables | {
+        "integrators": [(name, described[name]) for name in source.integrators],
         "elementary": [name for name in source.files if name.startswith("kanegen_elementary")],
         "parameters_by_state": source.parameters_by_state,
     }

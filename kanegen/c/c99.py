@@ -101,6 +101,7 @@ class C99:
             (*render_input.outputs, *render_input.steps),
             render_input.operations,
             render_input.variant,
+            [one.step for one in render_input.rollouts],
         )
         variables |= {
             "choices": _choices(render_input, printed),

@@ -58,6 +58,7 @@ def context(
     outputs: Sequence[str],
     operations: Mapping[str, int],
     variant: Variant,
+    steps: Sequence[Function] = (),
 ) -> Context:
     """Return the variables that depend on the functions and the variant, but not on printed code.
 
@@ -67,6 +68,7 @@ def context(
         outputs: Names of the outputs that were asked for.
         operations: Operation counts of one evaluation of all outputs.
         variant: The choices that shape the code.
+        steps: The functions of one step that functions of many steps contain.
     """
     model_formats = formats(variant)
     return {
@@ -82,7 +84,7 @@ def context(
         "limits": declarations.limits(model, model_formats),
         "limit_type": (DOUBLE if model_formats.storage is DOUBLE_DOUBLE else model_formats.storage).c_type,
         "parameter_places": declarations.parameter_places(model),
-        "stack": _batch_stack(functions, SIMD.get(model_formats.arithmetic), model_formats),
+        "stack": _batch_stack((*functions, *steps), SIMD.get(model_formats.arithmetic), model_formats),
     }
 
 

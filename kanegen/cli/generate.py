@@ -162,6 +162,6 @@ def _show(system: System, source: Source, folder: Path) -> None:
     """Print the size of the system, the operations and the files."""
     cost = ", ".join(f"{kind} {number}" for kind, number in source.operations.items())
     freedoms = counted(len(system.freedoms), "freedom")
-    screen.print(f"{escape(system.name)}: {freedoms}, {' and '.join(source.outputs)}")
+    screen.print(f"{escape(system.name)}: {freedoms}, {' and '.join((*source.outputs, *source.integrators))}")
     screen.print(f"operations: {cost}")
     screen.print(f"wrote {', '.join(source.files)} to {folder}", soft_wrap=True)

@@ -16,7 +16,15 @@ from kanegen.model.reaction import Reaction
 from kanegen.model.system import System
 from kanegen.model.system_numbers import expression_summaries
 from kanegen.program.passes import Stage, savings
-from kanegen.recursion.outputs import EQUATIONS, OF_CONTACTS, OUTPUTS, available, solving, takes_long
+from kanegen.recursion.outputs import (
+    EQUATIONS,
+    OF_CONTACTS,
+    OUTPUTS,
+    available,
+    available_methods,
+    solving,
+    takes_long,
+)
 from kanegen.reference.independence import dependent_rows
 from kanegen.reference.regularity import massless_motions
 from kanegen.studies.explain import Exactness
@@ -82,12 +90,18 @@ class Summary:
         """Names of the outputs whose operations are not counted."""
         return tuple(name for name in self.outputs if name not in self.operations)
 
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """Names of the methods by which C can follow the motion in steps."""
+        return () if self.massless else available_methods(self.system)
+
     def as_dict(self) -> dict[str, Any]:
         """Return the contents of the system and all counts as plain data for JSON."""
         return {
             **_contents(self.system),
             **self.facts.as_dict(),
             "outputs": list(self.outputs),
+            "steps": list(self.steps),
             "operations": self.operations,
             "methods": self.methods,
             "massless": list(self.massless),

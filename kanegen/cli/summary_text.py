@@ -57,6 +57,8 @@ def show(summary: Summary, console: Console, verbose: bool = False, sums: bool =
     if summary.uncounted:
         text = f"further outputs, counted with --all: {', '.join(summary.uncounted)}"
         console.print(escape(text), soft_wrap=True)
+    if summary.steps:
+        console.print(f"steps and rollouts in C: {', '.join(summary.steps)}", soft_wrap=True)
     saved = ", ".join(f"{name} {number}" for name, number in savings(summary.stages).items())
     console.print(f"passes saved: {saved or 'none was run'}")
     console.print(", ".join(f"{name} by {method}" for name, method in summary.methods.items()))

@@ -177,7 +177,7 @@ class Rollouts(CompiledModel):
         if len(self.methods) == 1:
             return self.methods[0]
         if not self.methods:
-            raise self._absent(next(iter(METHODS.values())).functions[1])
+            raise self._absent(METHODS["rk4"].functions[1])
         raise OptionError(
             f"method: system {quoted(self.name)} was built with {', '.join(self.methods)}. Name one."
         )

@@ -175,6 +175,14 @@ def composed_of(system: System, integrators: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in OUTPUTS if name in needed)
 
 
+def available_methods(system: System) -> tuple[str, ...]:
+    """Return the names of the methods that a system has, unless its [A] is singular."""
+    if system.contacts or system.prescribed:
+        return ()
+    every = METHODS.values()
+    return tuple(one.name for one in every if system.speeds_are_rates or one.needs_further is not None)
+
+
 def require_steps(system: System, integrators: Iterable[str], storage: str) -> None:
     """Make sure that functions can follow the motion of a system.
 
