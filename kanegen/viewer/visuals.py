@@ -100,8 +100,13 @@ def _loaded(visual: Visual, found: Geometry) -> tuple[MeshFile, list[int]] | Non
         return None
     try:
         file = read_mesh(visual.file)
-    except (ReadError, MissingError) as error:
+    except ReadError as error:
         found.left_out.append(f"{visual.where}: {error}")
+        return None
+    except MissingError as error:
+        sentence = f"the meshes of {visual.file.suffix} files, because {error}"
+        if sentence not in found.left_out:  # one for all meshes
+            found.left_out.append(sentence)
         return None
     places = list(range(len(found.meshes), len(found.meshes) + len(file.parts)))
     found.meshes.extend(part.mesh for part in file.parts)

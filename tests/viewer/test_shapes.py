@@ -4,6 +4,7 @@ bodies."""
 from __future__ import annotations
 
 import base64
+import importlib.util
 import warnings
 from pathlib import Path
 from typing import Any
@@ -183,6 +184,18 @@ def test_what_cannot_be_drawn_is_left_out_and_named(tmp_path: Path, geometry: st
         scene = scene_of(system)
     assert [shape.kind for shape in geometry_of(scene, 1)] == ["sphere"]
     assert "Not drawn" in scene.notes[-1]
+
+
+def test_without_the_extra_one_warning_stands_for_all_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = kg.load(robot_file("panda"))
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "trimesh" else find(name))
+    with pytest.warns(
+        kg.KanegenWarning, match="not drawn: the meshes of .dae files, because .*kanegen.viewer."
+    ) as given:
+        scene = scene_of(system)
+    assert len(given) == 1
+    assert not any(shape.role == "geometry" for body in scene.bodies for shape in body.shapes)
 
 
 def test_shapes_stay_with_the_system_when_it_changes(tmp_path: Path) -> None:

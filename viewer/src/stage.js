@@ -17,6 +17,7 @@ const THEMES = {
 const FIELD_OF_VIEW = 36; // degrees
 const CELLS = 24; // cells of the grid from its centre to its rim
 const FAR = 5; // a motion that fills a box of more than this many lengths of the tree is followed
+const VEIL = 0.45; // opacity of inertia ellipsoids of bodies with geometry
 const FORCE = "#e8590c";
 const WEIGHT = "#1c7ed6";
 
@@ -69,7 +70,8 @@ export class Stage {
     const { shapes } = this.scene.bodies[number];
     const hasGeometry = shapes.some((shape) => shape.role === "geometry");
     for (const shape of shapes) {
-      const object = this.maker.make(shape);
+      const isVeil = hasGeometry && shape.role === "inertia";
+      const object = this.maker.make(isVeil ? { ...shape, opacity: VEIL } : shape);
       object.userData = { number, role: shape.role, standsIn: !hasGeometry };
       group.add(object);
     }
