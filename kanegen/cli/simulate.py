@@ -116,8 +116,9 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
         typer.Option(
             "--method",
             metavar="NAME",
-            help="RK4, semi-implicit-euler, leapfrog or implicit-midpoint with a step; DOP853 or Radau, for "
-            "stiff systems, with a tolerance. By default RK4 with a step, and DOP853 without.",
+            help="RK4, euler, semi-implicit-euler, leapfrog, implicit-midpoint, variational-midpoint or "
+            "linearly-implicit with a step; DOP853 or Radau, for stiff systems, with a tolerance. By default "
+            "RK4 with a step, and DOP853 without.",
         ),
     ] = None,
     step: Annotated[float | None, typer.Option("--step", metavar="S", help="Largest fixed step, s.")] = None,

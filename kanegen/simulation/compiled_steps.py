@@ -9,17 +9,25 @@ from itertools import pairwise
 import numpy as np
 
 from kanegen.errors import StatusError
+from kanegen.library import Library
 from kanegen.model.arguments import Floats, LoadInputs
 from kanegen.recursion.outputs.integrators import ROLLOUT
 from kanegen.simulation.integration import Step
 from kanegen.simulation.motion import Motion
 from kanegen.simulation.stretches import Marks, Stretch, steps_between
 
-IN_C = {"RK4": "rk4"}
+IN_C = {
+    "RK4": "rk4",
+    "Euler": "euler",
+    "semi-implicit Euler": "semi_implicit_euler",
+    "implicit midpoint": "implicit_midpoint",
+    "variational midpoint": "variational_midpoint",
+    "linearly implicit": "linearly_implicit",
+}
 """Methods that the C has, with the end of the names of their functions."""
 
-EVALUATIONS = {"RK4": 4}
-"""Evaluations of {ydot} in a step of each of these methods."""
+_STAGES = {"RK4": 4}
+"""Evaluations of {ydot} in a step of methods that take several; those that iterate count steps."""
 
 _LONGEST = 1024
 """Number of steps of a rollout, so that a motion that is interrupted loses no more."""
@@ -28,18 +36,24 @@ _ALIKE = 1e-12
 """Relative difference of intervals that rounding of their ends makes."""
 
 
-def runs_in_c(method: str, motion: Motion, start: Floats) -> bool:
-    """Return whether the rollouts of a library compute a motion.
+def why_not_in_c(method: str, motion: Motion, start: Floats) -> str:
+    """Return why the rollouts of a library do not compute a motion, in a sentence; "" if they do.
 
-    The library must have them, nothing may act from outside, whose work is integrated in NumPy, and
-    quaternions must have length 1, which rollouts give them.
+    The work of what acts from outside is integrated in NumPy alone, and rollouts give quaternions length 1.
     """
+    function = f"{ROLLOUT}{IN_C.get(method)}"
+    if function not in motion.library.source.integrators:
+        return f"Build the library with the output {function!r}."
+    if not motion.inputs.are_absent:
+        return "It runs in C, where no inputs act; give forces that act always to the model, as drives."
     layout = motion.state
-    return (
-        f"{ROLLOUT}{IN_C.get(method)}" in motion.library.source.integrators
-        and motion.inputs.are_absent
-        and (not layout.homogeneous or bool((np.abs(layout.lengths(start) - 1) < 1e-12).all()))
-    )
+    if layout.homogeneous and (np.abs(layout.lengths(start) - 1) > _OF_LENGTH_ONE).any():
+        return "It runs in C, where quaternions have length 1."
+    return ""
+
+
+_OF_LENGTH_ONE = 1e-12
+"""Distance from 1 of the length of a quaternion that is rounding."""
 
 
 @dataclass(frozen=True)
@@ -49,14 +63,14 @@ class CompiledSteps:
     Attributes:
         motion: Right side of the equations of motion, on which nothing acts from outside.
         method: One of `IN_C`.
-        one_step: The same step in NumPy, which says what fails where a step fails.
+        one_step: The same step in NumPy, which says what fails where a step fails; None where there is none.
         step: Largest step, s.
         compensated: Whether the rounding errors of the additions to the state are compensated.
     """
 
     motion: Motion
     method: str
-    one_step: Step
+    one_step: Step | None
     step: float
     compensated: bool = False
 
@@ -106,13 +120,22 @@ class CompiledSteps:
             done, state = done + part, states[-1]
 
     def _rollout(
-        self, state: Floats, time: float, steps: int, length: float, every: int
+        self,
+        state: Floats,
+        time: float,
+        steps: int,
+        length: float,
+        every: int,
+        library: Library | None = None,
     ) -> tuple[Floats, int]:
-        """Return the states of some steps, the first state included, and after how many steps one fails."""
+        """Return the states of some steps, the first state included, and after how many steps one fails.
+
+        Reports of failing steps are ignored unless a `library` is given, which has them.
+        """
         motion, layout = self.motion, self.motion.state
-        motion.evaluations += EVALUATIONS[self.method] * steps
+        motion.evaluations += _STAGES.get(self.method, 1) * steps
         inputs: LoadInputs = {"t": time} if "t" in motion.library.further_inputs else {}
-        found = motion.library.with_on_status("ignore").rollout(
+        found = (library or motion.library.with_on_status("ignore")).rollout(
             layout.x(state),
             layout.y(state),
             steps=steps,
@@ -129,7 +152,7 @@ class CompiledSteps:
         return whole, int(np.min(found.made))
 
     def _explain(self, states: Floats, times: Floats, made: int, length: float, rows: int) -> None:
-        """Say why a step fails or may be inaccurate, by the same steps in NumPy.
+        """Say why a step fails or may be inaccurate, by the same steps in NumPy, or in C one by one.
 
         Raises:
             StatusError: If accelerations are missing or not finite; the message has the time.
@@ -137,10 +160,19 @@ class CompiledSteps:
         row = made // rows
         time, state = float(times[row]), states[row]
         for _ in range(made - row * rows + 1):
-            change = self.one_step(self.motion, time, length, state)
-            time, state = time + length, state + change
+            if self.one_step is None:
+                state = self._reported_step(time, length, state)
+            else:
+                state = state + self.one_step(self.motion, time, length, state)
+            time += length
             if not np.isfinite(state).all():
                 return
+
+    def _reported_step(self, time: float, length: float, state: Floats) -> Floats:
+        """Return the state after a step in C, whose failure is reported as that of any function."""
+        states, _ = self._rollout(state, time, 1, length, 1, self.motion.library_at(time))
+        last: Floats = states[-1]
+        return last
 
     def advance(self, time: float, state: Floats, until: float) -> Floats:
         """Return the state at a later time (s) by one step from the state at `time`."""

@@ -11,7 +11,7 @@ from kanegen.choices import require_one
 from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.model.arguments import Floats
 from kanegen.model.numbers import finite
-from kanegen.simulation.compiled_steps import CompiledSteps, runs_in_c
+from kanegen.simulation.compiled_steps import CompiledSteps, why_not_in_c
 from kanegen.simulation.integration import (
     Leapfrog,
     Step,
@@ -33,7 +33,11 @@ FIXED: dict[str, Callable[[], Step]] = {
 }
 """Functions that return the step of each method with fixed steps."""
 
-METHODS = (*FIXED, *ADAPTIVE)
+ONLY_IN_C = ("Euler", "variational midpoint", "linearly implicit")
+"""Methods with fixed steps that only rollouts in C have: of order 1; of order 2, which keeps momenta to
+rounding; and of order 1, for stiff systems."""
+
+METHODS = (*FIXED, *ONLY_IN_C, *ADAPTIVE)
 """Methods of `simulate`: those with fixed steps, and those with a tolerance."""
 
 TOLERANCE = 1e-10
@@ -67,10 +71,19 @@ class Method:
         return self.step is None
 
     def integrator(self, motion: Motion, start: Floats) -> Integrator:
-        """Return the method for a motion from a first state; it runs in C where the library has it there."""
+        """Return the method for a motion from a first state; it runs in C where the library has it there.
+
+        Raises:
+            OptionError: If the method runs in C only, and not this motion.
+        """
         if self.step is None:
             return AdaptiveSteps(motion, self.name, self.tolerance)
-        if runs_in_c(self.name, motion, start):
+        hindrance = why_not_in_c(self.name, motion, start)
+        if self.name in ONLY_IN_C:
+            if hindrance:
+                raise OptionError(f"method {self.name!r}: {hindrance}")
+            return CompiledSteps(motion, self.name, None, self.step, self.compensated)
+        if not hindrance:
             return CompiledSteps(motion, self.name, FIXED[self.name](), self.step, self.compensated)
         return FixedSteps(motion, FIXED[self.name], self.step, self.compensated)
 

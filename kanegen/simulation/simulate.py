@@ -92,7 +92,10 @@ def simulate(
             in time, keeps the energy of a conservative system near its value in long motions, at about 7
             evaluations a step; "leapfrog" of order 2 and "semi-implicit Euler" of order 1 do so only where
             [A] is constant and forces depend on {x} alone, else the energy drifts (docs/accuracy.md has
-            figures). SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit
+            figures). Only in C there are "Euler" of order 1, "variational midpoint" of order 2, which keeps
+            momenta to rounding, and "linearly implicit" of order 1 for stiff systems. Where nothing acts from
+            outside, all but "leapfrog" run in C if the library has their rollouts, as one that is built for a
+            system does. SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit
             and of order 5, for stiff systems.
         every: Interval between the states of a motion of which the duration is given, s; by default about a
             200th of it, in whole steps.

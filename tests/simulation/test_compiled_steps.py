@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.special import ellipj, ellipk
 
 import kanegen as kg
+from kanegen.recursion.outputs.integrators import METHODS
 from kanegen.simulation import compiled_steps
-from kanegen.simulation.compiled_steps import CompiledSteps
+from kanegen.simulation.compiled_steps import IN_C, CompiledSteps
+from tests.support.moving_pendulum import GRAVITY, pendulum
 from tests.support.paths import MODELS
 
 OUTPUTS = ("forward_dynamics", "coordinate_rates", "kinetic_energy", "potential_energy")
@@ -86,6 +90,30 @@ def test_events_are_those_of_the_steps_in_numpy(libraries: tuple[kg.Library, kg.
         assert one.time == pytest.approx(other.time, abs=1e-12)
         assert np.abs(one.x - other.x).max() < 1e-12
     assert found.times[-1] == found.events[-1].time
+
+
+@pytest.mark.parametrize("method", sorted(IN_C))
+def test_methods_of_c_have_their_motion(method: str) -> None:
+    """A pendulum of 1 m from level and at rest, against the elliptic function, with the promised orders."""
+    system = pendulum().source.system
+    assert system is not None
+    library = kg.build(system, ("forward_dynamics", f"rollout_{IN_C[method]}"), flags="-O0")
+    errors = []
+    for step in (1 / 200, 1 / 400):
+        motion = kg.simulate(library, [0.0], [0.0], 1.0, method, every=0.1, step=step)
+        phi = 2 * np.arcsin(math.sqrt(0.5) * ellipj(math.sqrt(GRAVITY) * motion.times + ellipk(0.5), 0.5)[0])
+        errors.append(np.abs(motion.x[:, 0] - (phi - math.pi / 2)).max())
+    order = METHODS[IN_C[method]].order
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
+
+
+def test_methods_that_run_in_c_only_say_what_they_need() -> None:
+    system = pendulum().source.system
+    assert system is not None
+    with pytest.raises(kg.OptionError, match="'Euler': Build the library with the output 'rollout_euler'"):
+        kg.simulate(pendulum(), [0.0], [0.0], 1.0, "Euler", step=0.1)
+    with pytest.raises(kg.OptionError, match="'linearly implicit': It runs in C, where no inputs act"):
+        kg.simulate(system, None, None, 1.0, "linearly_implicit", step=0.1, inputs={"body1.theta3": 1.0})
 
 
 def test_the_time_reaches_forces_that_depend_on_it() -> None:
