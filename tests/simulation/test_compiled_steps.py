@@ -116,7 +116,9 @@ def test_methods_that_run_in_c_only_say_what_they_need() -> None:
         kg.simulate(system, None, None, 1.0, "linearly_implicit", step=0.1, inputs={"body1.theta3": 1.0})
 
 
-def test_the_time_reaches_forces_that_depend_on_it() -> None:
+def test_the_time_reaches_forces_that_depend_on_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also in the later parts of an interval with many steps."""
+    monkeypatch.setattr(compiled_steps, "_LONGEST", 16)
     system = kg.load(MODELS / "double_pendulum.toml")
     driven = system.with_force_elements(kg.Drive("q1", kg.parse("3*sin(5*t) - 0.1*y.q1")))
     found, expected = (
