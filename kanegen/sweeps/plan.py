@@ -11,10 +11,12 @@ from typing import Any
 from kanegen import __version__, compiler
 from kanegen.choices import require_one
 from kanegen.errors import OptionError, quoted
+from kanegen.extras import require
 from kanegen.library import Library
 from kanegen.model.saving import toml_text
 from kanegen.model.system import System
 from kanegen.options import Progress, chosen_variant, quiet
+from kanegen.sweeps.axes import EXTRA
 from kanegen.sweeps.chunk import Program, Result
 from kanegen.sweeps.design import BUILD_VARIANTS, NUMBERS, RUN_VARIANTS, Design, known_names
 from kanegen.sweeps.inputs import Inputs
@@ -24,8 +26,8 @@ from kanegen.sweeps.quantities import Quantity, quantities
 from kanegen.sweeps.statistics import IN_SECONDS, PATH
 from kanegen.sweeps.stores import AXIS, FORMAT, REASON, RESULT, ROW, manifest_text
 
-FORMATS = ("parquet", "zarr")
-"""Formats of the table of a sweep in a folder."""
+FORMATS = {"parquet": ("pyarrow",), "zarr": ("pyarrow", "zarr")}
+"""Formats of the table of a sweep in a folder, with the packages that write it and the bands."""
 
 _SECONDS = 0.1
 """Time in s that a chunk should take by its number of operations. An executor needs a millisecond or two for
@@ -209,10 +211,13 @@ def _digest(files: Mapping[str, str]) -> str:
     return hashlib.sha256(json.dumps(code, sort_keys=True).encode()).hexdigest()
 
 
-def require_format(store: str) -> None:
-    """Require that there is a format of tables.
+def require_format(store: str, in_folder: bool) -> None:
+    """Require that there is a format of tables, and what writes it where there is a folder.
 
     Raises:
         OptionError: If there is none of this name.
+        MissingError: If PyArrow, or for "zarr" Zarr, is not installed.
     """
     require_one("format", store, FORMATS)
+    for package in FORMATS[store] if in_folder else ():
+        require(package, EXTRA)

@@ -168,6 +168,9 @@ class SweepResult:
 
         Raises:
             OptionError: If there is no such column of numbers.
+
+        Example:
+            low, middle, high = found.quantiles("max.y.q2")
         """
         return np.asarray(np.quantile(self._usable(name), list(shares), axis=0))
 
@@ -176,6 +179,9 @@ class SweepResult:
 
         Raises:
             OptionError: If there is no such column of numbers, or all rows failed.
+
+        Example:
+            least, greatest = found.extremes("drift.energy")
         """
         values = self._usable(name)
         return values.min(axis=0), values.max(axis=0)
@@ -192,6 +198,9 @@ class SweepResult:
 
         Raises:
             OptionError: If there is no such column of numbers, or all rows failed.
+
+        Example:
+            counts, edges = found.histogram("end.x.q1", 50)
         """
         counts, ends = np.histogram(self._usable(name), edges)
         return counts, ends
@@ -275,6 +284,10 @@ class Band:
         times: (T,) times, s.
         bins: The bins, None before a row is finished.
         place: Place of the quantity among those of the bands.
+
+    Example:
+        band = found.bands("x.q1")
+        low, high = band.extremes()
     """
 
     name: str

@@ -108,7 +108,7 @@ def sweep(
         raise OptionError(f"system: {quoted(system)} is no system. Load one with kg.load(...).")
     if not isinstance(job, RolloutJob):
         raise OptionError(f"job: {quoted(job)} is no job. Make one with kg.RolloutJob(duration, step).")
-    require_format(format)
+    require_format(format, folder is not None)
     design = read_design(system, axes, _sampling(samples))
     with ExitStack() as stack:
         found = stack.enter_context(workers_of(executor, workers))
