@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kanegen.cli.loading import load_system
+from kanegen.cli.loading import load_system, with_places, with_selection
 from kanegen.cli.options import (
     AS_WRITTEN,
     AsJson,
+    Contacts,
     Coordinates,
     FloatingBase,
+    Frames,
     JointDynamics,
+    Loads,
     Lock,
     Model,
+    Points,
+    Reactions,
     RightAngles,
     Speeds,
     Without,
 )
 from kanegen.cli.terminal import collected_warnings, progress, screen, without_warnings
+
+if TYPE_CHECKING:
+    from kanegen.model.system import System
 
 
 def info(
@@ -32,6 +40,11 @@ def info(
     speeds: Speeds = None,
     coordinates: Coordinates = None,
     lock: Lock = None,
+    frames: Frames = None,
+    reactions: Reactions = None,
+    contacts: Contacts = None,
+    points: Points = None,
+    loads: Loads = None,
     verbose: Annotated[
         bool, typer.Option("--verbose", help="Name all frames, limits and bodies that a line counts.")
     ] = False,
@@ -64,16 +77,19 @@ def info(
     from kanegen.cli.summary import RightAngleChanges, summarize
     from kanegen.cli.summary_text import show
     from kanegen.model.right_angles import FOUR_DECIMALS
+    from kanegen.recursion.outputs import OUTPUTS
     from kanegen.studies.explain import exactness
 
+    def read(limit: float) -> System:
+        system = load_system(model, floating_base, limit, speeds, coordinates, lock, joint_dynamics)
+        system = with_places(system, points, loads)
+        return with_selection(system, tuple(OUTPUTS), frames, reactions, contacts)
+
     with collected_warnings() as left_out:
-        system = load_system(model, floating_base, right_angles, speeds, coordinates, lock, joint_dynamics)
+        system = read(right_angles)
     tolerance = right_angles or FOUR_DECIMALS
     with without_warnings():
-        written, exact = (
-            load_system(model, floating_base, limit, speeds, coordinates, lock, joint_dynamics)
-            for limit in (AS_WRITTEN, tolerance)
-        )
+        written, exact = read(AS_WRITTEN), read(tolerance)
     with progress() as report:
         found = exactness(written, exact, report)
         changes = RightAngleChanges(tolerance, bool(right_angles), found) if found else None

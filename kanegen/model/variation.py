@@ -332,6 +332,8 @@ class SystemVariations(SystemDescription):
             kg.load("robot.urdf").with_right_angles(5e-5)
         """
         limit = checked_tolerance(tolerance)
+        if limit == 0:
+            return self
 
         def exact(body: Body) -> Body:
             joint = body.joint.with_right_angles(limit)

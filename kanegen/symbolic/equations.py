@@ -301,7 +301,9 @@ class Equations:
         system, numbers = with_named_numbers(self.system)
         named = literal if system is self.system else derive(system, intermediates=False)
         motion = [*literal.y, *self.loads, *self.prescribed[1:, :]]
-        simplifier = Simplifier(literal.bodies, motion, numbers)
+        turned = [body.joint.orientation for body in self.system.bodies]
+        kept = turned == [body.joint.orientation for body in system.bodies]
+        simplifier = Simplifier((named if kept else literal).bodies, motion, numbers)
         directions = Directions(simplifier, named._start, everywhere)
         f = total([*(body.forcing for body in named.bodies), named._motors.forcing])
         forces = named._element_forces_along(directions.along)

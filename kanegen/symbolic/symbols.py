@@ -16,6 +16,7 @@ from sympy import Expr, Float, Integer, Symbol
 from kanegen.model.coordinates import COORDINATE_KINDS, SPEED_KINDS, Rotation
 from kanegen.model.expression import Expression
 from kanegen.model.numbers import Number, Parameter
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.operations import of_parameters
 
 EXACT_INTEGER_LIMIT = 2**31
@@ -104,12 +105,12 @@ def expression(value: Number) -> Expr:
 
 def column(values: Sequence[Number]) -> sympy.ImmutableMatrix:
     """Return numbers of a model as a column."""
-    return sympy.ImmutableMatrix([expression(value) for value in values])
+    return FiniteMatrix([expression(value) for value in values])
 
 
 def matrix(values: Sequence[Sequence[Number]]) -> sympy.ImmutableMatrix:
     """Return numbers of a model, row by row, as a matrix."""
-    return sympy.ImmutableMatrix([[expression(value) for value in row] for row in values])
+    return FiniteMatrix([[expression(value) for value in row] for row in values])
 
 
 def real(name: str) -> Symbol:

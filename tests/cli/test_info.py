@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from kanegen import KanegenWarning
+from kanegen import KanegenWarning, generate
 from kanegen.cli.model_facts import model_facts
 from kanegen.readers import load
 from tests.support.command import kanegen
@@ -44,6 +44,17 @@ def test_info_says_what_the_file_has_beside_the_equations(robot: str) -> None:
         "limits that leave no motion or no effort are taken for none: 'k' (lower and upper, velocity)" in text
     )
     assert "warning" not in done.stderr
+
+
+def test_what_is_selected_is_counted() -> None:
+    """The operations are those of the output for these frames, contacts, points and loads alone."""
+    options = ["--frames", "lower", "--contacts", "end:force1", "--points", "end=lower:0.3,0,0"]
+    facts = json.loads(kanegen("info", PENDULUM, *options, "--loads", "end", "--json").stdout)
+    system = load(PENDULUM).with_points({"end": ("lower", (0.3, 0, 0))}).with_loads("end")
+    system = system.with_poses(["lower"]).with_contacts(["end:force1"])
+    for output in ("body_poses", "forcing", "point_positions", "contact_forces"):
+        assert facts["operations"][output] == dict(generate(system, (output,)).operations)
+    assert "no body or frame 'lowe'" in kanegen("info", PENDULUM, "--frames", "lowe", status=2).stderr
 
 
 def test_verbose_names_every_limit(robot: str) -> None:

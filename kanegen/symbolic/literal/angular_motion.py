@@ -15,6 +15,7 @@ from sympy import ImmutableMatrix
 from kanegen.symbolic.literal.joint import NOTHING, JointEquations
 from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.literal.outward_property import outward_property
+from kanegen.symbolic.matrices import FiniteMatrix
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,14 +51,14 @@ class AngularEquations(JointEquations):
         It is the identity where the speeds are the components of the relative angular velocity.
         """
         if not self.body.joint.speeds_are_rates:
-            return ImmutableMatrix.eye(3)
+            return FiniteMatrix.eye(3)
         return self._named("angle_rate_matrix", self._orientation.rate_matrix)
 
     @cached_property
     def angle_rate_matrix_rate(self) -> ImmutableMatrix:
         """Time derivative of [P^AV_K], (3, 3), below Eq. (20)."""
         if not self.body.joint.speeds_are_rates:
-            return ImmutableMatrix.zeros(3, 3)
+            return FiniteMatrix.zeros(3, 3)
         return self._named("angle_rate_matrix_rate", self._orientation.rate_matrix_rate(self._turning_speeds))
 
     @cached_property

@@ -13,6 +13,7 @@ from kanegen.symbolic.literal.frames import frame_equations
 from kanegen.symbolic.literal.intermediates import QUANTITIES
 from kanegen.symbolic.literal.linear_motion import LinearEquations
 from kanegen.symbolic.literal.orientation import skew
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.symbols import column, expression, force, matrix, torque
 
 
@@ -52,15 +53,15 @@ class BodyEquations(LinearEquations):
         """{F'_K} of Eq. (37), (3, 1): weight m_K [R_K] {g} and the load on the body at G_K (N)."""
         weight = self.mass * self.rotation * column(self.system.gravity)
         if self.body.loads:
-            weight += self._in_body(ImmutableMatrix([force(self.number, axis) for axis in range(3)]))
+            weight += self._in_body(FiniteMatrix([force(self.number, axis) for axis in range(3)]))
         return weight
 
     @cached_property
     def torque(self) -> ImmutableMatrix:
         """{M'_K} of Eq. (37), (3, 1): the symbols of the load on the body, or zeros (N m)."""
         if not self.body.loads:
-            return ImmutableMatrix.zeros(3, 1)
-        return self._in_body(ImmutableMatrix([torque(self.number, axis) for axis in range(3)]))
+            return FiniteMatrix.zeros(3, 1)
+        return self._in_body(FiniteMatrix([torque(self.number, axis) for axis in range(3)]))
 
     def _in_body(self, load: ImmutableMatrix) -> ImmutableMatrix:
         """Return a load, (3, 1), in body components, from those of the frame that users of the body see."""
@@ -108,7 +109,7 @@ def total(parts: Iterable[ImmutableMatrix]) -> ImmutableMatrix:
     matrices = list(parts)
     rows, columns = matrices[0].shape
     entries = zip(*(matrix.flat() for matrix in matrices), strict=True)
-    return ImmutableMatrix(rows, columns, [Add(*terms) for terms in entries])
+    return FiniteMatrix(rows, columns, [Add(*terms) for terms in entries])
 
 
 def _symmetric_product(a: ImmutableMatrix, b: ImmutableMatrix) -> ImmutableMatrix:
@@ -120,4 +121,4 @@ def _symmetric_product(a: ImmutableMatrix, b: ImmutableMatrix) -> ImmutableMatri
         for j in range(i, n):
             products = [u * v for u, v in zip(columns_a[i], columns_b[j], strict=True) if u and v]
             result[i][j] = result[j][i] = Add(*products)
-    return ImmutableMatrix(result)
+    return FiniteMatrix(result)

@@ -9,6 +9,7 @@ from sympy import Add, Expr, ImmutableMatrix, S
 from kanegen.model.system import System
 from kanegen.symbolic.literal.dynamics import BodyEquations
 from kanegen.symbolic.literal.motors import MotorEquations
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.symbols import column
 
 HALF = S.Half
@@ -31,14 +32,14 @@ def gravity_energy(system: System, bodies: Sequence[BodyEquations]) -> Expr:
 
 def mass_center(bodies: Sequence[BodyEquations]) -> ImmutableMatrix:
     """Return the position of the mass centre of all bodies, (3, 1), inertial components (m)."""
-    moment = sum((body.mass * _center(body) for body in bodies), ImmutableMatrix.zeros(3, 1))
-    return ImmutableMatrix(moment / Add(*(body.mass for body in bodies)))
+    moment = sum((body.mass * _center(body) for body in bodies), FiniteMatrix.zeros(3, 1))
+    return FiniteMatrix(moment / Add(*(body.mass for body in bodies)))
 
 
 def linear_momentum(bodies: Sequence[BodyEquations]) -> ImmutableMatrix:
     """Return the sum of m {v_G} over the bodies, (3, 1), inertial components (kg m/s)."""
     parts = (body.mass * body.rotation.T * body.velocity_of_center for body in bodies)
-    return ImmutableMatrix(sum(parts, ImmutableMatrix.zeros(3, 1)))
+    return FiniteMatrix(sum(parts, FiniteMatrix.zeros(3, 1)))
 
 
 def angular_momentum(
@@ -53,16 +54,16 @@ def angular_momentum(
         motors: The motors.
         about: (3, 1) position {p} of the point from the inertial origin, inertial components (m).
     """
-    total = ImmutableMatrix.zeros(3, 1)
+    total = FiniteMatrix.zeros(3, 1)
     for body in bodies:
         velocity = body.mass * body.rotation.T * body.velocity_of_center
         total += body.rotation.T * body.inertia * body.angular_velocity
         total += (_center(body) - about).cross(velocity)
     for carrier, momentum in motors.spins:
         total += bodies[carrier - 1].rotation.T * momentum
-    return ImmutableMatrix(total)
+    return FiniteMatrix(total)
 
 
 def _center(body: BodyEquations) -> ImmutableMatrix:
     """Return {p_G} of a body from the inertial origin, (3, 1), inertial components (m)."""
-    return ImmutableMatrix(body.rotation.T * body.position_of_center)
+    return FiniteMatrix(body.rotation.T * body.position_of_center)

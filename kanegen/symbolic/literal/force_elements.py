@@ -28,6 +28,7 @@ from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.frames import frame_equations, point_position
 from kanegen.symbolic.literal.orientation import skew
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.state_symbols import StateSymbols
 from kanegen.symbolic.symbols import column, expression, point_force, point_moment
 
@@ -75,7 +76,7 @@ class ElementForces:
     def total(self) -> ImmutableMatrix:
         """The generalized forces, (n, 1); zeros where there are no elements and no loads on points."""
         self.intermediates.about("Force elements and loads on points")
-        none = ImmutableMatrix.zeros(len(self.system.freedoms), 1)
+        none = FiniteMatrix.zeros(len(self.system.freedoms), 1)
         return total([none, *self._joint_forces(), *self._spring_forces(), *self._point_loads()])
 
     @property
@@ -165,14 +166,14 @@ class ElementForces:
         for element in self.system.force_elements:
             if isinstance(element, PointLoad):
                 force, moment = (
-                    ImmutableMatrix([*map(value, three)]) for three in (element.force, element.moment)
+                    FiniteMatrix([*map(value, three)]) for three in (element.force, element.moment)
                 )
                 to_inertial = self._to_inertial(element.point, element.frame)
                 yield self._of_point_load(element.point, to_inertial * force, to_inertial * moment)
         for number, (_, point) in enumerate(self.system.points, start=1):
             if point.loads:
                 force, moment = (
-                    ImmutableMatrix([symbol(number, axis) for axis in range(3)])
+                    FiniteMatrix([symbol(number, axis) for axis in range(3)])
                     for symbol in (point_force, point_moment)
                 )
                 to_inertial = self._to_inertial(point.name, point.load_frame)
@@ -181,7 +182,7 @@ class ElementForces:
     def _to_inertial(self, point: str, frame: str) -> ImmutableMatrix:
         """Return the (3, 3) rotation to inertial components from those of the frame of a load on a point."""
         if not frame:
-            return ImmutableMatrix.eye(3)
+            return FiniteMatrix.eye(3)
         body = self.bodies[self.system.place(point)[0] - 1]
         return (frame_equations(self.system, frame).rotation * body.rotation).T
 
@@ -198,15 +199,15 @@ class ElementForces:
         """
         shares = FreedomMotions(self.system, expression).shares(Freedom(*place))
         rows = [effort * shares.get(freedom, S.Zero) for freedom in self.system.freedoms]
-        return ImmutableMatrix(len(rows), 1, rows)
+        return FiniteMatrix(len(rows), 1, rows)
 
     def _kinematics(self, end: End) -> _PointKinematics:
         """Return the motion of an end of a spring: a point or frame by name, or inertial coordinates (m)."""
         k, at = self.system.place(end) if isinstance(end, str) else (0, end)
         arm = point_position(self.system, at) if isinstance(at, Point) else column(at)
         if not k:
-            still = ImmutableMatrix.zeros(3, 1)
-            return _PointKinematics(arm, still, ImmutableMatrix.zeros(3, len(self.system.freedoms)))
+            still = FiniteMatrix.zeros(3, 1)
+            return _PointKinematics(arm, still, FiniteMatrix.zeros(3, len(self.system.freedoms)))
         body, label = self.bodies[k - 1], self._labels[str(end)]
         carried = body.relative_rotation * body.velocity_of_origin
         carried_y = body.relative_rotation * body.partial_velocity_of_origin
@@ -235,7 +236,7 @@ class ElementForces:
         rows, columns = value.shape
         places = ((i, j) for i in range(rows) for j in range(columns))
         entries = [self._named(f"{name}_{i + 1}_{j + 1}", value[i, j]) for i, j in places]
-        return ImmutableMatrix(rows, columns, entries)
+        return FiniteMatrix(rows, columns, entries)
 
     def _named(self, name: str, value: Expr) -> Expr:
         """Return a symbol for an expression, where intermediates are wanted."""

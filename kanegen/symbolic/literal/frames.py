@@ -9,6 +9,7 @@ from sympy import ImmutableMatrix
 from kanegen.model.body import Point
 from kanegen.model.system import System
 from kanegen.symbolic.literal.orientation import constant_orientation
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.symbols import column
 
 
@@ -27,7 +28,7 @@ class FrameEquations:
 
 def frame_equations(system: System, name: str) -> FrameEquations:
     """Return a frame by its name, "" for the frame of the model of a body."""
-    position, rotation = ImmutableMatrix.zeros(3, 1), ImmutableMatrix.eye(3)
+    position, rotation = FiniteMatrix.zeros(3, 1), FiniteMatrix.eye(3)
     for frame in system.frame_path(name):
         position += rotation.T * column(frame.position)
         rotation = constant_orientation(frame.orientation) * rotation

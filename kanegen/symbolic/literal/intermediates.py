@@ -12,6 +12,7 @@ from enum import Enum
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from kanegen.symbolic.definitions import Definition, is_atom
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.symbols import real
 
 
@@ -190,7 +191,7 @@ class Intermediates:
         rows, columns = matrix.shape
         entries = [[entry(matrix[i, j], i + 1, j + 1) for j in range(columns)] for i in range(rows)]
         self._definitions[name] = tuple(made)
-        return ImmutableMatrix(entries)
+        return FiniteMatrix(entries)
 
     def definitions(self, name: str) -> tuple[Definition, ...]:
         """Return the definitions of the entries of the quantity `name`."""

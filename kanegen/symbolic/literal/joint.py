@@ -22,10 +22,11 @@ from kanegen.symbolic.literal.orientation import (
     length_factor,
     orientation,
 )
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.state_symbols import StateSymbols
 from kanegen.symbolic.symbols import column, expression
 
-NOTHING = ImmutableMatrix.zeros(3, 1)
+NOTHING = FiniteMatrix.zeros(3, 1)
 """What prescribed motion causes where nothing is prescribed."""
 
 
@@ -55,12 +56,12 @@ class JointEquations:
     @cached_property
     def sines(self) -> ImmutableMatrix:
         """Sines of the three angles in Eq. (4), (3, 1); numbers where an angle is locked."""
-        return self._named("sines", ImmutableMatrix([sine for sine, _ in self._sines_cosines]))
+        return self._named("sines", FiniteMatrix([sine for sine, _ in self._sines_cosines]))
 
     @cached_property
     def cosines(self) -> ImmutableMatrix:
         """Cosines of the three angles in Eq. (4), (3, 1); numbers where an angle is locked."""
-        return self._named("cosines", ImmutableMatrix([cosine for _, cosine in self._sines_cosines]))
+        return self._named("cosines", FiniteMatrix([cosine for _, cosine in self._sines_cosines]))
 
     @cached_property
     def joint_orientation(self) -> ImmutableMatrix:
@@ -115,17 +116,17 @@ class JointEquations:
     @property
     def _turning_speeds(self) -> ImmutableMatrix:
         """(3, 1) rates of the three angles, or the components of the relative angular velocity (rad/s)."""
-        return ImmutableMatrix([self._speed(index) for index in ANGLES])
+        return FiniteMatrix([self._speed(index) for index in ANGLES])
 
     @property
     def _translation(self) -> ImmutableMatrix:
         """{s'_K}, (3, 1), in joint-frame components (m)."""
-        return ImmutableMatrix([self.coordinate(index) for index in TRANSLATIONS])
+        return FiniteMatrix([self.coordinate(index) for index in TRANSLATIONS])
 
     @property
     def _translation_rate(self) -> ImmutableMatrix:
         """{sdot'_K}, (3, 1), in joint-frame components (m/s)."""
-        return ImmutableMatrix([self._speed(index) for index in TRANSLATIONS])
+        return FiniteMatrix([self._speed(index) for index in TRANSLATIONS])
 
     def _speed(self, index: int) -> Expr:
         """Return the speed of freedom `index` of `FREEDOMS`, zero where it is locked (rad/s, m/s)."""
@@ -142,7 +143,7 @@ class JointEquations:
 
     def _prescribed(self, symbol: Callable[[int, int], Symbol], first: int) -> ImmutableMatrix:
         """Return (3, 1) parts of freedoms `first` to `first` + 2 that prescribed motion causes."""
-        return ImmutableMatrix(
+        return FiniteMatrix(
             [
                 Add(
                     *(
@@ -163,12 +164,12 @@ class JointEquations:
     @property
     def _y(self) -> ImmutableMatrix:
         """The column {y} of generalized speeds, (n, 1)."""
-        return ImmutableMatrix(self.symbols.speeds(self.system))
+        return FiniteMatrix(self.symbols.speeds(self.system))
 
     @property
     def _ydot(self) -> ImmutableMatrix:
         """The column {ydot} of their derivatives, (n, 1)."""
-        return ImmutableMatrix(self.symbols.accelerations(self.system))
+        return FiniteMatrix(self.symbols.accelerations(self.system))
 
     def _columns(self, block: ImmutableMatrix, first: int) -> ImmutableMatrix:
         """Return (3, n) zeros, with the columns of `block` for the freedoms `first` to `first` + 2.
@@ -181,8 +182,8 @@ class JointEquations:
             for freedom, share in self._shares(first + axis).items():
                 if freedom in number:
                     columns[number[freedom]] += share * block[:, axis]
-        return ImmutableMatrix.hstack(*columns)
+        return FiniteMatrix.hstack(*columns)
 
     def _named(self, quantity: str, value: ImmutableMatrix) -> ImmutableMatrix:
         """Return the matrix of a quantity with its longer entries named, where that is wanted."""
-        return self.intermediates.named(quantity, ImmutableMatrix(value))
+        return self.intermediates.named(quantity, FiniteMatrix(value))

@@ -16,6 +16,7 @@ from kanegen.symbolic.literal.angular_motion import AngularEquations
 from kanegen.symbolic.literal.joint import NOTHING
 from kanegen.symbolic.literal.orientation import skew
 from kanegen.symbolic.literal.outward_property import outward_property
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.symbols import column
 
 
@@ -26,8 +27,8 @@ class LinearEquations(AngularEquations):
     @outward_property
     def position_of_origin(self) -> ImmutableMatrix:
         """O_K from the inertial origin in K components, (3, 1) (m), Eq. (22)."""
-        lower = ImmutableMatrix.zeros(3, 1) if self.lower is None else self.lower.position_of_origin
-        return ImmutableMatrix(self.relative_rotation * (lower + self.offset))
+        lower = FiniteMatrix.zeros(3, 1) if self.lower is None else self.lower.position_of_origin
+        return FiniteMatrix(self.relative_rotation * (lower + self.offset))
 
     @cached_property
     def position_of_center(self) -> ImmutableMatrix:
@@ -76,7 +77,7 @@ class LinearEquations(AngularEquations):
     @outward_property
     def partial_velocity_of_origin_rate(self) -> ImmutableMatrix:
         """Time derivative of the partial velocities of O_K in **J** components, (3, n), Eq. (35)."""
-        rate = ImmutableMatrix.zeros(3, len(self.system.freedoms))
+        rate = FiniteMatrix.zeros(3, len(self.system.freedoms))
         if self.lower is not None:
             lower = self.lower
             rate += lower.relative_rotation * lower.partial_velocity_of_origin_rate

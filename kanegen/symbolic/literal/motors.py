@@ -21,6 +21,7 @@ from kanegen.symbolic.freedom_motion import FreedomMotions
 from kanegen.symbolic.literal.dynamics import BodyEquations, total
 from kanegen.symbolic.literal.frames import frame_equations
 from kanegen.symbolic.literal.orientation import skew
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.state_symbols import StateSymbols
 from kanegen.symbolic.symbols import column, expression
 
@@ -46,12 +47,12 @@ class MotorEquations:
         A coupled freedom with the factor a_i on freedom i adds its reflected inertia times a_i a_j.
         """
         parts = [inertia * rates * rates.T for inertia, rates in self._reflected()]
-        return total([ImmutableMatrix.zeros(self._n, self._n), *parts, *self._coupled()])
+        return total([FiniteMatrix.zeros(self._n, self._n), *parts, *self._coupled()])
 
     @property
     def forcing(self) -> ImmutableMatrix:
         """(n, 1) the part of {f} that belongs to rotors, and to motors that prescribed motion accelerates."""
-        return total([ImmutableMatrix.zeros(self._n, 1), *self._accelerated(), *self._required()])
+        return total([FiniteMatrix.zeros(self._n, 1), *self._accelerated(), *self._required()])
 
     @property
     def kinetic_energy(self) -> Expr:
@@ -131,7 +132,7 @@ class MotorEquations:
     def _rates(self, freedom: Freedom) -> ImmutableMatrix:
         """Return the (n, 1) rates of a freedom for unit {y}."""
         shares = self._motions.shares(freedom)
-        return ImmutableMatrix(self._n, 1, [shares.get(one, S.Zero) for one in self.system.freedoms])
+        return FiniteMatrix(self._n, 1, [shares.get(one, S.Zero) for one in self.system.freedoms])
 
     def _prescribed_acceleration(self, freedom: Freedom) -> Expr:
         """Return the part of the second derivative of a freedom that prescribed motion causes."""

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy
-from sympy import Expr, ImmutableMatrix, S
+from sympy import Expr, ImmutableMatrix, Integer, S
 
 from kanegen.model.coordinates import (
     NOTES,
@@ -23,6 +23,7 @@ from kanegen.model.coordinates import (
 )
 from kanegen.model.numbers import Matrix, Number, Vector
 from kanegen.program.constants import sine_cosine
+from kanegen.symbolic.matrices import FiniteMatrix
 from kanegen.symbolic.symbols import expression, matrix, rotation_coordinates
 
 
@@ -52,7 +53,7 @@ class Angles:
         Its columns are the axes of the three turns in components of body K.
         """
         first = self._turn(2) * self._first_axis
-        return ImmutableMatrix.hstack(first, self._turn(2) * self._axis(1), self._axis(2))
+        return FiniteMatrix.hstack(first, self._turn(2) * self._axis(1), self._axis(2))
 
     def rate_matrix_rate(self, rates: Sequence[Expr]) -> ImmutableMatrix:
         """Return the time derivative of [P^AV_K], (3, 3), below Eq. (20).
@@ -64,7 +65,7 @@ class Angles:
         first = self._turn_rate(2) * self._first_axis * u3
         first += self._turn(2) * self._turn_rate(1) * self._axis(0) * u2
         second = self._turn_rate(2) * self._axis(1) * u3
-        return ImmutableMatrix.hstack(first, second, sympy.zeros(3, 1))
+        return FiniteMatrix.hstack(first, second, sympy.zeros(3, 1))
 
     @property
     def rate_inverse(self) -> ImmutableMatrix:
@@ -75,9 +76,9 @@ class Angles:
         """
         _, second, third = self.axes
         across = 3 - second - third
-        one = ImmutableMatrix.eye(3)[across, :] / self._first_axis[across]
+        one = FiniteMatrix.eye(3)[across, :] / self._first_axis[across]
         three = self._axis(2).T - self._first_axis[third] * one
-        return ImmutableMatrix.vstack(one, self._axis(1).T, three) * self._turn(2).T
+        return FiniteMatrix.vstack(one, self._axis(1).T, three) * self._turn(2).T
 
     @property
     def _first_axis(self) -> ImmutableMatrix:
@@ -86,7 +87,7 @@ class Angles:
 
     def _axis(self, i: int) -> ImmutableMatrix:
         """Return the basis vector about which angle `i` turns, (3, 1)."""
-        return ImmutableMatrix.eye(3)[:, self.axes[i]]
+        return FiniteMatrix.eye(3)[:, self.axes[i]]
 
     def _turn(self, i: int) -> ImmutableMatrix:
         """Return the rotation by angle `i`: components before to components after the turn, (3, 3)."""
@@ -98,13 +99,13 @@ class Angles:
 
     def _planar(self, i: int, along: int, sine: Expr, cosine: Expr) -> ImmutableMatrix:
         """Return a matrix in the pattern of a turn about axis `i`, with `along` on the axis."""
-        entries = sympy.zeros(3, 3)
+        entries = [[S.Zero] * 3 for _ in range(3)]
         k = self.axes[i]
         m, n = (k + 1) % 3, (k + 2) % 3
-        entries[k, k] = along
-        entries[m, m] = entries[n, n] = cosine
-        entries[m, n], entries[n, m] = sine, -sine
-        return ImmutableMatrix(entries)
+        entries[k][k] = Integer(along)
+        entries[m][m] = entries[n][n] = cosine
+        entries[m][n], entries[n][m] = sine, -sine
+        return FiniteMatrix(entries)
 
 
 @dataclass(frozen=True)
@@ -125,18 +126,18 @@ class Quaternion:
     @property
     def rotation(self) -> ImmutableMatrix:
         """(3, 3): components in the joint frame to components in body K, in place of [R_123]."""
-        scalar, vector = self.elements[0], ImmutableMatrix(self.elements[1:])
+        scalar, vector = self.elements[0], FiniteMatrix(self.elements[1:])
         turned = skew(vector) * skew(vector) - scalar * skew(vector)
-        return ImmutableMatrix.eye(3) + self.factor * turned
+        return FiniteMatrix.eye(3) + self.factor * turned
 
     @property
     def rate_matrix(self) -> ImmutableMatrix:
         """[P^AV_K], (3, 3): the identity, because the speeds are the components of the angular velocity."""
-        return ImmutableMatrix.eye(3)
+        return FiniteMatrix.eye(3)
 
     def rate_matrix_rate(self, _: Sequence[Expr]) -> ImmutableMatrix:
         """Time derivative of [P^AV_K], (3, 3): zero."""
-        return ImmutableMatrix.zeros(3, 3)
+        return FiniteMatrix.zeros(3, 3)
 
     @property
     def rate_inverse(self) -> ImmutableMatrix:
@@ -144,9 +145,9 @@ class Quaternion:
 
         These rates keep the length of the quaternion.
         """
-        scalar, vector = self.elements[0], ImmutableMatrix(self.elements[1:])
-        below = scalar * ImmutableMatrix.eye(3) + skew(vector)
-        return ImmutableMatrix.vstack(-vector.T, below) / 2
+        scalar, vector = self.elements[0], FiniteMatrix(self.elements[1:])
+        below = scalar * FiniteMatrix.eye(3) + skew(vector)
+        return FiniteMatrix.vstack(-vector.T, below) / 2
 
 
 Orientation = Angles | Quaternion
@@ -156,9 +157,9 @@ Orientation = Angles | Quaternion
 def length_factor(number: int, rotation: Rotation) -> ImmutableMatrix:
     """Return 2 over the squared length of the quaternion of a body, (1, 1); empty where it has none."""
     if not isinstance(rotation, QuaternionRotation):
-        return ImmutableMatrix([])
+        return FiniteMatrix([])
     squares = sum((element**2 for element in rotation_coordinates(number, rotation)), start=S.Zero)
-    return ImmutableMatrix([2 / squares])
+    return FiniteMatrix([2 / squares])
 
 
 def orientation(
@@ -187,7 +188,7 @@ def orientation(
 def skew(vector: ImmutableMatrix) -> ImmutableMatrix:
     """Return the (3, 3) matrix whose product with a column is the cross product of `vector` with it."""
     x, y, z = vector
-    return ImmutableMatrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return FiniteMatrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
 def constant_orientation(given: Matrix | Vector) -> ImmutableMatrix:
