@@ -130,7 +130,7 @@ def view(  # noqa: PLR0913  (an argument for every option)
     picture.save(file)
     print_plain(f"wrote {file}")
     if open_:
-        typer.launch(str(file.resolve()))
+        _open(file.resolve().as_uri())
 
 
 def _check(
@@ -202,5 +202,13 @@ def _serve(picture: View, port: int, open_: bool) -> None:
     with picture.live(port) as server:
         print_plain(f"serving {server.url} until Ctrl-C")
         if open_:
-            typer.launch(server.url)
+            _open(server.url)
         server.wait()
+
+
+def _open(address: str) -> None:
+    """Show an address in the browser of the user, or say that there is none."""
+    import webbrowser
+
+    if not webbrowser.open(address):
+        print_plain(f"no browser was found here; open {address} in one")

@@ -226,6 +226,18 @@ def test_a_motion_in_a_file_is_shown(
     )
 
 
+@pytest.mark.parametrize("has_browser", [True, False])
+def test_the_command_opens_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, has_browser: bool
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or has_browser)
+    file = tmp_path / "page.html"
+    printed = kanegen("view", str(MODELS / "cart_pole.toml"), "-o", str(file), "--open").stdout
+    assert opened == [file.as_uri()]
+    assert ("no browser was found here; open file://" in printed) is not has_browser
+
+
 def test_simulate_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     model = str(MODELS / "double_pendulum.toml")
