@@ -141,6 +141,7 @@ def test_pages_of_larger_models_are_small_and_have_the_bits_of_native_code(brows
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*this is not read:kanegen.errors.KanegenWarning")
 @pytest.mark.parametrize("robot", ["panda", "go2"])
 def test_pages_of_robots_are_small_and_show_a_picture(browser, folder, robot):
     page = kg.web(kg.load(robot_file(robot), floating_base=robot == "go2"))
