@@ -30,7 +30,7 @@ class LinearStep:
 
     Example:
         one = library.step_derivatives(x, y, tau, step=0.01)
-        gain = scipy.linalg.solve_discrete_are(one.A, one.B, Q, R)
+        cost = scipy.linalg.solve_discrete_are(one.A, one.B, Q, R)
     """
 
     x: Floats
@@ -82,7 +82,7 @@ class StepDerivatives(Rollouts):
         Example:
             library = kg.build(system, outputs=("step_rk4_derivatives",))
             one = library.step_derivatives(x, y, step=0.01)
-            change = one.A @ np.concatenate([dx, dy]) + one.B @ dtau
+            change = one.A @ np.array([0.01, 0.0, 0.0, 0.0]) + one.B @ np.array([0.0, 0.1])
         """
         chosen = METHODS[self._method(method)]
         if not chosen.has_derivatives:
