@@ -155,6 +155,29 @@ def test_inputs_over_time() -> None:
     assert stairs.y[-1] == pytest.approx(before[1], rel=1e-12, abs=1e-13)
 
 
+@pytest.mark.parametrize("method", ["rk4", "implicit_midpoint"])
+def test_prescribed_motion_has_rows_within_steps(method: str) -> None:
+    """A car on a road that rises and falls, against the same method in NumPy with the road as a function."""
+    compiled = library("quarter_car", "rollout_rk4", "rollout_implicit_midpoint")
+
+    def road(time: float) -> np.ndarray:
+        return 0.05 * np.array([[np.sin(9 * time)], [9 * np.cos(9 * time)], [-81 * np.sin(9 * time)]])
+
+    steps, step = 30, 0.005
+    rows = np.array([road(time) for time in np.linspace(0.0, steps * step, 2 * steps + 1)])
+    x, y = 0.02 * np.ones((2, 2, compiled.n))
+    found = compiled.rollout(x, y, prescribed=rows, steps=steps, step=step, method=method, hold="quadratic")
+    times = np.linspace(0.0, steps * step, steps + 1)
+    python = kg.simulate(compiled, x, y, times, prescribed=road, method=PYTHON_NAMES[method], step=step)
+    assert found.y.swapaxes(0, 1) == pytest.approx(python.y, rel=1e-11, abs=1e-12)
+    still = compiled.rollout(x, y, prescribed=np.zeros((3, 1)), steps=2, step=step, method=method)
+    assert np.isfinite(still.y).all()
+    with pytest.raises(ArrayError, match='Give hold="quadratic"'):
+        compiled.rollout(x, y, prescribed=rows[:steps], steps=steps, step=step, method=method)
+    with pytest.raises(ArrayError, match="prescribed: missing, but the result depends on this input"):
+        compiled.rollout(x, y, steps=steps, step=step, method=method)
+
+
 def test_shapes_of_inputs_in_a_batch() -> None:
     compiled = library("cart_pole", "rollout_rk4")
     x, y = states(compiled, 3)
@@ -304,8 +327,10 @@ def test_options_that_do_not_fit(change: dict[str, object], message: str) -> Non
 
 def test_systems_without_steps() -> None:
     quarter_car = kg.load(MODELS / "quarter_car.toml")
-    with pytest.raises(OptionError, match="has prescribed freedoms"):
+    with pytest.raises(OptionError, match="has prescribed freedoms, whose motion within a step"):
         kg.generate(quarter_car, ("step_rk4",))
+    with pytest.raises(OptionError, match="whose momenta its method does not know"):
+        kg.generate(quarter_car, ("rollout_variational_midpoint",))
     satellite = kg.load(MODELS / "satellite.toml")
     with pytest.raises(OptionError, match="is for speeds that are rates of coordinates"):
         kg.generate(satellite, ("step_variational_midpoint",))

@@ -39,6 +39,9 @@ HOLDS: dict[str, Callable[[int], int]] = {
 }
 """Number of rows of an input over a number of steps, by the way in which it is held between them."""
 
+PRESCRIBED = "prescribed"
+"""Name of the input of the motion of prescribed freedoms."""
+
 Counts = NDArray[np.uintp]
 """Numbers of steps."""
 
@@ -121,6 +124,8 @@ class RolloutCall:
         self._held = {array.name for array in rollout.held}
         self._by_state = PREPARED not in rollout.step.shared
         self._unloaded = {name: model.unloaded(kind) for name, kind in LOADS.items()}
+        words = {"count": len(model.prescribed_names), "prescribed": ", ".join(model.prescribed_names)}
+        self._meanings = {name: text.format(**words) for name, text in MODEL_DEPENDENT.items()}
         self._takes_loads, self._system = model.takes_loads, model.shown
 
     def __call__(
@@ -188,7 +193,7 @@ class RolloutCall:
             elif name == "y":
                 found[name] = Input(companion(name, value, array.shape, batch, self._dtype, "x"))
             elif name not in self._held:
-                needed = required(name, value, MODEL_DEPENDENT[name])
+                needed = required(name, value, self._meanings[name])
                 found[name] = Input(load(name, needed, array.shape, batch, self._dtype, {}))
             else:
                 found[name] = self._rows(array, value, batch, course)
@@ -204,7 +209,7 @@ class RolloutCall:
         name, shape = array.name, array.shape
         if value is None and name in OPTIONAL:
             return Input(np.zeros(0, self._dtype), 0)
-        given = floats(name, value, self._dtype)
+        given = floats(name, required(name, value, self._meanings.get(name, "")), self._dtype)
         rows, before = HOLDS[course.hold](course.steps), given.ndim - len(shape)
         lead = given.shape[:before] if before >= 0 and given.shape[before:] == shape else None
         meanings = [
@@ -216,6 +221,11 @@ class RolloutCall:
             raise ArrayError(
                 f"{name}: expected {shape} for a constant or {(rows, *shape)} for {course.hold} hold over "
                 f"{course.steps} steps{', in a batch with B in front' if batch else ''}; got {given.shape}."
+            )
+        if name == PRESCRIBED and rows in (lead or ())[-1:] and course.hold != "quadratic":
+            raise ArrayError(
+                f"{name}: rows at the start, the middle and the end of each step are needed, whose values "
+                'and rates belong together. Give hold="quadratic".'
             )
         if lead and batch == (rows,) and len(lead) == 1 and rows > 1:
             raise ArrayError(

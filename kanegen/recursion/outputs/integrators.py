@@ -57,6 +57,11 @@ class Method:
     cost_with_derivatives: str = ""
 
     @property
+    def takes_prescribed(self) -> bool:
+        """Whether freedoms may be prescribed; the momenta of the variational rule do not contain theirs."""
+        return "mass_matrix_inverse" not in self.needs
+
+    @property
     def functions(self) -> tuple[str, str]:
         """Names of its functions, that of one step first."""
         return STEP + self.name, ROLLOUT + self.name
@@ -177,9 +182,9 @@ def composed_of(system: System, integrators: Iterable[str]) -> tuple[str, ...]:
 
 def available_methods(system: System) -> tuple[str, ...]:
     """Return the names of the methods that a system has, unless its [A] is singular."""
-    if system.contacts or system.prescribed:
+    if system.contacts:
         return ()
-    every = METHODS.values()
+    every = [one for one in METHODS.values() if one.takes_prescribed or not system.prescribed]
     return tuple(one.name for one in every if system.speeds_are_rates or one.needs_further is not None)
 
 
@@ -192,7 +197,8 @@ def require_steps(system: System, integrators: Iterable[str], storage: str) -> N
         storage: Name of the precision of the arrays.
 
     Raises:
-        OptionError: If the system has contacts or prescribed freedoms, or the arrays hold pairs of doubles.
+        OptionError: If the system has contacts, or prescribed freedoms or speeds that the function does not
+            take, or the arrays hold pairs of doubles.
     """
     for name in integrators:
         if storage == "double-double":
@@ -210,8 +216,13 @@ def require_steps(system: System, integrators: Iterable[str], storage: str) -> N
                 f"{quoted(system.name)} has others. Take implicit_midpoint, or angles with their rates by "
                 'coordinates="angles" and speeds="angle_rates".'
             )
-        if system.prescribed:
+        if system.prescribed and not name.startswith(ROLLOUT):
             raise OptionError(
                 f"output {name!r}: system {quoted(system.name)} has prescribed freedoms, whose motion within "
-                "a step is not known. Take kg.simulate, which asks for it."
+                f"a step is not known. Take {INTEGRATORS[name].functions[1]}, which has rows for it."
+            )
+        if system.prescribed and not INTEGRATORS[name].takes_prescribed:
+            raise OptionError(
+                f"output {name!r}: system {quoted(system.name)} has prescribed freedoms, whose momenta its "
+                "method does not know. Take rollout_implicit_midpoint."
             )
