@@ -34,7 +34,7 @@ def sweep(
             "--output-dir",
             "-o",
             metavar="DIR",
-            help="Folder for the results; by default that of the file, else <SWEEP>-results.",
+            help="Folder for the results; by default that of the file, else SWEEP-results.",
             show_default=False,
         ),
     ] = None,

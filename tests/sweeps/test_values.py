@@ -12,6 +12,8 @@ from scipy.integrate import solve_ivp
 
 import kanegen as kg
 from kanegen.reference import equations as reference
+from kanegen.sweeps.statistics import STATISTICS
+from tests.support.paths import ROOT
 from tests.support.sweeps import AXES, RESULTS, job, pendulum, swept
 
 OUTPUTS = ("rollout_rk4", "kinetic_energy", "potential_energy")
@@ -137,6 +139,11 @@ def test_statistics_over_time() -> None:
         assert row["time_of_max.y.q1"] == times[path.argmax()]
         assert row["time_of_min.y.q1"] == times[path.argmin()]
         assert row["time_of_zero.y.q1"] == 0
+
+
+@pytest.mark.parametrize("text", [kg.RolloutJob.__doc__, (ROOT / "docs" / "sweep.md").read_text()])
+def test_documents_name_all_statistics(text: str) -> None:
+    assert [name for name in STATISTICS if f'"{name}"' not in text and f"`{name}`" not in text] == []
 
 
 def test_times_of_zeros() -> None:
