@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from rich.markup import escape
 
 from kanegen.cli.loading import load_system, with_places, with_selection
 from kanegen.cli.options import (
@@ -336,7 +337,7 @@ def _finish_broken(
     reached = f"t = {motion.times[-1]:.9g} s"
     if isinstance(stopped, KeyboardInterrupt):
         notices.release()
-        errors.print(f"[bold red]interrupted[/] after {reached}.{written}")
+        errors.print(escape(f"the motion ends at {reached}.{written}"))
         sys.exit(INTERRUPTED)
     fail(type(stopped)(f"{stopped}{written if len(motion.times) > 1 else ''}"))
 

@@ -94,8 +94,9 @@ def _unit(unit: str, axes: Sequence[Axis], place: Sequence[int]) -> str:
 def axes_of(source: Source, output: str) -> list[Axis]:
     """Return the axes of the array of an output, none for a single number."""
     shape = output_array(source, output).shape
-    of = output.removesuffix("_derivatives") if output in DERIVATIVES else output
-    known = _known_axes(source.model, of)
+    known = _known_axes(source.model, output.removesuffix("_derivatives"))
+    if output in DERIVATIVES:  # whose unit is one over those of the columns
+        known = [Axis(axis.name, axis.labels) for axis in known]
     axes = [axis for axis, size in zip(known, shape, strict=False) if len(axis.labels) == size]
     return axes + [_numbered(size) for size in shape[len(axes) :]]
 

@@ -62,7 +62,7 @@ class Promise:
                 if name != "float"
             ]
             lines.append(
-                f"chaotic: a difference grows e-fold in {self.growth.lyapunov_time:.3g} s, by "
+                f"chaotic or unstable: a difference grows e-fold in {self.growth.lyapunov_time:.3g} s, by "
                 f"{self.growth.factors[-1]:.0e} in all; rounding allows {self.asked:g} until about "
                 f"{' and '.join(horizons)} precision"
             )
@@ -78,8 +78,9 @@ class Promise:
     @property
     def refusal(self) -> str:
         """Why the error is not promised up to the end, in one line."""
+        period = f"{self.growth.lyapunov_time:.3g} s"
         cause = (
-            f"the motion is chaotic, a difference grows e-fold in {self.growth.lyapunov_time:.3g} s"
+            f"the motion is chaotic or unstable, a difference grows e-fold in {period}"
             if self.growth.is_chaotic
             else "no method reaches it in a bounded number of steps"
         )

@@ -164,6 +164,7 @@ def simulate(
     acting = Inputs.of(library, effort, prescribed, inputs, hold)
     acting.require_span(float(moments[0]), float(moments[-1]))
     crossings = [Crossing.of(event, library) for event in happenings]
+    _warn_of_contacts(library)
     first = _first_state(library, x, y)
     promise = None
     if error is not None:
@@ -404,6 +405,16 @@ def _check_library(library: Library, method: Method) -> None:
         raise OptionError(
             f"method {method.name!r} computes with doubles, but the arrays of system {library.name!r} are "
             f'{library.storage!r}. Build it with storage="double", or take fixed steps.'
+        )
+
+
+def _warn_of_contacts(library: Library) -> None:
+    """Warn that contacts of a model, which its equations have in `contact_dynamics` alone, do not hold."""
+    if contacts := library.source.model.contacts:
+        shown = f"{contacts[0]}{', ...' * (len(contacts) > 1)}"
+        warn(
+            f"the motion of {library.name} is one without its contacts ({shown}): they hold in the output "
+            "contact_dynamics alone."
         )
 
 

@@ -124,7 +124,7 @@ def test_an_interruption_keeps_what_was_computed(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(Record, "add", interrupted)
     file = tmp_path / "kept.csv"
     done = kanegen(*SHORT[:-2], "--tolerance", "1e-8", "-o", str(file), status=130)
-    assert "interrupted after t = 0.5" in done.stderr
+    assert "the motion ends at t = 0.5" in done.stderr
     frame = pandas.read_csv(file)
     assert 0.5 < frame["t"].iloc[-1] < 0.9
     assert "RK4" not in done.stdout and "DOP853, tolerance 1e-08" in done.stdout
@@ -133,13 +133,25 @@ def test_an_interruption_keeps_what_was_computed(tmp_path: Path, monkeypatch: py
 @pytest.mark.slow
 def test_a_signal_ends_a_process_with_its_file_whole(tmp_path: Path) -> None:
     file = tmp_path / "kept.csv"
-    command = [sys.executable, "-m", "kanegen", "simulate", PENDULUM, "--duration", "1e6", "--every", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "kanegen",
+        "simulate",
+        PENDULUM,
+        "--duration",
+        "1e6",
+        "--every",
+        "1",
+        "--x",
+        "q1=0.3",
+    ]
     running = subprocess.Popen([*command, "--tolerance", "1e-12", "-o", str(file)], stderr=subprocess.PIPE)
     time.sleep(15)
     os.kill(running.pid, signal.SIGINT)
     _, said = running.communicate(timeout=60)
     assert running.returncode == 130
-    assert b"interrupted after t = " in said
+    assert b"the motion ends at t = " in said
     assert len(pandas.read_csv(file)) > 1
 
 

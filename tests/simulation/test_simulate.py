@@ -17,6 +17,7 @@ from kanegen.simulation import Trajectory, mescd, simulate
 from kanegen.simulation.accuracy import drift
 from kanegen.simulation.methods import FIXED
 from tests.support.moving_pendulum import GRAVITY, OUTPUTS, pendulum
+from tests.support.paths import MODELS
 
 TIMES = np.linspace(0.0, 10.0, 41)
 
@@ -251,3 +252,10 @@ def test_without_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_representation() -> None:
     assert repr(run("RK4", step=0.25)) == "<Trajectory of pendulum: 41 times from 0 to 10 s, 160 evaluations>"
+
+
+def test_contacts_do_not_hold_and_the_user_is_told() -> None:
+    system = kg.load(MODELS / "double_pendulum.toml").with_points({"tip": ("lower", (0.7, 0.0, 0.0))})
+    held = system.with_contacts(kg.Contact(point="tip", directions=("force1",)))
+    with pytest.warns(kg.KanegenWarning, match="is one without its contacts .*: they hold in"):
+        kg.simulate(kg.build(held, ("forward_dynamics",), flags="-O0"), None, None, 0.1, step=0.05)
