@@ -42,6 +42,7 @@ from kanegen.errors import OptionError, SingularError, quoted
 from kanegen.library.equilibria import OUTPUTS as EQUILIBRIUM_OUTPUTS
 from kanegen.library.equilibria import Equilibria, find_equilibria
 from kanegen.library.linearization import LINEAR_OUTPUTS, outputs_needed
+from kanegen.library.long_work import long_work
 from kanegen.library.native.status import OnStatus
 from kanegen.linear import LinearModel
 from kanegen.linear.names import names_of
@@ -219,6 +220,7 @@ def build(
     among threads; see `library.load`. `on_status` says what the library does where a result is missing, not
     finite or not accurate: "warn", "raise", "ignore" or a function; see `Library.with_on_status`. With
     `parameters_by_state`, the argument `parameters` of every method may have a row for each state of a batch.
+    Without `progress`, a build of more than 5 s names its stages on a terminal.
 
     Raises:
         OptionError, ModelError, SingularError: As `generate`.
@@ -228,20 +230,21 @@ def build(
         library = kg.build(kg.load("models/double_pendulum.toml"))
         A = library.mass_matrix([0.1, 0.2])
     """
-    source = generate(
-        system,
-        outputs,
-        progress,
-        without,
-        precision,
-        tier,
-        speeds,
-        coordinates=coordinates,
-        functions=functions,
-        parameters_by_state=parameters_by_state,
-    )
-    progress("compiling")
-    return libraries.load(source, compiler, flags, threads, on_status)
+    with long_work(str(getattr(system, "name", system)), progress) as stage:
+        source = generate(
+            system,
+            outputs,
+            stage,
+            without,
+            precision,
+            tier,
+            speeds,
+            coordinates=coordinates,
+            functions=functions,
+            parameters_by_state=parameters_by_state,
+        )
+        stage("compiling")
+        return libraries.load(source, compiler, flags, threads, on_status)
 
 
 def linearize(
