@@ -10,7 +10,7 @@ from sphinx.application import Sphinx
 from kanegen.cli.app import app as kanegen_app
 
 
-def _commands() -> Iterator[tuple[str, Any]]:
+def commands() -> Iterator[tuple[str, Any]]:
     """Yield every command, those of groups of commands included, under its full name."""
     waiting = [("kanegen", typer.main.get_command(kanegen_app))]
     while waiting:
@@ -64,7 +64,8 @@ def _escaped(text: str) -> str:
     )
 
 
-def _section(name: str, command: Any) -> str:
+def section(name: str, command: Any) -> str:
+    """Return what the page says about a command."""
     help_text = _escaped(command.help or "").strip()
     lines = [f"## {name}", "", help_text, "", "```console", f"$ {_usage(name, command)}", "```", ""]
     for parameter in [*_arguments(command, "argument"), *_arguments(command, "option")]:
@@ -75,7 +76,7 @@ def _section(name: str, command: Any) -> str:
 def _add_commands(app: Sphinx, docname: str, source: list[str]) -> None:
     """Append a section for every command to the page."""
     if docname == app.config.command_line_page:
-        source[0] += "\n\n" + "\n".join(_section(name, command) for name, command in _commands())
+        source[0] += "\n\n" + "\n".join(section(name, command) for name, command in commands())
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -25,7 +25,8 @@ def prose(text: str) -> str:
 
 def _sections(lines: list[str]) -> Iterator[tuple[str, list[str]]]:
     """Yield the sections of a docstring by their headings; the text before them has the heading ""."""
-    heading, body = "", []
+    heading = ""
+    body: list[str] = []
     for line in lines:
         match = _HEADING.match(line)
         if match:
@@ -38,7 +39,8 @@ def _sections(lines: list[str]) -> Iterator[tuple[str, list[str]]]:
 
 def _entries(body: list[str]) -> Iterator[tuple[str, str]]:
     """Yield the names of a section such as Args with what it says of them."""
-    name, words = "", []
+    name = ""
+    words: list[str] = []
     for line in dedent("\n".join(body)).strip().splitlines():
         match = _ENTRY.match(line)
         if match:

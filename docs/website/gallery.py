@@ -12,9 +12,10 @@ import numpy as np
 from scipy.linalg import solve_continuous_are
 
 import kanegen as kg
+from kanegen.model.arguments import Floats
 from kanegen.simulation import Trajectory
 from kanegen.viewer.making import scene_of
-from website.moving_picture import Camera, Floats, moving_svg
+from website.moving_picture import Camera, moving_svg
 
 ROOT = Path(__file__).parents[2]
 FRAMES = 60

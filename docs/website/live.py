@@ -6,6 +6,7 @@ What was made is kept in build/live until its model or the programs change.
 
 import shutil
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 
 from sphinx.application import Sphinx
@@ -62,7 +63,7 @@ def _make_all(app: Sphinx) -> None:
         programs = [*Path(kg.__file__).parent.rglob("*.py"), *Path(__file__).parent.glob("*.py")]
         for scene in SCENES:
             model = ROOT / "models" / f"{scene.model}.toml"
-            _make(scene.model, lambda scene=scene: moving_page(scene), [model, *programs])
+            _make(scene.model, partial(moving_page, scene), [model, *programs])
         _make(
             GIMBAL_LOCK,
             gimbal_lock_page,

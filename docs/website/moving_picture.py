@@ -8,12 +8,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kanegen.model.arguments import Floats
 from kanegen.viewer.scene import Place, Scene, Shape
 from kanegen.viewer.skeleton import JOINT
-
-Floats = NDArray[np.float64]
 
 WIDTH, HEIGHT, MARGIN = 480, 320, 24
 """Size of a picture and its margin, in pixels."""

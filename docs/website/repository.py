@@ -41,9 +41,8 @@ def _page_of(path: Path) -> str | None:
 
 def _links(app: Sphinx) -> dict[str, set[str]]:
     """Return the paths that each document links to."""
-    if not hasattr(app.env, "repository_links"):
-        app.env.repository_links = {}
-    return app.env.repository_links
+    links: dict[str, set[str]] = app.env.__dict__.setdefault("repository_links", {})
+    return links
 
 
 def _link_files(app: Sphinx, doctree: nodes.document) -> None:
@@ -74,7 +73,8 @@ def _file_page(path: Path) -> str:
         lexer = get_lexer_for_filename(path.name)
     except ClassNotFound:
         return f'<div class="highlight"><pre>{escape(text)}</pre></div>'
-    return highlight(text, lexer, HtmlFormatter(linenos=False))
+    page: str = highlight(text, lexer, HtmlFormatter(linenos=False))
+    return page
 
 
 def _folder_page(path: Path) -> str:

@@ -2,11 +2,13 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from docutils.core import publish_doctree
 from docutils.utils import Reporter
 from mdit_py_plugins.anchors.index import slugify
+from website.command_line import commands, section
 from website.docstrings import restructured
 from website.mathml import mathml
 from website.tree import INDEX_PAGES, children
@@ -114,6 +116,20 @@ def test_what_is_no_markup_stays_as_it_is() -> None:
     assert ":returns: (n,), rad: or m." in lines
     assert ":raises OptionError: If `x` is missing." in lines
     assert "   kg.load(path)" in lines
+
+
+@pytest.mark.parametrize(("name", "command"), list(commands()))
+def test_a_command_is_described_with_all_its_options(name: str, command: Any) -> None:
+    text = section(name, command)
+    assert text.startswith(f"## {name}\n\n") and f"$ {name} " in text
+    assert all(
+        f"`{option}`" in text
+        for parameter in command.params
+        for option in parameter.opts[-1:]
+        if "-" in option
+    )
+    terms = re.findall(r"^`.*\n: \S", text, flags=re.MULTILINE)
+    assert len(terms) == len(command.params)
 
 
 def test_children_are_the_links_that_begin_items() -> None:
