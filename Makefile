@@ -51,7 +51,7 @@ growth: $(VENV)/.bench
 extremes: $(VENV)/.tests $(VENV)/.bench
 	$(BIN)/python -m tests.battery
 
-# Write the demonstration of gimbal lock, docs/gimbal-lock.html, and its picture at the top of the README; needs
+# Write the demonstration of gimbal lock, build/live/gimbal-lock.html, and its picture at the top of the README; needs
 # Chromium.
 gimbal-lock: $(VENV)/.tests
 	$(BIN)/python -m benchmarks.gimbal_lock

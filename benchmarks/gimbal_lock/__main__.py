@@ -1,4 +1,4 @@
-"""Writes the demonstration of gimbal lock to docs/gimbal-lock.html, and its picture to docs/gimbal-lock.png.
+"""Writes the demonstration of gimbal lock to build/live/, and its picture to docs/gimbal-lock.png.
 
 The picture shows the page `SHOWN` seconds of motion after its start, which it reaches by steps, not by time.
 """
@@ -14,7 +14,7 @@ from benchmarks.gimbal_lock.page import STEP, gimbal_lock
 from tests.support.browser import OpenPage, chromium
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "gimbal-lock.html"
+PAGE = ROOT / "build" / "live" / "gimbal-lock.html"
 PICTURE = ROOT / "docs" / "gimbal-lock.png"
 
 SHOWN = 2.0
@@ -33,6 +33,7 @@ PICTURES = 40
 def main() -> None:
     """Write the page and its picture."""
     page = gimbal_lock(print)
+    PAGE.parent.mkdir(parents=True, exist_ok=True)
     page.save(PAGE)
     still = PAGE.with_name("gimbal-lock-still.html")
     page.save(still, play=False)
