@@ -20,7 +20,7 @@ from kanegen.interop.pinocchio import state_map
 from kanegen.viewer.ellipsoids import THINNEST, equivalent_ellipsoid
 from kanegen.viewer.making import scene_of
 from kanegen.viewer.poses import body_poses, wxyz
-from kanegen.viewer.scene import Scene, Shape
+from kanegen.viewer.scene import MeshData, Scene, Shape
 from tests.support.mujoco_models import DATA, MujocoModel
 from tests.support.robots import robot_file
 from tests.support.systems import random_inertia, random_rotation
@@ -40,6 +40,11 @@ def placed(scene: Scene, system: kg.System, x: Any) -> list[tuple[Shape, np.ndar
         for shape in body.shapes
         if shape.role == "geometry"
     ]
+
+
+def vertices_of(mesh: MeshData) -> np.ndarray:
+    integers = np.frombuffer(base64.b64decode(mesh.vertices), "<u2").reshape(-1, 3)
+    return np.array(mesh.origin) + integers * np.array(mesh.step)
 
 
 def test_primitives_of_mjcf_stand_where_mujoco_puts_them() -> None:
@@ -66,6 +71,43 @@ def test_primitives_of_mjcf_stand_where_mujoco_puts_them() -> None:
             and (kind == "sphere" or rotation[:, 2] == pytest.approx(axis, abs=TOLERANCE))
             for shape, rotation, center in found
         ), place
+
+
+MESH_MODEL = """
+<mujoco model="wedge">
+  <compiler meshdir="meshes"/>
+  <asset><mesh name="wedge" file="wedge.stl" scale="0.5 0.4 0.3"/></asset>
+  <worldbody>
+    <body name="arm" pos="0.1 0.2 0.3" euler="10 20 30">
+      <joint name="hinge" axis="0 1 1"/>
+      <geom type="mesh" mesh="wedge" pos="0.05 -0.1 0.2" euler="40 50 60" rgba="1 0 0 1"/>
+      <geom type="box" size="0.1 0.2 0.3" group="3"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def test_meshes_of_mjcf_stand_where_mujoco_puts_them(tmp_path: Path) -> None:
+    """The compiler turns a mesh into its principal frame and scales it; the file has neither."""
+    (tmp_path / "meshes").mkdir()
+    corners = np.random.default_rng(4).uniform(-1, 2, (12, 3))
+    trimesh.convex.convex_hull(corners).export(tmp_path / "meshes" / "wedge.stl")
+    (tmp_path / "wedge.xml").write_text(MESH_MODEL)
+    system = kg.load(tmp_path / "wedge.xml")
+    scene = scene_of(system)
+    mujoco = extras.module("mujoco", extra=extras.MUJOCO)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "wedge.xml"))
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.7
+    mujoco.mj_kinematics(model, data)
+    expected = data.geom_xpos[0] + model.mesh_vert @ data.geom_xmat[0].reshape(3, 3).T
+    ((shape, rotation, center),) = placed(scene, system, [0.7])
+    assert shape.kind == "mesh" and shape.color == "#ff0000"
+    found = center + (vertices_of(scene.meshes[shape.mesh]) * shape.size) @ rotation.T
+    step = max(scene.meshes[shape.mesh].step)
+    distances = np.linalg.norm(found[:, None] - expected[None], axis=-1)
+    assert distances.min(axis=0).max() < 2 * step and distances.min(axis=1).max() < 2 * step
 
 
 def test_meshes_of_urdf_stand_where_pinocchio_puts_them() -> None:
@@ -144,8 +186,7 @@ def test_a_mesh_has_the_vertices_of_its_file(tmp_path: Path) -> None:
     mesh, sphere = geometry_of(scene, 1)
     assert (mesh.kind, mesh.size, sphere.kind) == ("mesh", [0.1] * 3, "sphere")
     (data,) = scene.meshes
-    integers = np.frombuffer(base64.b64decode(data.vertices), "<u2").reshape(-1, 3)
-    corners = np.array(data.origin) + integers * np.array(data.step)
+    corners = vertices_of(data)
     assert np.unique(np.abs(corners).round(4), axis=0).tolist() == [[1, 2, 3]]
     assert len(corners) == 8 and len(base64.b64decode(data.faces)) == 12 * 3 * 2
 
