@@ -80,8 +80,17 @@ def scene_of(system: System, x: ArrayLike | Mapping[str, float] | None = None) -
         gravity=floats(arrays.gravity),
         size=skeleton.size,
         start=finite_in_order("x", x, system.coordinate_names, system.neutral_coordinates),
-        notes=[ELLIPSOIDS, *geometry.notes, *(f"Not drawn: {one}" for one in geometry.left_out)],
+        notes=[
+            ELLIPSOIDS,
+            *geometry.notes,
+            *(f"Not drawn: {_without_folder(one, system)}" for one in geometry.left_out),
+        ],
     )
+
+
+def _without_folder(sentence: str, system: System) -> str:
+    """Return a sentence without the folder of the model, which a page for others should not name."""
+    return sentence.replace(f"{system.geometry.parent}/", "") if system.geometry else sentence
 
 
 def _coordinates(system: System, skeleton: Skeleton) -> list[SceneCoordinate]:
