@@ -233,7 +233,7 @@ class Rollout:
                 arguments.append(array.name)
             elif array in self.held:
                 rows = f"{array.name}_rows"
-                arguments.append(f"{array.name} + ({rows} ? {array.size}*{rows}*i : 0)")
+                arguments.append(f"{rows} ? {array.name} + {array.size}*{rows}*i : {array.name}")
                 arguments.append(rows)
             else:
                 arguments.append(f"{array.name} + {array.size}*i")
