@@ -213,6 +213,8 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
     groups = (name.partition(".")[0] for name in columns)
     named = dict.fromkeys([*asked, *(name for name in groups if name not in _STATES)])
     source: System | Library = system
+    if error is not None and tier != "strict":
+        raise OptionError("--tier: --error chooses the precision itself. Leave one of them out.")
     if error is None:
         chosen = chosen_method(method, step, tolerance, compensated)
         with progress() as report:

@@ -77,6 +77,11 @@ def test_events_outputs_and_inputs_have_names() -> None:
             "--input: 'q1' is given twice",
         ),
         (["--duration", "1", "--input", "q9=1"], "inputs: there is no 'q9'"),
+        (["--duration", "1", "--error", "1e-6", "--tier", "single"], "--error chooses the precision itself"),
+        (
+            ["--duration", "1", "--error", "1e-6", "--step", "0.1"],
+            "error: it chooses method, step and precision",
+        ),
         (["--duration", "1", "--method", "RK5"], "unknown method 'RK5'"),
         (["--duration", "1", "--method", "rk4"], "method 'RK4' needs a positive number of seconds"),
         (["--duration", "1", "--show", "x.q7"], "the motion of double_pendulum has no 'x.q7'"),

@@ -33,6 +33,7 @@ def test_the_python_of_the_page(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert np.isfinite(motion.x).all()
 
 
+@pytest.mark.slow
 def test_the_commands_of_the_page(
     monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
