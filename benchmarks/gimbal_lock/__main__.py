@@ -26,6 +26,9 @@ SIZE = (1200, 530)
 COLORS = 200
 """Colours of the picture, whose file is a third of what it would be with all."""
 
+MEASUREMENTS = 4
+"""Measurements of evaluations a second, of which the page shows the fastest."""
+
 PICTURES = 40
 """States between the start and the picture in which errors are drawn."""
 
@@ -42,7 +45,7 @@ def main() -> None:
         for _ in range(PICTURES):
             found.page.evaluate(f"kanegenWeb.shown.advance({round(SHOWN / STEP / PICTURES)})")
             found.page.evaluate("kanegenWeb.shown.show()")
-        found.page.wait_for_function("kanegenWeb.shown.rows.every((row) => row.rate.textContent)")
+        found.page.wait_for_function(f"kanegenWeb.shown.referenceRow.rates.length >= {MEASUREMENTS}")
         found.settle()
         with Image.open(io.BytesIO(found.page.screenshot())) as picture:
             picture.convert("RGB").quantize(COLORS).save(PICTURE, optimize=True)

@@ -60,7 +60,10 @@ def _make_all(app: Sphinx) -> None:
     """Make all pages that are missing or old."""
     if app.config.live_pages:
         MADE.mkdir(parents=True, exist_ok=True)
-        programs = [*Path(kg.__file__).parent.rglob("*.py"), *Path(__file__).parent.glob("*.py")]
+        scripts = (
+            path for path in (ROOT / "templates").rglob("*") if path.suffix in {".js", ".css", ".jinja"}
+        )
+        programs = [*Path(kg.__file__).parent.rglob("*.py"), *Path(__file__).parent.glob("*.py"), *scripts]
         for scene in SCENES:
             model = ROOT / "models" / f"{scene.model}.toml"
             _make(scene.model, partial(moving_page, scene), [model, *programs])

@@ -314,11 +314,13 @@ class Page {
     this.chart.draw();
   }
 
-  // Counts evaluations of the rates in turn, in the state where each motion is, for a few milliseconds.
+  // Counts evaluations of the rates in turn, in the state of the start, for a few milliseconds.
   #measure(turn = 0) {
     const all = [...this.competitors.map((one, i) => [one, this.rows[i]]), [this.reference, this.referenceRow]];
-    const [{ evaluator }, row] = all[turn % all.length];
+    const [{ evaluator, formulation }, row] = all[turn % all.length];
     const { forward_dynamics: evaluate } = evaluator.calls;
+    const kept = ["x", "y"].map((name) => evaluator.arrays[name].slice());
+    ["x", "y"].forEach((name) => evaluator.set(name, this.states[formulation][name]));
     let [count, passed] = [16, 0];
     while (passed < MEASURED && count < 1e7) {
       count *= 2;
@@ -326,6 +328,7 @@ class Page {
       for (let i = 0; i < count; i++) evaluate();
       passed = performance.now() - begin;
     }
+    ["x", "y"].forEach((name, i) => evaluator.arrays[name].set(kept[i]));
     row.rates = [...row.rates, (1000 * count) / passed].slice(-KEPT);
     row.rate.textContent = readable(Math.max(...row.rates));
     setTimeout(() => this.#measure(turn + 1), turn < all.length ? 0 : PAUSE);
