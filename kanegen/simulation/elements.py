@@ -57,6 +57,26 @@ def rate_unit(unit: str) -> str:
     return _RATES.get(unit, f"{unit}/s")
 
 
+def state_elements(model: ModelDescription) -> dict[str, tuple[Element, ...]]:
+    """Return names and units of coordinates "x", generalized speeds "y" and generalized forces "tau".
+
+    Example:
+        [one.name for one in state_elements(library.source.model)["x"]]  # ["x.theta3", ...]
+    """
+    forces = [{"rad": "N m", "m": "N"}[unit] for unit in model.freedom_units]
+    rates = [rate_unit(unit) for unit in model.freedom_units]
+    return {
+        "x": _named("x", model.coordinate_names, model.coordinate_units),
+        "y": _named("y", model.speed_names or model.freedom_names, rates),
+        "tau": _named("tau", model.freedom_names, forces),
+    }
+
+
+def _named(group: str, names: Sequence[str], units: Sequence[str]) -> tuple[Element, ...]:
+    """Return names and units of the columns of a state or of generalized forces."""
+    return tuple(Element(f"{group}.{name}", unit) for name, unit in zip(names, units, strict=True))
+
+
 def output_array(source: Source, output: str) -> Array:
     """Return the array that the functions of a source fill with an output."""
     for function in source.functions:

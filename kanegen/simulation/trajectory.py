@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,23 +14,20 @@ import numpy as np
 from kanegen import __version__
 from kanegen.choices import did_you_mean
 from kanegen.errors import OptionError, quoted
-from kanegen.library import Library
 from kanegen.linear.names import names_of
-from kanegen.model.arguments import Floats, NamedInputs
-from kanegen.model.arrays import Floats as Doubles
-from kanegen.model.force_elements import ForceElement, JointSpring, Potential, Spring
-from kanegen.model.numbers import value_of
-from kanegen.recursion.outputs import OUTPUTS
-from kanegen.simulation.accuracy import Drift, drift, mescd
-from kanegen.simulation.elements import Axis, Element, axes_of, elements, rate_unit
+from kanegen.model.arguments import Floats
+from kanegen.simulation.accuracy import mescd
+from kanegen.simulation.conservation import keeps_energy, keeps_momentum
+from kanegen.simulation.elements import Axis, Element, axes_of, elements, state_elements
 from kanegen.simulation.events import Occurrence
 from kanegen.simulation.picture import figure
 from kanegen.simulation.promise import Promise
 from kanegen.simulation.tables import TIME, Group, Table, data_frame, dataset, save, writer
+from kanegen.simulation.time_history import TimeHistory
 
 
 @dataclass(frozen=True, repr=False)
-class Trajectory:
+class Trajectory(TimeHistory):
     """The motion of a model from one state, or from B states at once.
 
     Attributes:
@@ -53,13 +50,6 @@ class Trajectory:
         last = trajectory.x[-1]
     """
 
-    library: Library
-    times: Doubles
-    x: Floats
-    y: Floats
-    work: Floats
-    evaluations: int
-    inputs: Mapping[str, Floats] = field(default_factory=dict)
     method: str = ""
     outputs: tuple[str, ...] = ()
     events: tuple[Occurrence, ...] = ()
@@ -68,11 +58,6 @@ class Trajectory:
     def __repr__(self) -> str:
         span = f"{len(self.times)} times from {self.times[0]:g} to {self.times[-1]:g} s"
         return f"<Trajectory of {self.library.name}: {span}, {self.evaluations} evaluations>"
-
-    @property
-    def states(self) -> int | None:
-        """Number B of states that moved at once; None for a single one."""
-        return self.x.shape[1] if self.x.ndim > 2 else None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -87,14 +72,7 @@ class Trajectory:
     @cached_property
     def _elements(self) -> dict[str, tuple[Element, ...]]:
         """Names and units of the columns of each group: "x", "y", "tau" and the outputs."""
-        model = self.library.source.model
-        forces = [{"rad": "N m", "m": "N"}[unit] for unit in model.freedom_units]
-        rates = [rate_unit(unit) for unit in model.freedom_units]
-        groups = {
-            "x": _named("x", self.library.coordinate_names, model.coordinate_units),
-            "y": _named("y", self.library.speed_names, rates),
-            "tau": _named("tau", self.library.freedom_names, forces),
-        }
+        groups = state_elements(self.library.source.model)
         if "tau" not in self.inputs:
             del groups["tau"]
         return groups | {name: elements(self.library.source, name) for name in self.outputs}
@@ -184,71 +162,6 @@ class Trajectory:
     def _flat(self, group: str) -> Floats:
         """Return the values of a group with one last axis for its columns."""
         return self._values(group).reshape(*self.x.shape[:-1], -1)
-
-    @property
-    def kinetic_energy(self) -> Doubles:
-        """(T,) or (T, B) kinetic energy, J.
-
-        Raises:
-            OptionError: If the library has no output `kinetic_energy`.
-        """
-        return self._over_time("kinetic_energy")
-
-    @property
-    def potential_energy(self) -> Doubles:
-        """(T,) or (T, B) potential energy of gravity and of force elements, J.
-
-        Raises:
-            OptionError: If the library has no output `potential_energy`.
-        """
-        return self._over_time("potential_energy")
-
-    @property
-    def momentum(self) -> Doubles:
-        """(T, 6) or (T, B, 6) linear momentum, kg m/s, and angular momentum about the mass centre, kg m^2/s.
-
-        Raises:
-            OptionError: If the library has no output `momentum`.
-        """
-        return self._over_time("momentum")
-
-    @property
-    def energy_drift(self) -> Drift:
-        """Drift of the energy less the work of the efforts, which is constant where nothing else does work.
-
-        The scale is the largest of the range of the kinetic energy, the range of the potential energy and the
-        first kinetic energy. None of these depends on where the potential energy is zero.
-
-        Raises:
-            OptionError: If the library has no energies, or nothing has moved.
-        """
-        kinetic, potential = self.kinetic_energy, self.potential_energy
-        scale = max(float(np.ptp(kinetic)), float(np.ptp(potential)), float(np.abs(kinetic[0]).max()))
-        if scale == 0.0:
-            raise OptionError("energy drift: nothing has moved, so there is no energy to compare it with.")
-        return drift(self.times, kinetic + potential - self.work, scale)
-
-    def momentum_drift(
-        self, linear: float | None = None, angular: float | None = None
-    ) -> tuple[Drift, Drift]:
-        """Return the drifts of linear and angular momentum, which are constant without loads from outside.
-
-        Args:
-            linear: Linear momentum that counts as one, kg m/s; by default the largest on the way.
-            angular: Angular momentum that counts as one, kg m^2/s; by default the largest on the way.
-
-        Raises:
-            OptionError: If the library has no output `momentum`, or nothing has moved and no scale is given.
-
-        Example:
-            linear, angular = trajectory.momentum_drift()
-        """
-        momentum = self.momentum
-        drifts = []
-        for part, scale in ((momentum[..., :3], linear), (momentum[..., 3:], angular)):
-            largest = float(np.linalg.norm(part, axis=-1).max())
-            drifts.append(drift(self.times, part, largest if scale is None else scale))
-        return drifts[0], drifts[1]
 
     def mescd(self, reference: Trajectory, floor: float = 1.0) -> float:
         """Return the correct digits of the least correct coordinate or speed at any time, as `mescd` does.
@@ -381,105 +294,20 @@ class Trajectory:
         act, the momentum where nothing acts from outside. The library must have the outputs.
         """
         parts = [self.method] if self.method else []
-        has_energies = {"kinetic_energy", "potential_energy"} <= set(self.library.source.outputs)
+        source = self.library.source
+        has_energies = {"kinetic_energy", "potential_energy"} <= set(source.outputs)
         with suppress(OptionError):  # where nothing moves there is no drift
-            if has_energies and self._keeps_energy:
+            if has_energies and keeps_energy(source, self.inputs):
                 parts.append(f"energy less work drifts by {self.energy_drift.largest:.1e}")
         with suppress(OptionError):
-            if "momentum" in self.library.source.outputs and self._keeps_momentum:
+            if "momentum" in source.outputs and keeps_momentum(source, self.inputs):
                 linear, angular = self.momentum_drift()
                 drifts = f"{linear.largest:.1e} and {angular.largest:.1e}"
                 parts.append(f"linear and angular momentum by {drifts}")
         return "; ".join(parts)
 
     @property
-    def _keeps_energy(self) -> bool:
-        """Whether the energy less the work of the efforts is constant."""
-        system = self.library.source.system
-        driven = "prescribed" in self.inputs and "prescribed_efforts" not in self.library.source.outputs
-        return (
-            system is not None
-            and not driven
-            and not system.depends_on_time
-            and self.inputs.keys() <= {"tau", "prescribed"}
-            and all(map(stores_energy, system.force_elements))
-        )
-
-    @property
-    def _keeps_momentum(self) -> bool:
-        """Whether nothing from outside acts on the bodies, so that their momentum is constant."""
-        system = self.library.source.system
-        return (
-            system is not None
-            and not self.inputs
-            and not any(map(value_of, system.gravity))
-            and all(all(body.joint.free) for body in system.bodies if not body.lower)
-        )
-
-    @property
     def _plotted(self) -> tuple[str, ...]:
         """Names of the columns that a picture shows unless others are asked for."""
         outputs = [name for name in self.outputs if len(self._elements[name]) == 1]
         return (*(one.name for group in ("x", "y") for one in self._elements[group]), *outputs)
-
-    def _over_time(self, output: str) -> Doubles:
-        """Return an output of the library at every time, called once for all states.
-
-        Raises:
-            OptionError: If the library was built without it.
-        """
-        if output == "forward_dynamics":
-            return self._accelerations
-        arguments: dict[str, Floats] = {"x": self.x, "y": self.y, **self.inputs}
-        if "ydot" in OUTPUTS[output].inputs and output in self.library.source.outputs:
-            arguments["ydot"] = self._accelerations
-        return self._evaluated(output, arguments)
-
-    @cached_property
-    def _accelerations(self) -> Doubles:
-        """(T, n) or (T, B, n) generalized accelerations {ydot}, rad/s^2 and m/s^2."""
-        return self._evaluated("forward_dynamics", {"x": self.x, "y": self.y, **self.inputs})
-
-    def _evaluated(self, output: str, arguments: Mapping[str, Floats]) -> Doubles:
-        """Return an output of the library from arguments with an axis for the times."""
-        lead = self.x.shape[:-1]
-        taken = [name for name in (*OUTPUTS[output].arguments, *self.library.further_inputs)]
-        given: NamedInputs = {}
-        for name in taken:
-            values = self.times if name == "t" else arguments.get(name)
-            if values is not None:
-                given[name] = _of_all_states(name, values, lead)  # type: ignore[literal-required]
-        found: Doubles = np.asarray(getattr(self.library, output)(**given), np.float64)
-        return found.reshape(*lead, *found.shape[1:])
-
-
-def _of_all_states(name: str, values: Floats, lead: tuple[int, ...]) -> Floats:
-    """Return the values of an argument with one first axis for all times and states.
-
-    Args:
-        name: Name of the argument.
-        values: Its values over the times, or over times and states; all states share those over the times.
-        lead: Numbers of times and, for several states, of states.
-    """
-    own = {"x": 1, "y": 1, "ydot": 1, "tau": 1, "t": 0}.get(name, 2)
-    if values.ndim < len(lead) + own:
-        values = values[:, None]
-    whole = np.broadcast_to(values, (*lead, *values.shape[len(lead) :]))
-    return np.ascontiguousarray(whole.reshape(-1, *values.shape[len(lead) :]))
-
-
-def _named(group: str, names: Sequence[str], units: Sequence[str]) -> tuple[Element, ...]:
-    """Return names and units of the columns of a state or of generalized forces."""
-    return tuple(Element(f"{group}.{name}", unit) for name, unit in zip(names, units, strict=True))
-
-
-def stores_energy(element: ForceElement) -> bool:
-    """Return whether a force element stores all energy that it takes: a spring without damping, a potential.
-
-    Example:
-        stores_energy(kg.JointSpring("elbow.theta3", stiffness=40.0))  # True
-    """
-    match element:
-        case JointSpring(damping=damping) | Spring(damping=damping):
-            return value_of(damping) == 0
-    return isinstance(element, Potential)
