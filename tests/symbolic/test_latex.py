@@ -46,7 +46,9 @@ def parse(formula: str) -> None:
     MathTextParser("agg").parse(f"${known}$")
 
 
-@pytest.mark.parametrize("name", ["double_pendulum", "furuta_pendulum", "satellite"])
+@pytest.mark.parametrize(
+    "name", ["double_pendulum", "furuta_pendulum", pytest.param("satellite", marks=pytest.mark.slow)]
+)
 def test_every_formula_is_read_by_a_strict_parser(name: str) -> None:
     found = set(formulas(document(name, symbolic=True)))
     assert len(found) > 15
