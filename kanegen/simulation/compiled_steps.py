@@ -36,24 +36,17 @@ _ALIKE = 1e-12
 """Relative difference of intervals that rounding of their ends makes."""
 
 
-def why_not_in_c(method: str, motion: Motion, start: Floats) -> str:
+def why_not_in_c(method: str, motion: Motion) -> str:
     """Return why the rollouts of a library do not compute a motion, in a sentence; "" if they do.
 
-    The work of what acts from outside is integrated in NumPy alone, and rollouts give quaternions length 1.
+    The work of what acts from outside is integrated in NumPy alone.
     """
     function = f"{ROLLOUT}{IN_C.get(method)}"
     if function not in motion.library.source.integrators:
         return f"Build the library with the output {function!r}."
     if not motion.inputs.are_absent:
         return "It runs in C, where no inputs act; give forces that act always to the model, as drives."
-    layout = motion.state
-    if layout.homogeneous and (np.abs(layout.lengths(start) - 1) > _OF_LENGTH_ONE).any():
-        return "It runs in C, where quaternions have length 1."
     return ""
-
-
-_OF_LENGTH_ONE = 1e-12
-"""Distance from 1 of the length of a quaternion that is rounding."""
 
 
 @dataclass(frozen=True)
@@ -114,9 +107,14 @@ class CompiledSteps:
             times[at_mark] = marks.times[left + whole[at_mark]]
             wanted = at_mark & marks.wanted[np.minimum(left + whole, right)]
             wanted[0] = False
-            yield Stretch(times, states, wanted)
+            kept = len(states) if made == part else made // rows + 1
+            yield Stretch(times[:kept], states[:kept], wanted[:kept])
             if made < part:
+                if made == 0 and times[0] == marks.times[0]:
+                    self.motion.evaluations = 0  # the motion does not begin, whatever the step
                 self._explain(states, times, made, length, rows)
+                wanted[kept - 1] = False
+                yield Stretch(times[kept - 1 :], states[kept - 1 :], wanted[kept - 1 :])
             done, state = done + part, states[-1]
 
     def _rollout(

@@ -9,7 +9,6 @@ from typing import Any
 
 from kanegen.choices import require_one
 from kanegen.errors import ModelError, OptionError, quoted
-from kanegen.model.arguments import Floats
 from kanegen.model.numbers import finite
 from kanegen.simulation.compiled_steps import CompiledSteps, why_not_in_c
 from kanegen.simulation.integration import (
@@ -70,15 +69,15 @@ class Method:
         """Whether the method chooses its steps."""
         return self.step is None
 
-    def integrator(self, motion: Motion, start: Floats) -> Integrator:
-        """Return the method for a motion from a first state; it runs in C where the library has it there.
+    def integrator(self, motion: Motion) -> Integrator:
+        """Return the method for a motion; it runs in C where the library has it there.
 
         Raises:
             OptionError: If the method runs in C only, and not this motion.
         """
         if self.step is None:
             return AdaptiveSteps(motion, self.name, self.tolerance)
-        hindrance = why_not_in_c(self.name, motion, start)
+        hindrance = why_not_in_c(self.name, motion)
         if self.name in ONLY_IN_C:
             if hindrance:
                 raise OptionError(f"method {self.name!r}: {hindrance}")

@@ -63,6 +63,19 @@ class StateLayout:
             found[..., list(places)] *= factors[..., k, None]
         return found
 
+    def with_first_lengths(self, states: Floats) -> Floats:
+        """Return states over the time, or their {x}, with homogeneous coordinates of the first lengths.
+
+        A length whose square is 0 or infinite, of which there is no orientation, stays as it is.
+        """
+        if not self.homogeneous:
+            return states
+        with np.errstate(over="ignore"):
+            lengths = self.lengths(states)
+        known = (lengths > 0) & np.isfinite(lengths)
+        factors = np.divide(lengths[0], lengths, where=known, out=np.ones_like(lengths))
+        return self.scaled(states, factors)
+
 
 @dataclass
 class Motion:

@@ -43,12 +43,9 @@ class Solver:
         record = Record([float(times[0])], [start])
         marks = Marks.of(times, self._inputs.breaks)
         with suppress(StatusError):
-            integrator = self._method.integrator(self._motion, start)
+            integrator = self._method.integrator(self._motion)
             run(self._motion, integrator, start, marks, None, record, lambda time: None)
-        states = record.arrays[1]
-        if self._layout.homogeneous:
-            states = self._layout.scaled(states, self._layout.lengths(start) / self._layout.lengths(states))
-        return states, self._motion.evaluations
+        return self._layout.with_first_lengths(record.arrays[1]), self._motion.evaluations
 
     def trajectory(self, x: Floats, y: Floats, times: Doubles, report_time: ReportTime) -> Trajectory:
         """Return the motion from a first state.
@@ -61,7 +58,7 @@ class Solver:
             raise ArrayError(f"x: method {self._method.name!r} takes one state, got {len(start)}.")
         if start.ndim > 1 and self._crossings:
             raise OptionError(f"events: a motion with events begins in one state, not in {len(start)}.")
-        integrator = self._method.integrator(self._motion, start)
+        integrator = self._method.integrator(self._motion)
         watch = Watch(self._motion, integrator, self._crossings) if self._crossings else None
         record = Record([float(times[0])], [start])
         marks = Marks.of(times, self._inputs.breaks)
@@ -76,10 +73,7 @@ class Solver:
     def _made(self, record: Record) -> Trajectory:
         """Return the trajectory of a record."""
         times, states = record.arrays
-        x, y = self._layout.x(states), self._layout.y(states)
-        if self._layout.homogeneous:
-            factors = self._layout.lengths(x[0]) / self._layout.lengths(x)
-            x = self._layout.scaled(x, factors)
+        x, y = self._layout.with_first_lengths(self._layout.x(states)), self._layout.y(states)
         found = Trajectory(
             self._library,
             times,

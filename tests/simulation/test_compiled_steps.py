@@ -73,10 +73,34 @@ def test_the_rollouts_are_used_where_nothing_acts(
     for library in libraries:
         kg.simulate(library, **start(library), times=1.0, step=0.01)
         kg.simulate(library, **start(library), times=1.0, step=0.01, inputs={"wheel.theta3": 1.0})
-        turned = start(library)
-        turned["x"][0] = 2.0  # rollouts would give the quaternion length 1
-        kg.simulate(library, **turned, times=1.0, step=0.01)
     assert len(calls) == 1
+
+
+@pytest.mark.parametrize("length", [1e-3, 3.0, 1e5])
+@pytest.mark.parametrize("batch", [(), (3,)])
+def test_quaternions_of_any_length_are_those_of_the_steps_in_numpy(
+    libraries: tuple[kg.Library, kg.Library],
+    batch: tuple[int, ...],
+    length: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Lengths have no meaning and stay: the motion is that of quaternions of length 1, up to rounding."""
+    calls: list[int] = []
+    rollout = CompiledSteps._rollout
+    monkeypatch.setattr(
+        CompiledSteps, "_rollout", lambda self, *rest: calls.append(1) or rollout(self, *rest)
+    )
+    scaled = start(libraries[0], batch)
+    scaled["x"][..., 0] = length
+    in_c, in_numpy = (kg.simulate(library, **scaled, times=2.0, step=0.01) for library in libraries)
+    assert calls
+    unit = kg.simulate(libraries[0], **start(libraries[0], batch), times=2.0, step=0.01)
+    assert np.abs(np.linalg.norm(in_c.x[..., :4], axis=-1) / length - 1).max() < 1e-15
+    for found in (in_c, in_numpy):
+        x = found.x.copy()
+        x[..., :4] /= length
+        assert np.abs(x - unit.x).max() < 1e-12
+        assert np.abs(found.y - unit.y).max() < 1e-12
 
 
 def test_events_are_those_of_the_steps_in_numpy(libraries: tuple[kg.Library, kg.Library]) -> None:
@@ -90,6 +114,18 @@ def test_events_are_those_of_the_steps_in_numpy(libraries: tuple[kg.Library, kg.
         assert one.time == pytest.approx(other.time, abs=1e-12)
         assert np.abs(one.x - other.x).max() < 1e-12
     assert found.times[-1] == found.events[-1].time
+
+
+def test_a_quaternion_of_length_zero_is_named(libraries: tuple[kg.Library, kg.Library]) -> None:
+    """With the same words where steps run in C and in NumPy."""
+    found = []
+    for library in libraries:
+        nowhere = start(library)
+        nowhere["x"][:] = 0.0
+        with pytest.raises(kg.StatusError, match=r"^at t = 0 s: .* quaternion of length 0") as error:
+            kg.simulate(library, **nowhere, times=1.0, step=0.01)
+        found.append(str(error.value))
+    assert found[0] == found[1]
 
 
 @pytest.mark.parametrize("method", sorted(IN_C))
