@@ -81,7 +81,7 @@ def test_help_that_the_readme_names_exists_and_has_the_methods_of_systems() -> N
 
 def test_make_targets_of_the_readme() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    targets = re.findall(r"make (\w+)", README)
+    targets = re.findall(r"make ([\w-]+)", README)
     assert {"demo", "test"} <= {*targets}
     assert all(re.search(rf"^{target}:", makefile, flags=re.MULTILINE) for target in targets)
 

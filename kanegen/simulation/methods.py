@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from kanegen.choices import require_one
-from kanegen.errors import ModelError, OptionError, quoted
+from kanegen.errors import MissingError, ModelError, OptionError, quoted
+from kanegen.extras import is_installed
 from kanegen.model.numbers import finite
 from kanegen.simulation.compiled_steps import CompiledSteps, why_not_in_c
 from kanegen.simulation.integration import (
@@ -19,7 +20,7 @@ from kanegen.simulation.integration import (
     semi_implicit_euler,
 )
 from kanegen.simulation.motion import Motion
-from kanegen.simulation.stretches import AdaptiveSteps, FixedSteps, Integrator
+from kanegen.simulation.stretches import EXTRA, AdaptiveSteps, FixedSteps, Integrator
 
 ADAPTIVE = ("DOP853", "Radau")
 """Solvers of SciPy: an explicit one of order 8, and an implicit one of order 5 for stiff systems."""
@@ -94,6 +95,7 @@ def chosen_method(
 
     Raises:
         OptionError: If there is no such method, or its options do not fit it.
+        MissingError: If the method is one of SciPy, which is not installed.
     """
     if name is None:
         name = "RK4" if step is not None else "DOP853"
@@ -107,6 +109,11 @@ def chosen_method(
             )
         if tolerance is not None and not 1e-13 <= _number("tolerance", tolerance) <= 0.1:
             raise OptionError(f"tolerance: {tolerance!r} is not between 1e-13 and 0.1.")
+        if not is_installed("scipy"):
+            raise MissingError(
+                f"method {name!r} is one of SciPy, which is not installed (pip install 'kanegen[{EXTRA}]'). "
+                "A step or an error in place of it, such as step 1e-3 or error 1e-6, needs no SciPy."
+            )
         return Method(name, tolerance=TOLERANCE if tolerance is None else float(tolerance))
     if tolerance is not None:
         raise OptionError(f"method {name!r} has fixed steps: give a step, not a tolerance.")

@@ -13,7 +13,7 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import kanegen as kg
-from kanegen.simulation import Trajectory, mescd, simulate
+from kanegen.simulation import Trajectory, libraries, mescd, simulate
 from kanegen.simulation.accuracy import drift
 from kanegen.simulation.methods import FIXED
 from tests.support.moving_pendulum import GRAVITY, OUTPUTS, pendulum
@@ -242,12 +242,21 @@ def test_states_that_stop_being_finite_and_other_failures() -> None:
 
 
 def test_without_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Methods of SciPy say what to install, before anything is built; fixed steps and errors need none."""
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(
-        kg.KanegenError, match=r"the Python package scipy is not installed \(pip install 'kanegen\[study\]'\)"
-    ):
-        run("DOP853")
+    system = kg.load(MODELS / "double_pendulum.toml")
+    with monkeypatch.context() as context:
+        context.setattr(libraries, "build", lambda *_, **__: pytest.fail("a library is built"))
+        for method in (None, "DOP853", "Radau"):
+            message = (
+                rf"method '{method or 'DOP853'}' is one of SciPy, which is not installed \(pip install "
+                r"'kanegen\[study\]'\). A step or an error in place of it"
+            )
+            with pytest.raises(kg.KanegenError, match=message):
+                kg.simulate(system, None, None, 3.0, method)
     assert run("RK4", step=0.125).evaluations == 320
+    promise = simulate(pendulum(), [0.5], [0.0], 1.0, error=1e-6).promise
+    assert promise is not None and promise.is_kept
 
 
 def test_representation() -> None:
