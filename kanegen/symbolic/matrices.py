@@ -24,6 +24,12 @@ class FiniteMatrix(ImmutableMatrix):  # type: ignore[misc]  # SymPy has no types
             return args[0] if isinstance(args[0], cls) else cls._fromrep(args[0]._rep)
         return super().__new__(cls, *args, **kwargs)
 
+    def _plain(self, printer: Any) -> Any:
+        """Return what a printer writes for SymPy's own class, which the code that it prints knows."""
+        return printer.doprint(ImmutableMatrix._fromrep(self._rep))
+
+    _pythoncode = _mpmathcode = _sympyrepr = _plain
+
     def _eval_matrix_mul(self, other: Any) -> Any:
         """Return the product with another matrix; entries that are zero take no part in it."""
         left, right = self._rep.unify(other._rep)

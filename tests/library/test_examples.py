@@ -24,6 +24,10 @@ FREE = ("step", "rollout", "step_derivatives")
 """Methods whose functions follow motions of systems without contacts; their examples build a library."""
 
 
+MOTION = ("forward_dynamics", "kinetic_energy", "potential_energy", "momentum")
+"""Outputs of the library that examples of simulations use; motions are those without contacts."""
+
+
 @pytest.fixture(scope="module")
 def namespace() -> dict[str, Any]:
     """A double pendulum whose tip is held, its library with all outputs, and a state, which examples use."""
@@ -31,10 +35,12 @@ def namespace() -> dict[str, Any]:
     system = system.with_contacts(kg.Contact(point="tip", directions=("force1", "force2")))
     library = kg.build(system, available(system), flags="-O0")
     x, y, ydot = np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])
-    trajectory = kg.simulate(library, x, y, [0.0, 0.1, 0.2], step=0.05)
+    moving = kg.build(system.with_contacts([]), MOTION, flags="-O0")
+    trajectory = kg.simulate(moving, x, y, [0.0, 0.1, 0.2], step=0.05)
     modules = {"kanegen": kanegen, "kg": kg, "np": np, "mescd": mescd}
     state = {"x": x, "y": y, "ydot": ydot}
-    return {**modules, **state, "system": system, "library": library, "trajectory": trajectory}
+    found = {"system": system, "library": library, "moving": moving, "trajectory": trajectory}
+    return {**modules, **state, **found}
 
 
 def example(documented: object) -> str:
@@ -68,4 +74,7 @@ def test_other_examples(
     code = example(documented)
     assert code
     monkeypatch.chdir(MODELS.parent)
-    exec(compile(code, "example", "exec"), dict(namespace))
+    given = dict(namespace)
+    if documented in (kg.simulate, Trajectory):
+        given |= {"library": given["moving"], "system": given["moving"].source.system}
+    exec(compile(code, "example", "exec"), given)

@@ -46,3 +46,13 @@ def test_a_derivation_asks_of_no_product_whether_it_is_finite(monkeypatch: pytes
     monkeypatch.setattr("sympy.polys.matrices.sdm.sdm_matmul_exraw", None)
     equations = kg.derive(kg.load(MODELS / "furuta_pendulum.toml"))
     assert equations.closed_form().A.shape == equations.f.shape[:1] * 2
+
+
+def test_code_and_texts_name_the_class_of_sympy() -> None:
+    """Functions of mpmath, whose code SymPy writes, know SymPy's classes only; so does what reads `srepr`."""
+    x = sympy.Symbol("x")
+    matrix = FiniteMatrix([[x, 2 * x]])
+    assert sympy.lambdify([x], matrix, "mpmath")(3) == sympy.lambdify(
+        [x], ImmutableMatrix(matrix.tolist()), "mpmath"
+    )(3)
+    assert sympy.srepr(matrix).startswith("ImmutableDenseMatrix(")
