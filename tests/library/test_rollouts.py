@@ -65,8 +65,15 @@ def test_orders_by_halving_the_step(name: str) -> None:
         assert orders == pytest.approx(METHODS[method].order, abs=0.15), method
 
 
-@pytest.mark.parametrize("name", ["double_pendulum", "satellite"])
-@pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.parametrize(
+    ("name", "precision"),
+    [
+        ("double_pendulum", "double"),
+        ("double_pendulum", "float"),
+        ("satellite", "double"),
+        pytest.param("satellite", "float", marks=pytest.mark.slow),
+    ],
+)
 def test_batches_single_rollouts_and_steps_have_the_same_bits(name: str, precision: str) -> None:
     compiled = library(name, precision=precision)
     count, steps = 11, 7
@@ -102,7 +109,7 @@ def test_the_same_formulas_in_numpy(name: str, method: str) -> None:
 
 def test_trees_of_every_kind() -> None:
     """Quaternions, couplings, force elements and the time: batches, single states and NumPy agree."""
-    system = everything(3).with_contacts([])
+    system = everything(5).with_contacts([])
     if system.prescribed:
         system = system.with_prescribed([])
     compiled = kg.build(system, ("rollout_rk4",), on_status="ignore")
@@ -219,7 +226,7 @@ def momentum_and_energy(steps: int, method: str) -> tuple[float, float, float]:
 
 
 def test_the_variational_rule_keeps_momentum_to_rounding_and_energy_in_bounds() -> None:
-    steps = 20_000
+    steps = 5_000
     momentum, energy, trend = momentum_and_energy(steps, "variational_midpoint")
     # Each step changes the momentum by roundings alone, which add up like a random walk.
     assert momentum < 50 * np.sqrt(steps) * 2.0**-53

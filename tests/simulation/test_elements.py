@@ -9,10 +9,11 @@ import pytest
 import kanegen as kg
 from kanegen.recursion.outputs import available
 from kanegen.simulation.elements import axes_of, elements, output_array, rate_unit
+from tests.support.cases import slow_except
 from tests.support.paths import MODELS
 
 
-@pytest.fixture(scope="module", params=["quarter_car", "spinning_top"])
+@pytest.fixture(scope="module", params=slow_except(["cart_pole", "quarter_car", "spinning_top"], "cart_pole"))
 def source(request: pytest.FixtureRequest) -> kg.Source:
     """C of all outputs of a model, whose tip is a point that is held where the model has none."""
     system = kg.load(MODELS / f"{request.param}.toml")
