@@ -144,6 +144,7 @@ class Drift:
 class TimeOfZero:
     """The first time at which the value is 0 or changes its sign; NaN where it does not.
 
+    Values before the first that is not 0, such as speeds at the start of a motion from rest, do not count.
     Between two times the value is taken to change linearly.
     """
 
@@ -153,12 +154,12 @@ class TimeOfZero:
     def add(self, times: Floats, values: Floats) -> None:
         """Look for changes of sign from the last value of the block before."""
         if self._before is None:
-            self._found = np.where(values[:, 0] == 0, times[0], np.nan)
+            self._found = np.full(values[:, 0].shape, np.nan)
         else:
             times = np.concatenate([self._before[0], times])
             values = np.concatenate([self._before[1], values], axis=1)
         first, second = values[:, :-1], values[:, 1:]
-        crosses = (second == 0) | (first * second < 0)
+        crosses = (first != 0) & (np.sign(first) * np.sign(second) <= 0)
         if crosses.any():
             place = crosses.argmax(axis=1)[:, None]
             a, b = (np.take_along_axis(one, place, axis=1)[:, 0] for one in (first, second))

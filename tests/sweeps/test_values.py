@@ -138,7 +138,11 @@ def test_statistics_over_time() -> None:
         assert row["drift.y.q1"] == np.abs(path - path[0]).max()
         assert row["time_of_max.y.q1"] == times[path.argmax()]
         assert row["time_of_min.y.q1"] == times[path.argmin()]
-        assert row["time_of_zero.y.q1"] == 0
+        assert path[0] == 0  # from rest, which is no zero
+        places = np.flatnonzero(np.diff(np.sign(path[1:]))) + 1
+        assert np.isnan(row["time_of_zero.y.q1"]) == (len(places) == 0)
+        if len(places):
+            assert times[places[0]] < row["time_of_zero.y.q1"] < times[places[0] + 1]
 
 
 @pytest.mark.parametrize("text", [kg.RolloutJob.__doc__, (ROOT / "docs" / "sweep.md").read_text()])
@@ -163,6 +167,28 @@ def test_times_of_zeros() -> None:
             assert np.isnan(zero)
     assert zeros[0] < 0.64 < zeros[1]
     assert np.isnan(zeros[-1])
+
+
+@pytest.mark.parametrize(
+    ("values", "zero"),
+    [
+        ([0, 1, 2, 1, -1, 1], 3.5),
+        ([0, 0, -2, -1, 3, 3], 3.25),
+        ([1, 2, 0, 1, -1, 1], 2.0),
+        ([0, 0, 0, 0, 0, 0], np.nan),
+        ([0, 1, 2, 3, 4, 5], np.nan),
+        ([0, 1e-170, -1e-170, 1, 1, 1], 1.5),
+        ([0, 1, 1, np.nan, -1, 1], 4.5),
+    ],
+)
+@pytest.mark.parametrize("size", [1, 2, 6])
+def test_a_zero_is_none_of_the_start(values: list[float], zero: float, size: int) -> None:
+    """Values in blocks of `size` times; those of a motion from rest begin with 0."""
+    found, times = STATISTICS["time_of_zero"](), np.arange(6.0)
+    for first in range(0, 6, size):
+        part = slice(first, first + size)
+        found.add(times[part], np.array(values, float)[None, part, None])
+    np.testing.assert_array_equal(found.result(), [[zero]])
 
 
 def test_variants_are_axes() -> None:
