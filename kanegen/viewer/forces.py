@@ -89,7 +89,7 @@ def forces_of(
             one.body,
             one.position.tolist(),
             None if one.rotation is None else one.rotation.ravel().tolist(),
-            encoded(one.values[kept], "<f4"),
+            encoded(f"force {quoted(one.name)}", one.values[kept], "<f4"),
         )
         for one in applied
         if one.values.any()

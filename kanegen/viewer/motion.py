@@ -62,8 +62,8 @@ class Motion:
 
     Attributes:
         times: (T,) doubles: times that increase (s).
-        x: (T, m) coordinates in single precision (rad, m, 1).
-        prescribed: (T, p) values of the prescribed freedoms in single precision (rad, m).
+        x: (T, m) doubles: coordinates (rad, m, 1); single precision would be off after many turns.
+        prescribed: (T, p) doubles: values of the prescribed freedoms (rad, m).
         series: Quantities of the plot.
         forces: Forces that are drawn.
         notes: Sentences about what is left out.
@@ -92,7 +92,7 @@ class Motion:
         """
         times = np.frombuffer(base64.b64decode(self.times), "<f8").astype(np.float64)
         x, prescribed = (
-            np.frombuffer(base64.b64decode(text), "<f4").astype(np.float64).reshape(len(times), -1)
+            np.frombuffer(base64.b64decode(text), "<f8").astype(np.float64).reshape(len(times), -1)
             for text in (self.x, self.prescribed)
         )
         return times, x, prescribed
@@ -132,10 +132,12 @@ def motion_of(
             ("Further quantities", str(name), "", checked(f"plot {quoted(name)}", values, (len(times),)))
         )
     return Motion(
-        times=encoded(times[kept], "<f8"),
-        x=encoded(x[kept], "<f4"),
-        prescribed=encoded(prescribed[kept], "<f4"),
-        series=[Series(group, name, unit, encoded(one[kept], "<f8")) for group, name, unit, one in series],
+        times=encoded("times", times[kept], "<f8"),
+        x=encoded("x", x[kept], "<f8"),
+        prescribed=encoded("prescribed", prescribed[kept], "<f8"),
+        series=[
+            Series(group, name, unit, encoded(name, one[kept], "<f8")) for group, name, unit, one in series
+        ],
         forces=forces_of(system, trajectory, forces or {}, len(times), kept),
         notes=notes,
     )

@@ -40,10 +40,20 @@ def checked(name: str, values: object, shape: tuple[int, ...] | None) -> Floats:
     return array
 
 
-def encoded(values: Floats, kind: str) -> str:
-    """Return numbers as base64 of a type of NumPy, such as "<f4".
+def encoded(name: str, values: Floats, kind: str) -> str:
+    """Return finite numbers as base64 of a type of NumPy, such as "<f4".
+
+    Raises:
+        ArrayError: If the type cannot hold a number because it is too large.
 
     Example:
-        encoded(np.zeros(3), "<f8")
+        encoded("times", np.zeros(3), "<f8")
     """
-    return base64.b64encode(np.ascontiguousarray(values).astype(kind).tobytes()).decode("ascii")
+    with np.errstate(over="ignore"):  # what overflows is found below
+        array = np.ascontiguousarray(values).astype(kind)
+    if not np.isfinite(array).all():
+        raise ArrayError(
+            f"{name}: {np.abs(values).max():.3g} is too large; a page holds numbers up to "
+            f"{np.finfo(kind).max:.2g} here."
+        )
+    return base64.b64encode(array.tobytes()).decode("ascii")

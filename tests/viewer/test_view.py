@@ -104,11 +104,23 @@ def test_a_motion_holds_what_the_trajectory_holds(library: kg.Library, pendulum:
     motion = kg.view(pendulum, trajectory).motion
     times, x, prescribed = motion.decoded()
     assert times.tolist() == TIMES.tolist()
-    assert x == pytest.approx(trajectory.x, rel=1e-6)
+    assert x.tolist() == trajectory.x.tolist()
     assert prescribed.shape == (11, 0)
     groups = {one.group for one in motion.series}
     assert {"Coordinates, rad", "Speeds, rad/s", "Energies, J"} <= groups
     assert [one.name for one in motion.series if one.group == "Coordinates, rad"] == ["q1", "q2"]
+
+
+def test_an_angle_after_many_turns_keeps_its_value(pendulum: kg.System) -> None:
+    """Single precision would be off by 30 rad at 1e9 rad."""
+    x = 1e9 + X
+    assert kg.view(pendulum, (TIMES, x)).motion.decoded()[1].tolist() == x.tolist()
+
+
+def test_a_force_that_a_page_cannot_hold_is_refused(pendulum: kg.System) -> None:
+    message = "force 'tip': 1e+39 is too large; a page holds numbers up to 3.4e+38 here."
+    with pytest.raises(kg.ArrayError, match=re.escape(message)):
+        kg.view(pendulum, (TIMES, X), forces={"tip": (0.0, 0.0, -1e39)})
 
 
 def test_loads_of_a_trajectory_are_forces_of_the_picture(pendulum: kg.System) -> None:

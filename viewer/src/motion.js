@@ -55,7 +55,7 @@ export class Motion {
 }
 
 function rowsOf(text, count) {
-  const values = decode(text, Float32Array);
+  const values = decode(text, Float64Array);
   return { width: values.length / count, values, count };
 }
 
