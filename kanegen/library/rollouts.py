@@ -19,6 +19,9 @@ from kanegen.model.numbers import finite
 from kanegen.program.semantics import SEMANTICS
 from kanegen.recursion.outputs import METHODS
 
+MOST_STEPS = 2**53
+"""Steps of a rollout: more have no times of their own in doubles."""
+
 
 @dataclass(frozen=True)
 class Rollout:
@@ -213,8 +216,10 @@ def _count(name: str, value: object, least: int) -> int:
     """Return a number of steps.
 
     Raises:
-        OptionError: If it is no whole number, or less than `least`.
+        OptionError: If it is no whole number, less than `least`, or more than `MOST_STEPS`.
     """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise OptionError(f"{name}: {quoted(value)} is no whole number from {least} on.")
+    if value > MOST_STEPS:
+        raise OptionError(f"{name}: {quoted(value)} is more than 2^53, up to which doubles tell times apart.")
     return int(value)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from kanegen.c import ModelDescription
 from kanegen.c.formats import Formats
 from kanegen.c.steps import Rollout
-from kanegen.errors import ArrayError
+from kanegen.errors import ArrayError, OptionError
 from kanegen.library.native.constants import Constants
 from kanegen.library.native.status import INACCURATE, NOT_FINITE, OnStatus, Status, StatusReport, report
 from kanegen.model.arguments import (
@@ -145,6 +145,7 @@ class RolloutCall:
 
         Raises:
             ArrayError: If a value has the wrong type or shape, or the system has no use for it.
+            OptionError: If memory cannot hold the states of the course.
             StatusError: As `status.report`.
         """
         given = dict(zip(self._arguments, values, strict=True))
@@ -159,8 +160,7 @@ class RolloutCall:
         self, constants: Constants, inputs: Mapping[str, Input], batch: Shape, course: Course
     ) -> tuple[int, Floats, Floats, Counts]:
         """Call the C function and return its status, the stored states and numbers of steps."""
-        sizes = (inputs[name].array.shape[-1] for name in "xy")
-        x, y = (np.empty((*batch, course.kept, size), self._dtype) for size in sizes)
+        x, y = self._paths([inputs[name].array.shape[-1] for name in "xy"], batch, course)
         made = np.empty(batch, np.uintp)
         arguments = [*constants.read(batch, self._by_state, self._prepared)]
         for one in inputs.values():
@@ -173,6 +173,21 @@ class RolloutCall:
         if self._before_batch is not None:
             self._before_batch()
         return int(self._batch(batch[0], *arguments)), x, y, made
+
+    def _paths(self, sizes: Sequence[int], batch: Shape, course: Course) -> list[Floats]:
+        """Return arrays for the stored coordinates and speeds.
+
+        Raises:
+            OptionError: If memory cannot hold them.
+        """
+        try:
+            return [np.empty((*batch, course.kept, size), self._dtype) for size in sizes]
+        except (MemoryError, ValueError):  # NumPy raises the second where the size is no index
+            count = course.kept * (batch[0] if batch else 1)
+            raise OptionError(
+                f"steps: memory cannot hold {count} states, {count * sum(sizes) * self._dtype.itemsize:.2g} "
+                "bytes. Store fewer of them with a larger `every`, or make fewer steps."
+            ) from None
 
     def _converted(self, given: Mapping[str, object], course: Course) -> tuple[dict[str, Input], Shape]:
         """Return the inputs as C reads them, and `()` for one state or `(B,)` for a batch."""
