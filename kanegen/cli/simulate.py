@@ -132,14 +132,13 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
         chosen = chosen_method(method, step, tolerance, compensated)
         with progress() as report:
             source = library_for(system, events, list(named), chosen.name, tier, report)
-    recorded = list(dict.fromkeys([*_DRIFTING, *named]))
     options: dict[str, Any] = {"every": every, "step": step, "tolerance": tolerance, "hold": hold}
     options |= {
         "error": error,
         "method": method,
         "compensated": compensated,
         "events": events,
-        "outputs": recorded,
+        "outputs": list(named),
         "inputs": given,
     }
     try:
@@ -157,8 +156,6 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
 
 _STATES = ("t", "x", "y", "tau")
 """First parts of names of columns that are no outputs."""
-
-_DRIFTING = ("kinetic_energy", "potential_energy", "momentum")
 
 
 def _duration(duration: float | None, until: list[str] | None) -> float:

@@ -138,12 +138,18 @@ def _root(reader: _Reader) -> Node:
         raise ModelError(f"{_quoted(reader.text)}: nested too deeply.") from None
 
 
+_UNFINISHED = re.compile(r"(\*\*|[<>=]=|[-+*/<>(,])\s*$")
+"""A sign at the end of a text, after which something is missing."""
+
+
 def _tree(text: str) -> ast.expr:
     """Return the syntax tree that Python's parser makes of a text."""
     try:
         with warnings.catch_warnings(action="ignore"):  # Python's warnings are about texts refused below
             return ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
+        if unfinished := _UNFINISHED.search(text):
+            raise ModelError(f"{_quoted(text)}: nothing after {unfinished[1]!r}.") from None
         where = f" near column {error.offset}" if error.offset else ""
         words = [word for word in re.findall(r"\w+", text) if keyword.iskeyword(word) and word not in _WORDS]
         if words:

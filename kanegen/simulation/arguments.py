@@ -23,6 +23,8 @@ from kanegen.simulation.motion import speeds_are_rates
 OF_MOTION = ("forward_dynamics", "coordinate_rates")
 """Outputs that a simulation needs; tables and files contain the others."""
 
+OF_DRIFTS = ("kinetic_energy", "potential_energy", "momentum")
+"""Outputs whose drifts tell about the accuracy of a simulation; every table that can contains them."""
 
 SMALLEST_ERROR, LARGEST_ERROR = 1e-15, 0.1
 """Errors that may be asked for."""
@@ -130,7 +132,7 @@ def open_method(error: float, *given: object) -> Method:
 def recorded_outputs(
     library: Library, outputs: Iterable[str] | str | None, is_built: bool
 ) -> tuple[str, ...]:
-    """Return the outputs that tables and files of the trajectory contain."""
+    """Return the outputs that tables and files of the trajectory contain: those asked for, and energies."""
     if outputs is not None:
         names = names_of("outputs", outputs)
         for name in names:
@@ -139,7 +141,8 @@ def recorded_outputs(
                     f"system {library.name!r} was built without the output {quoted(name)}. It has "
                     f"{', '.join(library.source.outputs)}; ask for more with outputs=(...)."
                 )
-        return names
+        drifting = [name for name in OF_DRIFTS if name in library.source.outputs]
+        return tuple(dict.fromkeys((*drifting, *names)))
     for_itself = (*OF_MOTION, *(("prescribed_efforts",) if is_built else ()))
     return tuple(name for name in library.source.outputs if name not in for_itself)
 

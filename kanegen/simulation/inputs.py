@@ -158,8 +158,8 @@ class Inputs:
         if missing and self.prescribed is None:
             raise OptionError(
                 f"system {self.library.name!r} has prescribed freedoms ({', '.join(missing)}). Say how they "
-                f"move: an input that is an expression of t, such as {missing[0]}=0.1*sin(t), or "
-                "prescribed=motion, a function of the time that returns values, rates and second derivatives."
+                f"move, each by an expression of t: --input '{missing[0]}=0.1*sin(t)', and in Python "
+                f"inputs={{{missing[0]!r}: '0.1*sin(t)'}} or a function, prescribed=motion."
             )
 
     @property

@@ -12,12 +12,10 @@ from kanegen.model.system import System
 from kanegen.options import STRICT, Progress, Variant, quiet
 from kanegen.recursion.outputs import OUTPUTS, available
 from kanegen.recursion.outputs.integrators import ROLLOUT
+from kanegen.simulation.arguments import OF_DRIFTS
 from kanegen.simulation.compiled_steps import IN_C
 from kanegen.simulation.events import Event, conditions
 from kanegen.simulation.signals import outputs_in
-
-OF_DRIFTS = ("kinetic_energy", "potential_energy", "momentum")
-"""Outputs whose drifts tell about the accuracy of a simulation."""
 
 MANY, LOOSE = 8, 1e-5
 """Number of states from which on single precision may pay, and the error from which on it may do."""

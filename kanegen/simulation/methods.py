@@ -35,7 +35,7 @@ FIXED: dict[str, Callable[[], Step]] = {
 
 ONLY_IN_C = ("Euler", "variational midpoint", "linearly implicit")
 """Methods with fixed steps that only rollouts in C have: of order 1; of order 2, which keeps momenta to
-rounding; and of order 1, for stiff systems."""
+rounding; and of order 2, for stiff systems."""
 
 METHODS = (*FIXED, *ONLY_IN_C, *ADAPTIVE)
 """Methods of `simulate`: those with fixed steps, and those with a tolerance."""

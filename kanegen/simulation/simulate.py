@@ -71,7 +71,7 @@ def simulate(
             evaluations a step; "leapfrog" of order 2 and "semi-implicit Euler" of order 1 do so only where
             [A] is constant and forces depend on {x} alone, else the energy drifts (docs/accuracy.md has
             figures). Only in C there are "Euler" of order 1, "variational midpoint" of order 2, which keeps
-            momenta to rounding, and "linearly implicit" of order 1 for stiff systems. Where nothing acts from
+            momenta to rounding, and "linearly implicit" of order 2 for stiff systems. Where nothing acts from
             outside, all but "leapfrog" run in C if the library has their rollouts, as one that is built for a
             system does. SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit
             and of order 5, for stiff systems.
@@ -102,8 +102,8 @@ def simulate(
             has values over the time. Several of them act together.
         hold: How values over the time continue to the next one: "zero" keeps them, "linear" draws a line.
         events: Events that are recorded, or end the motion: texts such as "x.pole > pi/2", or `Event`s.
-        outputs: Outputs that tables and files of the trajectory contain; by default all of the library but
-            accelerations, and energies and momentum for a system.
+        outputs: Outputs that tables and files of the trajectory contain beside energies and momentum, such as
+            "point_positions"; by default all of a library but accelerations.
         progress: Function that is called with the simulated time (s) from time to time.
 
     Returns:

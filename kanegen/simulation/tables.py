@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -153,7 +154,7 @@ def _csv(table: Table) -> bytes:
 
 
 def _parquet(table: Table) -> bytes:
-    """Return a table as Parquet, with the unit of each column in its metadata."""
+    """Return a table as Parquet, with the unit of each column in its metadata and in `attrs` of pandas."""
     arrow, parquet = (module(name, extra=EXTRA) for name in ("pyarrow", "pyarrow.parquet"))
     units = table.units
     columns = {name: _doubles(values) for name, values in table.rows().items()}
@@ -161,7 +162,8 @@ def _parquet(table: Table) -> bytes:
         arrow.field(name, arrow.from_numpy_dtype(values.dtype), metadata={"units": units.get(name, "1")})
         for name, values in columns.items()
     ]
-    schema = arrow.schema(fields, metadata=dict(table.attributes))
+    for_pandas = {"PANDAS_ATTRS": json.dumps({**table.attributes, "units": units})}  # as pandas writes them
+    schema = arrow.schema(fields, metadata={**table.attributes, **for_pandas})
     content = io.BytesIO()
     parquet.write_table(arrow.table(list(columns.values()), schema=schema), content)
     return content.getvalue()

@@ -16,6 +16,7 @@ from kanegen.choices import did_you_mean
 from kanegen.errors import OptionError, quoted
 from kanegen.linear.names import names_of
 from kanegen.model.arguments import Floats
+from kanegen.recursion.outputs import OUTPUTS
 from kanegen.simulation.accuracy import mescd
 from kanegen.simulation.conservation import keeps_energy, keeps_momentum
 from kanegen.simulation.elements import Axis, Element, axes_of, elements, state_elements
@@ -142,9 +143,12 @@ class Trajectory(TimeHistory):
 
     def _unknown(self, name: str, known: Sequence[str]) -> OptionError:
         """Return the error that there is no column or output of a name."""
-        return OptionError(
-            f"the motion of {self.library.name} has no {quoted(name)}. {did_you_mean(name, known)}"
-        )
+        output = name.partition(".")[0]
+        if output in OUTPUTS and output not in self.library.source.outputs:
+            advice = f"Ask for this output with outputs=({output!r},) in kg.simulate or kg.build."
+        else:
+            advice = did_you_mean(name, dict.fromkeys(known))
+        return OptionError(f"the motion of {self.library.name} has no {quoted(name)}. {advice}")
 
     def columns(self) -> dict[str, Floats]:
         """Return all columns by name: (T,) each, or (T, B).

@@ -67,7 +67,7 @@ def test_plain_numbers_and_expressions_pass() -> None:
     ("text", "message"),
     [
         ("", "no expression"),
-        ("1 +", "no expression"),
+        ("1 +", r"'1 \+': nothing after '\+'\.$"),
         ("1 2", "no expression near column 3"),
         (r"'\d'", "no number"),
         ("1; 2", "no expression"),

@@ -137,7 +137,7 @@ def test_bisection_ends_at_the_first_double() -> None:
         ("x.body1.theta3 == 1", "compares by another sign than < <= > >="),
         ("0 < x.body1.theta3 < 1", "has several comparisons. Give each as an own event"),
         ("x.body1.theta3 < 1 and t > 1", "has several comparisons. Give each as an own event"),
-        ("x.body1.theta3 <", "event: expression 'x.body1.theta3 <': no expression"),
+        ("x.body1.theta3 <", "event: expression 'x.body1.theta3 <': nothing after '<'"),
         ("__import__('os')", "there is no function '__import__'"),
         ("momentum", "one element is needed, such as momentum.linear.x"),
         (3, "events: 3 is no event. Give a text such as 'x.pole > 1'"),

@@ -221,7 +221,7 @@ def test_prescribed_motion_is_an_expression_of_the_time_alone() -> None:
     for inputs, message in (
         (
             None,
-            r"has prescribed freedoms \(height\)\. Say how they move: an input that is an expression of t",
+            r"has prescribed freedoms \(height\)\. Say how they move, each by an expression of t: --input",
         ),
         ({"height": "x.hub"}, "input height: a prescribed motion is an expression of t alone"),
         ({"t": [0, 1], "height": [0, 1]}, "a table gives no rates and accelerations"),

@@ -159,6 +159,7 @@ def test_files_hold_every_bit(which: str, request: pytest.FixtureRequest, tmp_pa
     assert np.array_equal(np.array(rows, float), frame.to_numpy(float))
     parquet = pandas.read_parquet(tmp_path / "motion.parquet")
     assert np.array_equal(parquet.to_numpy(float), frame.to_numpy(float))
+    assert parquet.attrs["units"]["x.left_drive"] == "rad" and parquet.attrs["model"] == motion.library.name
     schema = pyarrow.parquet.read_schema(tmp_path / "motion.parquet")
     assert schema.field("x.left_drive").metadata[b"units"] == b"rad"
     with xarray.open_dataset(tmp_path / "motion.nc", engine="h5netcdf") as found:
@@ -175,7 +176,8 @@ def test_files_hold_every_bit(which: str, request: pytest.FixtureRequest, tmp_pa
         ("kinetik_energy", "has no 'kinetik_energy'. Did you mean 'kinetic_energy'?"),
         ("x.left_drvie", "Did you mean 'x.left_drive'?"),
         ("momentum.linear.w", "Known are 'momentum.linear.x'"),
-        ("regularity", "has no 'regularity'. Known are"),
+        ("regularity", "has no 'regularity'. Ask for this output with outputs=('regularity',)"),
+        ("frame_accelerations.bus.linear.x", "Ask for this output with outputs=('frame_accelerations',)"),
     ],
 )
 def test_unknown_names_have_suggestions(motion: Trajectory, name: str, message: str) -> None:
@@ -210,3 +212,13 @@ def test_momentum_stands_in_the_caption_where_nothing_acts_from_outside(library:
     assert "; linear and angular momentum by " in free.caption
     linear, angular = free.momentum_drift()
     assert max(linear.largest, angular.largest) < 1e-10  # RK4 of steps of 0.01 s
+
+
+def test_outputs_that_are_asked_for_stand_beside_energies_and_momentum(library: kg.Library) -> None:
+    x = np.zeros(len(library.coordinate_names))
+    x[0] = 1.0
+    motion = kg.simulate(library, x, None, 0.1, step=0.05, outputs=("point_positions",))
+    assert motion.outputs == ("kinetic_energy", "potential_energy", "momentum", "point_positions")
+    with pytest.raises(kg.OptionError) as error:
+        motion.output("energy")
+    assert str(error.value).count("'kinetic_energy'") == 1
