@@ -8,11 +8,11 @@ NOTEBOOKS := $(notdir $(basename $(wildcard docs/notebooks/*.md)))
 
 .PHONY: demo view test slow lint generated bench growth extremes gimbal-lock tradeoff scenes viewer cost-reports closed-forms validation truth gallery docs notebooks clean
 
-# Simulate an arm and show its motion in the browser.
+# Simulate an arm that turns about its column, and show its motion in the browser.
 view: $(VENV)/.kanegen
 	mkdir -p build
-	$(BIN)/kanegen view examples/arm.urdf --duration 10 --x shoulder_joint=1.2 --y column_joint=0.14 \
-		--path forearm -o build/arm.html --open
+	$(BIN)/kanegen view examples/arm.urdf --duration 10 --y column_joint=4 \
+		--path tool -o build/arm.html --open
 
 demo: $(VENV)/.kanegen
 	$(BIN)/kanegen info $(MODEL)
