@@ -102,6 +102,19 @@ def flag(option: str, value: object) -> bool:
         raise OptionError(f"{option}: {quoted(value)} is not true or false.") from None
 
 
+def known_spelling(value: Any, known: Iterable[str]) -> Any:
+    """Return the known name that differs in nothing but capitals, blanks, hyphens and underscores.
+
+    Anything else comes back as it is, for `require_one` to refuse.
+
+    Example:
+        known_spelling("implicit midpoint", ["implicit_midpoint"])  # "implicit_midpoint"
+    """
+    if not isinstance(value, str) or len(value) > LONGEST_WORD:
+        return value
+    return next((one for one in known if _parts(one) == _parts(value)), value)
+
+
 def require_one(label: str, value: object, known: Collection[object]) -> None:
     """Make sure that a value is known.
 

@@ -67,8 +67,8 @@ MethodName = Annotated[
     typer.Option(
         "--method",
         metavar="NAME",
-        help="RK4, euler, semi-implicit-euler, leapfrog, implicit-midpoint, variational-midpoint or "
-        "linearly-implicit with a step; DOP853 or Radau, for stiff systems, with a tolerance. By default "
+        help="RK4, euler, semi_implicit_euler, leapfrog, implicit_midpoint, variational_midpoint or "
+        "linearly_implicit with a step; DOP853 or Radau, for stiff systems, with a tolerance. By default "
         "RK4 with a step, and DOP853 without.",
     ),
 ]

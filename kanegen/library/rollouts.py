@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kanegen.choices import flag, require_one
+from kanegen.choices import flag, known_spelling, require_one
 from kanegen.errors import ModelError, OptionError, quoted
 from kanegen.library.compiled import CompiledModel
 from kanegen.library.native.rollouts import HOLDS, Counts, Course
@@ -175,8 +175,9 @@ class Rollouts(CompiledModel):
             OptionError: If there is no such method, or none or several to choose from.
         """
         if method is not None:
-            require_one("method", method, METHODS)
-            return method
+            name: str = known_spelling(method, METHODS)
+            require_one("method", name, METHODS)
+            return name
         if len(self.methods) == 1:
             return self.methods[0]
         if not self.methods:

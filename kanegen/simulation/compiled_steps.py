@@ -18,11 +18,11 @@ from kanegen.simulation.stretches import Marks, Stretch, steps_between
 
 IN_C = {
     "RK4": "rk4",
-    "Euler": "euler",
-    "semi-implicit Euler": "semi_implicit_euler",
-    "implicit midpoint": "implicit_midpoint",
-    "variational midpoint": "variational_midpoint",
-    "linearly implicit": "linearly_implicit",
+    "euler": "euler",
+    "semi_implicit_euler": "semi_implicit_euler",
+    "implicit_midpoint": "implicit_midpoint",
+    "variational_midpoint": "variational_midpoint",
+    "linearly_implicit": "linearly_implicit",
 }
 """Methods that the C has, with the end of the names of their functions."""
 

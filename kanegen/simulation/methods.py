@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from kanegen.choices import require_one
+from kanegen.choices import known_spelling, require_one
 from kanegen.errors import MissingError, ModelError, OptionError, quoted
 from kanegen.extras import is_installed
 from kanegen.model.numbers import finite
@@ -27,18 +27,21 @@ ADAPTIVE = ("DOP853", "Radau")
 
 FIXED: dict[str, Callable[[], Step]] = {
     "RK4": lambda: runge_kutta,
-    "semi-implicit Euler": lambda: semi_implicit_euler,
+    "semi_implicit_euler": lambda: semi_implicit_euler,
     "leapfrog": Leapfrog,
-    "implicit midpoint": lambda: implicit_midpoint,
+    "implicit_midpoint": lambda: implicit_midpoint,
 }
 """Functions that return the step of each method with fixed steps."""
 
-ONLY_IN_C = ("Euler", "variational midpoint", "linearly implicit")
+ONLY_IN_C = ("euler", "variational_midpoint", "linearly_implicit")
 """Methods with fixed steps that only rollouts in C have: of order 1; of order 2, which keeps momenta to
 rounding; and of order 2, for stiff systems."""
 
 METHODS = (*FIXED, *ONLY_IN_C, *ADAPTIVE)
-"""Methods of `simulate`: those with fixed steps, and those with a tolerance."""
+"""Methods of `simulate`: those with fixed steps, and those with a tolerance.
+
+Capitals, blanks, hyphens and underscores make no difference in the name that a caller gives.
+"""
 
 TOLERANCE = 1e-10
 """Tolerance of the adaptive methods unless another is given."""
@@ -99,8 +102,7 @@ def chosen_method(
     """
     if name is None:
         name = "RK4" if step is not None else "DOP853"
-    known = {_plain(one): one for one in METHODS}
-    name = known.get(_plain(name), name) if isinstance(name, str) else name
+    name = known_spelling(name, METHODS)
     require_one("method", name, METHODS)
     if name in ADAPTIVE:
         if step is not None or compensated:
@@ -120,11 +122,6 @@ def chosen_method(
     if step is None or not 0 < _number("step", step) < math.inf:
         raise OptionError(f"step: method {name!r} needs a positive number of seconds, got {quoted(step)}.")
     return Method(name, float(step), compensated=compensated)
-
-
-def _plain(name: str) -> str:
-    """Return a name without capitals and signs, as in C and on a command line."""
-    return name.lower().replace("-", " ").replace("_", " ")
 
 
 def _number(name: str, value: Any) -> float:

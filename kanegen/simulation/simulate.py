@@ -65,16 +65,17 @@ def simulate(
             others are 0.
         times: (T,) increasing times at which states are wanted, s; the first is that of `x` and `y`. A single
             number is the duration of a motion that begins at 0.
-        method: One of `METHODS`; by default "RK4" with a step, and "DOP853" without. With fixed steps, "RK4"
-            is of order 4 and has the smallest errors for its cost; "implicit midpoint" of order 2, symmetric
-            in time, keeps the energy of a conservative system near its value in long motions, at about 7
-            evaluations a step; "leapfrog" of order 2 and "semi-implicit Euler" of order 1 do so only where
-            [A] is constant and forces depend on {x} alone, else the energy drifts (docs/accuracy.md has
-            figures). Only in C there are "Euler" of order 1, "variational midpoint" of order 2, which keeps
-            momenta to rounding, and "linearly implicit" of order 2 for stiff systems. Where nothing acts from
-            outside, all but "leapfrog" run in C if the library has their rollouts, as one that is built for a
-            system does. SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit
-            and of order 5, for stiff systems.
+        method: One of `METHODS`, in any spelling of capitals, blanks, hyphens and underscores; by default
+            "RK4" with a step, and "DOP853" without. With fixed steps, "RK4" is of order 4 and has the
+            smallest errors for its cost; "implicit_midpoint" of order 2, symmetric in time, keeps the energy
+            of a conservative system near its value in long motions, at about 7 evaluations a step;
+            "leapfrog" of order 2 and "semi_implicit_euler" of order 1 do so only where [A] is constant and
+            forces depend on {x} alone, else the energy drifts (docs/accuracy.md has figures). Only in C there
+            are "euler" of order 1, "variational_midpoint" of order 2, which keeps momenta to rounding, and
+            "linearly_implicit" of order 2 for stiff systems. Where nothing acts from outside, all but
+            "leapfrog" run in C if the library has their rollouts, as one that is built for a system does.
+            SciPy's adaptive methods are "DOP853", explicit and of order 8, and "Radau", implicit and of order
+            5, for stiff systems.
         every: Interval between the states of a motion of which the duration is given, s; by default about a
             200th of it, in whole steps.
         step: Largest fixed step, s; every interval between two times is cut into equal steps.

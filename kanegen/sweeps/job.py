@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from typing import Any
 
-from kanegen.choices import chosen, did_you_mean, require_one
+from kanegen.choices import chosen, did_you_mean, known_spelling, require_one
 from kanegen.errors import OptionError, quoted
 from kanegen.model.system import System
 from kanegen.recursion.outputs import METHODS
@@ -62,6 +62,7 @@ class RolloutJob:
             raise OptionError(f"job: step: {self.step!r} s is not positive.")
         if isinstance(self.every, bool) or not isinstance(self.every, int) or self.every < 1:
             raise OptionError(f"job: every: {quoted(self.every)} is no positive number of steps.")
+        object.__setattr__(self, "method", known_spelling(self.method, METHODS))
         require_one("method", self.method, METHODS)
         for name in ("results", "bands"):
             names = chosen(getattr(self, name))

@@ -20,7 +20,7 @@ STIFFNESS = 6.0
 MATRIX = np.array([[0.0, 1.0], [-STIFFNESS, 0.0]])
 """Rates of (x, y) of 1 kg on a spring, from (x, y)."""
 
-ORDERS = {"RK4": 4, "semi-implicit Euler": 1, "leapfrog": 2, "implicit midpoint": 2}
+ORDERS = {"RK4": 4, "semi_implicit_euler": 1, "leapfrog": 2, "implicit_midpoint": 2}
 
 
 @functools.cache
@@ -40,7 +40,7 @@ def step_matrix(method: str, h: float) -> np.ndarray:
     one, k = np.eye(2), STIFFNESS
     if method == "RK4":
         return sum((np.linalg.matrix_power(h * MATRIX, j) / math.factorial(j) for j in range(1, 5)), one)
-    if method == "semi-implicit Euler":
+    if method == "semi_implicit_euler":
         return np.array([[1 - h * h * k, h], [-h * k, 1.0]])
     if method == "leapfrog":
         half = 1 - h * h * k / 2
@@ -127,9 +127,9 @@ def turning() -> kg.Library:
 
 
 HALF_ANGLES: dict[str, Callable[[float], float]] = {
-    "semi-implicit Euler": math.atan,
+    "semi_implicit_euler": math.atan,
     "RK4": lambda z: math.atan2(z - z**3 / 6, 1 - z**2 / 2 + z**4 / 24),
-    "implicit midpoint": lambda z: 2 * math.atan(z / 2),
+    "implicit_midpoint": lambda z: 2 * math.atan(z / 2),
 }
 """Half the turn of a quaternion in one step, from half the angle: the argument of the factor 1 + i z + ..."""
 
@@ -159,20 +159,20 @@ def test_energies_of_long_motions() -> None:
     outputs = ("forward_dynamics", "kinetic_energy", "potential_energy")
     library = kg.build(kg.load(MODELS / "double_pendulum.toml"), outputs)
     last = {}
-    for method in ("implicit midpoint", "leapfrog", "semi-implicit Euler"):
+    for method in ("implicit_midpoint", "leapfrog", "semi_implicit_euler"):
         path = simulate(library, [2.5, 1.0], [0.0, 0.0], np.linspace(0, 20, 201), method, step=0.01)
         energy = path.kinetic_energy + path.potential_energy
         last[method] = abs(float((energy[-100:] - energy[0]).mean()))
-    assert last["implicit midpoint"] < 0.02
-    assert last["leapfrog"] > 10 * last["implicit midpoint"]
-    assert last["semi-implicit Euler"] > 3 * last["leapfrog"]
+    assert last["implicit_midpoint"] < 0.02
+    assert last["leapfrog"] > 10 * last["implicit_midpoint"]
+    assert last["semi_implicit_euler"] > 3 * last["leapfrog"]
 
 
 def test_steps_too_large_for_the_implicit_midpoint_are_refused() -> None:
     with pytest.raises(
         kg.SingularError, match=r"^at t = 0 s: the implicit midpoint method does not converge\. Take"
     ):
-        simulate(slider(), [0.4], [0.2], [0.0, 10.0], "implicit midpoint", step=2.0)
+        simulate(slider(), [0.4], [0.2], [0.0, 10.0], "implicit_midpoint", step=2.0)
 
 
 def test_energy_of_a_turning_body_is_kept_by_the_implicit_midpoint() -> None:
@@ -182,5 +182,5 @@ def test_energy_of_a_turning_body_is_kept_by_the_implicit_midpoint() -> None:
     library = kg.build(system, ("forward_dynamics", "coordinate_rates", "kinetic_energy", "potential_energy"))
     x = np.zeros(7)
     x[library.coordinate_names.index("body.e0")] = 1.0
-    path = simulate(library, x, [1, 2, 3, 0, 0, 0], np.linspace(0, 25, 11), "implicit midpoint", step=0.05)
+    path = simulate(library, x, [1, 2, 3, 0, 0, 0], np.linspace(0, 25, 11), "implicit_midpoint", step=0.05)
     assert path.energy_drift.largest < 1e-13

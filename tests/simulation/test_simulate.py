@@ -15,7 +15,7 @@ from scipy.special import ellipj, ellipk
 import kanegen as kg
 from kanegen.simulation import Trajectory, libraries, mescd, simulate
 from kanegen.simulation.accuracy import drift
-from kanegen.simulation.methods import FIXED
+from kanegen.simulation.methods import FIXED, chosen_method
 from tests.support.moving_pendulum import GRAVITY, OUTPUTS, pendulum
 from tests.support.paths import MODELS
 
@@ -54,7 +54,7 @@ def run(method: str, library: kg.Library | None = None, **options: Any) -> Traje
     return simulate(library or pendulum(), [0.0], [0.0], TIMES, method, **options)
 
 
-@pytest.mark.parametrize(("method", "order"), [("RK4", 4), ("semi-implicit Euler", 1), ("leapfrog", 2)])
+@pytest.mark.parametrize(("method", "order"), [("RK4", 4), ("semi_implicit_euler", 1), ("leapfrog", 2)])
 def test_fixed_steps_have_their_order(method: str, order: int) -> None:
     coarse, fine = (error(run(method, step=step)) for step in (1 / 160, 1 / 320))
     assert order - 0.2 < math.log2(coarse / fine) < order + 0.2
@@ -140,7 +140,7 @@ def test_speeds_that_are_no_rates() -> None:
     other = simulate(spinner("angular_velocity"), x, omega, [0.0, 1.0, 2.0], step=0.01)
     assert np.abs(plain.x - other.x).max() < 1e-8
     assert np.abs(rate_matrix(plain.x[-1]) @ plain.y[-1, :3] - other.y[-1, :3]).max() < 1e-8
-    coarse = simulate(spinner("angular_velocity"), x, omega, [0.0, 2.0], "semi-implicit Euler", step=1e-3)
+    coarse = simulate(spinner("angular_velocity"), x, omega, [0.0, 2.0], "semi_implicit_euler", step=1e-3)
     assert np.abs(plain.x[-1] - coarse.x[-1]).max() < 1e-2
     with pytest.raises(kg.OptionError, match="'leapfrog' is for speeds that are rates"):
         simulate(spinner("angular_velocity"), x, omega, [0.0, 1.0], "leapfrog", step=0.1)
@@ -266,3 +266,11 @@ def test_contacts_do_not_hold_and_the_user_is_told() -> None:
     held = system.with_contacts(kg.Contact(point="tip", directions=("force1",)))
     with pytest.warns(kg.KanegenWarning, match="is one without its contacts .*: they hold in"):
         kg.simulate(kg.build(held, ("forward_dynamics",), flags="-O0"), None, None, 0.1, step=0.05)
+
+
+@pytest.mark.parametrize("name", ["implicit midpoint", "implicit-midpoint", "Implicit_Midpoint"])
+def test_signs_and_capitals_of_names_of_methods_make_no_difference(name: str) -> None:
+    assert chosen_method(name, 0.1, None).name == "implicit_midpoint"
+    assert kg.RolloutJob(1.0, 0.1, method=name).method == "implicit_midpoint"
+    with pytest.raises(kg.OptionError, match=r"unknown method 'implicit2'"):
+        chosen_method("implicit2", 0.1, None)
