@@ -7,8 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
+from kanegen.errors import WriteError
+from kanegen.files import reason
 from kanegen.sweeps.bands import FIELDS, Bins, merged
-from kanegen.sweeps.parquet import DIGEST_KEY, parquet_bytes, read_parquet
+from kanegen.sweeps.parquet import DIGEST_KEY, mark_of, parquet_bytes, read_parquet
 from kanegen.sweeps.stores import Layout, Staging
 
 BANDS = "bands"
@@ -28,6 +30,9 @@ class BandStore(Protocol):
     def compact(self, number: int, is_finished: Callable[[int], bool]) -> None:
         """Merge the bins around a chunk, as far as the columns of all chunks there are kept."""
 
+    def holds(self, number: int) -> bool:
+        """Whether the bins of a chunk are kept."""
+
     def bins(self, variant: int) -> list[Bins]:
         """Return the bins of a variant in parts, each chunk in one of them."""
 
@@ -38,15 +43,21 @@ class BandsInMemory:
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
         self._bins: dict[int, Bins] = {}
+        self._numbers: set[int] = set()
 
     def keep(self, number: int, bins: Bins) -> None:
         """Add the bins of a chunk to those of its variant."""
         variant = self._layout.part(number)[0]
         known = [self._bins[variant]] if variant in self._bins else []
         self._bins[variant] = merged([*known, bins])
+        self._numbers.add(number)
 
     def compact(self, number: int, is_finished: Callable[[int], bool]) -> None:
         """Leave the bins as they are: they are merged already."""
+
+    def holds(self, number: int) -> bool:
+        """Whether the bins of a chunk are kept."""
+        return number in self._numbers
 
     def bins(self, variant: int) -> list[Bins]:
         """Return the bins of a variant."""
@@ -66,6 +77,27 @@ class BandFiles:
         self._path = path / BANDS
         self._layout = layout
         self._staging = staging
+        if staging is not None:
+            self._remove_damaged()
+
+    def _remove_damaged(self) -> None:
+        """Remove files that are not whole or of another sweep; the chunks in them are not finished.
+
+        Raises:
+            WriteError: If a file cannot be read or removed.
+        """
+        digest = self._layout.digest.encode()
+        for file in self._path.glob("*.parquet"):
+            try:
+                if mark_of(file.read_bytes()) != digest:
+                    file.unlink()
+            except OSError as error:
+                raise WriteError(f"{file}: cannot be read or removed: {reason(error)}.") from None
+
+    def holds(self, number: int) -> bool:
+        """Whether there is a file with the bins of a chunk."""
+        variant, place = divmod(number, self._layout.chunks_of_variant)
+        return self._file(variant, 0, place).exists() or self._is_merged(variant, 1, place)
 
     def keep(self, number: int, bins: Bins) -> None:
         """Write the bins of a chunk, unless a merged file has them already.

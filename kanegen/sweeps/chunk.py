@@ -6,7 +6,7 @@ import hashlib
 import pickle
 import threading
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ from kanegen.sweeps.inputs import Inputs
 from kanegen.sweeps.job import RolloutJob
 from kanegen.sweeps.motion import Motion
 from kanegen.sweeps.quantities import Quantity, values
-from kanegen.sweeps.statistics import STATISTICS
+from kanegen.sweeps.statistics import STATISTICS, ZERO
 
 _PROGRAMS: dict[str, Program] = {}
 """The programs that this process has opened, by their digests."""
@@ -159,7 +159,25 @@ def compute(task: Task) -> Finished:
                 bins.append(bins_of(values(program.bands, states.array)[has_model], looks))
             looks += len(states.times)
     found = tuple(statistic.result() for statistic in statistics)
+    own = _with_results_that_are_not_finite(motion.reasons, program.results, found)
     for numbers in found:
         numbers[motion.failed | ~has_model] = np.nan
-    reasons = tuple(task.unusable.get(row, own) for row, own in enumerate(motion.reasons))
+    reasons = tuple(task.unusable.get(row, reason) for row, reason in enumerate(own))
     return Finished(task.number, found, reasons, merged(bins) if bins else None)
+
+
+def _with_results_that_are_not_finite(
+    reasons: Sequence[str], results: Sequence[Result], found: Sequence[Floats]
+) -> list[str]:
+    """Return the reasons of rows, also of those with a result that is not finite and without one so far."""
+    completed = list(reasons)
+    for result, numbers in zip(results, found, strict=True):
+        if result.statistic == ZERO:
+            continue
+        is_bad = ~np.isfinite(numbers)
+        for row in np.flatnonzero(is_bad.reshape(len(numbers), -1).any(axis=1)):
+            place = np.argwhere(is_bad[row])[0, -1]
+            completed[row] = (
+                completed[row] or f"{result.statistic}.{result.quantities[place].name} is not finite."
+            )
+    return completed

@@ -33,6 +33,7 @@ from kanegen.sweeps.axes import (
     values_between,
 )
 from kanegen.sweeps.sampling import Sampling
+from kanegen.sweeps.stores import OVER_TIME, REASON, ROW, SAMPLE
 
 MOST_ROWS = 100_000_000
 """Largest number of rows of a sweep."""
@@ -48,6 +49,13 @@ NUMBERS = ("step", "duration")
 
 VARIANTS = (*BUILD_VARIANTS, *RUN_VARIANTS)
 """Axes whose values differ between chunks, never within one."""
+
+_TAKEN = {
+    **dict.fromkeys(VARIANTS, "a variant"),
+    **dict.fromkeys((ROW, REASON), "a column of every table"),
+    **dict.fromkeys((SAMPLE, OVER_TIME), "a dimension of results"),
+}
+"""What names stand for that no parameter on an axis can have."""
 
 LOADS = ("force", "torque", "point_force", "point_moment")
 """Inputs with three components for each body or point."""
@@ -181,15 +189,16 @@ def read_design(system: System, axes: Mapping[Any, Any], sampling: Sampling, whe
     if not isinstance(axes, Mapping):
         raise OptionError(f'{where}: {quoted(axes)} is no table of axes such as {{"m1": [1.0, 2.0]}}.')
     known = known_names(system)
-    for name in VARIANTS:
-        if name in known and name in axes:
-            raise OptionError(f"{where}: {quoted(name)} is a parameter and a variant. Rename the parameter.")
     read: dict[tuple[str, ...], Axis] = {}
     for key, value in axes.items():
         names = _names(where, key)
         for name in names:
             if any(name in others for others in read):
                 raise OptionError(f"{where}: {quoted(name)} stands there twice. Name it once.")
+            if name in known and name in _TAKEN:
+                raise OptionError(
+                    f"{where}: {quoted(name)} is a parameter and {_TAKEN[name]}. Rename the parameter."
+                )
             if name not in known and name not in VARIANTS:
                 raise OptionError(
                     f"{where}: there is no {quoted(name)}. {did_you_mean(name, (*known, *VARIANTS))}"

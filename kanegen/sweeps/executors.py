@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import logging
 import os
+import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +22,9 @@ MPI = "mpi"
 
 SECONDS = 20.0
 """Time limit for the connection to a scheduler of Dask, s."""
+
+_GRACE = 1.0
+"""Time in s after the limit in which a client may still say why it has no connection."""
 
 _ADDRESSES = ("tcp://", "tls://", "ucx://", "ws://", "wss://", "inproc://")
 """Beginnings of addresses of schedulers."""
@@ -119,9 +123,8 @@ def _dask(address: str, seconds: float) -> Iterator[Any]:
         )
     if not is_installed("distributed"):
         raise MissingError(f"the Python package distributed is not installed (pip install 'kanegen[{DASK}]')")
-    distributed = module("distributed", extra=DASK)
     try:
-        client = distributed.Client(address, timeout=seconds, set_as_default=False)
+        client = _connected(address, seconds)
     except (OSError, ValueError, TimeoutError) as error:
         why = " ".join(str(error).split()) or type(error).__name__
         raise OptionError(
@@ -132,6 +135,40 @@ def _dask(address: str, seconds: float) -> Iterator[Any]:
     finally:
         with suppress(Exception), _silent("distributed.client"):  # a scheduler that has ended meanwhile
             client.close()
+
+
+def _connected(address: str, seconds: float) -> Any:
+    """Return a client of the scheduler at an address.
+
+    The client itself waits without end for one that takes the connection and says nothing, so it is made in a
+    thread of its own, which is given up.
+
+    Raises:
+        OSError, ValueError, TimeoutError: If there is no answer in time.
+    """
+    distributed = module("distributed", extra=DASK)
+    made: Future[Any] = Future()
+
+    def connect() -> None:
+        """Make the client, and close it if nobody waits any more."""
+        try:
+            client = distributed.Client(address, timeout=seconds, set_as_default=False)
+        except Exception as error:
+            with suppress(InvalidStateError):
+                made.set_exception(error)
+            return
+        try:
+            made.set_result(client)
+        except InvalidStateError:
+            client.close()
+
+    threading.Thread(target=connect, name="kanegen-dask", daemon=True).start()
+    try:
+        return made.result(seconds + _GRACE)
+    except TimeoutError as error:
+        if made.cancel():
+            raise TimeoutError("it takes the connection and says nothing") from None
+        raise error
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -24,7 +25,7 @@ from kanegen.sweeps.job import RolloutJob
 from kanegen.sweeps.motion import BLOCK
 from kanegen.sweeps.quantities import Quantity, quantities
 from kanegen.sweeps.statistics import IN_SECONDS, PATH
-from kanegen.sweeps.stores import AXIS, FORMAT, REASON, RESULT, ROW, manifest_text
+from kanegen.sweeps.stores import AXIS, FORMAT, REASON, RESULT, ROW, sealed
 
 FORMATS = {"parquet": ("pyarrow",), "zarr": ("pyarrow", "zarr")}
 """Formats of the table of a sweep in a folder, with the packages that write it and the bands."""
@@ -113,8 +114,7 @@ def make_plan(
         "model": toml_text(system.as_table()),
         "code": [_digest(program.library.source.files) for program in programs],
     }
-    manifest["digest"] = hashlib.sha256(manifest_text(manifest).encode()).hexdigest()
-    return Plan(system, design, programs, manifest)
+    return Plan(system, design, programs, sealed(manifest))
 
 
 def _job_of(job: RolloutJob, variant: Mapping[str, Any]) -> RolloutJob:
@@ -171,12 +171,28 @@ def _results(job: RolloutJob, library: Library) -> tuple[Result, ...]:
     for name in job.names:
         statistic, _, quantity = name.partition(".")
         found.append(Result(statistic, quantities("job: results", quantity, library.source)))
+    _require_once("results", [f"{one.statistic}.{own.name}" for one in found for own in one.quantities])
     return tuple(found)
 
 
 def _bands(job: RolloutJob, library: Library) -> tuple[Quantity, ...]:
     """Return the quantities of the bands of a job."""
-    return tuple(one for name in job.bands for one in quantities("job: bands", name, library.source))
+    found = tuple(one for name in job.bands for one in quantities("job: bands", name, library.source))
+    _require_once("bands", [one.name for one in found])
+    return found
+
+
+def _require_once(field: str, names: Sequence[str]) -> None:
+    """Require that no number is asked for twice, as by "end.x" and "end.x.q1".
+
+    Raises:
+        OptionError: If one is.
+    """
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise OptionError(
+                f"job: {field}: {quoted(name)} stands there twice, alone and in an array. Leave one out."
+            )
 
 
 def _chunk_rows(programs: Sequence[Program], rows: int) -> int:

@@ -10,16 +10,13 @@ from typing import Any
 import numpy as np
 
 from kanegen.choices import did_you_mean
-from kanegen.errors import ArrayError, OptionError, counted, quoted
+from kanegen.errors import ArrayError, OptionError, ReadError, counted, quoted
 from kanegen.extras import module
 from kanegen.model.arrays import Floats
 from kanegen.sweeps.axes import EXTRA
 from kanegen.sweeps.band_files import BandStore
 from kanegen.sweeps.bands import Bins, Integers, merged, quantile
-from kanegen.sweeps.stores import REASON, RESULT, ROW, Columns, Layout, Store
-
-SAMPLE = "sample"
-"""Name of the dimension of samples in xarray."""
+from kanegen.sweeps.stores import AGAIN, OVER_TIME, REASON, RESULT, ROW, SAMPLE, Columns, Layout, Store
 
 
 @dataclass(frozen=True, repr=False)
@@ -151,9 +148,9 @@ class SweepResult:
                 coordinates[name] = ([names[own[0]]], full[index], attributes)
             else:
                 target = data if name in (*self.results, REASON) else coordinates
-                target[name] = ([*names, *["time"] * (full.ndim - len(shape))], full, attributes)
+                target[name] = ([*names, *[OVER_TIME] * (full.ndim - len(shape))], full, attributes)
         if any(np.ndim(column) > 1 for column in columns.values()):
-            coordinates["time"] = (["time"], self._layout.times(0), {"units": "s"})
+            coordinates[OVER_TIME] = ([OVER_TIME], self._layout.times(0), {"units": "s"})
         return xarray.Dataset(data, coordinates, {"title": self.name})
 
     def quantiles(self, name: str, shares: Iterable[float] = (0.05, 0.5, 0.95)) -> Floats:
@@ -233,6 +230,7 @@ class SweepResult:
 
         Raises:
             OptionError: If the job has no such bands, or there is no such variant.
+            ReadError: If bins of finished rows are damaged or lost; sweeping again computes them anew.
 
         Example:
             low, middle, high = found.bands("x.q1").quantiles([0.05, 0.5, 0.95])
@@ -241,6 +239,9 @@ class SweepResult:
             raise OptionError(f"bands: there is no {quoted(name)}. {did_you_mean(name, self.band_names)}")
         if variant not in range(self._layout.variants):
             raise OptionError(f"bands: there is no variant {quoted(variant)} of {self._layout.variants}.")
+        own = [number for number in self.store.finished() if self._layout.part(number)[0] == variant]
+        if not all(map(self.band_store.holds, own)):
+            raise ReadError(f"{self.folder}: bins of finished chunks are lost. {AGAIN}")
         parts = self.band_store.bins(variant)
         bins = merged(parts) if parts else None
         return Band(name, self._layout.times(variant), bins, self.band_names.index(name))

@@ -191,13 +191,16 @@ class Path:
 PATH = "path"
 """The statistic with one value for each time."""
 
+ZERO = "time_of_zero"
+"""The statistic that is NaN where there is nothing to find."""
+
 STATISTICS: Mapping[str, type[Statistic]] = {
     "end": End,
     "max": Maximum,
     "min": Minimum,
     "time_of_max": TimeOfMaximum,
     "time_of_min": TimeOfMinimum,
-    "time_of_zero": TimeOfZero,
+    ZERO: TimeOfZero,
     "mean": Mean,
     "rms": RootMeanSquare,
     "drift": Drift,
@@ -205,5 +208,5 @@ STATISTICS: Mapping[str, type[Statistic]] = {
 }
 """All statistics by the first part of the name of a result, such as "max.y.elbow"."""
 
-IN_SECONDS = ("time_of_max", "time_of_min", "time_of_zero")
+IN_SECONDS = ("time_of_max", "time_of_min", ZERO)
 """Statistics that are times; the others have the unit of the quantity."""

@@ -7,6 +7,7 @@ depends on the time, on the number of workers, or on the order in which chunks w
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -28,6 +29,9 @@ MANIFEST = "sweep.json"
 GO_ON = "Finished chunks are kept; sweep again to go on."
 """What an error says of a sweep in a folder."""
 
+AGAIN = "Sweep again to compute it anew."
+"""What an error says of a part of a folder that is damaged or lost."""
+
 FORMAT = "kanegen sweep 1"
 """First entry of the manifest."""
 
@@ -40,6 +44,10 @@ ROW, AXIS, RESULT, REASON = "row", "axis", "result", "reason"
 
 The first and the last are also names of columns.
 """
+
+
+SAMPLE, OVER_TIME = "sample", "time"
+"""Dimensions of samples, and of results over time, in xarray."""
 
 
 @dataclass(frozen=True)
@@ -174,20 +182,35 @@ def prepared_folder(folder: object, layout: Layout) -> Iterator[Staging]:
     """
     path = path_of(folder)
     make_folder(path)
-    manifest = path / MANIFEST
-    if manifest.exists():
-        require_same(path, read_manifest(path), layout.manifest)
-    else:
-        _require_empty(path)
+    _require_usable(path, layout)
     with ExitStack() as stack:
         stack.enter_context(_one_process(path))
-        if not manifest.exists():
-            write_whole(manifest, manifest_text(layout.manifest))
+        _require_usable(path, layout)  # another process may have begun meanwhile
+        write_whole(path / MANIFEST, manifest_text(layout.manifest))
         try:
             folder_of_new_files = stack.enter_context(temporary_folder(path))
         except OSError as error:
             raise WriteError(f"{path}: cannot be written: {reason(error)}.") from None
         yield Staging(path, folder_of_new_files)
+
+
+def _require_usable(path: Path, layout: Layout) -> None:
+    """Require that a folder is empty, or that it holds the same sweep.
+
+    Raises:
+        ReadError: If it has a manifest that is none of kanegen.
+        WriteError: If it holds anything else.
+    """
+    if (path / MANIFEST).exists():
+        require_same(path, read_manifest(path), layout.manifest)
+    else:
+        _require_empty(path)
+
+
+def sealed(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a manifest with the digest of its other entries."""
+    rest = {name: value for name, value in content.items() if name != "digest"}
+    return {**rest, "digest": hashlib.sha256(manifest_text(rest).encode()).hexdigest()}
 
 
 def manifest_text(manifest: Mapping[str, Any]) -> str:
@@ -207,11 +230,25 @@ def read_manifest(path: Path) -> dict[str, Any]:
         raise ReadError(f"{path}: there is no {MANIFEST}, so this is no folder of a sweep.") from None
     except OSError as error:
         raise ReadError(f"{path / MANIFEST}: cannot be read: {reason(error)}.") from None
-    except ValueError:
+    except (ValueError, RecursionError):
         found = None
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise ReadError(f"{path / MANIFEST}: this is no file of a sweep of this version of kanegen.")
     return found
+
+
+def require_unchanged(path: Path, manifest: Mapping[str, Any]) -> None:
+    """Require that a manifest has the digest of its entries, so that every entry is there and right.
+
+    Raises:
+        ReadError: If it has not.
+    """
+    try:
+        is_right = sealed(manifest)["digest"] == manifest.get("digest")
+    except ValueError:  # numbers that JSON has not
+        is_right = False
+    if not is_right:
+        raise ReadError(f"{path / MANIFEST}: it was changed or damaged. Sweep again to write it anew.")
 
 
 def require_same(path: Path, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
@@ -244,13 +281,20 @@ def _require_empty(path: Path) -> None:
         WriteError: If it holds something.
     """
     try:
-        others = sorted(entry.name for entry in path.iterdir() if not entry.name.startswith(".kanegen-"))
+        others = sorted(entry.name for entry in path.iterdir() if not _is_left_over(entry))
     except OSError as error:
         raise WriteError(f"{path}: cannot be read: {reason(error)}.") from None
     if others:
         raise WriteError(
             f"{path}: holds {quoted(others[0])} and is no folder of a sweep. Choose an empty or a new folder."
         )
+
+
+def _is_left_over(entry: Path) -> bool:
+    """Whether a sweep that was killed before its manifest was there leaves such an entry of a folder."""
+    return entry.name.startswith(".kanegen-") or (
+        entry.name == TABLE and entry.is_dir() and not any(entry.iterdir())
+    )
 
 
 @contextmanager

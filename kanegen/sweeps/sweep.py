@@ -38,6 +38,7 @@ from kanegen.sweeps.stores import (
     Store,
     prepared_folder,
     read_manifest,
+    require_unchanged,
 )
 from kanegen.sweeps.zarr import ZarrFolder
 
@@ -120,7 +121,7 @@ def sweep(
             _Run(plan, store, bands, progress).with_workers(found)
         except SweepError as error:
             raise error if staging is None else SweepError(f"{error} {GO_ON}") from error
-    return SweepResult(store, bands) if staging is None else open_sweep(staging.path)
+    return SweepResult(store, bands) if staging is None else _opened(staging.path, layout)
 
 
 def open_sweep(folder: str | Path) -> SweepResult:
@@ -134,7 +135,13 @@ def open_sweep(folder: str | Path) -> SweepResult:
         print(kg.open_sweep("pendulum").table)
     """
     path = path_of(folder)
-    layout = Layout(read_manifest(path))
+    manifest = read_manifest(path)
+    require_unchanged(path, manifest)
+    return _opened(path, Layout(manifest))
+
+
+def _opened(path: Path, layout: Layout) -> SweepResult:
+    """Return the results in a folder, to read."""
     return SweepResult(_table(path, layout), BandFiles(path, layout), path)
 
 
@@ -174,9 +181,13 @@ class _Run:
     def __init__(self, plan: Plan, store: Store, bands: BandStore, report: Report | None) -> None:
         self._plan, self._store, self._bands, self._report = plan, store, bands, report
         self._layout = store.layout
-        self._finished = set(store.finished())
+        kept = store.finished()
+        has_bins = [not plan.manifest["bands"] or bands.holds(number) for number in kept]
+        self._finished = {number for number, is_there in zip(kept, has_bins, strict=True) if is_there}
         self._rows = sum(map(self._layout.size, self._finished))
-        self._failed = int(np.count_nonzero(store.columns([REASON])[REASON] != "")) if self._finished else 0
+        is_finished = np.repeat(np.array(has_bins, bool), [self._layout.size(number) for number in kept])
+        failed = store.columns([REASON])[REASON] != "" if kept else is_finished
+        self._failed = int(np.count_nonzero(failed & is_finished))
         self._new, self._start = 0, time.monotonic()
         self._outside: dict[str, int] = {}
         for number in self._finished:

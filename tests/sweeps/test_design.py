@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -201,3 +203,35 @@ def test_a_parameter_with_the_name_of_a_variant() -> None:
     )
     with pytest.raises(kg.OptionError, match=r"'step' is a parameter and a variant\."):
         read_design(renamed, {"step": 1.0}, kg.Sampling())
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("row", "a column of every table"),
+        ("reason", "a column of every table"),
+        ("sample", "a dimension of results"),
+        ("step", "a variant"),
+    ],
+)
+def test_parameters_whose_names_are_taken(name: str, what: str, tmp_path: Path) -> None:
+    text = (MODELS / "double_pendulum.toml").read_text()
+    (tmp_path / "p.toml").write_text(re.sub(r"\bm2\b", name, text))
+    system = kg.load(tmp_path / "p.toml")
+    for axes in ({name: [0.5, 1.0]}, {f"m1, {name}": [[0.5, 1.0]]}):
+        with pytest.raises(kg.OptionError) as caught:
+            read_design(system, axes, kg.Sampling())
+        assert str(caught.value) == f"axes: {name!r} is a parameter and {what}. Rename the parameter."
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"results": ("end.x", "end.x.q1")}, "job: results: 'end.x.q1' stands there twice, alone and in an"),
+        ({"bands": ("x", "x.q2")}, "job: bands: 'x.q2' stands there twice, alone and in an array."),
+    ],
+)
+def test_numbers_that_are_asked_for_twice(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(kg.OptionError) as caught:
+        kg.sweep(pendulum(), {"x.q1": [0.1]}, job(**changes))
+    assert message in str(caught.value)

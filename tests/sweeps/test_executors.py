@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import socket
 import stat
 import subprocess
 import sys
@@ -65,6 +66,16 @@ def test_a_scheduler_that_does_not_answer() -> None:
     message = "executor: the scheduler tcp://127.0.0.1:9 of Dask does not answer within 0.3 s: "
     assert str(caught.value).startswith(message)
     assert "\n" not in str(caught.value)
+
+
+def test_a_scheduler_that_takes_the_connection_and_says_nothing() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(kg.OptionError) as caught, workers_of(address, seconds=0.3):
+            pass
+    assert str(caught.value).startswith(
+        f"executor: the scheduler {address} of Dask does not answer within 0.3 s"
+    )
 
 
 def _with_own_cache(cache: str, compiler: str) -> None:

@@ -150,6 +150,87 @@ def test_a_damaged_part_is_computed_again(tmp_path: Path) -> None:
     assert digests(tmp_path) == expected
 
 
+def flipped(file: Path, place: int) -> None:
+    """Flip one bit of a file."""
+    content = bytearray(file.read_bytes())
+    content[place // 8] ^= 1 << place % 8
+    file.write_bytes(content)
+
+
+def test_one_flipped_bit_is_seen(complete: Path, tmp_path: Path) -> None:
+    """A chunk with one is not finished, unless it is in Zarr, where a few bits have no effect on numbers."""
+    ends = kg.open_sweep(complete).column("end.x.q1")
+    shutil.copytree(complete, tmp_path, dirs_exist_ok=True)
+    inner = "table" if complete.name == "parquet" else "arrays.zarr/end.x.q1/c"
+    rng = random.Random(0)
+    files = [path for path in sorted((tmp_path / inner).rglob("*")) if path.is_file()]
+    for _ in range(60):
+        file = rng.choice(files)
+        before = file.read_bytes()
+        flipped(file, rng.randrange(8 * len(before)))
+        found = kg.open_sweep(tmp_path)
+        if found.finished == 48:
+            assert complete.name == "zarr"
+            np.testing.assert_array_equal(found.column("end.x.q1"), ends)
+        file.write_bytes(before)
+    assert kg.open_sweep(tmp_path).is_complete
+    flipped(files[3], 4 * files[3].stat().st_size)
+    found = kg.open_sweep(tmp_path)
+    assert len(found.table) == 46
+    swept(folder=tmp_path, format=complete.name, chunk_rows=2)
+    assert digests(tmp_path) == digests(complete)
+
+
+def test_bytes_that_change_while_results_are_read(tmp_path: Path) -> None:
+    found = swept(folder=tmp_path)
+    assert found.is_complete
+    file = tmp_path / "table" / "part-0000001.parquet"
+    times = file.stat()
+    flipped(file, 999)
+    os.utime(file, ns=(times.st_atime_ns, times.st_mtime_ns))
+    with pytest.raises(kg.ReadError, match=r"part-0000001.parquet: the file is damaged. Sweep again"):
+        found.column("reason")
+
+
+def test_bins_that_are_damaged_or_lost_are_computed_again(complete: Path, tmp_path: Path) -> None:
+    shutil.copytree(complete, tmp_path, dirs_exist_ok=True)
+    (file,) = (tmp_path / "bands").iterdir()
+    flipped(file, 5000)
+    with pytest.raises(kg.ReadError, match=r"the file is damaged. Sweep again to compute it anew"):
+        kg.open_sweep(tmp_path).bands("x.q1")
+    seen: list[Progress] = []
+    swept(folder=tmp_path, format=complete.name, chunk_rows=2, progress=seen.append)
+    assert (seen[0].rows, seen[0].failed, seen[-1].failed) == (0, 0, 16)
+    assert digests(tmp_path) == digests(complete)
+    file.unlink()
+    with pytest.raises(kg.ReadError, match=r"bins of finished chunks are lost. Sweep again"):
+        kg.open_sweep(tmp_path).bands("x.q1")
+    swept(folder=tmp_path, format=complete.name, chunk_rows=2)
+    assert digests(tmp_path) == digests(complete)
+
+
+def test_a_sweep_that_was_killed_before_its_manifest_was_there(tmp_path: Path) -> None:
+    (tmp_path / "table").mkdir()
+    assert swept(folder=tmp_path).is_complete
+
+
+def test_a_manifest_that_was_changed(tmp_path: Path) -> None:
+    """Reading refuses it; sweeping again writes it anew, since it knows every entry."""
+    swept(folder=tmp_path)
+    expected, file = digests(tmp_path), tmp_path / "sweep.json"
+    manifest = json.loads(file.read_text())
+    without = {name: value for name, value in manifest.items() if name != "columns"}
+    for changed in ({**manifest, "chunk_rows": 0}, {**manifest, "rows": float("nan")}, without):
+        file.write_text(json.dumps(changed))
+        with pytest.raises(kg.ReadError, match=r"sweep.json: it was changed or damaged. Sweep again"):
+            kg.open_sweep(tmp_path)
+        assert swept(folder=tmp_path).is_complete
+        assert digests(tmp_path) == expected
+    file.write_text("[" * 100_000)
+    with pytest.raises(kg.ReadError, match="no file of a sweep of this version"):
+        kg.open_sweep(tmp_path)
+
+
 def test_nothing_is_left_over(complete: Path) -> None:
     names = {path.name for path in complete.iterdir()}
     assert names == {"sweep.json", "table", "bands", *(["arrays.zarr"] if complete.name == "zarr" else [])}

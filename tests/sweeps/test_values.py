@@ -230,6 +230,26 @@ def test_a_state_that_stops_being_finite() -> None:
     assert found.bands("x.q1").counts()[[0, -1]].tolist() == [2, 1]
 
 
+def test_results_that_are_not_finite_have_a_reason() -> None:
+    """A state whose energy overflows; a time of a zero that there is not has no reason."""
+    names = ("end.x", "end.energy", "time_of_zero.x.q1")
+    what = kg.RolloutJob(0.0, 1.0, results=names)
+    found = kg.sweep(pendulum(), {"m2": [1.0], "x.q1": [0.3], "y.q1": [1.0, 1e200]}, what)
+    assert found.reasons == {1: "end.energy is not finite."}
+    assert np.isfinite(found.column("end.energy")).tolist() == [True, False]
+    what = kg.RolloutJob(0.0, 1.0, results="end.kinetic_energy")
+    single = kg.sweep(pendulum(), {"y.q1": [1e30], "precision": ["double", "float"]}, what)
+    assert single.reasons == {1: "end.kinetic_energy is not finite."}
+
+
+def test_a_change_of_sign_of_tiny_values() -> None:
+    """Their product is smaller than every number."""
+    zero = STATISTICS["time_of_zero"]()
+    zero.add(np.zeros(1), np.full((1, 1, 1), 1e-170))
+    zero.add(np.array([1.0, 2.0]), np.array([[[3e-170], [-1e-170]]]))
+    assert zero.result() == pytest.approx(1.75, rel=1e-15)
+
+
 def test_pictures_of_results(found: kg.SweepResult, tmp_path: Path) -> None:
     assert repr(found).startswith("<SweepResult of double_pendulum: 48 of 48 rows, 16 with a reason, end.x")
     assert found.is_complete
