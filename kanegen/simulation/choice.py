@@ -86,6 +86,7 @@ class Problem:
         units: Unit of each of the m + n numbers: "rad", "1", "m", "rad/s" or "m/s".
         precisions: Precisions of states that can be had, the first one first.
         in_c: Whether fixed steps run in C.
+        finest: Largest first step that sees all that acts, s.
     """
 
     solve: Solve
@@ -94,6 +95,7 @@ class Problem:
     units: Sequence[str]
     precisions: Sequence[str]
     in_c: bool
+    finest: float = np.inf
 
     def solution(self, method: Method, precision: str) -> Solution:
         """Return the motion by a method; NaN where it breaks off."""
@@ -231,7 +233,7 @@ def _coarsest(problem: Problem, solutions: Iterator[Solution], asked: float, ord
 def _halved(problem: Problem, precision: str, most: int) -> Iterator[Solution]:
     """Yield motions by the Runge-Kutta method, each with half the step of the one before."""
     span = float(problem.times[-1] - problem.times[0])
-    step = span / max(FIRST_STEPS, len(problem.times) - 1)
+    step = min(span / max(FIRST_STEPS, len(problem.times) - 1), problem.finest)
     for k in range(60):
         if k > 1 and 4 * span / step > most:
             return

@@ -19,6 +19,7 @@ from kanegen.model.components import AXES
 from kanegen.simulation.input_tables import InputTable, read_table
 from kanegen.simulation.signals import Signal, state_variables
 from kanegen.simulation.tables import TIME
+from kanegen.simulation.turning import NO_TURNS, Turns, turns_of
 
 Effort = Callable[[float, Floats, Floats], ArrayLike]
 """Function that returns {tau}, of the shape of {y}, from the time (s), {x} and {y}."""
@@ -82,6 +83,7 @@ class Inputs:
         prescribed: Function of the caller that returns the prescribed motion, or None.
         signals: Signals by the places where they act.
         columns: Places of columns of tables over the time, each with its table and its number in it.
+        turns: Times to which adaptive steps lead at most, see `with_turns`.
     """
 
     library: Library
@@ -89,6 +91,7 @@ class Inputs:
     prescribed: PrescribedMotion | None = None
     signals: tuple[tuple[Place, Signal], ...] = ()
     columns: tuple[tuple[Place, InputTable, int], ...] = ()
+    turns: Turns = NO_TURNS
 
     @classmethod
     def of(
@@ -130,6 +133,18 @@ class Inputs:
     def of_library(self, library: Library) -> Inputs:
         """Return the same inputs for the same model in another precision."""
         return self if library is self.library else replace(self, library=library)
+
+    def with_turns(self, times: Doubles, x: Floats, y: Floats) -> Inputs:
+        """Return the inputs with the times at which their expressions, and those of the model, turn.
+
+        Args:
+            times: (T,) times of the motion, s.
+            x: (..., m) first coordinates.
+            y: (..., n) first generalized speeds.
+        """
+        expressions = [signal.expression for _, signal in self.signals]
+        has_functions = self.effort is not None or self.prescribed is not None
+        return replace(self, turns=turns_of(self.library, expressions, has_functions, times, x, y))
 
     def _check_once(self, known: Mapping[str, Place]) -> None:
         """Make sure that no input is given twice."""

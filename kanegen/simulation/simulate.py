@@ -145,6 +145,7 @@ def simulate(
     crossings = [Crossing.of(event, library) for event in happenings]
     _warn_of_contacts(library)
     first = first_state(library, x, y)
+    acting = acting.with_turns(moments, *first)
     promise = None
     if error is not None:
         libraries = Precisions(library, model if isinstance(model, System) else None, happenings, outputs)
@@ -191,4 +192,4 @@ def _problem(
     names = libraries.names(len(start) if start.ndim > 1 else 1, error)
     units = (*model.coordinate_units, *(rate_unit(unit) for unit in model.freedom_units))
     in_c = inputs.are_absent and f"{ROLLOUT}rk4" in inputs.library.source.integrators
-    return Problem(solve, start, times, units, names, in_c)
+    return Problem(solve, start, times, units, names, in_c, inputs.turns.finest)

@@ -236,7 +236,9 @@ class AdaptiveSteps:
         """
         kind = getattr(module("scipy.integrate", extra=EXTRA), self.method)
         solver = kind(self.motion, begin, state, end, rtol=self.tolerance, atol=self.tolerance)
+        turns = self.motion.inputs.turns
         while solver.status == "running":
+            solver.max_step = turns.step_from(solver.t)
             message = solver.step()
             if solver.status == "failed":
                 raise SingularError(f"at t = {solver.t:.9g} s: {self.method} gives up. {message}")

@@ -13,6 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import kanegen as kg
+from kanegen.model.force_elements.elements import Drive
 from kanegen.simulation.signals import Signal
 from tests.support.moving_pendulum import pendulum
 from tests.support.paths import MODELS
@@ -61,6 +62,49 @@ def test_states_at_once_have_their_own_values_of_an_expression() -> None:
     for k in range(2):
         one = kg.simulate(slider(), x[k], [0.0], 1.0, step=0.01, inputs={"block.s1": "-8*x.block.s1"})
         assert np.abs(both.x[:, k] - one.x).max() < 1e-15
+
+
+PUSH = "50*exp(-((t - 5.013)/0.01)**2)"
+
+
+@pytest.mark.parametrize(
+    "push",
+    [
+        PUSH,
+        f"10*t + {PUSH} - 10*t",
+        f"({PUSH})*cos(x.block.s1 - 0.5) if x.block.s1 < 0.6 else 0",
+        "(25*sqrt(pi) if 5.003 < t else 0) if t < 5.023 else 0",
+    ],
+)
+@pytest.mark.parametrize(
+    "options", [{"tolerance": 1e-4}, {"error": 1e-6}, {"method": "Radau", "tolerance": 1e-6}]
+)
+def test_a_push_shorter_than_the_steps_is_not_missed(push: str, options: dict[str, Any]) -> None:
+    """A push of 0.5 sqrt(pi) N s on 2 kg at rest gives 0.25 sqrt(pi) m/s, however small the tolerance."""
+    motion = kg.simulate(slider(), {"block.s1": 0.5}, None, 10.0, inputs={"block.s1": push}, **options)
+    speed = 0.25 * math.sqrt(math.pi)
+    assert motion.y[-1, 0] == pytest.approx(speed, rel=1e-3)
+    assert motion.x[-1, 0] == pytest.approx(0.5 + speed * 4.987, rel=1e-3)
+    assert motion.promise is None or motion.promise.is_kept
+
+
+def test_a_push_of_a_function_is_seen_if_it_is_longer_than_a_two_hundredth() -> None:
+    def effort(t: float, x: np.ndarray, y: np.ndarray) -> list[float]:
+        return [5 * math.exp(-(((t - 5.013) / 0.1) ** 2))]
+
+    motion = kg.simulate(slider(), None, None, 10.0, effort=effort)
+    assert motion.y[-1, 0] == pytest.approx(0.25 * math.sqrt(math.pi), rel=1e-6)
+
+
+@pytest.mark.parametrize("options", [{}, {"error": 1e-6}])
+def test_a_push_of_a_model_is_not_missed(options: dict[str, Any]) -> None:
+    """A drive runs in C, where 200 steps and twice as many lie 6 widths beside the push."""
+    system = slider().source.system
+    assert system is not None
+    driven = system.with_force_elements(Drive("block.s1", kg.parse("500*exp(-((t - 5.01875)/0.001)**2)")))
+    motion = kg.simulate(driven, None, None, 10.0, **options)
+    assert motion.y[-1, 0] == pytest.approx(0.25 * math.sqrt(math.pi), rel=1e-5)
+    assert motion.promise is None or motion.promise.is_kept
 
 
 @pytest.mark.parametrize("place", ["force.block.x", "point_force.tip.x"])

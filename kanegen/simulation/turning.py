@@ -1,0 +1,128 @@
+"""Times at which expressions of the time turn, so that no method steps over a short push unseen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from kanegen.library import Library
+from kanegen.model.arguments import Floats
+from kanegen.model.arrays import Floats as Doubles
+from kanegen.model.expression import Expression, Parameter
+from kanegen.model.nodes import TIME
+from kanegen.reference.expressions import evaluate
+from kanegen.simulation.signals import state_variables
+
+SAMPLES = 2**16
+"""Number of equal intervals of a motion at whose ends expressions of the time are sampled."""
+
+CALLS = 200
+"""Smallest number of adaptive steps of a motion on which functions of the caller act."""
+
+_SMALL = 1e-11
+"""Share of the largest value below which a difference counts as none."""
+
+_MOVED = (0.0, 0.5)
+"""What is added to all variables of the first state, so that a factor that is zero there hides nothing."""
+
+
+@dataclass(frozen=True)
+class Turns:
+    """Times at which an adaptive method has to look at what acts.
+
+    Attributes:
+        times: (K,) increasing times, s: those at which a signal begins or ceases to change, at which it has
+            an extremum or an inflection, and the ends of its jumps, each to the next sample.
+        sampling: Interval between two samples, s.
+        longest: Largest step, s.
+    """
+
+    times: Doubles
+    sampling: float = 0.0
+    longest: float = np.inf
+
+    def step_from(self, time: float) -> float:
+        """Return the largest step (s) from a time, which leads to the next turn at most."""
+        place = int(np.searchsorted(self.times, time + 0.5 * self.sampling))
+        until = self.times[place] - time if place < len(self.times) else np.inf
+        return max(float(min(until, self.longest)), 20.0 * float(np.spacing(abs(time))))
+
+    @property
+    def finest(self) -> float:
+        """Smallest interval between two turns, s, but at least four samples; infinite without turns."""
+        gaps = np.diff(self.times)
+        return max(float(gaps.min()), 4 * self.sampling) if len(gaps) else np.inf
+
+
+NO_TURNS = Turns(np.empty(0))
+"""Nothing depends on the time alone."""
+
+
+def turns_of(
+    library: Library, expressions: list[Expression], has_functions: bool, times: Doubles, x: Floats, y: Floats
+) -> Turns:
+    """Return the turns of what acts on a motion.
+
+    Args:
+        library: The library, whose model may have force elements that depend on the time.
+        expressions: Expressions of the inputs, with numbers in place of parameters.
+        has_functions: Whether functions of the caller act. They may remember calls, so they are not sampled.
+        times: (T,) times of the motion, s.
+        x: (..., m) first coordinates; those of the first one of several states are taken.
+        y: (..., n) first generalized speeds.
+    """
+    begin, end = float(times[0]), float(times[-1])
+    longest = (end - begin) / CALLS if has_functions else np.inf
+    of_time = [one for one in (*expressions, *_of_model(library)) if TIME in one.variables]
+    if not of_time:
+        return Turns(np.empty(0), longest=longest)
+    samples = np.linspace(begin, end, SAMPLES + 1)
+    state = state_variables(library, x.reshape(-1, x.shape[-1])[0], y.reshape(-1, y.shape[-1])[0])
+    found = np.zeros(len(samples), np.bool_)
+    for expression in of_time:
+        for moved in _MOVED if len(expression.variables) > 1 else _MOVED[:1]:
+            found |= _turning(samples, _values(expression, samples, state, moved))
+    return Turns(samples[found], (end - begin) / SAMPLES, longest)
+
+
+def _of_model(library: Library) -> list[Expression]:
+    """Return the expressions of the force elements of a model, with the library's values of parameters."""
+    system = library.source.system
+    if system is None or not system.depends_on_time:
+        return []
+    values = library.parameters
+
+    def number(one: float | Parameter) -> float:
+        return values.get(one.name, one.value) if isinstance(one, Parameter) else one
+
+    elements = system.named_force_elements
+    return [one.map_numbers(number) for element in elements for one in element.expressions()]
+
+
+def _values(expression: Expression, times: Doubles, state: Mapping[str, Any], moved: float) -> Doubles:
+    """Return the values of an expression at many times in one state; 0 where it has no finite value."""
+    variables = {name: np.float64(state.get(name, 0.0)) + moved for name in expression.variables}
+    with np.errstate(all="ignore"):
+        found = evaluate(expression, variables | {TIME: times}, np.float64)
+    values = np.broadcast_to(np.asarray(found, np.float64), times.shape)
+    return np.where(np.isfinite(values), values, 0.0)
+
+
+def _turning(times: Doubles, values: Doubles) -> np.ndarray:
+    """Return at which samples the sign of a first or second difference changes, zero being a sign of its own.
+
+    Differences that rounding of the values and of the times makes count as zero.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = values / (np.abs(values).max() or 1.0)
+    first = np.diff(values)
+    roundoff = np.finfo(np.float64).eps * np.abs(times[[0, -1]]).max() / (times[1] - times[0])
+    small = _SMALL + 8 * roundoff * np.abs(first).max()
+    slopes, bends = (np.where(np.abs(one) > small, np.sign(one), 0.0) for one in (first, np.diff(first)))
+    found = np.zeros(len(values), np.bool_)
+    found[1:-1] |= slopes[1:] != slopes[:-1]
+    found[2:-1] |= bends[1:] != bends[:-1]
+    return found
