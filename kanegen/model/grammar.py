@@ -129,11 +129,9 @@ def parse_signal(text: object, parameters: Iterable[Parameter], variables: Seque
 
 def _root(reader: _Reader) -> Node:
     """Return the tree of the text of a reader."""
-    if len(reader.text) > MAX_CHARACTERS:
-        length = len(reader.text)
-        raise ModelError(f"an expression has {length} characters; at most {MAX_CHARACTERS} are read.")
+    found = syntax_tree(reader.text)
     try:
-        return check_size(reader.node(_tree(reader.text)))
+        return check_size(reader.node(found))
     except RecursionError:
         raise ModelError(f"{_quoted(reader.text)}: nested too deeply.") from None
 
@@ -142,8 +140,17 @@ _UNFINISHED = re.compile(r"(\*\*|[<>=]=|[-+*/<>(,])\s*$")
 """A sign at the end of a text, after which something is missing."""
 
 
-def _tree(text: str) -> ast.expr:
-    """Return the syntax tree that Python's parser makes of a text."""
+def syntax_tree(text: str) -> ast.expr:
+    """Return the syntax tree that Python's parser makes of a text, in which the grammar is not yet checked.
+
+    Raises:
+        ModelError: If Python has no tree of it, or the text is too long or nested too deeply.
+
+    Example:
+        syntax_tree("x.pole > pi/2")
+    """
+    if len(text) > MAX_CHARACTERS:
+        raise ModelError(f"an expression has {len(text)} characters; at most {MAX_CHARACTERS} are read.")
     try:
         with warnings.catch_warnings(action="ignore"):  # Python's warnings are about texts refused below
             return ast.parse(text.strip(), mode="eval").body
@@ -155,7 +162,7 @@ def _tree(text: str) -> ast.expr:
         if words:
             raise ModelError(f"{_quoted(text)}: {words[0]!r} cannot be a name in an expression.") from None
         raise ModelError(f"{_quoted(text)}: no expression{where}.") from None
-    except (ValueError, MemoryError):
+    except (ValueError, MemoryError, RecursionError):
         raise ModelError(f"{_quoted(text)}: no expression, or nested too deeply.") from None
 
 

@@ -35,6 +35,9 @@ ROWS = 200
 MOST_ROWS = 10_000_000
 """Largest number of states that a duration and an interval may ask for."""
 
+MOST_STEPS = 1e15
+"""Largest number of steps of a motion, which no computer gets through."""
+
 
 def first_state(library: Library, x: Any, y: Any) -> tuple[Floats, Floats]:
     """Return the coordinates and speeds at the first time in the precision of the library's arrays.
@@ -65,12 +68,13 @@ def times_of(times: ArrayLike | None, every: float | None, step: float | None) -
 
     Raises:
         ArrayError: If there are fewer than two, or they are not finite and increasing.
-        OptionError: If there are none, or a duration is not positive.
+        OptionError: If there are none, a duration is not positive, or there are more than `MOST_STEPS` steps.
     """
     if times is None:
         raise OptionError("times: give a duration in s, or times, such as np.linspace(0, 10, 101).")
     if np.ndim(times) == 0:
         duration = _positive("duration", times)
+        _require_countable(duration, step)
         return _equal_times(duration, every or _usual_interval(duration, step))
     if every is not None:
         raise OptionError("every: it goes with a duration. With times, leave it out.")
@@ -79,7 +83,16 @@ def times_of(times: ArrayLike | None, every: float | None, step: float | None) -
         raise ArrayError(f"times: expected at least two in one row, got shape {moments.shape}.")
     if not (np.isfinite(moments).all() and (np.diff(moments) > 0).all()):
         raise ArrayError("times: they must be finite and increase from each to the next.")
+    _require_countable(float(moments[-1] - moments[0]), step)
     return moments
+
+
+def _require_countable(span: float, step: float | None) -> None:
+    """Make sure that the number of fixed steps is no larger than `MOST_STEPS`."""
+    if step is not None and span > MOST_STEPS * step:
+        raise OptionError(
+            f"step: {step!r} s makes more than {MOST_STEPS:g} steps in {span!r} s. Take a longer step."
+        )
 
 
 def _usual_interval(duration: float, step: float | None) -> float:

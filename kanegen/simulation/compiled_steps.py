@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -32,8 +33,8 @@ _STAGES = {"RK4": 4}
 _LONGEST = 1024
 """Number of steps of a rollout, so that a motion that is interrupted loses no more."""
 
-_ALIKE = 1e-12
-"""Relative difference of intervals that rounding of their ends makes."""
+_ALIKE = 8
+"""Difference of intervals that rounding of their ends makes, in units of the last place of the times."""
 
 
 def why_not_in_c(method: str, motion: Motion) -> str:
@@ -183,12 +184,11 @@ class CompiledSteps:
 
 def _alike(marks: Marks, step: float) -> Iterator[tuple[int, int, int]]:
     """Yield first and last mark of intervals of one length, and the number of steps of each of them."""
-    first, before = 0, 0.0
+    first = 0
     times = marks.times.tolist()
     for k, (begin, end) in enumerate(pairwise(times)):
-        length = end - begin
-        if k > first and abs(length - before) > _ALIKE * max(abs(end), length):
+        change = (end - begin) - (times[first + 1] - times[first])
+        if abs(change) > _ALIKE * math.ulp(max(abs(times[first]), abs(end))):
             yield first, k, steps_between(times[first], times[first + 1], step)
             first = k
-        before = length
     yield first, len(times) - 1, steps_between(times[first], times[first + 1], step)

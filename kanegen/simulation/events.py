@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from kanegen.errors import OptionError, StatusError, quoted
+from kanegen.errors import ModelError, OptionError, StatusError, quoted
 from kanegen.library import Library
 from kanegen.model.arguments import Floats
 from kanegen.model.arrays import Floats as Doubles
+from kanegen.model.grammar import syntax_tree
 from kanegen.recursion.outputs import OUTPUTS
 from kanegen.simulation.elements import elements
 from kanegen.simulation.motion import Motion
@@ -40,7 +41,8 @@ class Event:
     Attributes:
         condition: A comparison of two expressions, which happens when it begins to hold; or one expression,
             which happens when it crosses zero in either direction. Expressions have variables t,
-            x.<coordinate>, y.<speed> and elements of outputs, such as point_positions.tip.z.
+            x.<coordinate>, y.<speed> and elements of outputs, such as point_positions.tip.z. One that holds
+            at the start, or whose sides are equal there, must first stop to hold.
         terminal: Whether the motion ends with the event.
 
     Example:
@@ -99,7 +101,7 @@ class Crossing:
                 is not known.
         """
         event = Event(event) if isinstance(event, str) else event
-        if not isinstance(event, Event):
+        if not isinstance(event, Event) or not isinstance(event.condition, str):
             raise OptionError(f"events: {quoted(event)} is no event. Give a text such as 'x.pole > 1'.")
         text, direction = _difference(event.condition)
         return cls(event, Signal.of("event", text, library), direction)
@@ -116,9 +118,10 @@ def _difference(condition: str) -> tuple[str, str]:
     Raises:
         OptionError: If the condition compares more than two numbers, or is joined of several.
     """
+    text = condition.strip()
     try:
-        found = ast.parse(condition.strip(), mode="eval").body
-    except (SyntaxError, ValueError):
+        found = syntax_tree(text)
+    except ModelError:
         return condition, BOTH  # which the grammar refuses, with the place
     if isinstance(found, ast.BoolOp) or (isinstance(found, ast.Compare) and len(found.ops) > 1):
         raise OptionError(f"event: {quoted(condition)} has several comparisons. Give each as an own event.")
@@ -126,7 +129,7 @@ def _difference(condition: str) -> tuple[str, str]:
         return condition, BOTH
     if type(found.ops[0]) not in _DIRECTIONS:
         raise OptionError(f"event: {quoted(condition)} compares by another sign than < <= > >=.")
-    left, right = ast.unparse(found.left), ast.unparse(found.comparators[0])
+    left, right = (ast.get_source_segment(text, side) for side in (found.left, found.comparators[0]))
     return f"({left}) - ({right})", _DIRECTIONS[type(found.ops[0])]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import zipfile
+import zlib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -163,10 +164,24 @@ def _numbers(where: str, names: list[str], line: list[str]) -> list[float]:
     found = []
     for name, text in zip(names, line, strict=True):
         try:
-            found.append(float(text))
+            found.append(number_in(text))
         except ValueError:
             raise ReadError(f"{where}: {quoted(text)} in column {quoted(name)} is no number.") from None
     return found
+
+
+def number_in(text: str) -> float:
+    """Return the number of an entry of a CSV file.
+
+    Raises:
+        ValueError: If it is none; also with the underscores of numbers in Python, such as 1_000.
+
+    Example:
+        number_in("1.5e-3")
+    """
+    if "_" in text:
+        raise ValueError(text)
+    return float(text)
 
 
 def _parquet(path: Path) -> dict[str, Floats]:
@@ -186,9 +201,12 @@ def _npz(path: Path) -> dict[str, Floats]:
     Arrays of objects are not read.
     """
     try:
-        with np.load(path, allow_pickle=False) as arrays:
+        loaded = np.load(path, allow_pickle=False)
+        if isinstance(loaded, np.ndarray):
+            raise ReadError(f"{path}: it is one array without a name. Write it with numpy.savez.")
+        with loaded as arrays:
             found = {name: arrays[name] for name in arrays.files}
-    except (ValueError, zipfile.BadZipFile, EOFError, KeyError) as error:
+    except (ValueError, zipfile.BadZipFile, EOFError, KeyError, zlib.error) as error:
         raise ReadError(f"{path}: it is no NPZ file of numbers: {excerpt(str(error), 200)}.") from None
     numbers = {
         name: values for name, values in found.items() if values.ndim == 1 and values.dtype.kind in "iuf"
@@ -199,12 +217,13 @@ def _npz(path: Path) -> dict[str, Floats]:
 
 def _of_saved_motion(arrays: Mapping[str, Any]) -> dict[str, Floats]:
     """Return the columns of the arrays that `Trajectory.save` writes: one array a group, and all names."""
-    names = [str(name) for name in arrays.get("names", ()) if str(name) != TIME]
-    times = arrays.get(TIME)
-    if times is None:
+    times, names_of_all = arrays.get(TIME), arrays.get("names")
+    if times is None or names_of_all is None or times.ndim != 1 or names_of_all.ndim != 1:
         return {}
+    names = [str(name) for name in names_of_all if str(name) != TIME]
     groups = [values for name, values in arrays.items() if name not in (TIME, "names", "units")]
-    flat = [values.reshape(len(times), -1) for values in groups if len(values) == len(times)]
+    rows = [values for values in groups if values.dtype.kind in "iuf" and values.shape[:1] == times.shape]
+    flat = [values.reshape(len(times), -1) for values in rows if len(times)]
     columns = np.concatenate(flat, axis=1).T if flat else ()
     return dict(zip(names, columns, strict=True)) if len(columns) == len(names) else {}
 

@@ -16,6 +16,7 @@ from kanegen.model.system import System
 from kanegen.readers import load
 from kanegen.readers.reader import read_text
 from kanegen.readers.toml import parse_toml
+from kanegen.simulation.input_tables import number_in
 from kanegen.sweeps.axes import DISTRIBUTIONS, EXTRA
 from kanegen.sweeps.design import LOADS
 from kanegen.sweeps.job import RolloutJob
@@ -141,7 +142,7 @@ def _csv(path: Path) -> dict[str, list[Any]]:
             raise ReadError(f"{path}:{lines.line_num}: {len(row)} entries in place of {len(names)}.")
         for name, entry in zip(names, row, strict=False):
             try:
-                columns[name].append(float(entry))
+                columns[name].append(number_in(entry))
             except ValueError:
                 raise ReadError(f"{path}:{lines.line_num}: {quoted(entry)} is not a number.") from None
     return columns

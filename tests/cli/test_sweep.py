@@ -122,6 +122,7 @@ def test_wrong_numbers_in_a_file_of_samples(tmp_path: Path) -> None:
     text = SWEEP.replace("[0.5, 1.0, -1.0]", '{file = "m.csv"}')
     for content, message in (
         ("m2\n1.0\nheavy\n", "m.csv:3: 'heavy' is not a number."),
+        ("m2\n1_0\n", "m.csv:2: '1_0' is not a number."),
         ("m2,l1\n1.0\n", "m.csv:2: 1 entries in place of 2."),
         ("m1\n1.0\n", "m.csv: there is no column 'm2'. Known are 'm1'."),
     ):

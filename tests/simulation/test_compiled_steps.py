@@ -18,6 +18,7 @@ from tests.support.paths import MODELS
 
 OUTPUTS = ("forward_dynamics", "coordinate_rates", "kinetic_energy", "potential_energy")
 IRREGULAR = np.array([0.0, 0.1, 0.2, 0.25, 0.9, 1.55, 2.2, 2.5])
+LATE = 1e6 + 0.02 * np.arange(20) + 4e-7 * np.array([0, 1] * 10)  # s, of unequal intervals
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +42,7 @@ def start(library: kg.Library, batch: tuple[int, ...] = ()) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("batch", "compensated"), [((), True), ((3,), False)])
-@pytest.mark.parametrize("times", [IRREGULAR, [0.0, 2.0], np.linspace(0, 1, 501)])
+@pytest.mark.parametrize("times", [IRREGULAR, LATE, [0.0, 2.0], np.linspace(0, 1, 501)])
 def test_states_are_those_of_the_steps_in_numpy(
     libraries: tuple[kg.Library, kg.Library],
     batch: tuple[int, ...],

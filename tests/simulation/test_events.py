@@ -105,6 +105,8 @@ def test_an_event_that_holds_at_the_start_must_begin_again() -> None:
     motion = kg.simulate(
         pendulum(), [0.0], [0.0], 3.0, step=0.01, events=["x.body1.theta3 > -1", "x.body1.theta3"]
     )
+    upward = kg.simulate(pendulum(), [0.0], [1.0], 0.1, step=0.01, events=["x.body1.theta3 > 0"])
+    assert not upward.events  # both sides are equal at the start
     returned = [one for one in motion.events if one.condition == "x.body1.theta3 > -1"]
     assert len(returned) == 1 and returned[0].time > 1.0
     assert returned[0].direction == "rising"
@@ -142,12 +144,17 @@ def test_bisection_ends_at_the_first_double() -> None:
         ("momentum", "one element is needed, such as momentum.linear.x"),
         (3, "events: 3 is no event. Give a text such as 'x.pole > 1'"),
         ([3], "is no event. Give a text such as"),
+        (kg.Event(3), "is no event. Give a text such as"),  # type: ignore[arg-type]
+        ("-" * 100_000 + "t > 1", "no expression, or nested too deeply"),
+        ("+".join(["t"] * 20_000) + " > 1", "nested too deeply"),
+        ("t" + " " * 300_000 + "> 1", "at most 300000 are read"),
     ],
 )
 def test_what_is_refused(events: Any, message: str) -> None:
     with pytest.raises(kg.OptionError) as error:
         kg.simulate(pendulum(), [0.0], [0.0], 1.0, step=0.1, events=events)
     assert message in str(error.value)
+    assert len(str(error.value).splitlines()) == 1
 
 
 def test_events_of_many_states_and_without_value_are_refused() -> None:

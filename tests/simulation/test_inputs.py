@@ -242,6 +242,7 @@ def test_what_is_refused(inputs: Any, message: str) -> None:
     ("name", "content", "message"),
     [
         ("a.csv", b"t,block.s1\n0,1\n1,two\n", "a.csv:3: 'two' in column 'block.s1' is no number."),
+        ("a.csv", b"t,block.s1\n0,1_0\n", "a.csv:2: '1_0' in column 'block.s1' is no number."),
         ("b.csv", b"t,block.s1\n0,1,3\n", "b.csv:2: 3 values for 2 columns."),
         ("c.csv", b"\xff\xfe\x00", "c.csv: it is no CSV file"),
         ("d.csv", b"", "d.csv: there is no column 't', the time in s. Add it."),
@@ -258,6 +259,23 @@ def test_files_that_cannot_be_read(name: str, content: bytes, message: str, tmp_
     assert message in str(error.value)
     with pytest.raises(kg.ReadError, match=r"missing.csv: cannot be read: No such file"):
         kg.simulate(slider(), None, None, 2.0, step=0.1, inputs=tmp_path / "missing.csv")
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"t": np.array(5.0), "names": np.array(["t", "block.s1"])}, "there is no column 't'"),
+        ({"t": np.arange(3.0), "names": np.array(5)}, "no column is an input"),
+        ({"t": np.arange(3.0), "names": np.array(["t", "block.s1"]), "z": np.array(5.0)}, "no column is an"),
+        (None, "motion.npz: it is one array without a name"),
+    ],
+)
+def test_arrays_of_other_shapes_are_refused(arrays: Any, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    with path.open("wb") as file:
+        np.save(file, np.arange(3.0)) if arrays is None else np.savez(file, **arrays)
+    with pytest.raises(kg.KanegenError, match=message):
+        kg.simulate(slider(), None, None, 2.0, step=0.1, inputs=path)
 
 
 def test_prescribed_motion_is_an_expression_of_the_time_alone() -> None:

@@ -178,6 +178,7 @@ def test_mescd() -> None:
         (r"method 'RK4' needs a positive number of seconds, got None", {}),
         (r"got 0", {"step": 0}),
         (r"step: nan is not finite", {"step": math.nan}),
+        (r"step: 1e-300 s makes more than 1e\+15 steps in ", {"step": 1e-300}),
         (r"step: 'fast' is not a number", {"step": "fast"}),
         (r"method 'RK4' has fixed steps: give a step, not a tolerance", {"step": 1.0, "tolerance": 1e-3}),
         (r"method 'DOP853' chooses its steps", {"method": "DOP853", "step": 0.1}),
