@@ -127,7 +127,8 @@ class Rollouts(CompiledModel):
             torque: Torques on the bodies, N m, (N, 3) for one place; None is zero.
             steps: Number S of steps.
             step: Length of a step, s; negative to go back in time.
-            every: Number of steps k from one stored state to the next.
+            every: Number of steps k from one stored state to the next. Where k does not divide S, the
+                state after step S is not stored; that after step k (S // k) is the last.
             method: Name of the method; by default the only one that the library has.
             hold: How rows of inputs are held over steps: "zero" has a row for each step, constant over it;
                 "linear" has S + 1 rows, with straight lines between the ends of the steps; "quadratic" has
@@ -165,7 +166,7 @@ class Rollouts(CompiledModel):
             found = self._with_sets(bound, parameters, values)
         start = np.asarray(inputs.get("t", 0.0))
         first = 0.0 if start.ndim else float(start)
-        times: Doubles = first + course.every * course.step * np.arange(course.kept, dtype=np.float64)
+        times: Doubles = first + course.step * np.arange(0, course.steps + 1, course.every, dtype=np.float64)
         return Rollout(times, *found)
 
     def _method(self, method: str | None) -> str:

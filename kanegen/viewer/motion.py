@@ -167,7 +167,7 @@ def _states(system: System, trajectory: Any) -> tuple[Floats, Floats, Floats | N
     if x.shape != (len(times), m):
         raise OptionError(
             f"trajectory: its coordinates have shape {x.shape}, but {len(times)} times of system "
-            f"{quoted(system.name)} need {(len(times), m)}. It is one of another model."
+            f"{quoted(system.name)} need {(len(times), m)}. {_mend(x.shape, len(times), m)}"
         )
     _require_same_names(system, trajectory)
     _require_finite(system, times, x)
@@ -180,6 +180,17 @@ def _states(system: System, trajectory: Any) -> tuple[Floats, Floats, Floats | N
         else checked("prescribed", driven, (len(times), 3, p))[:, 0]
     )
     return times, x, speeds, values
+
+
+def _mend(shape: tuple[int, ...], count: int, m: int) -> str:
+    """Return how to mend coordinates whose shape is not (`count`, `m`)."""
+    if len(shape) != 2:
+        return "Pass one row of coordinates for each time."
+    if shape == (m, count):
+        return "Transpose them: a row for each time."
+    if shape[1] == m:
+        return "Pass as many rows as times."
+    return "It is one of another model."
 
 
 def _require_same_names(system: System, trajectory: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hashlib import sha256
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -122,7 +123,14 @@ def test_keys_play_step_and_look(turning: OpenPage) -> None:
     page.keyboard.press("1")
     assert np.abs(turning.picture() - start).mean() < 0.002
     page.keyboard.press("n")
+    page.locator(".kg-label:visible").first.wait_for()  # names are placed with the next picture
     assert page.locator(".kg-label:visible").all_inner_texts() == ["upper", "lower", "tip"]
+    boxes = [name.bounding_box() for name in page.locator(".kg-label:visible").all()]
+    for one, other in combinations(boxes, 2):
+        sides = [
+            abs(one[k] - other[k]) >= min(one[n], other[n]) for k, n in (("x", "width"), ("y", "height"))
+        ]
+        assert any(sides)
     page.keyboard.press("n")
     page.keyboard.press("t")
     theme = page.locator(".kg").get_attribute("data-theme")

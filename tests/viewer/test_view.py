@@ -43,6 +43,9 @@ def library(pendulum: kg.System) -> kg.Library:
     [
         ({"trajectory": 3}, kg.OptionError, "trajectory: 3 is none. Pass what kg.simulate returns"),
         ({"trajectory": (TIMES, X[:, :1])}, kg.OptionError, "need (11, 2). It is one of another model."),
+        ({"trajectory": (TIMES, X[:9])}, kg.OptionError, "need (11, 2). Pass as many rows as times."),
+        ({"trajectory": (TIMES, X.T)}, kg.OptionError, "need (11, 2). Transpose them: a row for each time."),
+        ({"trajectory": (TIMES, X[:, 0])}, kg.OptionError, "need (11, 2). Pass one row of coordinates"),
         (
             {"trajectory": (TIMES, X[:5])},
             kg.OptionError,

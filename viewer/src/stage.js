@@ -378,11 +378,25 @@ export class Stage {
 
   #refreshLabels() {
     const { clientWidth: width, clientHeight: height } = this.element;
+    const taken = []; // corners and widths of the names above which the next ones move
     for (const { place, tag } of this.labels) {
       const spot = new Vector3(...pointOf(this.poses, place.body, place.position)).project(this.camera);
       tag.hidden = !(this.shown.names ?? false) || spot.z > 1;
-      tag.style.transform = `translate(${((spot.x + 1) * width) / 2}px, ${((1 - spot.y) * height) / 2}px)`;
+      if (tag.hidden) continue;
+      const label = { left: ((spot.x + 1) * width) / 2, top: ((1 - spot.y) * height) / 2, width: tag.offsetWidth, height: tag.offsetHeight };
+      liftOver(label, taken);
+      taken.push(label);
+      tag.style.transform = `translate(${label.left}px, ${label.top}px)`;
     }
+  }
+}
+
+// Moves a label up until it covers none of those that are placed; each of them lifts it at most once.
+function liftOver(label, placed) {
+  const byHeight = placed.toSorted((one, other) => other.top - one.top);
+  for (const { left, top, width, height } of byHeight) {
+    const isBeside = label.left >= left + width || left >= label.left + label.width;
+    if (!isBeside && label.top < top + height && top < label.top + label.height) label.top = top - label.height;
   }
 }
 
