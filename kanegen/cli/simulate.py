@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -111,7 +112,8 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
     """
     from kanegen.simulation import Event, library_for
     from kanegen.simulation import simulate as run
-    from kanegen.simulation.methods import chosen_method
+    from kanegen.simulation.elements import require_columns
+    from kanegen.simulation.methods import TOLERANCE, Method, chosen_method
     from kanegen.viewer.view import view as picture
 
     duration = _duration(duration, until)
@@ -128,10 +130,13 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
     source: System | Library = system
     if error is not None and tier != "strict":
         raise OptionError("--tier: --error chooses the precision itself. Leave one of them out.")
-    if error is None:
-        chosen = chosen_method(method, step, tolerance, compensated)
+    accuracy = error or tolerance or TOLERANCE
+    if error is None or columns:
+        chosen = chosen_method(method, step, tolerance, compensated) if error is None else Method("RK4")
         with progress() as report:
-            source = library_for(system, events, list(named), chosen.name, tier, report)
+            library = library_for(system, events, list(named), chosen.name, tier, report)
+        require_columns(library.source, columns, has_efforts=bool(inputs or table))
+        source = library if error is None else system
     options: dict[str, Any] = {"every": every, "step": step, "tolerance": tolerance, "hold": hold}
     options |= {
         "error": error,
@@ -145,11 +150,13 @@ def simulate(  # noqa: PLR0913  (an argument for every option)
         with _bar(duration) as report_time:
             motion = run(source, x0, y0, duration, progress=report_time, **options)
     except (KanegenError, KeyboardInterrupt) as stopped:
-        _finish_broken(stopped, files or [], plot, columns, as_json)
+        _finish_broken(stopped, files or [], plot, columns, as_json, accuracy)
     _write(motion, files or [], plot, columns)
     if view is not None:
         picture(system, motion).save(view)
-    _print(motion, columns, as_json)
+    _print(motion, columns, as_json, accuracy)
+    if until and not as_json and not any(one.terminal for one in motion.events):
+        print_plain(f"no event of --until up to the end of the duration, t = {motion.times[-1]:.9g} s")
     if motion.promise is not None and not motion.promise.is_kept:
         raise typer.Exit(FAILED)
 
@@ -233,6 +240,7 @@ def _finish_broken(
     plot: Path | None,
     columns: list[str],
     as_json: bool,
+    accuracy: float,
 ) -> None:
     """Write and print what was computed before a motion broke off, then end the command.
 
@@ -244,7 +252,7 @@ def _finish_broken(
         raise stopped
     if len(motion.times) > 1:
         _write(motion, files, plot, columns)
-        _print(motion, columns, as_json)
+        _print(motion, columns, as_json, accuracy)
     written = f" {', '.join(map(str, files))} holds the motion up to then." if files else ""
     reached = f"t = {motion.times[-1]:.9g} s"
     if isinstance(stopped, KeyboardInterrupt):
@@ -264,8 +272,11 @@ def _write(motion: Trajectory, files: Sequence[Path], plot: Path | None, columns
     write_all(contents)
 
 
-def _print(motion: Trajectory, columns: list[str], as_json: bool) -> None:
-    """Print the motion: the method, its events, and columns at a few times."""
+def _print(motion: Trajectory, columns: list[str], as_json: bool, accuracy: float) -> None:
+    """Print the motion: the method, its events, and columns at a few times.
+
+    Times of events have as many digits as their accuracy, an error or a tolerance, lets them have.
+    """
     names = columns or [name for name in motion.names if name[:2] in ("x.", "y.")]
     if as_json:
         typer.echo(json.dumps(motion.as_dict(names), indent=2))
@@ -273,8 +284,9 @@ def _print(motion: Trajectory, columns: list[str], as_json: bool) -> None:
     print_plain(f"{motion.library.name}: {motion.caption}, {counted(motion.evaluations, 'evaluation')}")
     for line in str(motion.promise or "").splitlines():
         print_plain(line)
+    digits = 1 + math.ceil(-math.log10(accuracy))
     for occurrence in motion.events[:MOST_SHOWN]:
-        print_plain(f"event at {occurrence}")
+        print_plain(f"event at t = {occurrence.time:.{digits}g} s: {occurrence.condition}")
     if len(motion.events) > MOST_SHOWN:
         print_plain(f"and {counted(len(motion.events) - MOST_SHOWN, 'further event')}")
     count = len(motion.times)

@@ -8,6 +8,8 @@ from itertools import product
 
 from kanegen.c import Source
 from kanegen.c.description import ModelDescription
+from kanegen.choices import did_you_mean
+from kanegen.errors import OptionError, quoted
 from kanegen.model.components import AXES, angular_first, linear_first
 from kanegen.program.ir import EVALUATE, Array
 from kanegen.recursion.outputs import DERIVATIVES
@@ -109,6 +111,33 @@ def _unit(unit: str, axes: Sequence[Axis], place: Sequence[int]) -> str:
     units = unit.split(", ")
     known = [axis.parts[k] for axis, k in zip(axes, place, strict=True) if axis.parts]
     return units[sum(known)] if ";" not in unit and len(units) == len(known) + 1 else unit
+
+
+def require_columns(source: Source, names: Sequence[str], has_efforts: bool) -> None:
+    """Make sure, before a simulation, that its motion will have columns or outputs of some names.
+
+    Args:
+        source: The source of the library.
+        names: Names as in `Trajectory.output`.
+        has_efforts: Whether generalized forces may act, which are columns then.
+
+    Raises:
+        OptionError: If there will be none of a name; the nearest one is proposed.
+    """
+    groups = state_elements(source.model)
+    if not has_efforts:
+        del groups["tau"]
+    for name in names:
+        group = name.partition(".")[0]
+        if name == "t" or name in source.outputs:
+            continue
+        own = elements(source, group) if group in source.outputs else groups.get(group)
+        states = [one.name for part in groups.values() for one in part]
+        known = [one.name for one in own] if own else [*states, *source.outputs]
+        if name not in known:
+            raise OptionError(
+                f"the motion of {source.model.shown} has no {quoted(name)}. {did_you_mean(name, known)}"
+            )
 
 
 def axes_of(source: Source, output: str) -> list[Axis]:

@@ -75,7 +75,7 @@ class Occurrence:
     terminal: bool = False
 
     def __str__(self) -> str:
-        return f"t = {self.time:.17g} s: {self.condition}"
+        return f"t = {self.time:.10g} s: {self.condition}"
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -36,6 +37,30 @@ def test_a_motion_is_printed_and_written(tmp_path: Path) -> None:
     with np.load(npz) as arrays:
         assert arrays["y"] == pytest.approx(expected.y, abs=1e-14)  # pi/6 rounded once or twice
     assert "<svg" in svg.read_text()
+
+
+def test_times_of_events_have_the_digits_of_the_tolerance_and_a_missing_one_is_said() -> None:
+    done = kanegen(*SHORT[:-2], "--tolerance", "1e-6", "--event", "x.q1 < 0", "--until", "x.q1 > 3")
+    (time,) = re.findall(r"^event at t = 0\.(\d+) s: x.q1 < 0$", done.stdout, re.MULTILINE)
+    assert 4 < len(time) <= 7
+    assert "no event of --until up to the end of the duration, t = 1 s" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--step", "0.01", "--show", "x.q3"), "has no 'x.q3'. Known are 'x.q1', 'x.q2'."),
+        (("--error", "1e-6", "--show", "momentum.linear.w"), "has no 'momentum.linear.w'. Known are"),
+        (("--step", "0.01", "--show", "tau.q1"), "has no 'tau.q1'. Known are"),
+        (("--step", "0.01", "--until", "y.q1 >"), "'y.q1 >': nothing after '>'"),
+    ],
+)
+def test_names_are_looked_up_before_the_simulation(
+    options: tuple[str, ...], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr("kanegen.simulation.solver.Solver.__init__")  # nothing can be simulated
+    done = kanegen(*SHORT[:-2], *options, status=2)
+    assert message in " ".join(done.stderr.split())
 
 
 def test_events_outputs_and_inputs_have_names() -> None:
