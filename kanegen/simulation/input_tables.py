@@ -203,7 +203,7 @@ def _npz(path: Path) -> dict[str, Floats]:
     try:
         loaded = np.load(path, allow_pickle=False)
         if isinstance(loaded, np.ndarray):
-            raise ReadError(f"{path}: it is one array without a name. Write it with numpy.savez.")
+            raise ValueError("one array without a name; write it with numpy.savez")
         with loaded as arrays:
             found = {name: arrays[name] for name in arrays.files}
     except (ValueError, zipfile.BadZipFile, EOFError, KeyError, zlib.error) as error:

@@ -267,7 +267,7 @@ def test_files_that_cannot_be_read(name: str, content: bytes, message: str, tmp_
         ({"t": np.array(5.0), "names": np.array(["t", "block.s1"])}, "there is no column 't'"),
         ({"t": np.arange(3.0), "names": np.array(5)}, "no column is an input"),
         ({"t": np.arange(3.0), "names": np.array(["t", "block.s1"]), "z": np.array(5.0)}, "no column is an"),
-        (None, "motion.npz: it is one array without a name"),
+        (None, "motion.npz: it is no NPZ file of numbers: one array without a name"),
     ],
 )
 def test_arrays_of_other_shapes_are_refused(arrays: Any, message: str, tmp_path: Path) -> None:
