@@ -84,7 +84,10 @@ def merged(parts: Iterable[Bins]) -> Bins:
 
 
 def quantile(counts: Integers, least: Floats, greatest: Floats, share: float) -> float:
-    """Return the value below which a share of the values lies, off by no more than the width of its bin.
+    """Return the value below which a share of the values lies, off by no more than the width of a bin.
+
+    As in `numpy.quantile`, a share between two values is interpolated linearly. Values in a bin count as
+    equally distant from its least to its greatest value.
 
     Args:
         counts: (K,) numbers of values in bins, in the order of the values.
@@ -103,12 +106,20 @@ def quantile(counts: Integers, least: Floats, greatest: Floats, share: float) ->
     if not len(counts):
         return float("nan")
     until = np.cumsum(counts)
-    rank = share * (until[-1] - 1)
-    place = int(np.searchsorted(until, rank, side="right"))
-    place = min(place, len(counts) - 1)
-    inside = counts[place] - 1
-    part = (rank - (until[place] - counts[place])) / inside if inside else 0.0
-    return float(least[place] + min(max(part, 0.0), 1.0) * (greatest[place] - least[place]))
+    rank = share * int(until[-1] - 1)
+    low = int(rank)
+
+    def value(number: int) -> float:
+        """Return the value with a number, from 0 for the least one."""
+        place = int(np.searchsorted(until, number, side="right"))
+        part = (number - (until[place] - counts[place])) / max(counts[place] - 1, 1)
+        return float(least[place] + part * (greatest[place] - least[place]))
+
+    part = rank - low
+    if part == 0:
+        return value(low)
+    before, after = value(low), value(low + 1)
+    return min(max((1 - part) * before + part * after, before), after)
 
 
 def _keys(values: Floats) -> Integers:

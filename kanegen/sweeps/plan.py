@@ -11,7 +11,7 @@ from typing import Any
 
 from kanegen import __version__, compiler
 from kanegen.choices import require_one
-from kanegen.errors import OptionError, quoted
+from kanegen.errors import OptionError, quoted, warn
 from kanegen.extras import require
 from kanegen.library import Library
 from kanegen.model.saving import toml_text
@@ -48,6 +48,12 @@ _LANES = 8
 
 _MOST_ROWS, _MOST_BYTES = 65536, 2**26
 """Largest number of rows of a chunk, and of bytes of its largest arrays."""
+
+_BIN_BYTES, _BINS = 17, 1024
+"""Bytes of a bin of a band in a file, and number of bins with values at one time where they spread, about."""
+
+_MANY_LOOKS, _LARGE_BANDS = 1000, 2**26
+"""Number of times of a band, and bytes of the bins of all chunks, above which motions may be smaller."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +103,8 @@ def make_plan(
         for own, variant in zip(jobs, design.combinations, strict=True)
     )
     rows = _chunk_rows(programs, design.rows_of_variant) if chunk_rows is None else _checked(chunk_rows)
+    for program in programs:
+        _warn_of_bands(program, min(rows, design.rows_of_variant), design.rows_of_variant)
     manifest: dict[str, Any] = {
         "format": FORMAT,
         "version": __version__,
@@ -212,6 +220,20 @@ def _chunk_rows(programs: Sequence[Program], rows: int) -> int:
         size = 8 * (numbers * min(looks, BLOCK + 1) + paths * looks)
         found = min(found, int(_SECONDS / seconds), int(_MOST_BYTES / size))
     return max(-(-found // _LANES) * _LANES, _LANES)
+
+
+def _warn_of_bands(program: Program, chunk_rows: int, rows: int) -> None:
+    """Warn where bands have many times, and the bins of chunks are larger than the motions."""
+    looks = program.job.looks()[1]
+    values = looks * len(program.bands)
+    size = values * -(-rows // chunk_rows) * min(chunk_rows, _BINS) * _BIN_BYTES
+    motions = 8 * values * rows
+    if looks > _MANY_LOOKS and size > max(_LARGE_BANDS, motions):
+        warn(
+            f"job: bands: counts at {looks} times in chunks of {chunk_rows} rows have up to "
+            f"{size / 1e6:.3g} MB, more than the {motions / 1e6:.3g} MB of the motions. Take a larger "
+            "'every', so that a band has a few hundred times."
+        )
 
 
 def _checked(chunk_rows: Any) -> int:

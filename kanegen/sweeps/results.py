@@ -277,8 +277,9 @@ class SweepResult:
 class Band:
     """The distribution of one quantity over the rows of a sweep at every time.
 
-    Values that are not finite are left out. Quantiles are those of counts in bins, and off by no more than
-    one part in 128 of their magnitude; extremes are exact.
+    Values that are not finite are left out. Quantiles are those of counts in bins: linear between two values
+    as those of `numpy.quantile`, and off by no more than one part in 128 of the magnitude of these values.
+    Extremes are exact.
 
     Attributes:
         name: Name of the quantity.

@@ -12,6 +12,10 @@ from scipy.integrate import solve_ivp
 
 import kanegen as kg
 from kanegen.reference import equations as reference
+from kanegen.sweeps.bands import bins_of, quantile
+from kanegen.sweeps.design import read_design
+from kanegen.sweeps.plan import make_plan
+from kanegen.sweeps.sampling import Sampling
 from kanegen.sweeps.statistics import STATISTICS
 from tests.support.paths import ROOT
 from tests.support.sweeps import AXES, RESULTS, job, pendulum, swept
@@ -101,13 +105,37 @@ def test_bands_are_the_distribution_at_every_time(found: kg.SweepResult) -> None
     assert (greatest == paths.max(axis=0)).all()
     shares = [0.1, 0.5, 0.9]
     ordered = np.sort(paths, axis=0)
-    places = [share * 31 for share in shares]
-    for place, quantile in zip(places, band.quantiles(shares), strict=True):
-        around = ordered[math.floor(place)], ordered[math.ceil(place)]
+    for share, values in zip(shares, band.quantiles(shares), strict=True):
+        around = ordered[math.floor(share * 31)], ordered[math.ceil(share * 31)]
         room = np.max(np.abs(around), axis=0) / 128
-        assert (quantile >= around[0] - room).all()
-        assert (quantile <= around[1] + room).all()
+        assert (np.abs(values - np.quantile(paths, share, axis=0)) <= room).all()
     assert (band.histogram(np.linspace(-4, 4, 17)).sum(axis=1) == 32).all()
+
+
+@pytest.mark.parametrize("size", [1, 2, 5, 300])
+def test_quantiles_of_bins_are_those_of_numpy(size: int) -> None:
+    """Exact where no bin has two values; else off by a bin, with the ends exact."""
+    shares = np.linspace(0, 1, 23)
+    spread = np.random.default_rng(size).normal(size=size)
+    for values, room in ((1.5 ** np.arange(-2.0, size % 300), 4 * 2.0**-52), (spread, 2.0**-7)):
+        column = bins_of(values[:, None, None]).column(0, 0)
+        found = [quantile(*column, share) for share in shares]
+        around = [np.quantile(values, shares, method=one) for one in ("lower", "higher")]
+        expected = np.quantile(values, shares)
+        assert (np.abs(found - expected) <= room * np.abs(around).max(axis=0)).all()
+        assert (found[0], found[-1]) == (values.min(), values.max())
+    column = bins_of(np.full((size, 1, 1), 0.1)).column(0, 0)
+    assert {quantile(*column, share) for share in shares} == {0.1}
+
+
+def test_bands_larger_than_motions_are_warned_of(recwarn: pytest.WarningsRecorder) -> None:
+    design = read_design(pendulum(), AXES, Sampling(2048))
+    plans = [make_plan(pendulum(), design, job(20.0, every=every), "parquet", 64) for every in (10, 1)]
+    assert [len(plan.manifest["bands"]) for plan in plans] == [1, 1]
+    (warning,) = recwarn
+    assert "counts at 2001 times in chunks of 64 rows have up to 209 MB, more than the 98.4 MB" in str(
+        warning.message
+    )
 
 
 def test_reductions_of_results(found: kg.SweepResult) -> None:
