@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 MOST_ROWS = 12
 """Largest number of results, and of reasons, that are printed."""
 
+FIRST_LINE, LAST_LINE = 5.0, 60.0
+"""Least and largest time in s between two lines of progress where there is no terminal."""
+
 
 def sweep(
     file: Annotated[
@@ -91,15 +94,18 @@ def sweep(
 
 @contextmanager
 def _bar() -> Iterator[Callable[[Done], None]]:
-    """Yield a function that shows how far a sweep is, on a terminal only."""
+    """Yield a function that shows how far a sweep is: in a bar on a terminal, else in lines for a log."""
     notices.release()
+    if not errors.is_terminal:
+        yield _lines()
+        return
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         TaskProgressColumn(),
         TextColumn("{task.fields[words]}"),
     )
-    with Progress(*columns, console=errors, disable=not errors.is_terminal, transient=True) as bar:
+    with Progress(*columns, console=errors, transient=True) as bar:
         task = bar.add_task("rows", total=None, words="")
 
         def report(done: Done) -> None:
@@ -107,6 +113,20 @@ def _bar() -> Iterator[Callable[[Done], None]]:
             bar.update(task, total=done.total, completed=done.rows, words=_words(done))
 
         yield report
+
+
+def _lines() -> Callable[[Done], None]:
+    """Return a function that prints how far a sweep is, first after 5 s, in the end every minute."""
+    last = 0.0
+
+    def report(done: Done) -> None:
+        """Print a line if the last one is old enough."""
+        nonlocal last
+        if done.seconds - last >= min(max(FIRST_LINE, done.seconds / 20), LAST_LINE):
+            last = done.seconds
+            errors.print(_words(done))
+
+    return report
 
 
 def _words(done: Done) -> str:

@@ -13,6 +13,8 @@ import pandas
 import pytest
 
 import kanegen as kg
+from kanegen.cli.sweep import _bar
+from kanegen.sweeps.running import Progress
 from tests.support.command import kanegen
 from tests.support.paths import MODELS
 
@@ -135,6 +137,22 @@ def test_a_folder_of_something_else(tmp_path: Path) -> None:
     assert "holds 'two.toml' and is no folder of a sweep" in error
     error = kanegen("sweep", written(tmp_path), "--executor", "cluster", status=2).stderr
     assert "two.toml: executor: 'cluster' is neither 'mpi' nor the address of a scheduler" in error
+
+
+def test_a_log_has_lines_of_progress(capsys: pytest.CaptureFixture[str]) -> None:
+    """Ten hours with a chunk of 100 rows each second."""
+    with _bar() as report:
+        for seconds in range(36001):
+            report(Progress(100 * seconds, 3600000, seconds // 18000, 100 * seconds, float(seconds)))
+    captured = capsys.readouterr()
+    lines = captured.err.splitlines()
+    assert lines[:2] == [
+        "500 of 3600000, 100 rows/s, 9:59:55 left",
+        "1000 of 3600000, 100 rows/s, 9:59:50 left",
+    ]
+    assert lines[-1].endswith(" left, 1 with a reason")
+    assert 600 <= len(lines) <= 700  # in the end one each minute
+    assert not captured.out
 
 
 @pytest.mark.slow
